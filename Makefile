@@ -1,0 +1,83 @@
+# Everything runs in .venv, which the first target that needs it creates.
+# Another interpreter: make PYTHON=python3.12 test
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet -c constraints.txt
+RUN := $(VENV)/.installed
+DEV := $(VENV)/.installed-dev
+PYTEST := $(BIN)/python -m pytest
+WORKERS ?= 2
+heading = @printf '\n== %s ==\n' '$(1)'
+
+# Measured records that are not part of the repository; where they exist, tests must use them.
+ifneq ($(wildcard ../shared/data/.),)
+export STICKSLIP_DATA ?= $(abspath ../shared/data)
+export REQUIRE_DATA ?= 1
+endif
+
+.DEFAULT_GOAL := help
+.NOTPARALLEL:
+.PHONY: help select test lint types architecture unit doctest docs bench format clean
+
+help: ## list the targets
+	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
+
+select: $(RUN) ## run the main job on the bundled rig; the report goes to stickslip-report/
+	$(BIN)/stickslip select --force
+
+test: lint types architecture unit doctest docs ## run every check
+
+lint: $(DEV) ## formatting and lint rules
+	$(call heading,ruff format --check)
+	$(BIN)/ruff format --check .
+	$(call heading,ruff check)
+	$(BIN)/ruff check .
+
+types: $(DEV) ## static types
+	$(call heading,mypy)
+	$(BIN)/mypy
+
+architecture: $(DEV) ## import contracts
+	$(call heading,lint-imports)
+	$(BIN)/lint-imports
+
+unit: $(DEV) ## tests
+	$(call heading,pytest)
+	$(PYTEST) -n $(WORKERS)
+
+doctest: $(DEV) ## examples in docstrings
+	$(call heading,doctest)
+	$(PYTEST) --doctest-modules src
+
+docs: $(DEV) ## documentation in docs/_build/html, warnings are errors
+	$(call heading,docs)
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	$(BIN)/python docs/check_offline.py docs/_build/html
+
+bench: $(DEV) ## benchmarks
+	$(BIN)/python -m benchmarks
+
+format: $(DEV) ## format the code and apply safe fixes
+	$(BIN)/ruff check --fix-only .
+	$(BIN)/ruff format .
+
+clean: ## remove builds and caches; .venv and reports stay
+	rm -rf build dist docs/_build docs/reference/generated
+	rm -rf .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	find src tests benchmarks docs -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
+
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed." if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv $(VENV) || { rm -rf $(VENV); exit 1; }
+
+$(RUN): pyproject.toml constraints.txt | $(BIN)/python
+	@echo 'Installing the package (half a minute or more).'
+	$(PIP) -e .
+	@touch $@
+
+$(DEV): pyproject.toml constraints.txt | $(BIN)/python
+	@echo 'Installing the package and its tools (a minute or more).'
+	$(PIP) -e '.[dev]'
+	@touch $(RUN) $@

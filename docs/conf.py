@@ -1,0 +1,46 @@
+"""Configuration of the documentation."""
+
+import importlib.metadata
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent / "_ext"))
+
+project = "stickslip"
+author = "The stickslip authors"
+project_copyright = "2026, The stickslip authors"
+release = importlib.metadata.version("stickslip")
+version = release
+
+extensions = [
+    "mathml",
+    "myst_nb",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinxcontrib.bibtex",
+]
+exclude_patterns = ["_build", "_ext"]
+
+autosummary_generate = True
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # numpydoc sections state types, shapes and units
+numpydoc_show_class_members = False
+
+myst_enable_extensions = ["amsmath", "deflist", "dollarmath", "fieldlist"]
+myst_heading_anchors = 3
+
+nb_execution_mode = "force"  # a cache would not notice a change in the package
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300
+nb_ipywidgets_js: dict[str, dict[str, str]] = {}  # pages load nothing from the network
+nb_render_image_options = {"width": "100%"}
+
+bibtex_bibfiles = ["references.bib"]
+bibtex_default_style = "plain"
+
+html_theme = "furo"
+html_title = f"stickslip {release}"
+html_math_renderer = "mathml"
+html_copy_source = False
+html_show_sphinx = False

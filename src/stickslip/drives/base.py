@@ -1,0 +1,78 @@
+"""What a drive is: a quantity given as a function of time."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from stickslip.maths import Scalar
+from stickslip.quantities import Parametrised
+
+if TYPE_CHECKING:
+    from stickslip.drives.algebra import Sum
+
+__all__ = ["BEGINNING", "Drive", "Piece"]
+
+BEGINNING = -1e300
+"""Start of a piece that has always held; finite, so that slope 0 times the time since it is 0."""
+
+
+class Piece(NamedTuple):
+    """A stretch of time, up to the next piece, in which a part of the drive is linear.
+
+    Before the first piece that part is zero.
+    """
+
+    start: Scalar
+    """When it begins [s]."""
+    value: Scalar
+    """Value at the start."""
+    slope: Scalar
+    """Change per second."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive(Parametrised, ABC):
+    """A force, torque or position given in time: a smooth part and a piecewise linear one.
+
+    The solver stops at the start of every piece and loads its numbers, so jumps and kinks are met
+    exactly however short they are.
+    """
+
+    @abstractmethod
+    def smooth(self, t: Scalar) -> Scalar:
+        """Return the part that is one expression for all times; 0.0 where there is none."""
+
+    @abstractmethod
+    def pieces(self) -> tuple[Piece, ...]:
+        """Return the pieces of the linear part in the order of time; empty where there are none."""
+
+    @abstractmethod
+    def smooth_bound(self) -> tuple[Scalar, Scalar]:
+        """Return the least and the largest value of the smooth part."""
+
+    @abstractmethod
+    def time_scale(self) -> float:
+        """Return the shortest time in which the smooth part changes much [s], or infinity."""
+
+    def value(self, t: float) -> float:
+        """Return the value at a time.
+
+        Examples
+        --------
+        >>> from stickslip import Pulse
+        >>> push = Pulse(level=10.0, duration=0.1)
+        >>> push.value(0.05), push.value(0.1)
+        (10.0, 0.0)
+        """
+        linear = 0.0
+        for piece in self.pieces():
+            if t < piece.start:
+                break
+            linear = piece.value + piece.slope * (t - piece.start)
+        return float(self.smooth(t) + linear)
+
+    def __add__(self, other: "Drive") -> "Sum":
+        """Add two drives."""
+        from stickslip.drives.algebra import Sum
+
+        return Sum(parts=(self, other))

@@ -1,0 +1,204 @@
+"""Pulse, sine, ramp, and drives given by points."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Literal, final
+
+from typing_extensions import override
+
+from stickslip.drives.base import BEGINNING, Drive, Piece
+from stickslip.errors import ParameterError
+from stickslip.maths import Scalar, sin
+from stickslip.quantities import Quantity
+
+__all__ = ["PiecewiseLinear", "Pulse", "Ramp", "Sampled", "Sine"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Pieces(Drive):
+    """A drive without a smooth part."""
+
+    @final
+    @override
+    def smooth(self, t: Scalar) -> Scalar:
+        return 0.0
+
+    @final
+    @override
+    def smooth_bound(self) -> tuple[Scalar, Scalar]:
+        return 0.0, 0.0
+
+    @final
+    @override
+    def time_scale(self) -> float:
+        return math.inf
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Pulse(_Pieces):
+    """A constant level for a while, nothing before and after.
+
+    Examples
+    --------
+    >>> Pulse(level=10.0, duration=0.1).value(0.099)
+    10.0
+    """
+
+    level: Annotated[float, Quantity("F_0", "N")]
+    """Value while it lasts."""
+    duration: Annotated[float, Quantity("T", "s", low=0)]
+    """How long it lasts."""
+    start: Annotated[float, Quantity("t_0", "s")] = 0.0
+    """When it begins."""
+
+    @override
+    def pieces(self) -> tuple[Piece, ...]:
+        return (
+            Piece(self.start, self.level, 0.0),
+            Piece(self.start + self.duration, 0.0, 0.0),
+        )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Ramp(_Pieces):
+    """Grows at a constant rate from a time on.
+
+    Examples
+    --------
+    >>> Ramp(rate=2.0, start=1.0).value(3.0)
+    4.0
+    """
+
+    rate: Annotated[float, Quantity("r", "N/s")]
+    """Growth per second."""
+    start: Annotated[float, Quantity("t_0", "s")] = 0.0
+    """When it begins."""
+
+    @override
+    def pieces(self) -> tuple[Piece, ...]:
+        return (Piece(self.start, 0.0, self.rate),)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Sine(Drive):
+    """A harmonic force, ``amplitude * sin(2 pi frequency t + phase)``.
+
+    Examples
+    --------
+    >>> round(Sine(amplitude=25.0, frequency=0.25).value(1.0), 12)
+    25.0
+    """
+
+    amplitude: Annotated[float, Quantity("P", "N")]
+    """Largest value."""
+    frequency: Annotated[float, Quantity("f", "Hz", above=0)]
+    """Cycles per second."""
+    phase: Annotated[float, Quantity("phi", "rad")] = 0.0
+    """Angle at time 0."""
+
+    @override
+    def smooth(self, t: Scalar) -> Scalar:
+        return self.amplitude * sin(2.0 * math.pi * self.frequency * t + self.phase)
+
+    @override
+    def pieces(self) -> tuple[Piece, ...]:
+        return ()
+
+    @override
+    def smooth_bound(self) -> tuple[Scalar, Scalar]:
+        return -abs(self.amplitude), abs(self.amplitude)
+
+    @override
+    def time_scale(self) -> float:
+        return 1.0 / self.frequency
+
+
+def _series(
+    owner: str, times: Sequence[float], values: Sequence[float]
+) -> tuple[list[float], list[float]]:
+    """Return checked points: as many times as values, finite, times increasing."""
+    t, u = [float(x) for x in times], [float(x) for x in values]
+    if len(t) != len(u) or not t:
+        raise ParameterError(
+            f"{owner}.times and .values must have the same length of at least 1,"
+            f" got {len(t)} and {len(u)}."
+        )
+    if not all(map(math.isfinite, t + u)):
+        raise ParameterError(f"{owner}.times [s] and .values must be finite numbers.")
+    for before, after in zip(t, t[1:], strict=False):
+        if after <= before:
+            raise ParameterError(
+                f"{owner}.times [s] must increase, got {before:g} before {after:g}."
+            )
+    return t, u
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PiecewiseLinear(_Pieces):
+    """Straight lines between points, the first and last value before and after.
+
+    Examples
+    --------
+    >>> PiecewiseLinear(times=(0.0, 10.0), values=(0.0, 1.425)).value(5.0)
+    0.7125
+    """
+
+    times: tuple[float, ...]
+    """Times of the points [s], increasing."""
+    values: tuple[float, ...]
+    """Values at the points."""
+
+    def __post_init__(self) -> None:
+        """Check the points and keep them as tuples of floats."""
+        super().__post_init__()
+        t, u = _series(type(self).__name__, self.times, self.values)
+        object.__setattr__(self, "times", tuple(t))
+        object.__setattr__(self, "values", tuple(u))
+
+    @override
+    def pieces(self) -> tuple[Piece, ...]:
+        t, u = self.times, self.values
+        inner = [
+            Piece(t[i], u[i], (u[i + 1] - u[i]) / (t[i + 1] - t[i])) for i in range(len(t) - 1)
+        ]
+        return (Piece(BEGINNING, u[0], 0.0), *inner, Piece(t[-1], u[-1], 0.0))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Sampled(_Pieces):
+    """Values of a sampled signal: held until the next sample, or joined by straight lines.
+
+    Examples
+    --------
+    >>> Sampled(times=(0.0, 0.1, 0.2), values=(1.0, 3.0, 2.0)).value(0.15)
+    3.0
+    """
+
+    times: tuple[float, ...]
+    """Times of the samples [s], increasing."""
+    values: tuple[float, ...]
+    """Samples."""
+    hold: Literal["zero", "first"] = "zero"
+    """Order of the hold: ``"zero"`` keeps the value, ``"first"`` joins the samples."""
+
+    def __post_init__(self) -> None:
+        """Check the samples and keep them as tuples of floats."""
+        super().__post_init__()
+        t, u = _series(type(self).__name__, self.times, self.values)
+        if self.hold not in ("zero", "first"):
+            raise ParameterError(f"Sampled.hold must be 'zero' or 'first', got {self.hold!r}.")
+        object.__setattr__(self, "times", tuple(t))
+        object.__setattr__(self, "values", tuple(u))
+
+    @override
+    def pieces(self) -> tuple[Piece, ...]:
+        if self.hold == "first":
+            return PiecewiseLinear(times=self.times, values=self.values).pieces()
+        held = [Piece(t, u, 0.0) for t, u in zip(self.times, self.values, strict=True)]
+        return (Piece(BEGINNING, self.values[0], 0.0), *held[1:])

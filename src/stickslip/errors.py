@@ -1,0 +1,60 @@
+"""The exceptions of stickslip: each is ours and also the built-in a caller would expect."""
+
+import difflib
+from collections.abc import Iterable
+
+__all__ = [
+    "ConvergenceError",
+    "InputError",
+    "ParameterError",
+    "SimulationError",
+    "StickslipError",
+    "TracingError",
+    "UnknownNameError",
+    "nearest",
+]
+
+
+class StickslipError(Exception):
+    """Base of all errors raised on purpose."""
+
+
+class InputError(StickslipError, ValueError):
+    """Something the user gave cannot be used; the message says what, why and the cure."""
+
+
+class ParameterError(InputError):
+    """A parameter is missing, of the wrong kind or outside its range."""
+
+
+class UnknownNameError(InputError, LookupError):
+    """A name that is not known; the message lists the nearest known ones."""
+
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        known = sorted(known)
+        close = nearest(name, known)
+        hint = f"Did you mean {close}?" if close else f"Known: {', '.join(known) or 'none'}."
+        super().__init__(f"unknown {kind} {name!r}. {hint}")
+
+
+class TracingError(StickslipError, TypeError):
+    """A law or a mechanism does something with a symbol that only works with numbers."""
+
+
+class SimulationError(StickslipError, RuntimeError):
+    """A run ended before its time or could not be certified."""
+
+
+class ConvergenceError(StickslipError, RuntimeError):
+    """A fit or a search found no answer."""
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """Return the known names closest to `name`, ready to print, or an empty string.
+
+    Examples
+    --------
+    >>> nearest("frction", ["friction", "mechanism"])
+    "'friction'"
+    """
+    return " or ".join(repr(word) for word in difflib.get_close_matches(name, list(known), n=2))

@@ -1,0 +1,164 @@
+"""The modes of one contact: what holds in each, and what ends it."""
+
+import enum
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import symengine as se
+
+from stickslip.errors import TracingError
+from stickslip.formulation.mechanics import Mechanics
+from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
+from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw
+from stickslip.kernels.codes import BREAK_BACKWARD, BREAK_FORWARD, LIFT_OFF, STOP, SWITCH
+
+__all__ = ["Mode", "ModeEquations", "mode_equations"]
+
+
+class Mode(enum.IntEnum):
+    """What the contact does."""
+
+    STICK = 0
+    SLIP_FORWARD = 1
+    SLIP_BACKWARD = -1
+
+
+@dataclass(frozen=True)
+class ModeEquations:
+    """Everything the solver evaluates in one mode, as expressions."""
+
+    rates: list[se.Expr]
+    """Time derivatives of the states."""
+    guards: dict[int, se.Expr]
+    """What ends the mode, by guard index; not negative while the mode lasts."""
+    contact: list[se.Expr]
+    """Friction force, normal force, needed friction, break-away level."""
+    power: list[se.Expr]
+    """Power supplied, power taken by friction."""
+
+
+@dataclass(frozen=True)
+class _Context:
+    mechanics: Mechanics
+    law: FrictionLaw
+    velocity: se.Symbol
+    coordinate_rates: list[se.Symbol]
+    bristles: list[se.Symbol]
+    constants: frozenset[str]
+    board: Switchboard
+
+    def traced(self, value: se.Expr) -> Traced:
+        return Traced(value, self.board)
+
+    def level(self, normal: se.Expr) -> se.Expr:
+        return expression(self.law.break_away(self.traced(normal)))
+
+    def varies(self, e: se.Expr) -> bool:
+        return bool({str(s) for s in e.free_symbols} - self.constants)
+
+    def lift_off(self, normal: se.Expr) -> dict[int, se.Expr]:
+        """Return a guard where the normal force can change at all."""
+        return {LIFT_OFF: normal} if self.varies(normal) else {}
+
+
+def mode_equations(
+    mechanics: Mechanics,
+    law: FrictionLaw,
+    *,
+    coordinate_rates: Sequence[se.Symbol],
+    bristles: Sequence[se.Symbol],
+    constants: frozenset[str],
+    board: Switchboard,
+) -> Mapping[Mode, ModeEquations]:
+    """Return the equations of every mode that the law has."""
+    velocity = coordinate_rates[mechanics.slip]
+    context = _Context(
+        mechanics, law, velocity, list(coordinate_rates), list(bristles), constants, board
+    )
+    modes = {}
+    for mode in (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD):
+        board.signs = {str(velocity): int(mode)}
+        modes[mode] = _with_switches(_slip(context, mode), context)
+        board.signs = {}
+    if isinstance(law, SetValuedLaw) or (isinstance(law, BristleLaw) and law.static_switch):
+        modes[Mode.STICK] = _with_switches(_stick(context), context)
+    return modes
+
+
+def _slip(context: _Context, mode: Mode) -> ModeEquations:
+    law, v = context.law, context.velocity
+    load = se.Symbol("N")
+    if isinstance(law, SetValuedLaw):
+        speed = context.traced(v * int(mode))
+        friction = int(mode) * expression(law.sliding(speed, context.traced(load)))
+        bristle_rates: list[se.Expr] = []
+    elif isinstance(law, BristleLaw):
+        z = tuple(context.traced(symbol) for symbol in context.bristles)
+        arguments = context.traced(v), z, context.traced(load)
+        friction = expression(law.force(*arguments))
+        bristle_rates = [expression(rate) for rate in law.bristle_rates(*arguments)]
+    else:
+        raise TracingError(f"{type(law).__name__} is neither a SetValuedLaw nor a BristleLaw")
+    factor = collapsed(friction.diff(load))
+    if se.expand(collapsed(factor.diff(load))) != 0:
+        raise TracingError(
+            f"{type(law).__name__}: friction must be affine in the load, F = a + b N;"
+            " its second derivative with respect to N is not zero"
+        )
+    constant = friction.subs({load: 0})
+    accelerations, normal = context.mechanics.slipping(constant, factor)
+    friction = constant + factor * normal
+    rates = [
+        *context.coordinate_rates,
+        *accelerations,
+        *[rate.subs({load: normal}) for rate in bristle_rates],
+    ]
+    return ModeEquations(
+        rates=rates,
+        guards={STOP: v * int(mode), **context.lift_off(normal)},
+        contact=[friction, normal, friction, context.level(normal)],
+        power=[context.mechanics.supplied, friction * v],
+    )
+
+
+def _stick(context: _Context) -> ModeEquations:
+    held = {context.velocity: 0}
+    accelerations, normal, needed = context.mechanics.sticking()
+    level = context.level(normal)
+    rates = [
+        *context.coordinate_rates,
+        *accelerations,
+        *[se.Integer(0)] * len(context.bristles),
+    ]
+    parts = [e.subs(held) for e in (normal, needed, level)]
+    normal, needed, level = parts
+    return ModeEquations(
+        rates=[e.subs(held) for e in rates],
+        guards={
+            BREAK_FORWARD: level - needed,
+            BREAK_BACKWARD: level + needed,
+            **context.lift_off(normal),
+        },
+        contact=[needed, normal, needed, level],
+        power=[context.mechanics.supplied.subs(held), se.Integer(0)],
+    )
+
+
+def _with_switches(equations: ModeEquations, context: _Context) -> ModeEquations:
+    """Add a guard for each switch that this mode's rates or guards depend on."""
+    used: set[str] = set()
+    guards = dict(equations.guards)
+    pending = [*equations.rates, *guards.values()]
+    while pending:
+        names = {str(s) for e in pending for s in e.free_symbols} - used
+        used |= names
+        pending = []
+        for index, switch in enumerate(context.board.switches.values()):
+            if str(switch.symbol) in names:
+                pending.append(switch.margin)
+                if context.varies(switch.margin):
+                    on = switch.symbol > 0
+                    guards[SWITCH + index] = se.Piecewise(
+                        (switch.margin, on), (-switch.margin, True)
+                    )
+    return replace(equations, guards=guards)

@@ -1,0 +1,220 @@
+"""Symbols that flow through laws and mechanisms written for numbers.
+
+`Traced` wraps a SymEngine expression and refuses what would silently go wrong: Python's ``if`` on a
+symbol, equality, powers with a traced exponent. Comparisons decided by `where` become *switches*:
+conditions frozen within a step, whose change the solver locates as an event.
+"""
+
+from __future__ import annotations
+
+import math
+import numbers
+from dataclasses import dataclass, field
+from typing import Any, NoReturn
+
+import symengine as se
+
+from stickslip.errors import TracingError
+
+__all__ = ["Condition", "Switch", "Switchboard", "Traced", "collapsed", "expression", "has_switch"]
+
+EXACT = 1024
+"""Largest numerator and denominator that are kept as whole numbers."""
+
+
+@dataclass(frozen=True)
+class Switch:
+    """A condition of the equations: it holds while `margin` is positive."""
+
+    margin: se.Expr
+    symbol: se.Symbol
+    events: tuple[str, str] | None
+
+
+@dataclass
+class Switchboard:
+    """Collects the switches met while tracing, and knows the signs that the mode fixes."""
+
+    switches: dict[str, Switch] = field(default_factory=dict)
+    signs: dict[str, int] = field(default_factory=dict)
+
+    def switch(self, margin: se.Expr, events: tuple[str, str] | None) -> Switch:
+        """Return the switch of a margin, a new one if it was not met before."""
+        key = str(se.expand(margin))
+        if key not in self.switches:
+            symbol = se.Symbol(f"s{len(self.switches)}")
+            self.switches[key] = Switch(margin, symbol, events)
+        return self.switches[key]
+
+    def known_sign(self, expr: se.Expr) -> int | None:
+        """Return the sign of an expression where the mode or its being a number fixes it."""
+        if expr.is_Number:
+            return (expr > 0) - (expr < 0)
+        if str(expr) in self.signs:
+            return self.signs[str(expr)]
+        if str(-expr) in self.signs:
+            return -self.signs[str(-expr)]
+        return None
+
+    def choose(
+        self, margin: se.Expr, yes: se.Expr, no: se.Expr, events: tuple[str, str] | None = None
+    ) -> se.Expr:
+        """Return `yes` where the margin is positive, else `no`."""
+        sign = self.known_sign(margin)
+        if sign is not None:
+            return yes if sign > 0 else no
+        if yes == no:
+            return yes
+        switch = self.switch(margin, events)
+        return se.Piecewise((yes, switch.symbol > 0), (no, True))
+
+
+def expression(value: Any) -> se.Expr:
+    """Return the SymEngine expression of a traced value or a number."""
+    if isinstance(value, Traced):
+        return value.expr
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise TracingError(f"an equation met {value!r}, which is neither a number nor a symbol")
+    top, bottom = float(value).as_integer_ratio()
+    # 0.5 and its like stay exact, so that factors from energies cancel instead of piling up
+    return (
+        se.Integer(top) / bottom if bottom <= EXACT and abs(top) <= EXACT else se.RealDouble(value)
+    )
+
+
+class Traced:
+    """A symbol or expression in equations under tracing."""
+
+    __slots__ = ("board", "expr")
+    __array_ufunc__ = None  # NumPy leaves mixed operations to us
+
+    def __init__(self, expr: se.Expr, board: Switchboard) -> None:
+        self.expr = expr
+        self.board = board
+
+    def _new(self, expr: se.Expr) -> Traced:
+        return Traced(expr, self.board)
+
+    def __repr__(self) -> str:
+        return f"Traced({self.expr})"
+
+    def __add__(self, other: Any) -> Traced:
+        return self._new(self.expr + expression(other))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Traced:
+        return self._new(self.expr - expression(other))
+
+    def __rsub__(self, other: Any) -> Traced:
+        return self._new(expression(other) - self.expr)
+
+    def __mul__(self, other: Any) -> Traced:
+        return self._new(self.expr * expression(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Traced:
+        return self._new(self.expr / expression(other))
+
+    def __rtruediv__(self, other: Any) -> Traced:
+        return self._new(expression(other) / self.expr)
+
+    def __neg__(self) -> Traced:
+        return self._new(-self.expr)
+
+    def __pos__(self) -> Traced:
+        return self
+
+    def __pow__(self, exponent: Any) -> Traced:
+        if isinstance(exponent, numbers.Real) and float(exponent).is_integer():
+            return self._new(self.expr ** int(exponent))
+        raise TracingError("** takes whole exponents here; use stickslip.maths.power or sqrt")
+
+    def __rpow__(self, base: Any) -> NoReturn:
+        raise TracingError("** takes whole exponents here; use stickslip.maths.power")
+
+    def __abs__(self) -> Traced:
+        return self._new(self.board.choose(self.expr, self.expr, -self.expr))
+
+    def __gt__(self, other: Any) -> Condition:
+        return Condition(self.expr - expression(other), self.board)
+
+    __ge__ = __gt__
+
+    def __lt__(self, other: Any) -> Condition:
+        return Condition(expression(other) - self.expr, self.board)
+
+    __le__ = __lt__
+
+    def __bool__(self) -> NoReturn:
+        raise TracingError(
+            "a traced value has no truth value: write stickslip.maths.where(condition, yes, no)"
+            " instead of if, and, or, min, max"
+        )
+
+    def __eq__(self, other: object) -> NoReturn:
+        raise TracingError(
+            "a traced value cannot be compared for equality: use stickslip.maths.where with < or >"
+        )
+
+    __hash__ = None  # type: ignore[assignment]  # equality is refused, so hashing is too
+
+    def __float__(self) -> NoReturn:
+        raise TracingError(
+            "a traced value is not a number: use exp, sin, sqrt, ... of stickslip.maths, not math"
+        )
+
+    def __maths__(self, name: str, *arguments: Any) -> Traced:
+        """Serve the functions of `stickslip.maths`."""
+        if name == "power":
+            return self._power(*arguments)
+        if name == "sign":
+            return self._new(self.board.choose(self.expr, se.Integer(1), se.Integer(-1)))
+        return self._new(getattr(se, name)(self.expr))
+
+    def _power(self, base: Any, exponent: Any) -> Traced:
+        b = expression(base)
+        if isinstance(exponent, numbers.Real) and float(exponent).is_integer():
+            return self._new(b ** int(exponent))
+        n = expression(exponent)
+        if b.is_Number:
+            return self._new(se.exp(n * se.RealDouble(math.log(float(b)))))
+        return self._new(se.Piecewise((b**n, b > 0), (se.Integer(0), True)))
+
+
+class Condition:
+    """A comparison of traced values, waiting for `where`."""
+
+    __slots__ = ("board", "margin")
+
+    def __init__(self, margin: se.Expr, board: Switchboard) -> None:
+        self.margin = margin
+        self.board = board
+
+    def __bool__(self) -> NoReturn:
+        raise TracingError(
+            "a comparison of traced values has no truth value: write"
+            " stickslip.maths.where(condition, yes, no) instead of if, and, or, min, max"
+        )
+
+    def __maths__(self, name: str, yes: Any, no: Any, events: tuple[str, str] | None) -> Traced:
+        """Serve `stickslip.maths.where`."""
+        chosen = self.board.choose(self.margin, expression(yes), expression(no), events)
+        return Traced(chosen, self.board)
+
+
+def collapsed(e: se.Expr) -> se.Expr:
+    """Merge branches that became equal, as they do after a derivative."""
+    if not e.args or not has_switch(e):
+        return e
+    if isinstance(e, se.Piecewise):
+        yes, condition, no, _ = e.args
+        yes, no = collapsed(yes), collapsed(no)
+        return yes if se.expand(yes - no) == 0 else se.Piecewise((yes, condition), (no, True))
+    return e.func(*[collapsed(part) for part in e.args])
+
+
+def has_switch(e: se.Expr) -> bool:
+    """Whether any part of an expression is a Piecewise."""
+    return isinstance(e, se.Piecewise) or any(has_switch(part) for part in e.args)

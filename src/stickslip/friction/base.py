@@ -1,0 +1,119 @@
+"""What a friction law is: set-valued at rest, or carried by the deflection of bristles."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+from stickslip.maths import Scalar, sign
+from stickslip.quantities import Parametrised
+
+__all__ = ["BristleLaw", "FrictionLaw", "SetValuedLaw"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionLaw(Parametrised, ABC):
+    """A friction law F(v, N), affine in the load N.
+
+    Friction has the sign of the slip velocity and acts against it. Levels are per unit load: with
+    load 1 they read as forces. Equations use `stickslip.maths`, so that one text serves floats,
+    arrays and the tracing of the solver.
+    """
+
+    name: ClassVar[str]
+    """Key in the registry, kebab-case."""
+    title: ClassVar[str]
+    """Name in running text."""
+    formula: ClassVar[str]
+    """The law in LaTeX."""
+    sources: ClassVar[tuple[str, ...]]
+    """Keys of `stickslip.friction.sources.SOURCES`."""
+    fit_order: ClassVar[tuple[str, ...]]
+    """Parameters in the order in which scarce data should pay for them."""
+
+    @abstractmethod
+    def break_away(self, load: Scalar) -> Scalar:
+        """Return the largest force the contact holds at rest.
+
+        Parameters
+        ----------
+        load : float or array
+            Normal force [N].
+
+        Returns
+        -------
+        float or array
+            Break-away level [N].
+        """
+
+
+@dataclass(frozen=True, kw_only=True)
+class SetValuedLaw(FrictionLaw, ABC):
+    """A law that is a function of the slip speed, and at rest any force up to break-away."""
+
+    @abstractmethod
+    def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
+        """Return the magnitude of friction while sliding.
+
+        Parameters
+        ----------
+        speed : float or array
+            Slip speed [m/s], not negative.
+        load : float or array
+            Normal force [N].
+
+        Returns
+        -------
+        float or array
+            Magnitude of the friction force [N].
+        """
+
+    @final
+    def force(self, velocity: Scalar, load: Scalar) -> Scalar:
+        """Return the friction force at a slip velocity, 0 at rest.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb
+        >>> Coulomb(kinetic_coefficient=0.25).force(-0.1, load=9.81)
+        -2.4525
+        """
+        return sign(velocity) * self.sliding(abs(velocity), load)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BristleLaw(FrictionLaw, ABC):
+    """A law whose contact deflects before it slips: bristles are states of their own."""
+
+    bristles: ClassVar[tuple[str, ...]] = ("z",)
+    """Names of the bristle states."""
+
+    static_switch: bool = False
+    """Hold the body when its velocity crosses zero, as long as break-away is not exceeded.
+
+    The switch of the source paper. It suppresses the elastic spring-back that these laws describe,
+    and so changes results; the bristles are frozen while the body is held.
+    """
+
+    @abstractmethod
+    def force(self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar) -> Scalar:
+        """Return the friction force [N] at a slip velocity and a bristle state.
+
+        Parameters
+        ----------
+        velocity : float or array
+            Slip velocity [m/s].
+        bristles : tuple of float or array
+            Bristle states; deflections are in [m].
+        load : float or array
+            Normal force [N].
+        """
+
+    @abstractmethod
+    def bristle_rates(
+        self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar
+    ) -> tuple[Scalar, ...]:
+        """Return the time derivatives of the bristle states, arguments as in `force`."""
+
+    @abstractmethod
+    def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
+        """Return the friction force [N] after long sliding at a constant velocity [m/s]."""

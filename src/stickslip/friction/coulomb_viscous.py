@@ -1,0 +1,54 @@
+"""Coulomb and viscous friction together, with a static level if one is given."""
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, final
+
+from typing_extensions import override
+
+from stickslip.friction.base import SetValuedLaw
+from stickslip.maths import Scalar
+from stickslip.quantities import Quantity
+
+__all__ = ["CoulombViscous"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CoulombViscous(SetValuedLaw):
+    """A constant level and a part in proportion to the speed.
+
+    Examples
+    --------
+    >>> law = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.1)
+    >>> law.force(0.5, load=10.0)
+    2.55
+    """
+
+    name: ClassVar[str] = "coulomb-viscous"
+    title: ClassVar[str] = "Coulomb + viscous"
+    formula: ClassVar[str] = (
+        r"F = \mu_k N \operatorname{sgn} v + \sigma_2 v, \quad |F| \le \mu_s N \text{ at rest}"
+    )
+    sources: ClassVar[tuple[str, ...]] = ("coulomb1785", "reynolds1886", "morin1833")
+    fit_order: ClassVar[tuple[str, ...]] = ("kinetic_coefficient", "viscous_coefficient")
+
+    kinetic_coefficient: Annotated[float, Quantity("mu_k", low=0)]
+    """Friction force over the normal force as the speed goes to zero."""
+    viscous_coefficient: Annotated[float, Quantity("sigma_2", "N s/m", low=0)]
+    """Growth of the friction force with the slip speed."""
+    static_coefficient: (
+        Annotated[float, Quantity("mu_s", low=0, at_least="kinetic_coefficient")] | None
+    ) = None
+    """Largest friction force the contact holds at rest, over the normal force."""
+
+    @override
+    def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
+        mu_k, sigma_2 = self.kinetic_coefficient, self.viscous_coefficient
+        return mu_k * load + sigma_2 * speed
+
+    @override
+    def break_away(self, load: Scalar) -> Scalar:
+        mu_s = (
+            self.kinetic_coefficient if self.static_coefficient is None else self.static_coefficient
+        )
+        return mu_s * load

@@ -1,0 +1,81 @@
+"""Dahl friction: a spring that yields."""
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, final
+
+from typing_extensions import Self, override
+
+from stickslip.friction.base import BristleLaw
+from stickslip.maths import Scalar, power, sign
+from stickslip.quantities import Quantity
+
+__all__ = ["Dahl"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Dahl(BristleLaw):
+    """Elastic at small displacement, Coulomb friction at large: hysteresis without stiction.
+
+    Examples
+    --------
+    >>> law = Dahl.from_forces(load=9.81, kinetic_force=2.4525, bristle_stiffness=1e5)
+    >>> round(law.kinetic_coefficient, 9), round(law.bristle_stiffness, 3)
+    (0.25, 10193.68)
+    """
+
+    name: ClassVar[str] = "dahl"
+    title: ClassVar[str] = "Dahl"
+    formula: ClassVar[str] = (
+        r"F = \sigma_0 z N, \quad \dot z = v\, r^n, \quad"
+        r" r = 1 - \frac{\sigma_0 z}{\mu_k} \operatorname{sgn} v"
+    )
+    sources: ClassVar[tuple[str, ...]] = ("dahl1968",)
+    fit_order: ClassVar[tuple[str, ...]] = ("kinetic_coefficient", "bristle_stiffness")
+
+    kinetic_coefficient: Annotated[float, Quantity("mu_k", above=0)]
+    """Friction force over the normal force after long sliding."""
+    bristle_stiffness: Annotated[float, Quantity("sigma_0", "1/m", above=0)]
+    """Slope of friction against displacement at the start, over the normal force."""
+    exponent: Annotated[float, Quantity("n", above=0, structural=True)] = 1.0
+    """Sharpness of the yielding: 1 is Dahl's plain law, towards 0 elastic then perfectly plastic."""
+
+    @classmethod
+    def from_forces(
+        cls,
+        *,
+        load: float,
+        kinetic_force: float,
+        bristle_stiffness: float,
+        exponent: float = 1.0,
+        static_switch: bool = False,
+    ) -> Self:
+        """Build the law from a force [N] and a stiffness [N/m] measured at a load [N]."""
+        load = Quantity("N", "N", above=0).check(cls.__name__, "load", load)
+        return cls(
+            kinetic_coefficient=kinetic_force / load,
+            bristle_stiffness=bristle_stiffness / load,
+            exponent=exponent,
+            static_switch=static_switch,
+        )
+
+    @override
+    def force(self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar) -> Scalar:
+        (z,) = bristles
+        return self.bristle_stiffness * z * load
+
+    @override
+    def bristle_rates(
+        self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar
+    ) -> tuple[Scalar, ...]:
+        (z,) = bristles
+        r = 1.0 - self.bristle_stiffness * z * sign(velocity) / self.kinetic_coefficient
+        return (velocity * power(r, self.exponent),)
+
+    @override
+    def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
+        return self.kinetic_coefficient * load * sign(velocity)
+
+    @override
+    def break_away(self, load: Scalar) -> Scalar:
+        return self.kinetic_coefficient * load

@@ -1,0 +1,126 @@
+"""LuGre friction: bristles with damping whose strength follows the Stribeck curve."""
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, final
+
+from typing_extensions import Self, override
+
+from stickslip.friction.base import BristleLaw
+from stickslip.friction.stribeck import fade
+from stickslip.maths import Scalar, sign
+from stickslip.quantities import Quantity
+
+__all__ = ["LuGre"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class LuGre(BristleLaw):
+    """Presliding, Stribeck curve, frictional lag and rate-dependent break-away in one state.
+
+    Load-normalised: stiffness and damping multiply the normal force. `from_forces` takes the
+    classical parameters.
+
+    Examples
+    --------
+    >>> law = LuGre.from_forces(
+    ...     load=1.0,
+    ...     kinetic_force=1.0,
+    ...     static_force=1.5,
+    ...     stribeck_velocity=1e-3,
+    ...     bristle_stiffness=1e5,
+    ...     bristle_damping=316.0,
+    ...     viscous_coefficient=0.4,
+    ... )
+    >>> round(law.steady(0.1, load=1.0), 9)
+    1.04
+    """
+
+    name: ClassVar[str] = "lugre"
+    title: ClassVar[str] = "LuGre"
+    formula: ClassVar[str] = (
+        r"F = (\sigma_0 z + \sigma_1 \dot z) N + \sigma_2 v, \quad"
+        r" \dot z = v - \frac{\sigma_0 |v|}{g(v)} z, \quad"
+        r" g = \mu_k + (\mu_s - \mu_k) e^{-|v/v_s|^n}"
+    )
+    sources: ClassVar[tuple[str, ...]] = ("canudas1995", "canudas1999")
+    fit_order: ClassVar[tuple[str, ...]] = (
+        "kinetic_coefficient",
+        "viscous_coefficient",
+        "bristle_stiffness",
+        "static_coefficient",
+        "stribeck_velocity",
+        "bristle_damping",
+    )
+
+    kinetic_coefficient: Annotated[float, Quantity("mu_k", above=0)]
+    """Friction force over the normal force at speeds well above the Stribeck velocity."""
+    static_coefficient: Annotated[float, Quantity("mu_s", above=0, at_least="kinetic_coefficient")]
+    """Largest steady friction force over the normal force, at vanishing speed."""
+    stribeck_velocity: Annotated[float, Quantity("v_s", "m/s", above=0)]
+    """Speed at which the static surplus has fallen to 1/e."""
+    bristle_stiffness: Annotated[float, Quantity("sigma_0", "1/m", above=0)]
+    """Stiffness of the bristles over the normal force."""
+    bristle_damping: Annotated[float, Quantity("sigma_1", "s/m", low=0)]
+    """Damping of the bristles over the normal force."""
+    viscous_coefficient: Annotated[float, Quantity("sigma_2", "N s/m", low=0)] = 0.0
+    """Growth of the friction force with the slip speed."""
+    exponent: Annotated[float, Quantity("n", above=0, structural=True)] = 2.0
+    """Shape of the Stribeck fading."""
+
+    @classmethod
+    def from_forces(
+        cls,
+        *,
+        load: float,
+        kinetic_force: float,
+        static_force: float,
+        stribeck_velocity: float,
+        bristle_stiffness: float,
+        bristle_damping: float,
+        viscous_coefficient: float = 0.0,
+        exponent: float = 2.0,
+        static_switch: bool = False,
+    ) -> Self:
+        """Build the law from forces [N], a stiffness [N/m] and a damping [N s/m] at a load [N]."""
+        load = Quantity("N", "N", above=0).check(cls.__name__, "load", load)
+        return cls(
+            kinetic_coefficient=kinetic_force / load,
+            static_coefficient=static_force / load,
+            stribeck_velocity=stribeck_velocity,
+            bristle_stiffness=bristle_stiffness / load,
+            bristle_damping=bristle_damping / load,
+            viscous_coefficient=viscous_coefficient,
+            exponent=exponent,
+            static_switch=static_switch,
+        )
+
+    def _g(self, velocity: Scalar) -> Scalar:
+        mu_k, mu_s = self.kinetic_coefficient, self.static_coefficient
+        return mu_k + (mu_s - mu_k) * fade(abs(velocity), self.stribeck_velocity, self.exponent)
+
+    @override
+    def force(self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar) -> Scalar:
+        (z,) = bristles
+        (z_dot,) = self.bristle_rates(velocity, bristles, load)
+        sigma_0, sigma_1, sigma_2 = (
+            self.bristle_stiffness,
+            self.bristle_damping,
+            self.viscous_coefficient,
+        )
+        return (sigma_0 * z + sigma_1 * z_dot) * load + sigma_2 * velocity
+
+    @override
+    def bristle_rates(
+        self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar
+    ) -> tuple[Scalar, ...]:
+        (z,) = bristles
+        return (velocity - self.bristle_stiffness * abs(velocity) / self._g(velocity) * z,)
+
+    @override
+    def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
+        return self._g(velocity) * load * sign(velocity) + self.viscous_coefficient * velocity
+
+    @override
+    def break_away(self, load: Scalar) -> Scalar:
+        return self.static_coefficient * load

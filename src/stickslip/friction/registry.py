@@ -1,0 +1,53 @@
+"""The laws by name; installed packages add theirs under the entry point ``stickslip.friction``."""
+
+import functools
+from collections.abc import Mapping
+from importlib.metadata import entry_points
+from types import MappingProxyType
+
+from stickslip.errors import StickslipError, UnknownNameError
+from stickslip.friction.base import FrictionLaw
+from stickslip.friction.coulomb import Coulomb
+from stickslip.friction.coulomb_viscous import CoulombViscous
+from stickslip.friction.dahl import Dahl
+from stickslip.friction.lugre import LuGre
+from stickslip.friction.stribeck import Stribeck
+from stickslip.friction.viscous import Viscous
+
+__all__ = ["LAWS", "law_type", "laws"]
+
+LAWS: Mapping[str, type[FrictionLaw]] = MappingProxyType(
+    {law.name: law for law in (Coulomb, Viscous, CoulombViscous, Stribeck, Dahl, LuGre)}
+)
+"""The laws that come with the package, by kebab-case name."""
+
+
+@functools.cache
+def laws() -> Mapping[str, type[FrictionLaw]]:
+    """Return all laws by name: ours and those of installed packages.
+
+    Examples
+    --------
+    >>> sorted(laws())[:2]
+    ['coulomb', 'coulomb-viscous']
+    """
+    found = dict(LAWS)
+    for entry in entry_points(group="stickslip.friction"):
+        law = entry.load()
+        if not (isinstance(law, type) and issubclass(law, FrictionLaw)):
+            raise StickslipError(f"entry point {entry.value} is not a friction law")
+        found[law.name] = law
+    return MappingProxyType(found)
+
+
+def law_type(name: str) -> type[FrictionLaw]:
+    """Return the law of that name, or say which known names are nearest.
+
+    Examples
+    --------
+    >>> law_type("lugre").title
+    'LuGre'
+    """
+    if name not in laws():
+        raise UnknownNameError("friction law", name, laws())
+    return laws()[name]

@@ -1,0 +1,38 @@
+"""Where each law comes from."""
+
+from types import MappingProxyType
+
+__all__ = ["SOURCES"]
+
+SOURCES = MappingProxyType(
+    {
+        "paper": "Modelling of the pendulum-driven cart system with friction.",
+        "coulomb1785": "C. A. Coulomb. Théorie des machines simples. 1785.",
+        "morin1833": "A. J. Morin. New friction experiments carried out at Metz in 1831-1833. 1833.",
+        "reynolds1886": (
+            "O. Reynolds. On the theory of lubrication and its application to Mr Beauchamp Tower's"
+            " experiments. Phil. Trans. R. Soc. 177, 1886."
+        ),
+        "stribeck1902": (
+            "R. Stribeck. Die wesentlichen Eigenschaften der Gleit- und Rollenlager."
+            " Zeitschrift des VDI 46, 1902."
+        ),
+        "bo1982": (
+            "L. C. Bo, D. Pavelescu. The friction-speed relation and its influence on the critical"
+            " velocity of stick-slip motion. Wear 82, 1982."
+        ),
+        "armstrong1991": "B. Armstrong-Hélouvry. Control of Machines with Friction. Kluwer, 1991.",
+        "dahl1968": (
+            "P. R. Dahl. A solid friction model. Aerospace Corporation TOR-0158(3107-18)-1, 1968."
+        ),
+        "canudas1995": (
+            "C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky. A new model for control of"
+            " systems with friction. IEEE Transactions on Automatic Control 40(3), 1995."
+        ),
+        "canudas1999": (
+            "C. Canudas de Wit, P. Tsiotras. Dynamic tire friction models for vehicle traction"
+            " control. 38th IEEE Conference on Decision and Control, 1999."
+        ),
+    }
+)
+"""Citation in plain text by key."""

@@ -1,0 +1,83 @@
+"""Stribeck friction: the static level fades to the kinetic one as the speed grows."""
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, final
+
+from typing_extensions import override
+
+from stickslip.friction.base import SetValuedLaw
+from stickslip.maths import Scalar, exp, power, where
+from stickslip.quantities import Quantity
+
+__all__ = ["Stribeck", "fade"]
+
+VANISHED = 36.0
+"""exp(-36) = 2.3e-16: beyond this the exponential is below the last digit of its factor."""
+
+
+def fade(speed: Scalar, stribeck_velocity: Scalar, exponent: Scalar) -> Scalar:
+    """Return exp(-(v/v_s)^n), and 0 where that is below rounding.
+
+    The layer in which it is not zero is often crossed in less than a millisecond. Naming its end
+    makes the solver step onto it and not over it.
+
+    Examples
+    --------
+    >>> fade(0.0, 0.01, 2), fade(1.0, 0.01, 2)
+    (1.0, 0.0)
+    """
+    layer = stribeck_velocity * power(VANISHED, 1.0 / exponent)
+    return where(speed < layer, exp(-power(speed / stribeck_velocity, exponent)), 0.0)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Stribeck(SetValuedLaw):
+    """Kinetic level, plus a static surplus that fades with speed, plus a viscous part.
+
+    Examples
+    --------
+    >>> law = Stribeck(kinetic_coefficient=0.25, static_coefficient=0.35, stribeck_velocity=0.01)
+    >>> law.force(1e-9, load=10.0), law.force(1.0, load=10.0)
+    (3.49999999999999, 2.5)
+    """
+
+    name: ClassVar[str] = "stribeck"
+    title: ClassVar[str] = "Stribeck"
+    formula: ClassVar[str] = (
+        r"F = \left[\mu_k + (\mu_s - \mu_k) e^{-|v/v_s|^n}\right] N \operatorname{sgn} v"
+        r" + \sigma_2 v, \quad |F| \le \mu_s N \text{ at rest}"
+    )
+    sources: ClassVar[tuple[str, ...]] = ("stribeck1902", "bo1982", "armstrong1991")
+    fit_order: ClassVar[tuple[str, ...]] = (
+        "kinetic_coefficient",
+        "viscous_coefficient",
+        "stribeck_velocity",
+        "static_coefficient",
+    )
+
+    kinetic_coefficient: Annotated[float, Quantity("mu_k", low=0)]
+    """Friction force over the normal force once the static surplus has faded."""
+    static_coefficient: Annotated[float, Quantity("mu_s", low=0, at_least="kinetic_coefficient")]
+    """Largest friction force the contact holds at rest, over the normal force."""
+    stribeck_velocity: Annotated[float, Quantity("v_s", "m/s", above=0)]
+    """Speed at which the static surplus has fallen to 1/e."""
+    viscous_coefficient: Annotated[float, Quantity("sigma_2", "N s/m", low=0)] = 0.0
+    """Growth of the friction force with the slip speed."""
+    exponent: Annotated[float, Quantity("n", above=0, structural=True)] = 2.0
+    """Shape of the fading: 1 Tustin, 2 Gaussian."""
+
+    @override
+    def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
+        mu_k, mu_s, sigma_2 = (
+            self.kinetic_coefficient,
+            self.static_coefficient,
+            self.viscous_coefficient,
+        )
+        s = fade(speed, self.stribeck_velocity, self.exponent)
+        return (mu_k + (mu_s - mu_k) * s) * load + sigma_2 * speed
+
+    @override
+    def break_away(self, load: Scalar) -> Scalar:
+        mu_s = self.static_coefficient
+        return mu_s * load

@@ -1,0 +1,17 @@
+"""Mechanisms: equations of motion without friction, each one a file."""
+
+from stickslip.mechanisms.axis import Axis
+from stickslip.mechanisms.base import Contact, Mechanism
+from stickslip.mechanisms.registry import MECHANISMS, mechanisms
+from stickslip.mechanisms.spring_block import SpringBlock
+from stickslip.mechanisms.towed_block import TowedBlock
+
+__all__ = [
+    "MECHANISMS",
+    "Axis",
+    "Contact",
+    "Mechanism",
+    "SpringBlock",
+    "TowedBlock",
+    "mechanisms",
+]

@@ -1,0 +1,75 @@
+"""One servo axis or joint."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, final
+
+from typing_extensions import override
+
+from stickslip.drives import Drive
+from stickslip.maths import Scalar
+from stickslip.mechanisms.base import Contact, Mechanism
+from stickslip.quantities import Quantity
+
+__all__ = ["Axis"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Axis(Mechanism):
+    """An inertia with a drive, a spring and a damper; linear or rotary.
+
+    With the default load of 1, friction levels read as forces [N] or torques [N m].
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Pulse, simulate
+    >>> axis = Axis(inertia=2.0, drive=Pulse(level=5.0, duration=1.0))
+    >>> run = simulate(axis, Coulomb(kinetic_coefficient=1.0), t_end=10.0)
+    >>> round(float(run["x"][-1]), 9)
+    5.0
+    """
+
+    name: ClassVar[str] = "axis"
+    coordinates: ClassVar[tuple[str, ...]] = ("x",)
+    rates: ClassVar[tuple[str, ...]] = ("v",)
+    units: ClassVar[tuple[str, ...]] = ("m",)
+
+    inertia: Annotated[float, Quantity("J", "kg", above=0)]
+    """Mass [kg] or moment of inertia [kg m^2]."""
+    drive: Drive | None = None
+    """Force [N] or torque [N m]."""
+    stiffness: Annotated[float, Quantity("k", "N/m", low=0)] = 0.0
+    """Spring towards x = 0."""
+    damping: Annotated[float, Quantity("c", "N s/m", low=0)] = 0.0
+    """Damper to the ground."""
+    load: Annotated[float, Quantity("N", "N", low=0)] = 1.0
+    """Normal force at the contact, or 1 where levels are forces."""
+    offset: Annotated[float, Quantity("o", "N")] = 0.0
+    """Constant force against the drive: gravity, a cable, a sensor's bias."""
+
+    @override
+    def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
+        return 0.5 * self.inertia * q_dot["x"] * q_dot["x"]
+
+    @override
+    def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
+        return 0.5 * self.stiffness * q["x"] * q["x"]
+
+    @override
+    def forces(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> Mapping[str, Scalar]:
+        return {"x": drives.get("drive", 0.0) - self.damping * q_dot["x"] - self.offset}
+
+    @override
+    def contacts(self) -> tuple[Contact, ...]:
+        return (Contact(slip="x", load=self.load),)
+
+    @override
+    def drives(self) -> Mapping[str, Drive]:
+        return {} if self.drive is None else {"drive": self.drive}

@@ -1,0 +1,37 @@
+"""The mechanisms by name; packages add theirs under the entry point ``stickslip.mechanisms``."""
+
+import functools
+from collections.abc import Mapping
+from importlib.metadata import entry_points
+from types import MappingProxyType
+
+from stickslip.errors import StickslipError
+from stickslip.mechanisms.axis import Axis
+from stickslip.mechanisms.base import Mechanism
+from stickslip.mechanisms.spring_block import SpringBlock
+from stickslip.mechanisms.towed_block import TowedBlock
+
+__all__ = ["MECHANISMS", "mechanisms"]
+
+MECHANISMS: Mapping[str, type[Mechanism]] = MappingProxyType(
+    {mechanism.name: mechanism for mechanism in (SpringBlock, TowedBlock, Axis)}
+)
+"""The mechanisms that come with the package, by kebab-case name."""
+
+
+@functools.cache
+def mechanisms() -> Mapping[str, type[Mechanism]]:
+    """Return all mechanisms by name: ours and those of installed packages.
+
+    Examples
+    --------
+    >>> sorted(mechanisms())
+    ['axis', 'spring-block', 'towed-block']
+    """
+    found = dict(MECHANISMS)
+    for entry in entry_points(group="stickslip.mechanisms"):
+        mechanism = entry.load()
+        if not (isinstance(mechanism, type) and issubclass(mechanism, Mechanism)):
+            raise StickslipError(f"entry point {entry.value} is not a mechanism")
+        found[mechanism.name] = mechanism
+    return MappingProxyType(found)

@@ -1,0 +1,47 @@
+"""Figures: the only room that knows matplotlib."""
+
+from stickslip.plots.svg import NARROW, WIDE, Draw, Size, inline_svg, save, standalone_svg
+from stickslip.plots.theme import (
+    C1,
+    C2,
+    C3,
+    C4,
+    DATA,
+    INK,
+    LINE,
+    MUTED,
+    SLIP_BACK,
+    STICK,
+    SURFACE,
+    VARIABLES,
+    label_at,
+    label_column,
+    shade,
+    spread,
+)
+
+__all__ = [
+    "C1",
+    "C2",
+    "C3",
+    "C4",
+    "DATA",
+    "INK",
+    "LINE",
+    "MUTED",
+    "NARROW",
+    "SLIP_BACK",
+    "STICK",
+    "SURFACE",
+    "VARIABLES",
+    "WIDE",
+    "Draw",
+    "Size",
+    "inline_svg",
+    "label_at",
+    "label_column",
+    "save",
+    "shade",
+    "spread",
+    "standalone_svg",
+]

@@ -1,0 +1,237 @@
+"""Parameters that know themselves: symbol, unit, allowed range; and the tree they form.
+
+A class with physical parameters is a frozen, keyword-only dataclass derived from `Parametrised`,
+whose numeric fields are annotated with a `Quantity`. Everything that needs to know the parameters
+(checks, paths, tracing, forms, tables) reads that one declaration.
+"""
+
+import dataclasses
+import functools
+import math
+import numbers
+import types
+import typing
+from collections.abc import Callable, Iterator, Mapping
+from typing import Annotated, Any, TypeVar
+
+from stickslip.errors import ParameterError, UnknownNameError
+
+__all__ = ["Parametrised", "Quantity", "fields_of", "named", "parameters", "shadow", "vary"]
+
+T = TypeVar("T", bound="Parametrised")
+
+
+@dataclasses.dataclass(frozen=True)
+class Quantity:
+    """What a number means: symbol, SI unit and allowed range.
+
+    Parameters
+    ----------
+    symbol : str
+        The field's symbol in plain text, such as ``"mu_s"``.
+    unit : str
+        SI unit, ``"1"`` for a pure number.
+    low, high : float, optional
+        Bounds that are still allowed.
+    above : float, optional
+        Bound that is no longer allowed.
+    at_least : str, optional
+        Name of another field of the same object that this one must not fall below.
+    structural : bool
+        A whole number here shapes the equations (an exponent, say) instead of standing in them.
+
+    Examples
+    --------
+    >>> Quantity("v_s", "m/s", above=0).range
+    'above 0 m/s'
+    """
+
+    symbol: str
+    unit: str = "1"
+    low: float = -math.inf
+    high: float = math.inf
+    above: float | None = None
+    at_least: str | None = None
+    structural: bool = False
+
+    def stands_in_equations(self, value: float | None) -> bool:
+        """Whether `value` is a parameter of the equations and not part of their shape."""
+        return value is not None and not (self.structural and float(value).is_integer())
+
+    @property
+    def range(self) -> str:
+        """The allowed values in words."""
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        parts = []
+        if self.above is not None:
+            parts.append(f"above {self.above:g}")
+        if self.low > -math.inf:
+            parts.append(f"at least {self.low:g}")
+        if self.high < math.inf:
+            parts.append(f"at most {self.high:g}")
+        return (" and ".join(parts) or "a finite number") + unit
+
+    def check(self, owner: str, name: str, value: object) -> float:
+        """Return `value` as a float, or raise `ParameterError` that says how to mend it."""
+        label = f"{owner}.{name} ({self.symbol})"
+        if isinstance(value, bool) or not isinstance(value, numbers.Real):
+            raise ParameterError(f"{label} must be a number, {self.range}, got {value!r}.")
+        number = float(value)
+        inside = self.low <= number <= self.high and (self.above is None or number > self.above)
+        if not (math.isfinite(number) and inside):
+            raise ParameterError(f"{label} must be {self.range}, got {number:g}.")
+        return number
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Parametrised:
+    """Base of laws, mechanisms and drives: checks every declared quantity on construction."""
+
+    def __post_init__(self) -> None:
+        owner = type(self).__name__
+        for name, quantity in fields_of(type(self)).items():
+            value = getattr(self, name)
+            if value is None and _optional(type(self), name):
+                continue
+            object.__setattr__(self, name, quantity.check(owner, name, value))
+        for name, quantity in fields_of(type(self)).items():
+            self._check_order(name, quantity)
+
+    def _check_order(self, name: str, quantity: Quantity) -> None:
+        value = getattr(self, name)
+        if quantity.at_least is None or value is None:
+            return
+        bound = getattr(self, quantity.at_least)
+        if value < bound:
+            raise ParameterError(
+                f"{type(self).__name__}.{name} ({quantity.symbol}) must be at least "
+                f"{quantity.at_least} = {bound:g}, got {value:g}."
+            )
+
+
+@functools.cache
+def _hints(cls: type) -> dict[str, Any]:
+    return typing.get_type_hints(cls, include_extras=True)
+
+
+def _alternatives(hint: Any) -> tuple[Any, ...]:
+    is_union = typing.get_origin(hint) in (typing.Union, types.UnionType)
+    return typing.get_args(hint) if is_union else (hint,)
+
+
+@functools.cache
+def _optional(cls: type, name: str) -> bool:
+    return type(None) in _alternatives(_hints(cls)[name])
+
+
+@functools.cache
+def fields_of(cls: type) -> Mapping[str, Quantity]:
+    """Return the declared quantities of a class by field name, in order.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> [quantity.symbol for quantity in fields_of(Coulomb).values()]
+    ['mu_k', 'mu_s']
+    """
+    found = {}
+    for field in dataclasses.fields(cls):
+        for hint in _alternatives(_hints(cls)[field.name]):
+            if typing.get_origin(hint) is Annotated:
+                found.update({field.name: q for q in hint.__metadata__ if isinstance(q, Quantity)})
+    return types.MappingProxyType(found)
+
+
+def parameters(root: Parametrised, prefix: str) -> Iterator[tuple[str, Quantity, float]]:
+    """Yield path, quantity and value of each parameter that stands in the equations.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> [
+    ...     (path, value)
+    ...     for path, _, value in parameters(Coulomb(kinetic_coefficient=0.2), "friction")
+    ... ]
+    [('friction.kinetic_coefficient', 0.2)]
+    """
+    quantities = fields_of(type(root))
+    for field in dataclasses.fields(root):
+        value = getattr(root, field.name)
+        path = f"{prefix}.{field.name}"
+        if field.name in quantities:
+            if quantities[field.name].stands_in_equations(value):
+                yield path, quantities[field.name], value
+        elif isinstance(value, Parametrised):
+            yield from parameters(value, path)
+        elif isinstance(value, tuple):
+            for index, item in enumerate(value):
+                if isinstance(item, Parametrised):
+                    yield from parameters(item, f"{path}.{index}")
+
+
+def shadow(root: T, prefix: str, symbol: Callable[[str], Any]) -> T:
+    """Copy `root` with each parameter of the equations replaced by `symbol(path)`, unchecked.
+
+    This is how equations written for numbers are traced: the same methods run on symbols.
+    """
+    twin = object.__new__(type(root))
+    quantities = fields_of(type(root))
+    for field in dataclasses.fields(root):
+        value = getattr(root, field.name)
+        path = f"{prefix}.{field.name}"
+        if field.name in quantities:
+            if quantities[field.name].stands_in_equations(value):
+                value = symbol(path)
+        elif isinstance(value, Parametrised):
+            value = shadow(value, path, symbol)
+        elif isinstance(value, tuple):
+            value = tuple(
+                shadow(item, f"{path}.{index}", symbol) if isinstance(item, Parametrised) else item
+                for index, item in enumerate(value)
+            )
+        object.__setattr__(twin, field.name, value)
+    return twin
+
+
+def vary(root: T, prefix: str, changes: Mapping[str, float | None]) -> T:
+    """Return `root` with the parameters at the given full paths changed, checked as ever.
+
+    Raises
+    ------
+    UnknownNameError
+        If a path names no parameter.
+    """
+    grouped: dict[str, dict[str, float | None]] = {}
+    own: dict[str, Any] = {}
+    quantities = fields_of(type(root))
+    for path, value in changes.items():
+        name, _, rest = path.removeprefix(prefix + ".").partition(".")
+        if not rest and name in quantities:
+            own[name] = value
+        elif rest and hasattr(root, name):
+            grouped.setdefault(name, {})[path] = value
+        else:
+            known = [known for known, _, _ in parameters(root, prefix)]
+            raise UnknownNameError("parameter", path, known)
+    for name, inner in grouped.items():
+        own[name] = _vary_member(getattr(root, name), f"{prefix}.{name}", inner)
+    return dataclasses.replace(root, **own)
+
+
+def _vary_member(member: Any, prefix: str, changes: Mapping[str, float | None]) -> Any:
+    if isinstance(member, Parametrised):
+        return vary(member, prefix, changes)
+    if isinstance(member, tuple):
+        items = list(member)
+        for path, value in changes.items():
+            index = int(path.removeprefix(prefix + ".").partition(".")[0])
+            items[index] = vary(items[index], f"{prefix}.{index}", {path: value})
+        return tuple(items)
+    raise UnknownNameError("parameter", next(iter(changes)), [])
+
+
+def named(registry: Mapping[str, Any], name: str, kind: str) -> Any:
+    """Look a name up, or say which known names are nearest."""
+    if name not in registry:
+        raise UnknownNameError(kind, name, registry)
+    return registry[name]

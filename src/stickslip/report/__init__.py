@@ -1,0 +1,66 @@
+"""Reports: self-contained HTML pages, independent of any physics."""
+
+from stickslip.report.blocks import (
+    Block,
+    Caption,
+    Code,
+    Columns,
+    Fact,
+    Facts,
+    Figure,
+    Gallery,
+    KeyValue,
+    KeyValues,
+    Math,
+    Note,
+    Panel,
+    Paragraph,
+    Reference,
+    References,
+    Subheading,
+)
+from stickslip.report.documents import LawLine, Opening, Page, Section
+from stickslip.report.markup import inline, mathml, symbol, symbol_text
+from stickslip.report.page import render, write
+from stickslip.report.rowplots import Axis, Mark, RowPlot
+from stickslip.report.tables import Cell, Column, Correlations, Name, Number, Row, Table
+
+__all__ = [
+    "Axis",
+    "Block",
+    "Caption",
+    "Cell",
+    "Code",
+    "Column",
+    "Columns",
+    "Correlations",
+    "Fact",
+    "Facts",
+    "Figure",
+    "Gallery",
+    "KeyValue",
+    "KeyValues",
+    "LawLine",
+    "Mark",
+    "Math",
+    "Name",
+    "Note",
+    "Number",
+    "Opening",
+    "Page",
+    "Panel",
+    "Paragraph",
+    "Reference",
+    "References",
+    "Row",
+    "RowPlot",
+    "Section",
+    "Subheading",
+    "Table",
+    "inline",
+    "mathml",
+    "render",
+    "symbol",
+    "symbol_text",
+    "write",
+]

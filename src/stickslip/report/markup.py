@@ -1,0 +1,226 @@
+"""Inline HTML that is safe: all text is escaped, and a small markup gives it symbols and weight."""
+
+import html
+import re
+from types import MappingProxyType
+from typing import Final
+from xml.etree import ElementTree
+
+from markupsafe import Markup, escape
+
+from stickslip.errors import InputError
+
+__all__ = ["inline", "mathml", "plain", "symbol", "symbol_text"]
+
+_GREEK: Final = MappingProxyType(
+    {"alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ"}
+    | {"eta": "η", "theta": "θ", "iota": "ι", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "ν"}
+    | {"xi": "ξ", "omicron": "ο", "pi": "π", "rho": "ρ", "sigma": "σ", "tau": "τ"}
+    | {"upsilon": "υ", "phi": "φ", "chi": "χ", "psi": "ψ", "omega": "ω", "Gamma": "Γ"}
+    | {"Delta": "Δ", "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π", "Sigma": "Σ"}
+    | {"Phi": "Φ", "Psi": "Ψ", "Omega": "Ω"}
+)
+_SUBSCRIPTS: Final = MappingProxyType(
+    dict(
+        zip("0123456789+−aehijklmnoprstuvxβγρφχ", "₀₁₂₃₄₅₆₇₈₉₊₋ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓᵦᵧᵨᵩᵪ", strict=True)
+    )
+)
+_TOKEN: Final = re.compile(
+    r"\$(?P<symbol>[A-Za-z][A-Za-z0-9_+-]*)\$"
+    r"|\*\*(?P<bold>\S(?:.*?\S)?)\*\*"
+    r"|`(?P<code>[^`]+)`"
+    r"|\^\{(?P<sup>[^{}]*)\}"
+    r"|_\{(?P<sub>[^{}]*)\}"
+    r"|(?P<raised>[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)",
+    re.DOTALL,
+)
+_UNIT: Final = re.compile(
+    r"(?<=\d) (?=(?:%|±|×|[µmk]?m|m?s|k?N|[km]?J|k?g|k?Hz|[kMG]?Pa|m?rad|K|°C)(?![A-Za-z]))"
+)
+_TAGS: Final = MappingProxyType(
+    {"bold": "b", "code": "code", "sup": "sup", "sub": "sub", "raised": "sup"}
+)
+_RAISED: Final = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "−0123456789")
+
+
+def symbol(name: str) -> Markup:
+    """Return a symbol as HTML: an italic letter with an upright subscript.
+
+    Parameters
+    ----------
+    name : str
+        Letter or Greek name, then perhaps an underscore and a subscript.
+
+    Returns
+    -------
+    markupsafe.Markup
+        The HTML.
+
+    Raises
+    ------
+    InputError
+        If the name is empty.
+
+    Examples
+    --------
+    >>> print(symbol("mu_d"), symbol("F_v-"))
+    <i class="v">μ</i><sub>d</sub> <i class="v">F</i><sub>v−</sub>
+    """
+    letter, subscript = _parts(name)
+    below = Markup("<sub>{}</sub>").format(subscript) if subscript else ""
+    return Markup('<i class="v">{}</i>{}').format(letter, below)
+
+
+def symbol_text(name: str) -> str:
+    """Return a symbol as plain text, for figures and terminals.
+
+    Parameters
+    ----------
+    name : str
+        Letter or Greek name, then perhaps an underscore and a subscript.
+
+    Returns
+    -------
+    str
+        The letter and a Unicode subscript, or an underscore where Unicode has none.
+
+    Raises
+    ------
+    InputError
+        If the name is empty.
+
+    Examples
+    --------
+    >>> symbol_text("sigma_0"), symbol_text("mu_d")
+    ('σ₀', 'μ_d')
+    """
+    letter, subscript = _parts(name)
+    if not subscript:
+        return letter
+    if all(character in _SUBSCRIPTS for character in subscript):
+        return letter + "".join(_SUBSCRIPTS[character] for character in subscript)
+    return f"{letter}_{subscript}"
+
+
+def inline(text: str) -> Markup:
+    r"""Return text as HTML, escaped but for a small markup.
+
+    ``$mu_d$`` is a symbol, ``**bold**`` and backticks are what they look like, ``^{2}`` and
+    ``_{2}`` stand above and below the line. A number is not parted from its unit by a line break.
+
+    Parameters
+    ----------
+    text : str
+        The text. What is already `markupsafe.Markup` is returned as it is.
+
+    Returns
+    -------
+    markupsafe.Markup
+        The HTML.
+
+    Examples
+    --------
+    >>> print(inline("**Rest**: $v$ < 10^{-6} m/s"))
+    <b>Rest</b>: <i class="v">v</i> &lt; 10<sup>-6</sup> m/s
+    >>> inline("10 N for 0.1 s")
+    Markup('10\xa0N for 0.1\xa0s')
+    """
+    if isinstance(text, Markup):
+        return text
+    text = _UNIT.sub("\N{NO-BREAK SPACE}", text)
+    out, end = Markup(), 0
+    for match in _TOKEN.finditer(text):
+        out += escape(text[end : match.start()]) + _token(match)
+        end = match.end()
+    return out + escape(text[end:])
+
+
+def plain(text: str) -> str:
+    """Return the same text without tags, for titles and labels.
+
+    Parameters
+    ----------
+    text : str
+        Text with the markup of `inline`, or `markupsafe.Markup`.
+
+    Returns
+    -------
+    str
+        Unescaped text.
+
+    Examples
+    --------
+    >>> plain("**Rest**: $mu_d$ < 1")
+    'Rest: μ_d < 1'
+    """
+    if not isinstance(text, Markup):
+        text = _TOKEN.sub(_plain_token, text)
+        return text
+    return text.striptags()
+
+
+def mathml(latex: str, *, display: bool = True) -> Markup:
+    r"""Return an equation as MathML.
+
+    Parameters
+    ----------
+    latex : str
+        The equation in LaTeX, without dollar signs.
+    display : bool
+        On a line of its own, with full-sized fractions and sums.
+
+    Returns
+    -------
+    markupsafe.Markup
+        A ``<math>`` element. Nothing in it can run, link or load.
+
+    Raises
+    ------
+    InputError
+        If the LaTeX cannot be read.
+
+    Examples
+    --------
+    >>> print(mathml(r"F = \mu_d N", display=False)[:46])
+    <math display="inline"><mrow><mi>F</mi><mo>=</
+    """
+    from latex2mathml.converter import convert_to_element
+
+    try:
+        root = convert_to_element(latex, display="block" if display else "inline")
+    except Exception as error:  # each of its exceptions stands alone
+        raise InputError(f"cannot read the equation {latex!r}: {type(error).__name__}.") from error
+    # The converter writes entities as text and lets a caller unescape the whole, tags included.
+    for element in root.iter():
+        element.text = html.unescape(element.text) if element.text else None
+        for key in ("xmlns", "href", "style"):
+            element.attrib.pop(key, None)
+        if element.tag == "mo" and element.text in {"|", "/"}:
+            # Browsers space these like signs of relation, whatever stands beside them.
+            element.attrib |= {"lspace": "0", "rspace": "0"}
+    return Markup(ElementTree.tostring(root, encoding="unicode"))
+
+
+def _parts(name: str) -> tuple[str, str]:
+    letter, _, subscript = name.partition("_")
+    if not letter:
+        raise InputError(f"a symbol begins with a letter, got {name!r}.")
+    below = "".join(_GREEK.get(part, part) for part in re.split(r"([^A-Za-z]+)", subscript))
+    return _GREEK.get(letter, letter), below.replace("-", "−").replace("_", ",")
+
+
+def _token(match: re.Match[str]) -> Markup:
+    kind, content = match.lastgroup or "", match[match.lastgroup or 0]
+    if kind == "symbol":
+        return symbol(content)
+    if kind == "raised":
+        content = content.translate(_RAISED)  # fonts draw the small digits unlike each other
+    inner = inline(content) if kind == "bold" else escape(content)
+    return Markup("<{0}>{1}</{0}>").format(Markup(_TAGS[kind]), inner)
+
+
+def _plain_token(match: re.Match[str]) -> str:
+    kind, content = match.lastgroup or "", match[match.lastgroup or 0]
+    if kind == "symbol":
+        return symbol_text(content)
+    return plain(content) if kind == "bold" else content

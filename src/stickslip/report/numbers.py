@@ -1,0 +1,399 @@
+"""Numbers as a reader wants them: rounded to what is known, and never as ``nan`` or ``2.9e-15``.
+
+Every function returns plain text, for HTML, a terminal or a file alike. A true minus, commas in
+thousands, no-break spaces where a line must not end. What is not a number is said in words.
+"""
+
+import math
+from typing import Final, NamedTuple
+
+from stickslip.errors import InputError
+from stickslip.report import _decimals as dec
+from stickslip.report._decimals import NO_BREAK_SPACE, NOT_FINITE, UNBOUNDED
+
+__all__ = [
+    "NOT_FINITE",
+    "NO_BREAK_SPACE",
+    "UNBOUNDED",
+    "Estimate",
+    "estimate",
+    "fixed",
+    "interval",
+    "length",
+    "percent",
+    "ratio",
+    "residue",
+    "score",
+    "signed_percent",
+    "significant",
+    "split_estimate",
+    "with_unit",
+]
+
+_PLAIN_POWERS: Final = range(-4, 7)
+_DIGITS_OF_A_FLOAT: Final = 15
+
+
+class Estimate(NamedTuple):
+    """A value and its doubt, as two texts."""
+
+    value: str
+    doubt: str
+
+
+def estimate(value: float, half_width: float) -> str:
+    r"""Return a value with the half width of its interval, both ending at the same digit.
+
+    The half width has one digit, or two if it begins with 1.
+
+    Parameters
+    ----------
+    value : float
+        The estimate.
+    half_width : float
+        Half the width of its interval, or a standard error; not negative.
+
+    Returns
+    -------
+    str
+        Such as "158 ± 4".
+
+    Raises
+    ------
+    InputError
+        If the half width is negative.
+
+    Examples
+    --------
+    >>> estimate(158.2, 4.1), estimate(231.4, 11.9), estimate(0.25512, math.inf)
+    ('158\xa0±\xa04', '231\xa0±\xa012', '0.255 (doubt unbounded)')
+    """
+    parts = split_estimate(value, half_width)
+    if not parts.doubt.startswith("±"):
+        return " ".join(part for part in parts if part)
+    number, factor = dec.mantissa(parts.value)
+    if factor:
+        doubt, _ = dec.mantissa(parts.doubt)
+        return dec.glued(f"({number} {doubt}) {factor}")
+    return dec.glued(f"{parts.value} {parts.doubt}")
+
+
+def split_estimate(value: float, half_width: float) -> Estimate:
+    r"""Return a value and its doubt apart, for a page that sets them in different sizes.
+
+    Parameters
+    ----------
+    value : float
+        The estimate.
+    half_width : float
+        Half the width of its interval, or a standard error; not negative.
+
+    Returns
+    -------
+    Estimate
+        The two texts.
+
+    Raises
+    ------
+    InputError
+        If the half width is negative.
+
+    Examples
+    --------
+    >>> split_estimate(21.13, 0.42)
+    Estimate(value='21.1', doubt='±\xa00.4')
+    """
+    if half_width < 0:
+        raise InputError(f"a half width is not negative, got {half_width!r}.")
+    if not math.isfinite(value):
+        return Estimate(dec.in_words(value), "")
+    if not math.isfinite(half_width):
+        return Estimate(significant(value, 3), f"(doubt {dec.in_words(half_width)})")
+    if half_width == 0:
+        return Estimate(f"exactly {significant(value, 6)}", "")
+    if half_width < abs(value) * 10**-_DIGITS_OF_A_FLOAT:
+        return Estimate(significant(value, 6), "(doubt below rounding)")
+    doubt, place = dec.rounded_doubt(dec.decimal(half_width))
+    number = dec.at_place(dec.decimal(value), place)
+    power = max(dec.power_of(number), dec.power_of(doubt))
+    if power in _PLAIN_POWERS:
+        return Estimate(dec.plain(number, place), f"±{NO_BREAK_SPACE}{dec.plain(doubt, place)}")
+    factor = f"{NO_BREAK_SPACE}{dec.power_factor(power)}"
+    scaled = [dec.plain(part.scaleb(-power), place - power) for part in (number, doubt)]
+    return Estimate(scaled[0] + factor, f"±{NO_BREAK_SPACE}{scaled[1]}{factor}")
+
+
+def interval(low: float, high: float) -> str:
+    """Return a range, its ends rounded to two digits of its width.
+
+    Parameters
+    ----------
+    low, high : float
+        The ends; infinite if that side is open.
+
+    Returns
+    -------
+    str
+        Such as "0.249 to 0.261".
+
+    Raises
+    ------
+    InputError
+        If `low` is above `high`.
+
+    Examples
+    --------
+    >>> interval(0.24871, 0.26113), interval(-math.inf, 0.7), interval(0.0, math.inf)
+    ('0.249 to 0.261', 'at most 0.700', 'at least 0')
+    """
+    if math.isnan(low) or math.isnan(high):
+        return NOT_FINITE
+    if low > high:
+        raise InputError(f"a range has its low end first, got {low!r}, {high!r}.")
+    if math.isinf(high):
+        return f"at least {significant(low, 3)}" if math.isfinite(low) else UNBOUNDED
+    if math.isinf(low):
+        return f"at most {significant(high, 3)}"
+    if low == high:
+        return f"exactly {significant(low, 6)}"
+    place = dec.power_of(dec.decimal(high) - dec.decimal(low)) - 1
+    place = max(place, dec.power_of(dec.decimal(max(abs(low), abs(high)))) - _DIGITS_OF_A_FLOAT + 1)
+    ends = [dec.decimal(low), dec.decimal(high)]
+    lost = any(end and dec.power_of(end) < place for end in ends)
+    odd = any(end and dec.power_of(end) not in _PLAIN_POWERS for end in ends)
+    if lost or odd:
+        # One rounding cannot show both ends: over many powers of ten each has its own.
+        digits = min(max(dec.power_of(max(ends, key=abs)) - place + 1, 2), _DIGITS_OF_A_FLOAT)
+        return " to ".join(significant(end, 2 if lost else digits) for end in (low, high))
+    return " to ".join(dec.plain(dec.at_place(end, place), place) for end in ends)
+
+
+def significant(value: float, digits: int) -> str:
+    r"""Return a number rounded to some significant digits.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+    digits : int
+        How many digits to keep, at least 1.
+
+    Returns
+    -------
+    str
+        Plain from 0.0001 to 9,999,999 and as a power of ten beyond.
+
+    Raises
+    ------
+    InputError
+        If `digits` is below 1.
+
+    Examples
+    --------
+    >>> significant(0.2, 3), significant(24841, 5), significant(2e9, 2), significant(-3.14159, 3)
+    ('0.200', '24,841', '2.0\xa0×\xa010⁹', '−3.14')
+    """
+    if digits < 1:
+        raise InputError(f"at least 1 digit must be kept, got {digits!r}.")
+    if not math.isfinite(value):
+        return dec.in_words(value)
+    if value == 0:
+        return "0"
+    exact = dec.decimal(value)
+    place = dec.power_of(exact) - digits + 1
+    number = dec.at_place(exact, place)
+    power = dec.power_of(number)
+    place = power - digits + 1
+    if power in _PLAIN_POWERS:
+        return dec.plain(number, place)
+    mantissa = dec.plain(number.scaleb(-power), place - power)
+    return f"{mantissa}{NO_BREAK_SPACE}{dec.power_factor(power)}"
+
+
+def fixed(value: float, decimals: int) -> str:
+    """Return a number with a given number of decimals.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+    decimals : int
+        How many digits follow the point.
+
+    Returns
+    -------
+    str
+        The number, or what it is in words if it is not finite.
+
+    Examples
+    --------
+    >>> fixed(1234.567, 1), fixed(-0.001, 2)
+    ('1,234.6', '0.00')
+    """
+    if not math.isfinite(value):
+        return dec.in_words(value)
+    if dec.power_of(dec.decimal(value)) >= _DIGITS_OF_A_FLOAT:
+        return significant(value, 3)
+    return dec.plain(dec.at_place(dec.decimal(value), -decimals), -decimals)
+
+
+def score(value: float) -> str:
+    """Return a score: two decimals below 10, one from 10 up.
+
+    Parameters
+    ----------
+    value : float
+        The score, in the unit of its column.
+
+    Returns
+    -------
+    str
+        The number.
+
+    Examples
+    --------
+    >>> score(0.2412), score(12.58), score(math.inf)
+    ('0.24', '12.6', 'unbounded')
+    """
+    return fixed(value, 1 if abs(value) >= 9.995 else 2)
+
+
+def percent(fraction: float) -> str:
+    r"""Return a fraction in percent with two digits.
+
+    Parameters
+    ----------
+    fraction : float
+        The fraction: 0.019 is 1.9 %.
+
+    Returns
+    -------
+    str
+        The percentage with its sign if it is negative.
+
+    Examples
+    --------
+    >>> percent(0.019), percent(0.2306), percent(1.234)
+    ('1.9\xa0%', '23\xa0%', '123\xa0%')
+    """
+    if not math.isfinite(fraction):
+        return dec.in_words(fraction)
+    number = 100 * dec.decimal(fraction)
+    digits = 2 if abs(number) < 100 else dec.power_of(number) + 1
+    return with_unit(significant(float(number), digits), "%")
+
+
+def signed_percent(fraction: float) -> str:
+    r"""Return a fraction in percent with two digits and always a sign, except for zero.
+
+    Parameters
+    ----------
+    fraction : float
+        The fraction: -0.23 is −23 %.
+
+    Returns
+    -------
+    str
+        The percentage.
+
+    Examples
+    --------
+    >>> signed_percent(0.0191), signed_percent(-0.23), signed_percent(0.0)
+    ('+1.9\xa0%', '−23\xa0%', '0\xa0%')
+    """
+    plus = "+" if math.isfinite(fraction) and fraction > 0 else ""
+    return plus + percent(fraction)
+
+
+def ratio(value: float) -> str:
+    r"""Return how many times one thing is another, with one decimal.
+
+    Parameters
+    ----------
+    value : float
+        The ratio.
+
+    Returns
+    -------
+    str
+        Such as "3.8 ×".
+
+    Examples
+    --------
+    >>> ratio(3.78)
+    '3.8\xa0×'
+    """
+    return with_unit(fixed(value, 1), "×") if math.isfinite(value) else dec.in_words(value)
+
+
+def residue(value: float) -> str:
+    r"""Return a small leftover, such as an energy mismatch, with one digit.
+
+    Parameters
+    ----------
+    value : float
+        The leftover.
+
+    Returns
+    -------
+    str
+        Such as "3 × 10⁻¹⁵"; a true zero is "exactly 0".
+
+    Examples
+    --------
+    >>> residue(2.9e-15), residue(0.0), residue(0.021)
+    ('3\xa0×\xa010⁻¹⁵', 'exactly 0', '0.02')
+    """
+    return significant(value, 1) if value != 0 else "exactly 0"
+
+
+def length(metres: float, digits: int = 3) -> str:
+    r"""Return a length in metres, or in millimetres where metres would need leading zeros.
+
+    Parameters
+    ----------
+    metres : float
+        The length [m].
+    digits : int
+        Significant digits.
+
+    Returns
+    -------
+    str
+        The length with its unit.
+
+    Examples
+    --------
+    >>> length(0.20387), length(0.0009, 1), length(6e-12, 1)
+    ('0.204\xa0m', '0.9\xa0mm', '6\xa0×\xa010⁻¹²\xa0m')
+    """
+    if not math.isfinite(metres):
+        return dec.in_words(metres)
+    if abs(metres) >= 1e-6 and dec.power_of(dec.decimal(metres)) < -1:
+        return with_unit(significant(float(dec.decimal(metres).scaleb(3)), digits), "mm")
+    return with_unit(significant(metres, digits), "m")
+
+
+def with_unit(number: str, unit: str) -> str:
+    r"""Return a formatted number and its unit, which no line break parts.
+
+    Parameters
+    ----------
+    number : str
+        The number; words such as "unbounded" take no unit.
+    unit : str
+        The unit; nothing for a pure number.
+
+    Returns
+    -------
+    str
+        Both.
+
+    Examples
+    --------
+    >>> with_unit("158 ± 4", "N s/m"), with_unit("unbounded", "N")
+    ('158\xa0±\xa04\xa0N\xa0s/m', 'unbounded')
+    """
+    if not unit or not any(character.isdigit() for character in number):
+        return number
+    return dec.glued(f"{number} {unit}")

@@ -1,0 +1,258 @@
+"""Plots one line high inside a table: placed in percent, so that they stretch with the cell."""
+
+import math
+from dataclasses import dataclass
+from typing import Final, Literal, NamedTuple, TypeAlias, final
+
+from stickslip.errors import InputError
+from stickslip.report import numbers
+
+__all__ = ["Axis", "Colour", "Mark", "RowPlot", "Shape", "Tick"]
+
+Colour: TypeAlias = Literal["c1", "c2", "c3", "c4", "data", "ink", "muted"]
+"""A colour by its meaning; the style sheet says which it is in light, dark and print."""
+
+_NEAR_AN_END: Final = 4.0
+
+
+class Tick(NamedTuple):
+    """A tick of an axis, ready to place."""
+
+    left: str
+    text: str
+    side: Literal["first", "middle", "last"]
+
+
+class Shape(NamedTuple):
+    """A piece of a row plot, ready to place."""
+
+    kind: str
+    colour: str
+    left: str
+    right: str
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Axis:
+    """The horizontal axis that the plots of a column share.
+
+    Parameters
+    ----------
+    low, high : float
+        Its ends, finite.
+    ticks : tuple of float
+        Where thin lines and numbers stand.
+    labels : tuple of str
+        The numbers; the ticks themselves if left out.
+    log : bool
+        Whether equal ratios have equal lengths. For scores that span more than 20 times.
+    reference : float, optional
+        Where a strong line stands, such as the measured value.
+    caption : str
+        Quantity and unit, and what each mark is.
+
+    Raises
+    ------
+    InputError
+        If the ends are not finite and in order, or something lies outside.
+
+    Examples
+    --------
+    >>> Axis(low=0.1, high=10.0, ticks=(0.1, 1.0, 10.0), log=True).position(1.0)
+    50.0
+    """
+
+    low: float
+    high: float
+    ticks: tuple[float, ...] = ()
+    labels: tuple[str, ...] = ()
+    log: bool = False
+    reference: float | None = None
+    caption: str = ""
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
+            raise InputError(f"Axis: low and high must be finite and low < high, got {self}.")
+        if self.log and self.low <= 0:
+            raise InputError(f"Axis: a logarithmic axis begins above 0, got low={self.low!r}.")
+        if self.labels and len(self.labels) != len(self.ticks):
+            raise InputError(f"Axis: {len(self.ticks)} ticks but {len(self.labels)} labels.")
+        placed = self.ticks if self.reference is None else (*self.ticks, self.reference)
+        outside = [value for value in placed if not self.low <= value <= self.high]
+        if outside:
+            raise InputError(f"Axis: outside {self.low!r} to {self.high!r}: {outside}.")
+
+    def position(self, value: float) -> float:
+        """Return where a value stands, in percent of the length of the axis.
+
+        Parameters
+        ----------
+        value : float
+            The value.
+
+        Returns
+        -------
+        float
+            0 at `low`, 100 at `high`, below or above for a value outside.
+
+        Examples
+        --------
+        >>> Axis(low=0.0, high=0.5).position(0.2)
+        40.0
+        """
+        if not self.log:
+            return 100 * (value - self.low) / (self.high - self.low)
+        if not value > 0:
+            return math.nan if math.isnan(value) else -math.inf
+        return 100 * math.log(value / self.low) / math.log(self.high / self.low)
+
+    def percent(self, value: float) -> str:
+        """Return where a value stands, as a CSS length.
+
+        Parameters
+        ----------
+        value : float
+            The value.
+
+        Returns
+        -------
+        str
+            Such as "40%".
+
+        Examples
+        --------
+        >>> Axis(low=0.0, high=0.5).percent(0.2)
+        '40%'
+        """
+        return _percent(self.position(value))
+
+    def placed_ticks(self) -> tuple[Tick, ...]:
+        """Return the ticks with their places; those at the ends must not stick out.
+
+        Returns
+        -------
+        tuple of Tick
+            In the order of `ticks`.
+
+        Examples
+        --------
+        >>> Axis(low=0.0, high=1.0, ticks=(0.0, 0.5)).placed_ticks()[1]
+        Tick(left='50%', text='0.5', side='middle')
+        """
+        labels = self.labels or tuple(_tick_text(tick) for tick in self.ticks)
+        out = []
+        for tick, text in zip(self.ticks, labels, strict=True):
+            at = self.position(tick)
+            is_first, is_last = at < _NEAR_AN_END, at > 100 - _NEAR_AN_END
+            out.append(
+                Tick(_percent(at), text, "first" if is_first else "last" if is_last else "middle")
+            )
+        return tuple(out)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Mark:
+    """One mark of a row plot.
+
+    Parameters
+    ----------
+    kind : {"dot", "ring", "triangle", "bar", "link"}
+        A dot is this fit, a ring a published value, a triangle a further one; a bar is an
+        interval, a dotted link joins two marks.
+    at : float
+        Where it stands or begins.
+    to : float, optional
+        Where a bar or link ends.
+    colour : str
+        Its meaning; a ring is always muted.
+
+    Raises
+    ------
+    InputError
+        If a bar or link has no end, or another mark has one.
+
+    Examples
+    --------
+    >>> Mark(kind="bar", at=0.2, to=0.3).colour
+    'c1'
+    """
+
+    kind: Literal["dot", "ring", "triangle", "bar", "link"]
+    at: float
+    to: float | None = None
+    colour: Colour = "c1"
+
+    def __post_init__(self) -> None:
+        if (self.kind in {"bar", "link"}) is (self.to is None):
+            wanted = "needs `to`" if self.to is None else "takes no `to`"
+            raise InputError(f"Mark: a {self.kind} {wanted}, got {self.to!r}.")
+
+    def shapes(self, axis: Axis) -> tuple[Shape, ...]:
+        """Return what to draw; what lies beyond the axis becomes an arrow at that end.
+
+        Parameters
+        ----------
+        axis : Axis
+            The axis.
+
+        Returns
+        -------
+        tuple of Shape
+            Nothing for a mark whose place is not a number.
+
+        Examples
+        --------
+        >>> [s.kind for s in Mark(kind="bar", at=1, to=math.inf).shapes(Axis(low=0, high=2))]
+        ['bar', 'above']
+        """
+        ends = sorted(
+            axis.position(end) for end in (self.at, self.at if self.to is None else self.to)
+        )
+        if any(math.isnan(end) for end in ends):
+            return ()
+        first, last = ends
+        arrows = [("below", first < 0), ("above", last > 100)]
+        out = [Shape(kind, self.colour, "0%", "0%") for kind, is_drawn in arrows if is_drawn]
+        if last >= 0 and first <= 100:
+            left, right = _percent(max(first, 0)), _percent(100 - min(last, 100))
+            out.insert(0, Shape(self.kind, self.colour, left, right))
+        return tuple(out)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class RowPlot:
+    """A table cell that shows numbers of its row along an axis.
+
+    Parameters
+    ----------
+    marks : tuple of Mark
+        What is drawn, the last on top.
+    axis : Axis, optional
+        An axis of its own, with numbers below; without it, that of the column.
+    lanes : {1, 2}
+        With 2, rings stand above the other marks, which they might hide.
+    alt : str
+        What it shows, if the cells beside it do not say so.
+
+    Examples
+    --------
+    >>> RowPlot(marks=(Mark(kind="dot", at=0.204),)).lanes
+    1
+    """
+
+    marks: tuple[Mark, ...]
+    axis: Axis | None = None
+    lanes: Literal[1, 2] = 1
+    alt: str = ""
+
+
+def _tick_text(value: float) -> str:
+    text = f"{value:g}"
+    return numbers.residue(value) if "e" in text else text.replace("-", "−")
+
+
+def _percent(value: float) -> str:
+    return f"{value:.2f}".rstrip("0").rstrip(".") + "%"

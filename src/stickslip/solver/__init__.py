@@ -1,0 +1,7 @@
+"""Solvers: the event-driven one, and the fixed step of a block diagram."""
+
+from stickslip.solver.base import Solver
+from stickslip.solver.event_driven import EventDriven
+from stickslip.solver.fixed_step import FixedStep
+
+__all__ = ["EventDriven", "FixedStep", "Solver"]

@@ -1,0 +1,50 @@
+"""What a solver is."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from stickslip.friction import FrictionLaw, PrintedForm
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Parametrised
+from stickslip.trajectory import Trajectory
+
+__all__ = ["Solver", "column_units"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solver(Parametrised, ABC):
+    """Settings of a method, which knows how to run a mechanism with a law."""
+
+    @abstractmethod
+    def run(
+        self,
+        mechanism: Mechanism,
+        law: FrictionLaw | PrintedForm,
+        *,
+        y0: Sequence[float],
+        t_end: float,
+    ) -> Trajectory:
+        """Integrate from time 0 to `t_end`.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What moves.
+        law : FrictionLaw or PrintedForm
+            What holds it back.
+        y0 : sequence of float
+            Coordinates, rates and bristle states at time 0.
+        t_end : float
+            Last time [s].
+        """
+
+
+def column_units(mechanism: Mechanism, bristles: Sequence[str]) -> dict[str, str]:
+    """Return the unit of each column of a trajectory."""
+    units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    units |= {
+        rate: f"{unit}/s" for rate, unit in zip(mechanism.rates, mechanism.units, strict=True)
+    }
+    units |= dict.fromkeys(bristles, "m")
+    return units | {"friction": "N", "normal_force": "N", "mode": "1"}

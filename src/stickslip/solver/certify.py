@@ -1,0 +1,71 @@
+"""The certificate of a run: evidence that does not come from error control."""
+
+from types import ModuleType
+
+import numpy as np
+
+from stickslip.solver.playback import Playback
+from stickslip.trajectory import Certificate
+
+__all__ = ["certify"]
+
+VIOLATION_LIMIT = 1e-9
+RESIDUAL_LIMIT = 1e-6
+"""Events are located to rounding of the time; a steep guard at a late time leaves this much."""
+
+
+def certify(
+    playback: Playback, module: ModuleType, real: list[float], whole: list[int], tolerance: float
+) -> Certificate:
+    """Check energy, guards, events and stick of a finished run."""
+    energy_error = _energy_error(playback, module, real)
+    violation, residual = real[module.VIOLATION], real[module.RESIDUAL]
+    drift = _stick_drift(playback, module)
+    energy_limit = max(1e-9, 1e3 * tolerance)
+    problems = []
+    if not energy_error <= energy_limit:
+        problems.append(f"energy does not balance: {energy_error:.1e}, allowed {energy_limit:.0e}")
+    if not violation <= VIOLATION_LIMIT:
+        problems.append(f"a condition of a mode is violated by {violation:.1e} of its size")
+    if not residual <= RESIDUAL_LIMIT:
+        problems.append(f"an event was located only to {residual:.1e} of its guard")
+    if drift != 0:
+        problems.append(f"a stuck body moved by {drift:.1e} m")
+    return Certificate(
+        energy_error=energy_error,
+        guard_violation=violation,
+        event_residual=residual,
+        stick_drift=drift,
+        steps=whole[module.STEPS],
+        rejected=whole[module.REJECTED],
+        problems=tuple(problems),
+    )
+
+
+def _energy_error(playback: Playback, module: ModuleType, real: list[float]) -> float:
+    """Return the mismatch of the energy balance over the largest energy or work in it."""
+    start, end = (_energy(playback, module, at) for at in (0, -1))
+    supplied, taken = real[module.SUPPLIED], real[module.TAKEN]
+    size = max(abs(start), abs(end), abs(supplied), abs(taken))
+    return abs(end - start - supplied + taken) / size if size > 0 else 0.0
+
+
+def _energy(playback: Playback, module: ModuleType, at: int) -> float:
+    """Return the energy at the start of the first row or the end of the last."""
+    row = playback.rows[at]
+    t = row[0] if at == 0 else row[1]
+    index = np.array([at % len(playback.rows)])
+    state = playback.states(np.array([t]), index)[0].tolist()
+    out = [0.0]
+    module.energy(int(row[4]), float(t), state, playback.parameters(int(row[5])), out)
+    return out[0]
+
+
+def _stick_drift(playback: Playback, module: ModuleType) -> float:
+    """Return the largest change of the slip coordinate within a row of sticking."""
+    rows = playback.rows
+    stuck = rows[rows[:, 3] == 0]
+    coordinate = module.SLIP - module.N_COORDINATES
+    n = module.N_STATES
+    places = [module.DENSE_AT + term * n + coordinate for term in range(module.TERMS)]
+    return float(np.abs(stuck[:, places]).max()) if len(stuck) else 0.0

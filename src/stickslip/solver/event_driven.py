@@ -1,0 +1,151 @@
+"""The event-driven solver: exact switching between stick and slip."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Annotated, final
+
+from typing_extensions import override
+
+from stickslip.errors import InputError
+from stickslip.formulation import Model, formulate
+from stickslip.friction import BristleLaw, FrictionLaw, PrintedForm
+from stickslip.kernels import codes
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity
+from stickslip.solver.base import Solver, column_units
+from stickslip.solver.certify import certify
+from stickslip.solver.modules import load
+from stickslip.solver.playback import Playback
+from stickslip.solver.tables import Inputs, gather
+from stickslip.trajectory import Event, Status, Trajectory
+
+__all__ = ["EventDriven"]
+
+STATUS = {
+    codes.END_TIME: Status.END_TIME,
+    codes.AT_REST: Status.AT_REST,
+    codes.LIFTED_OFF: Status.LIFT_OFF,
+    codes.STEP_LIMIT: Status.STEP_LIMIT,
+    codes.STEP_TOO_SMALL: Status.STEP_TOO_SMALL,
+    codes.ZENO: Status.ZENO,
+}
+REASONS = {
+    codes.STOP: "stop",
+    codes.BREAK_FORWARD: "break-away",
+    codes.BREAK_BACKWARD: "break-away",
+    codes.LIFT_OFF: "lift-off",
+}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class EventDriven(Solver):
+    """Integrates each mode with its own smooth equations and locates every change of mode.
+
+    Smooth modes take DOP853 steps, modes with bristles Rodas5P steps. Errors are judged against
+    the largest value each state has had, so any scale of units serves.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock, simulate
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> run = simulate(
+    ...     rig, Coulomb(kinetic_coefficient=0.25), t_end=1.0, solver=EventDriven(tolerance=1e-6)
+    ... )
+    >>> bool(abs(run["x"][-1] - 0.2038736) < 1e-6)
+    True
+    """
+
+    tolerance: Annotated[float, Quantity("rtol", low=1e-13, high=1e-2)] = 1e-12
+    """Local error of a step over the largest value so far, in smooth modes."""
+    stiff_tolerance: Annotated[float, Quantity("rtol", low=1e-13, high=1e-2)] = 1e-8
+    """The same in modes with bristles."""
+    max_steps: Annotated[float, Quantity("n", low=1)] = 1_000_000
+    """Steps after which a run is given up."""
+
+    @override
+    def run(
+        self,
+        mechanism: Mechanism,
+        law: FrictionLaw | PrintedForm,
+        *,
+        y0: Sequence[float],
+        t_end: float,
+    ) -> Trajectory:
+        if isinstance(law, PrintedForm):
+            raise InputError(
+                f"{type(law).__name__} is eq. {law.equation} as printed, which has no exact"
+                f" solution to switch between: run it with solver=FixedStep(...), or use the"
+                f" corrected law {law.corrected.__name__}."
+            )
+        model = formulate(mechanism, law)
+        module = load(model)
+        inputs = gather(mechanism, law, model)
+        tolerance = self.stiff_tolerance if isinstance(law, BristleLaw) else self.tolerance
+        state = [0.0] * 6, [0] * 8
+        log, rows = module.run(
+            list(inputs.p),
+            inputs.table,
+            inputs.bounds,
+            list(y0),
+            t_end,
+            tolerance,
+            inputs.time_scale / 6.0,
+            int(self.max_steps),
+            *state,
+        )
+        return _trajectory(mechanism, law, model, module, inputs, log, rows, state, tolerance)
+
+
+def _trajectory(
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    model: Model,
+    module: ModuleType,
+    inputs: Inputs,
+    log: Sequence[float],
+    rows: Sequence[float],
+    state: tuple[list[float], list[int]],
+    tolerance: float,
+) -> Trajectory:
+    """Wrap what the kernels recorded."""
+    real, whole = state
+    playback = Playback.from_log(model, module, inputs, log, whole[module.STEPS])
+    events = _events(mechanism, model, module, rows, whole[module.EVENTS])
+    bristles = law.bristles if isinstance(law, BristleLaw) else ()
+    return Trajectory(
+        t=playback.times(),
+        names=(*model.states, "friction", "normal_force", "mode"),
+        units=column_units(mechanism, bristles),
+        events=events,
+        status=STATUS[whole[module.STATUS]],
+        certificate=certify(playback, module, real, whole, tolerance),
+        span=playback.span(),
+        evaluate=playback,
+    )
+
+
+def _events(
+    mechanism: Mechanism, model: Model, module: ModuleType, rows: Sequence[float], count: int
+) -> tuple[Event, ...]:
+    """Translate the recorded events; switches without a name stay inside."""
+    (contact,) = mechanism.contacts()
+    events = []
+    for i in range(count):
+        t, before, after, guard, flags, margin = rows[6 * i : 6 * i + 6]
+        reason = _reason(model, int(guard), int(flags), int(after))
+        if reason is not None:
+            event = {"t": t, "from_mode": int(before), "to_mode": int(after)}
+            events.append(Event(contact=contact.name, reason=reason, margin=margin, **event))
+    return tuple(events)
+
+
+def _reason(model: Model, guard: int, flags: int, after: int) -> str | None:
+    if guard == codes.STOP and after != 0:
+        return "reversal"
+    if guard < codes.SWITCH:
+        return REASONS[guard]
+    names = model.switch_events[guard - codes.SWITCH]
+    holds = flags >> (guard - codes.SWITCH) & 1
+    return None if names is None else names[0 if holds else 1]

@@ -1,0 +1,171 @@
+"""A block diagram with a fixed step: what chatter, drift and false reversals come from."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Literal, TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.errors import ParameterError
+from stickslip.friction import FrictionLaw, PrintedForm
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity
+from stickslip.solver.base import Solver, column_units
+from stickslip.solver.diagram import Diagram
+from stickslip.trajectory import Certificate, Status, Trajectory
+
+__all__ = ["FixedStep"]
+
+Tableau: TypeAlias = tuple[tuple[tuple[float, ...], ...], tuple[float, ...]]
+
+TABLEAUS: dict[str, Tableau] = {
+    "euler": (((),), (1.0,)),
+    "heun": (((), (1.0,)), (0.5, 0.5)),
+    "rk4": (((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0)), (1 / 6, 1 / 3, 1 / 3, 1 / 6)),
+}
+"""Runge-Kutta coefficients: rows of stages, then weights."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FixedStep(Solver):
+    """Evaluates the friction block literally at every stage of a fixed step.
+
+    Nothing is located: a reversal is noticed one step late, sgn 0 is 0, and a law without the
+    stick rule chatters about zero velocity. Its certificate says what that cost.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock, simulate
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> run = simulate(
+    ...     rig,
+    ...     Coulomb(kinetic_coefficient=0.25),
+    ...     t_end=1.0,
+    ...     solver=FixedStep(dt=0.01, stick_rule=False),
+    ... )
+    >>> bool(run["v"].min() < 0)
+    True
+    """
+
+    dt: Annotated[float, Quantity("dt", "s", above=0)]
+    """Step."""
+    method: Literal["euler", "heun", "rk4"] = "euler"
+    """Integrator: forward Euler, Heun, or the classical Runge-Kutta of order 4."""
+    stick_rule: bool = True
+    """Hold the body when its velocity changes sign within a step and break-away is not exceeded."""
+
+    def __post_init__(self) -> None:
+        """Check the settings."""
+        super().__post_init__()
+        if self.method not in TABLEAUS:
+            raise ParameterError(
+                f"FixedStep.method must be one of {', '.join(TABLEAUS)}, got {self.method!r}."
+            )
+
+    @override
+    def run(
+        self,
+        mechanism: Mechanism,
+        law: FrictionLaw | PrintedForm,
+        *,
+        y0: Sequence[float],
+        t_end: float,
+    ) -> Trajectory:
+        diagram = Diagram.build(mechanism, law)
+        count = math.floor(t_end / self.dt * (1 + 1e-12))
+        y = list(y0)
+        held = self.stick_rule and y[diagram.slip] == 0 and diagram.holds(0.0, y)
+        rows = [diagram.sample(0.0, y, held)]
+        for i in range(count):
+            try:
+                y, held = self._step(diagram, i * self.dt, y, held)
+                rows.append(diagram.sample((i + 1) * self.dt, y, held))
+            except (ArithmeticError, ValueError):
+                return _trajectory(mechanism, diagram, np.array(rows), Status.NOT_FINITE)
+        return _trajectory(mechanism, diagram, np.array(rows), Status.END_TIME)
+
+    def _step(
+        self, diagram: Diagram, t: float, y: list[float], held: bool
+    ) -> tuple[list[float], bool]:
+        """Advance one step; with the stick rule, stop at a sign change if the contact holds."""
+        tableau = TABLEAUS[self.method]
+        if held and diagram.holds(t, y):
+            return _advanced(diagram, tableau, t, y, self.dt, held=True), True
+        new = _advanced(diagram, tableau, t, y, self.dt, held=False)
+        if self.stick_rule and y[diagram.slip] * new[diagram.slip] < 0:
+            stopped = list(new)
+            stopped[diagram.slip] = 0.0
+            if diagram.holds(t + self.dt, stopped):
+                return stopped, True
+        return new, False
+
+
+def _advanced(
+    diagram: Diagram, tableau: Tableau, t: float, y: list[float], dt: float, *, held: bool
+) -> list[float]:
+    """Take one Runge-Kutta step."""
+    stages, weights = tableau
+    slopes: list[list[float]] = []
+    for row in stages:
+        point = [
+            value + dt * sum(a * slope[i] for a, slope in zip(row, slopes, strict=True))
+            for i, value in enumerate(y)
+        ]
+        slopes.append(diagram.rates(t + dt * sum(row), point, held))
+    return [
+        value + dt * sum(w * slope[i] for w, slope in zip(weights, slopes, strict=True))
+        for i, value in enumerate(y)
+    ]
+
+
+def _trajectory(
+    mechanism: Mechanism, diagram: Diagram, rows: NDArray[np.float64], status: Status
+) -> Trajectory:
+    """Wrap the samples; between them everything is joined by straight lines."""
+    names = (
+        *mechanism.coordinates,
+        *mechanism.rates,
+        *diagram.bristles,
+        "friction",
+        "normal_force",
+    )
+
+    def evaluate(t: NDArray[np.float64]) -> Mapping[str, NDArray[np.float64]]:
+        columns = {
+            name: np.interp(t, rows[:, 0], rows[:, i]) for i, name in enumerate(names, start=1)
+        }
+        latest = np.searchsorted(rows[:, 0], t, side="right") - 1
+        return {**columns, "mode": rows[latest, -1]}
+
+    return Trajectory(
+        t=rows[:, 0],
+        names=(*names, "mode"),
+        units=column_units(mechanism, diagram.bristles),
+        events=(),
+        status=status,
+        certificate=_certificate(diagram, rows),
+        span=(0.0, float(rows[-1, 0])),
+        evaluate=evaluate,
+    )
+
+
+def _certificate(diagram: Diagram, rows: NDArray[np.float64]) -> Certificate:
+    """Say what the fixed step cost: it is never certified."""
+    energy = np.array([diagram.energy(row[0], row[1:].tolist()) for row in rows])
+    power = np.array([diagram.power(row[0], row[1:].tolist()) for row in rows])
+    work = np.trapezoid(power, rows[:, 0], axis=0)
+    size = max(abs(energy[0]), abs(energy[-1]), *np.abs(work))
+    mismatch = abs(energy[-1] - energy[0] - work[0] + work[1])
+    return Certificate(
+        energy_error=float(mismatch / size) if size > 0 else 0.0,
+        guard_violation=0.0,
+        event_residual=0.0,
+        stick_drift=0.0,
+        steps=len(rows) - 1,
+        rejected=0,
+        problems=("fixed step: no event was located and no error was controlled",),
+    )

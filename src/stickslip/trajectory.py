@@ -1,0 +1,204 @@
+"""What a run gives back: states in time, events, how it ended, and how far to trust it."""
+
+import enum
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from stickslip.errors import InputError, UnknownNameError
+
+if TYPE_CHECKING:
+    import numpy as np
+    import pandas as pd
+    from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["Certificate", "Event", "Status", "Trajectory"]
+
+
+class Status(enum.Enum):
+    """How a run ended."""
+
+    END_TIME = "Reached the end time."
+    AT_REST = "Came to rest: no drive can move the body any more."
+    LIFT_OFF = "The normal force fell to zero: the body leaves the ground."
+    STEP_LIMIT = "Used up the allowed number of steps before the end time."
+    STEP_TOO_SMALL = "The step fell below rounding: the equations are singular here."
+    NOT_FINITE = "The state grew beyond all numbers."
+    ZENO = "Events follow each other without end: the state cannot be continued."
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run covers all the time asked for."""
+        return self in (Status.END_TIME, Status.AT_REST)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Event:
+    """A change of what the contact or the mechanism does."""
+
+    t: float
+    """When [s]."""
+    contact: str
+    """Name of the contact, empty where there is only one."""
+    from_mode: int
+    """0 stick, 1 slip forward, -1 slip backward, before."""
+    to_mode: int
+    """The same, after."""
+    reason: str
+    """What happened, in words."""
+    margin: float
+    """At a stop: break-away level less the friction needed to stay [N]; else 0."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Certificate:
+    """Evidence, gathered outside error control, that a run solves its equations.
+
+    Everything is relative to the size the quantity had in the run, but for the drift.
+    """
+
+    energy_error: float
+    """Mismatch of energy, work supplied and work taken by friction."""
+    guard_violation: float
+    """Largest violation of a mode's conditions at the end of a step."""
+    event_residual: float
+    """Largest distance from its condition at which an event was located."""
+    stick_drift: float
+    """Largest movement while stuck [m]."""
+    steps: int
+    """Accepted steps."""
+    rejected: int
+    """Rejected steps."""
+    problems: tuple[str, ...] = ()
+    """Why the run is not certified; empty if it is."""
+
+    @property
+    def certified(self) -> bool:
+        """Whether every check passed."""
+        return not self.problems
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trajectory:
+    """A run: an array for each state, defined at any time between its start and its end.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock, simulate
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> run = simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=1.0)
+    >>> run.status.value
+    'Came to rest: no drive can move the body any more.'
+    >>> [event.reason for event in run.events]
+    ['block leaves the spring', 'stop']
+    >>> run.at([0.1, 0.2])["x"].round(4)
+    array([0.0347, 0.1055])
+    """
+
+    t: "NDArray[np.float64]"
+    """Times (n,) [s]: the ends of the steps, or the times asked of `at`."""
+    names: tuple[str, ...]
+    """Names that ``run[name]`` knows."""
+    units: Mapping[str, str]
+    """SI unit of each name."""
+    events: tuple[Event, ...]
+    """Physical transitions in the order of time."""
+    status: Status
+    """How the run ended."""
+    certificate: Certificate
+    """How far to trust it."""
+    span: tuple[float, float]
+    """First and last time for which the run is defined."""
+    evaluate: Callable[["NDArray[np.float64]"], Mapping[str, "NDArray[np.float64]"]] = field(
+        repr=False
+    )
+    """Gives the columns at an array of times."""
+
+    @cached_property
+    def _columns(self) -> Mapping[str, "NDArray[np.float64]"]:
+        return self.evaluate(self.t)
+
+    def __getitem__(self, name: str) -> "NDArray[np.float64]":
+        """Return a column (n,): a state, ``"friction"``, ``"normal_force"`` or ``"mode"``."""
+        if name not in self.names:
+            raise UnknownNameError("column", name, self.names)
+        return self._columns[name]
+
+    def at(self, t: "ArrayLike") -> "Trajectory":
+        """Return the run at other times.
+
+        Parameters
+        ----------
+        t : array_like (n,)
+            Times [s] within `span`, in any order.
+
+        Raises
+        ------
+        InputError
+            If a time lies outside the run.
+        """
+        import numpy as np
+
+        times = np.atleast_1d(np.asarray(t, dtype=np.float64))
+        first, last = self.span
+        if times.size and not (times.min() >= first and times.max() <= last):
+            raise InputError(
+                f"times must lie between {first:g} and {last:g} s, the span of this run,"
+                f" got {times.min():g} to {times.max():g} s."
+            )
+        return replace(self, t=times)
+
+    def sampled(self, count: int = 400) -> "Trajectory":
+        """Return the run at evenly spaced times, ends included."""
+        import numpy as np
+
+        return self.at(np.linspace(*self.span, count))
+
+    def stick_spans(self) -> list[tuple[float, float]]:
+        """Return the stretches of time in which the body sticks."""
+        changes = [(self.span[0], self._first_mode())]
+        changes += [(event.t, event.to_mode) for event in self.events]
+        ends = [t for t, _ in changes[1:]] + [self.span[1]]
+        spans: list[tuple[float, float]] = []
+        for (start, mode), end in zip(changes, ends, strict=True):
+            if mode != 0 or end <= start:
+                continue
+            if spans and math.isclose(spans[-1][1], start, abs_tol=0.0):
+                spans[-1] = (spans[-1][0], end)
+            else:
+                spans.append((start, end))
+        return spans
+
+    def _first_mode(self) -> int:
+        return self.events[0].from_mode if self.events else int(self.at(self.span[0])["mode"][0])
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the columns as a pandas DataFrame with the time in front."""
+        import pandas as pd
+
+        return pd.DataFrame({"t": self.t, **{name: self[name] for name in self.names}})
+
+    def to_xarray(self) -> Any:
+        """Return the columns as an xarray Dataset over time, with units."""
+        import xarray as xr
+
+        columns = {
+            name: ("t", self[name], {"units": self.units.get(name, "1")}) for name in self.names
+        }
+        return xr.Dataset(
+            columns, {"t": ("t", self.t, {"units": "s"})}, {"status": self.status.value}
+        )
+
+    def _repr_html_(self) -> str:
+        rows: Sequence[tuple[str, str]] = (
+            ("status", self.status.value),
+            ("time", f"{self.span[0]:g} to {self.span[1]:g} s"),
+            ("columns", ", ".join(self.names)),
+            ("events", str(len(self.events))),
+            ("energy error", f"{self.certificate.energy_error:.1e}"),
+            ("certified", "yes" if self.certificate.certified else "no"),
+        )
+        cells = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in rows)
+        return f"<table>{cells}</table>"
