@@ -32,7 +32,7 @@ _HOME = {
     "simulate": "simulation",
 }
 
-__all__ = sorted([*_HOME, "__version__"])
+__all__ = sorted([*_HOME, "__version__"])  # noqa: PLE0605  # read off the table above
 
 
 def __getattr__(name: str) -> Any:

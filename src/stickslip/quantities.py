@@ -6,13 +6,12 @@ whose numeric fields are annotated with a `Quantity`. Everything that needs to k
 """
 
 import dataclasses
-import functools
 import math
 import numbers
 import types
 import typing
 from collections.abc import Callable, Iterator, Mapping
-from typing import Annotated, Any, TypeVar
+from typing import Any, TypeVar
 
 from stickslip.errors import ParameterError, UnknownNameError
 
@@ -109,7 +108,10 @@ class Parametrised:
             )
 
 
-@functools.cache
+_DECLARED: dict[type, Mapping[str, Quantity]] = {}
+"""Declared quantities by class; type hints are slow to resolve."""
+
+
 def _hints(cls: type) -> dict[str, Any]:
     return typing.get_type_hints(cls, include_extras=True)
 
@@ -119,12 +121,10 @@ def _alternatives(hint: Any) -> tuple[Any, ...]:
     return typing.get_args(hint) if is_union else (hint,)
 
 
-@functools.cache
 def _optional(cls: type, name: str) -> bool:
     return type(None) in _alternatives(_hints(cls)[name])
 
 
-@functools.cache
 def fields_of(cls: type) -> Mapping[str, Quantity]:
     """Return the declared quantities of a class by field name, in order.
 
@@ -134,12 +134,15 @@ def fields_of(cls: type) -> Mapping[str, Quantity]:
     >>> [quantity.symbol for quantity in fields_of(Coulomb).values()]
     ['mu_k', 'mu_s']
     """
-    found = {}
-    for field in dataclasses.fields(cls):
-        for hint in _alternatives(_hints(cls)[field.name]):
-            if typing.get_origin(hint) is Annotated:
-                found.update({field.name: q for q in hint.__metadata__ if isinstance(q, Quantity)})
-    return types.MappingProxyType(found)
+    if cls not in _DECLARED:
+        found = {}
+        for field in dataclasses.fields(cls):
+            for hint in _alternatives(_hints(cls)[field.name]):
+                for mark in getattr(hint, "__metadata__", ()):
+                    if isinstance(mark, Quantity):
+                        found[field.name] = mark
+        _DECLARED[cls] = types.MappingProxyType(found)
+    return _DECLARED[cls]
 
 
 def parameters(root: Parametrised, prefix: str) -> Iterator[tuple[str, Quantity, float]]:

@@ -1,12 +1,11 @@
 """Joins a mechanism, a law and a solver."""
 
-import math
-import numbers
 from collections.abc import Mapping, Sequence
 
-from stickslip.errors import InputError, ParameterError, SimulationError, UnknownNameError
+from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import BristleLaw, FrictionLaw, PrintedForm
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity
 from stickslip.solver import EventDriven, Solver
 from stickslip.trajectory import Trajectory
 
@@ -64,13 +63,10 @@ def simulate(
         raise InputError(f"mechanism must be a Mechanism such as SpringBlock, got {mechanism!r}.")
     if not isinstance(law, (FrictionLaw, PrintedForm)):
         raise InputError(f"law must be a friction law such as Coulomb, got {law!r}.")
-    if isinstance(t_end, bool) or not isinstance(t_end, numbers.Real):
-        raise ParameterError(f"t_end must be a number above 0 s, got {t_end!r}.")
-    if not (math.isfinite(t_end) and t_end > 0):
-        raise ParameterError(f"t_end must be above 0 s and finite, got {t_end:g}.")
+    last = Quantity("T", "s", above=0).check("simulate", "t_end", t_end)
     start = _initial_state(mechanism, law, y0)
     solver = EventDriven() if solver is None else solver
-    run = solver.run(mechanism, law, y0=start, t_end=float(t_end))
+    run = solver.run(mechanism, law, y0=start, t_end=last)
     if throw and not run.status.complete:
         raise SimulationError(f"{run.status.value} It ended at t = {run.span[1]:g} s.")
     if throw and isinstance(solver, EventDriven) and not run.certificate.certified:
@@ -95,9 +91,7 @@ def _initial_state(
         y0 = [y0.get(name, 0.0) for name in names]
     if len(y0) != len(names):
         raise InputError(f"y0 must have {len(names)} values ({', '.join(names)}), got {len(y0)}.")
-    for name, value in zip(names, y0, strict=True):
-        if isinstance(value, bool) or not isinstance(value, numbers.Real):
-            raise ParameterError(f"y0 of {name} must be a finite number, got {value!r}.")
-        if not math.isfinite(value):
-            raise ParameterError(f"y0 of {name} must be a finite number, got {value:g}.")
-    return [float(value) for value in y0]
+    return [
+        Quantity(name, "").check("simulate", f"y0[{name!r}]", value)
+        for name, value in zip(names, y0, strict=True)
+    ]

@@ -2,15 +2,14 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple, final
+
+from typing_extensions import override
 
 from stickslip.maths import Scalar
 from stickslip.quantities import Parametrised
 
-if TYPE_CHECKING:
-    from stickslip.drives.algebra import Sum
-
-__all__ = ["BEGINNING", "Drive", "Piece"]
+__all__ = ["BEGINNING", "Drive", "Piece", "Sum"]
 
 BEGINNING = -1e300
 """Start of a piece that has always held; finite, so that slope 0 times the time since it is 0."""
@@ -73,6 +72,52 @@ class Drive(Parametrised, ABC):
 
     def __add__(self, other: "Drive") -> "Sum":
         """Add two drives."""
-        from stickslip.drives.algebra import Sum
-
         return Sum(parts=(self, other))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Sum(Drive):
+    """The sum of several drives; written with ``+``.
+
+    Examples
+    --------
+    >>> from stickslip import Pulse, Sine
+    >>> (Pulse(level=2.0, duration=1.0) + Sine(amplitude=1.0, frequency=0.25)).value(1.0)
+    1.0
+    """
+
+    parts: tuple[Drive, ...]
+
+    @override
+    def smooth(self, t: Scalar) -> Scalar:
+        return sum((part.smooth(t) for part in self.parts), 0.0)
+
+    @override
+    def pieces(self) -> tuple[Piece, ...]:
+        tables = [part.pieces() for part in self.parts]
+        starts = sorted({float(piece.start) for table in tables for piece in table})
+        return tuple(
+            Piece(start, sum(v for v, _ in at), sum(s for _, s in at))
+            for start in starts
+            for at in [[_at(table, start) for table in tables]]
+        )
+
+    @override
+    def smooth_bound(self) -> tuple[Scalar, Scalar]:
+        bounds = [part.smooth_bound() for part in self.parts]
+        return sum((low for low, _ in bounds), 0.0), sum((high for _, high in bounds), 0.0)
+
+    @override
+    def time_scale(self) -> float:
+        return min(part.time_scale() for part in self.parts)
+
+
+def _at(table: tuple[Piece, ...], t: float) -> tuple[Scalar, Scalar]:
+    """Return value and slope of the piece that holds at `t`."""
+    value, slope = 0.0, 0.0
+    for piece in table:
+        if piece.start > t:
+            break
+        value, slope = piece.value + piece.slope * (t - piece.start), piece.slope
+    return value, slope

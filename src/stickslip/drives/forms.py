@@ -1,5 +1,6 @@
 """Pulse, sine, ramp, and drives given by points."""
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -129,7 +130,7 @@ def _series(
         )
     if not all(map(math.isfinite, t + u)):
         raise ParameterError(f"{owner}.times [s] and .values must be finite numbers.")
-    for before, after in zip(t, t[1:], strict=False):
+    for before, after in itertools.pairwise(t):
         if after <= before:
             raise ParameterError(
                 f"{owner}.times [s] must increase, got {before:g} before {after:g}."
@@ -153,6 +154,7 @@ class PiecewiseLinear(_Pieces):
     values: tuple[float, ...]
     """Values at the points."""
 
+    @override
     def __post_init__(self) -> None:
         """Check the points and keep them as tuples of floats."""
         super().__post_init__()
@@ -187,6 +189,7 @@ class Sampled(_Pieces):
     hold: Literal["zero", "first"] = "zero"
     """Order of the hold: ``"zero"`` keeps the value, ``"first"`` joins the samples."""
 
+    @override
     def __post_init__(self) -> None:
         """Check the samples and keep them as tuples of floats."""
         super().__post_init__()

@@ -40,13 +40,13 @@ def function(name: str, arguments: Sequence[str], cases: Mapping[int | None, Cas
         Expressions by the value of ``mode``; the single key None if there is no such choice.
     """
     lines = [f"def {name}({', '.join([*arguments, 'out'])}):"]
-    for mode, expressions in cases.items():
+    for mode, case in cases.items():
         depth = 1
         if mode is not None:
             lines.append(f"{INDENT}if mode == {mode}:")
             depth = 2
         body = _Body(depth)
-        expressions = [collapsed(e) for e in expressions]
+        expressions = [collapsed(e) for e in case]
         body.unpack(expressions)
         for index, text in enumerate(body.scope(expressions)):
             body.line(f"out[{index}] = {text}")

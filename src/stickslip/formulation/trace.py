@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
 import symengine as se
+from typing_extensions import override
 
 from stickslip.errors import TracingError
 
@@ -49,7 +50,7 @@ class Switchboard:
     def known_sign(self, expr: se.Expr) -> int | None:
         """Return the sign of an expression where the mode or its being a number fixes it."""
         if expr.is_Number:
-            return (expr > 0) - (expr < 0)
+            return int(bool(expr > 0)) - int(bool(expr < 0))
         if str(expr) in self.signs:
             return self.signs[str(expr)]
         if str(-expr) in self.signs:
@@ -95,6 +96,7 @@ class Traced:
     def _new(self, expr: se.Expr) -> Traced:
         return Traced(expr, self.board)
 
+    @override
     def __repr__(self) -> str:
         return f"Traced({self.expr})"
 
@@ -127,7 +129,7 @@ class Traced:
         return self
 
     def __pow__(self, exponent: Any) -> Traced:
-        if isinstance(exponent, numbers.Real) and float(exponent).is_integer():
+        if isinstance(exponent, (float, int)) and float(exponent).is_integer():
             return self._new(self.expr ** int(exponent))
         raise TracingError("** takes whole exponents here; use stickslip.maths.power or sqrt")
 
@@ -153,6 +155,7 @@ class Traced:
             " instead of if, and, or, min, max"
         )
 
+    @override
     def __eq__(self, other: object) -> NoReturn:
         raise TracingError(
             "a traced value cannot be compared for equality: use stickslip.maths.where with < or >"
@@ -175,7 +178,7 @@ class Traced:
 
     def _power(self, base: Any, exponent: Any) -> Traced:
         b = expression(base)
-        if isinstance(exponent, numbers.Real) and float(exponent).is_integer():
+        if isinstance(exponent, (float, int)) and float(exponent).is_integer():
             return self._new(b ** int(exponent))
         n = expression(exponent)
         if b.is_Number:

@@ -1,9 +1,9 @@
 """Dahl friction: a spring that yields."""
 
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, final
+from typing import Annotated, ClassVar, Self, final
 
-from typing_extensions import Self, override
+from typing_extensions import override
 
 from stickslip.friction.base import BristleLaw
 from stickslip.maths import Scalar, power, sign
@@ -38,7 +38,7 @@ class Dahl(BristleLaw):
     bristle_stiffness: Annotated[float, Quantity("sigma_0", "1/m", above=0)]
     """Slope of friction against displacement at the start, over the normal force."""
     exponent: Annotated[float, Quantity("n", above=0, structural=True)] = 1.0
-    """Sharpness of the yielding: 1 is Dahl's plain law, towards 0 elastic then perfectly plastic."""
+    """Sharpness of yielding: 1 is Dahl's plain law, towards 0 elastic then perfectly plastic."""
 
     @classmethod
     def from_forces(

@@ -1,9 +1,9 @@
 """LuGre friction: bristles with damping whose strength follows the Stribeck curve."""
 
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, final
+from typing import Annotated, ClassVar, Self, final
 
-from typing_extensions import Self, override
+from typing_extensions import override
 
 from stickslip.friction.base import BristleLaw
 from stickslip.friction.stribeck import fade

@@ -8,6 +8,7 @@ the docstring says how it is read here.
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import copysign, exp
 from types import MappingProxyType
 from typing import Annotated, ClassVar, final
 
@@ -19,10 +20,15 @@ from stickslip.friction.coulomb_viscous import CoulombViscous
 from stickslip.friction.dahl import Dahl
 from stickslip.friction.lugre import LuGre
 from stickslip.friction.stribeck import Stribeck
-from stickslip.maths import exp, sign
 from stickslip.quantities import Parametrised, Quantity
 
 __all__ = ["PRINTED_FORMS", "PrintedForm"]
+
+
+def sign(x: float) -> float:
+    """Return the sign, 0 at 0."""
+    return copysign(1.0, x) if x else 0.0
+
 
 Mu = Annotated[float, Quantity("mu_k", low=0)]
 MuStatic = Annotated[float, Quantity("mu_s", low=0, at_least="kinetic_coefficient")]

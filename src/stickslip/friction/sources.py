@@ -8,7 +8,7 @@ SOURCES = MappingProxyType(
     {
         "paper": "Modelling of the pendulum-driven cart system with friction.",
         "coulomb1785": "C. A. Coulomb. Théorie des machines simples. 1785.",
-        "morin1833": "A. J. Morin. New friction experiments carried out at Metz in 1831-1833. 1833.",
+        "morin1833": "A. J. Morin. New friction experiments carried out at Metz. 1833.",
         "reynolds1886": (
             "O. Reynolds. On the theory of lubrication and its application to Mr Beauchamp Tower's"
             " experiments. Phil. Trans. R. Soc. 177, 1886."

@@ -2,7 +2,7 @@
 
 import math
 
-from stickslip.kernels.dop853_tableau import A, C, D, ERROR_3, ERROR_5
+from stickslip.kernels.dop853_tableau import ERROR_3, ERROR_5, A, C, D
 from stickslip.kernels.model import N_STATES, field
 from stickslip.kernels.tier import Vector
 

@@ -1,4 +1,4 @@
-"""Coefficients of DOP853: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 1993."""
+"""Coefficients of DOP853: Hairer, Nørsett, Wanner, Solving ODEs I, 2nd edition, 1993."""
 
 # fmt: off
 A = (

@@ -6,13 +6,14 @@ from stickslip.kernels.tier import Vector, vector
 
 __all__ = [
     "DENSE_AT",
-    "EVENT_COLUMNS",
     "EVENTS",
+    "EVENT_COLUMNS",
     "FLAGS",
     "MODE",
     "PIECE",
     "REJECTED",
     "RESIDUAL",
+    "ROUNDING",
     "ROW_COLUMNS",
     "STALLS",
     "STATE_AT",
@@ -50,6 +51,9 @@ STALLS = 7
 STATE_AT = 6
 DENSE_AT = STATE_AT + N_STATES
 ROW_COLUMNS = DENSE_AT + TERMS * N_STATES
+
+ROUNDING = 4.5e-16
+"""Two units in the last place of 1: times closer than this, relatively, are the same."""
 
 # A recorded event: time, mode before, mode after, guard, flags after, margin.
 EVENT_COLUMNS = 6

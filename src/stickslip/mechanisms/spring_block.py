@@ -51,6 +51,7 @@ class SpringBlock(Mechanism):
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""
 
+    @override
     def __post_init__(self) -> None:
         """Check the parameters, and that a compressed spring is there."""
         super().__post_init__()

@@ -4,8 +4,7 @@ import bisect
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
-
-from typing_extensions import Self
+from typing import Self
 
 from stickslip.formulation import formulate
 from stickslip.friction import BristleLaw, Coulomb, FrictionLaw, PrintedForm, SetValuedLaw

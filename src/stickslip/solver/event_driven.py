@@ -112,7 +112,7 @@ def _trajectory(
     """Wrap what the kernels recorded."""
     real, whole = state
     playback = Playback.from_log(model, module, inputs, log, whole[module.STEPS])
-    events = _events(mechanism, model, module, rows, whole[module.EVENTS])
+    events = _events(mechanism, model, rows, whole[module.EVENTS])
     bristles = law.bristles if isinstance(law, BristleLaw) else ()
     return Trajectory(
         t=playback.times(),
@@ -127,7 +127,7 @@ def _trajectory(
 
 
 def _events(
-    mechanism: Mechanism, model: Model, module: ModuleType, rows: Sequence[float], count: int
+    mechanism: Mechanism, model: Model, rows: Sequence[float], count: int
 ) -> tuple[Event, ...]:
     """Translate the recorded events; switches without a name stay inside."""
     (contact,) = mechanism.contacts()
@@ -136,8 +136,15 @@ def _events(
         t, before, after, guard, flags, margin = rows[6 * i : 6 * i + 6]
         reason = _reason(model, int(guard), int(flags), int(after))
         if reason is not None:
-            event = {"t": t, "from_mode": int(before), "to_mode": int(after)}
-            events.append(Event(contact=contact.name, reason=reason, margin=margin, **event))
+            event = Event(
+                t=t,
+                contact=contact.name,
+                from_mode=int(before),
+                to_mode=int(after),
+                reason=reason,
+                margin=margin,
+            )
+            events.append(event)
     return tuple(events)
 
 

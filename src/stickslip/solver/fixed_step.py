@@ -58,6 +58,7 @@ class FixedStep(Solver):
     stick_rule: bool = True
     """Hold the body when its velocity changes sign within a step and break-away is not exceeded."""
 
+    @override
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()

@@ -22,16 +22,20 @@ import platformdirs
 
 from stickslip.formulation import Model
 from stickslip.kernels import (
+    booking,
     codes,
     dense,
     dop853,
     dop853_tableau,
     driver,
     lu,
+    pieces,
     rodas5p,
     rodas5p_tableau,
     roots,
     state,
+    stepping,
+    switching,
     tier,
 )
 
@@ -47,6 +51,10 @@ AFTER_MODEL = (
     rodas5p,
     state,
     roots,
+    pieces,
+    switching,
+    stepping,
+    booking,
     driver,
 )
 FENCE = '''
@@ -161,8 +169,8 @@ def _write(path: Path, text: str) -> None:
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as file:
             file.write(text)
-        os.replace(temporary, path)
+        Path(temporary).replace(path)
     except BaseException:
         with contextlib.suppress(OSError):
-            os.unlink(temporary)
+            Path(temporary).unlink()
         raise
