@@ -73,6 +73,15 @@ def _dot(row: se.DenseMatrix, column: se.DenseMatrix) -> se.Expr:
     return (row * column)[0, 0]
 
 
+def _only_contact(mechanism: Mechanism) -> Contact:
+    contacts = mechanism.contacts()
+    if len(contacts) != 1:
+        raise InputError(
+            f"{type(mechanism).__name__} has {len(contacts)} contacts; this version solves one."
+        )
+    return contacts[0]
+
+
 def derive_mechanics(
     mechanism: Mechanism,
     t: se.Symbol,
@@ -82,12 +91,7 @@ def derive_mechanics(
     board: Switchboard,
 ) -> Mechanics:
     """Trace the energies and forces of a mechanism whose parameters are symbols."""
-    contacts = mechanism.contacts()
-    if len(contacts) != 1:
-        raise InputError(
-            f"{type(mechanism).__name__} has {len(contacts)} contacts; this version solves one."
-        )
-    (contact,) = contacts
+    contact = _only_contact(mechanism)
     held = () if contact.normal is None else (contact.normal,)
     places = {**q, **{name: se.Symbol(f"h_{name}") for name in held}}
     speeds = {**q_dot, **{name: se.Symbol(f"hd_{name}") for name in held}}

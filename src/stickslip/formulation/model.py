@@ -131,7 +131,10 @@ def _text(
     def each(part: Callable[[Mode], Case]) -> dict[int | None, Case]:
         return {int(mode): part(mode) for mode in modes}
 
-    guard_count = SWITCH + len(switches)
+    def guard_row(mode: Mode) -> Case:
+        guards = modes[mode].guards
+        return [closed(guards.get(i, se.Integer(1))) for i in range(SWITCH + len(switches))]
+
     state = ("flags", "t", "y", "p")
     moving = ("mode", *state)
     parts = [
@@ -139,15 +142,7 @@ def _text(
         function("field", moving, each(lambda m: rates[m])),
         function("jacobian", moving, each(lambda m: [e.diff(s) for e in rates[m] for s in y])),
         function("time_slope", moving, each(lambda m: [e.diff(t) for e in rates[m]])),
-        function(
-            "guards",
-            moving,
-            each(
-                lambda m: [
-                    closed(modes[m].guards.get(i, se.Integer(1))) for i in range(guard_count)
-                ]
-            ),
-        ),
+        function("guards", moving, each(guard_row)),
         function("contact", moving, each(lambda m: [closed(e) for e in modes[m].contact])),
         function("power", moving, each(lambda m: [closed(e) for e in modes[m].power])),
         function("energy", state, {None: [mechanics.energy]}),

@@ -68,10 +68,17 @@ def rodas_step(
         lu_solve(matrix, n, pivots, slope)
         for i in range(n):
             k[s * n + i] = slope[i]
+    for i in range(n):
+        y1[i] += k[7 * n + i]
+    return rodas_error(y, y1, k, scale, rtol)
+
+
+def rodas_error(y: Vector, y1: Vector, k: Vector, scale: Vector, rtol: float) -> float:
+    """Return the last stage, which is the error estimate, over the tolerance."""
+    n = N_STATES
     total = 0.0
     for i in range(n):
         error = k[7 * n + i]
-        y1[i] += error
         size = rtol * max(scale[i], abs(y[i]), abs(y1[i]))
         if error != 0.0:
             total += (error / size) ** 2 if size > 0.0 else math.inf

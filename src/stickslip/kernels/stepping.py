@@ -1,5 +1,7 @@
 """One step: as long as accuracy allows, up to the first event."""
 
+import math
+
 from stickslip.kernels.codes import STEP_TOO_SMALL, STOP
 from stickslip.kernels.dop853 import dop853_dense, dop853_step
 from stickslip.kernels.model import HAS_BRISTLES, N_STATES, field
@@ -45,7 +47,7 @@ def resized(h: float, error: float, mode: int) -> float:
         return 10.0 * h
     if not error < 1e30:
         return 0.1 * h
-    order = 6.0 if HAS_BRISTLES and mode != 0 else 8.0
+    order = 5.0 if HAS_BRISTLES and mode != 0 else 8.0
     return h * min(10.0, max(0.2, 0.9 * math.pow(error, -1.0 / order)))
 
 

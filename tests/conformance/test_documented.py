@@ -1,0 +1,159 @@
+"""What every registered law, mechanism and printed form says of itself."""
+
+import ast
+import dataclasses
+import inspect
+import pickle
+import re
+
+import pytest
+from latex2mathml.converter import convert
+
+from stickslip import LAWS, PRINTED_FORMS
+from stickslip.errors import ParameterError
+from stickslip.friction import SOURCES, laws
+from stickslip.mechanisms import MECHANISMS, mechanisms
+from stickslip.quantities import fields_of
+from tests.support import EXAMPLES, example_of
+
+FIRST = (*LAWS.values(), *MECHANISMS.values())
+ALL = (*FIRST, *PRINTED_FORMS.values())
+KEBAB = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
+UNITS = {"1", "m", "kg", "m/s", "m/s^2", "N", "N/m", "N s/m", "1/m", "s/m", "rad", "s", "Hz"}
+
+
+def called(kind):
+    return kind.__name__
+
+
+def written_docstrings(kind):
+    """Return the names of a class body that are followed by a string."""
+    (body,) = ast.parse(inspect.getsource(kind)).body
+    pairs = zip(body.body, body.body[1:], strict=False)
+    return {
+        before.target.id
+        for before, after in pairs
+        if isinstance(before, ast.AnnAssign)
+        and isinstance(after, ast.Expr)
+        and isinstance(after.value, ast.Constant)
+    }
+
+
+@pytest.mark.parametrize("kind", ALL, ids=called)
+def test_every_class_is_a_frozen_keyword_only_dataclass(kind):
+    assert dataclasses.is_dataclass(kind)
+    assert kind.__dataclass_params__.frozen
+    assert all(field.kw_only for field in dataclasses.fields(kind))
+
+
+@pytest.mark.parametrize("kind", ALL, ids=called)
+def test_every_class_is_final_and_has_a_docstring_of_its_own(kind):
+    assert kind.__final__
+    assert (kind.__doc__ or "").strip()
+    assert not kind.__doc__.startswith(f"{kind.__name__}(")  # what dataclasses write by themselves
+
+
+@pytest.mark.parametrize("kind", FIRST, ids=called)
+def test_every_field_of_a_class_is_explained(kind):
+    own = kind.__dict__.get("__annotations__", {})
+    fields = {field.name for field in dataclasses.fields(kind)} & set(own)
+    assert fields <= written_docstrings(kind)
+
+
+@pytest.mark.parametrize("kind", ALL, ids=called)
+def test_every_number_has_a_symbol_and_a_unit(kind):
+    for name, quantity in fields_of(kind).items():
+        assert quantity.symbol, name
+        assert quantity.unit in UNITS, name
+
+
+@pytest.mark.parametrize("kind", ALL, ids=called)
+def test_symbols_tell_the_parameters_of_a_class_apart(kind):
+    symbols = [quantity.symbol for quantity in fields_of(kind).values()]
+    assert len(symbols) == len(set(symbols))
+
+
+@pytest.mark.parametrize("kind", ALL, ids=called)
+def test_names_are_kebab_case(kind):
+    assert KEBAB.fullmatch(kind.name)
+
+
+def test_registries_file_each_class_under_its_own_name():
+    for registry in (LAWS, MECHANISMS, PRINTED_FORMS):
+        assert all(name == kind.name for name, kind in registry.items())
+
+
+def test_registries_with_installed_packages_hold_at_least_our_own():
+    assert LAWS.items() <= laws().items()
+    assert MECHANISMS.items() <= mechanisms().items()
+
+
+@pytest.mark.parametrize("kind", (*LAWS.values(), *PRINTED_FORMS.values()), ids=called)
+def test_every_formula_renders_as_mathml(kind):
+    rendered = convert(kind.formula)
+    assert rendered.startswith("<math")
+    assert "\\" not in re.sub(r"<[^>]*>", "", rendered)  # no command was left unrendered
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=called)
+def test_every_law_names_sources_that_are_known(law):
+    assert law.sources
+    assert set(law.sources) <= set(SOURCES)
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=called)
+def test_the_order_of_fitting_names_real_parameters_once(law):
+    assert law.fit_order
+    assert len(set(law.fit_order)) == len(law.fit_order)
+    assert set(law.fit_order) <= set(fields_of(law))
+
+
+@pytest.mark.parametrize("form", PRINTED_FORMS.values(), ids=called)
+def test_every_printed_form_says_what_is_wrong_and_how_to_mend_it(form):
+    assert form.defect
+    assert form.cure
+    assert re.fullmatch(r"\(\d+\)(, \(\d+\))*", form.equation)
+    assert form.corrected in LAWS.values()
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS.values(), ids=called)
+def test_a_mechanism_has_one_rate_and_one_unit_for_each_coordinate(mechanism):
+    assert len(mechanism.coordinates) == len(mechanism.rates) == len(mechanism.units)
+    names = (*mechanism.coordinates, *mechanism.rates)
+    assert len(set(names)) == len(names)
+
+
+SPECIMENS = [*map(example_of, LAWS.values()), *EXAMPLES.values()]
+
+
+@pytest.mark.parametrize("specimen", SPECIMENS, ids=lambda one: one.name)
+def test_objects_survive_pickling(specimen):
+    assert pickle.loads(pickle.dumps(specimen)) == specimen
+
+
+@pytest.mark.parametrize("specimen", SPECIMENS, ids=lambda one: one.name)
+def test_objects_cannot_be_changed(specimen):
+    name = next(iter(fields_of(type(specimen))))
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        setattr(specimen, name, 1.0)
+
+
+@pytest.mark.parametrize("specimen", SPECIMENS, ids=lambda one: one.name)
+def test_parameters_are_given_by_keyword(specimen):
+    with pytest.raises(TypeError, match="positional"):
+        type(specimen)(1.0)
+
+
+@pytest.mark.parametrize("specimen", SPECIMENS, ids=lambda one: one.name)
+def test_a_copy_with_one_parameter_changed_is_checked_like_any_other(specimen):
+    name = next(iter(fields_of(type(specimen))))
+    doubled = dataclasses.replace(specimen, **{name: getattr(specimen, name) * 1.25})
+    assert getattr(doubled, name) == getattr(specimen, name) * 1.25
+    assert doubled != specimen
+    with pytest.raises(ParameterError, match=f"{type(specimen).__name__}.{name}"):
+        dataclasses.replace(specimen, **{name: float("nan")})
+
+
+@pytest.mark.parametrize("specimen", SPECIMENS, ids=lambda one: one.name)
+def test_equal_objects_have_equal_hashes(specimen):
+    assert hash(dataclasses.replace(specimen)) == hash(specimen)

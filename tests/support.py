@@ -1,0 +1,153 @@
+"""Random laws and rigs, made from the declarations of their parameters alone.
+
+A law or a mechanism that is added to a registry is met by every test that draws from here.
+"""
+
+import dataclasses
+from collections.abc import Mapping
+from types import ModuleType
+from typing import Any
+
+from hypothesis import strategies as st
+
+from stickslip import LAWS, Axis, PiecewiseLinear, Pulse, SpringBlock, TowedBlock
+from stickslip.formulation import formulate
+from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity, fields_of, parameters
+from stickslip.solver.modules import load
+from stickslip.solver.tables import gather
+
+SET_VALUED = [law for law in LAWS.values() if issubclass(law, SetValuedLaw)]
+BRISTLE = [law for law in LAWS.values() if issubclass(law, BristleLaw)]
+
+DECADES: Mapping[str, tuple[float, float]] = {
+    "1": (-1.3, 0.0),
+    "m/s": (-3.0, -1.0),
+    "1/m": (2.0, 4.0),
+    "s/m": (-2.0, 0.5),
+    "N s/m": (-2.0, 0.5),
+}
+"""Powers of ten between which a parameter of a law is drawn, by unit: what rigs have."""
+
+SHAPES = st.sampled_from([1.0, 2.0, 0.7, 1.5])
+"""Exponents: whole ones, which shape the equations, and others, which stand in them."""
+
+
+def decade(low: float, high: float) -> st.SearchStrategy[float]:
+    """Numbers spread evenly over powers of ten."""
+    return st.floats(low, high).map(lambda power: 10.0**power)
+
+
+def _value(draw: st.DrawFn, quantity: Quantity, known: Mapping[str, float]) -> float:
+    if quantity.structural:
+        return draw(SHAPES)
+    value = draw(decade(*DECADES[quantity.unit]))
+    return value if quantity.at_least is None else known[quantity.at_least] + value
+
+
+@st.composite
+def laws(draw: st.DrawFn, kind: type[FrictionLaw], *, plain: bool = False) -> Any:
+    """Draw a law of a kind; a `plain` one keeps the defaults of its shape."""
+    values: dict[str, float] = {}
+    for field in dataclasses.fields(kind):
+        quantity = fields_of(kind).get(field.name)
+        if quantity is not None and not (plain and quantity.structural):
+            values[field.name] = _value(draw, quantity, values)
+    return kind(**values)
+
+
+def example_of(kind: type[FrictionLaw]) -> Any:
+    """Return one law of a kind with everyday parameters."""
+    values: dict[str, float] = {}
+    typical = {"1": 0.25, "m/s": 0.01, "1/m": 1e3, "s/m": 0.5, "N s/m": 0.4}
+    for name, quantity in fields_of(kind).items():
+        if quantity.structural:
+            continue
+        surplus = 0.0 if quantity.at_least is None else values[quantity.at_least] * 0.4
+        values[name] = values[quantity.at_least] + surplus if surplus else typical[quantity.unit]
+    return kind(**values)
+
+
+pulses = st.builds(
+    Pulse, level=st.floats(-20, 20), duration=st.floats(0.01, 0.5), start=st.floats(0, 0.5)
+)
+broken_lines = st.lists(st.floats(-20, 20), min_size=2, max_size=5).map(
+    lambda values: PiecewiseLinear(times=[0.2 * i for i in range(len(values))], values=values)
+)
+drives = st.one_of(pulses, broken_lines, st.builds(lambda a, b: a + b, pulses, broken_lines))
+
+spring_blocks = st.builds(
+    SpringBlock,
+    mass=decade(-1, 1),
+    stiffness=decade(1, 3),
+    compression=st.floats(-0.2, 0.2),
+    attached=st.booleans(),
+    drive=st.none() | drives,
+)
+towed_blocks = st.builds(
+    TowedBlock,
+    mass=decade(-1, 1),
+    stiffness=decade(0, 2),
+    speed=st.floats(-0.5, 0.5),
+    damping=st.just(0.0) | st.floats(0, 2),
+)
+axes = st.builds(
+    Axis,
+    inertia=decade(-1, 1),
+    drive=st.none() | drives,
+    stiffness=st.just(0.0) | decade(0, 2),
+    damping=st.just(0.0) | st.floats(0, 2),
+    load=decade(0, 1.5),
+    offset=st.just(0.0) | st.floats(-1, 1),
+)
+RIGS: Mapping[str, st.SearchStrategy[Any]] = {
+    "spring-block": spring_blocks,
+    "towed-block": towed_blocks,
+    "axis": axes,
+}
+"""Random mechanisms by registry name."""
+
+EXAMPLES: Mapping[str, Mechanism] = {
+    "spring-block": SpringBlock(mass=1.0, stiffness=100.0, compression=0.1),
+    "towed-block": TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0),
+    "axis": Axis(inertia=2.0, drive=Pulse(level=5.0, duration=1.0), stiffness=3.0, damping=0.2),
+}
+"""One of each mechanism by registry name."""
+
+
+class Generated:
+    """The generated module of a mechanism with a law, called with plain numbers."""
+
+    def __init__(self, mechanism: Mechanism, law: FrictionLaw) -> None:
+        model = formulate(mechanism, law)
+        self.module: ModuleType = load(model)
+        inputs = gather(mechanism, law, model)
+        self.p = list(inputs.p)
+        self.module.load_piece(inputs.table, 0, self.p)
+
+    def flags(self, y: list[float], t: float = 0.0) -> int:
+        """Return the switches that the state asks for."""
+        return int(self.module.set_flags(t, y, self.p, 0, [0.0] * (self.module.N_SWITCHES + 1)))
+
+    def moving(
+        self, name: str, mode: int, y: list[float], *, t: float = 0.0, flags: int | None = None
+    ) -> list[float]:
+        """Call a function of one mode, with the switches of the state unless told otherwise."""
+        n = self.module.N_STATES
+        sizes = {"contact": 4, "power": 2, "guards": self.module.N_GUARDS, "jacobian": n * n}
+        out = [0.0] * sizes.get(name, n)
+        flags = self.flags(y, t) if flags is None else flags
+        getattr(self.module, name)(mode, flags, t, y, self.p, out)
+        return out
+
+    def energy(self, y: list[float], *, t: float = 0.0, flags: int | None = None) -> float:
+        """Return the mechanical energy [J]."""
+        out = [0.0]
+        self.module.energy(self.flags(y, t) if flags is None else flags, t, y, self.p, out)
+        return out[0]
+
+
+def values_of(root: Any) -> dict[str, float]:
+    """Return the parameters of an object by path."""
+    return {path: value for path, _, value in parameters(root, "it")}
