@@ -56,11 +56,19 @@ class Event:
 class Certificate:
     """Evidence, gathered outside error control, that a run solves its equations.
 
-    Everything is relative to the size the quantity had in the run, but for the drift.
+    Errors, violations and residuals are relative to the size the quantity had in the run.
     """
 
     energy_error: float
     """Mismatch of energy, work supplied and work taken by friction."""
+    energy_start: float
+    """Mechanical energy at the start [J]."""
+    energy_end: float
+    """Mechanical energy at the end [J]."""
+    work_supplied: float
+    """Work of drives, dampers and moved supports [J]."""
+    work_friction: float
+    """Work taken by friction [J]."""
     guard_violation: float
     """Largest violation of a mode's conditions at the end of a step."""
     event_residual: float

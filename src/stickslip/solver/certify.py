@@ -18,7 +18,8 @@ def certify(
     playback: Playback, module: ModuleType, real: list[float], whole: list[int], tolerance: float
 ) -> Certificate:
     """Check energy, guards, events and stick of a finished run."""
-    energy_error = _energy_error(playback, module, real)
+    books = _books(playback, module, real)
+    energy_error = books["energy_error"]
     violation, residual = real[module.VIOLATION], real[module.RESIDUAL]
     drift = _stick_drift(playback, module)
     energy_limit = max(1e-9, 1e3 * tolerance)
@@ -32,7 +33,7 @@ def certify(
     if drift != 0:
         problems.append(f"a stuck body moved by {drift:.1e} m")
     return Certificate(
-        energy_error=energy_error,
+        **books,
         guard_violation=violation,
         event_residual=residual,
         stick_drift=drift,
@@ -42,12 +43,19 @@ def certify(
     )
 
 
-def _energy_error(playback: Playback, module: ModuleType, real: list[float]) -> float:
-    """Return the mismatch of the energy balance over the largest energy or work in it."""
+def _books(playback: Playback, module: ModuleType, real: list[float]) -> dict[str, float]:
+    """Return energies and works, and their mismatch over the largest of them."""
     start, end = (_energy(playback, module, at) for at in (0, -1))
     supplied, taken = real[module.SUPPLIED], real[module.TAKEN]
     size = max(abs(start), abs(end), abs(supplied), abs(taken))
-    return abs(end - start - supplied + taken) / size if size > 0 else 0.0
+    mismatch = abs(end - start - supplied + taken)
+    return {
+        "energy_error": mismatch / size if size > 0 else 0.0,
+        "energy_start": start,
+        "energy_end": end,
+        "work_supplied": supplied,
+        "work_friction": taken,
+    }
 
 
 def _energy(playback: Playback, module: ModuleType, at: int) -> float:

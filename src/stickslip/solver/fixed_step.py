@@ -163,6 +163,10 @@ def _certificate(diagram: Diagram, rows: NDArray[np.float64]) -> Certificate:
     mismatch = abs(energy[-1] - energy[0] - work[0] + work[1])
     return Certificate(
         energy_error=float(mismatch / size) if size > 0 else 0.0,
+        energy_start=float(energy[0]),
+        energy_end=float(energy[-1]),
+        work_supplied=float(work[0]),
+        work_friction=float(work[1]),
         guard_violation=0.0,
         event_residual=0.0,
         stick_drift=0.0,

@@ -1,0 +1,84 @@
+"""One travel fixes one number: the value that gives exactly that travel, and its range."""
+
+import math
+
+from stickslip.errors import ConvergenceError
+from stickslip.friction import FrictionLaw
+from stickslip.identification.bracketing import positive_root
+from stickslip.identification.results import Estimate, Fit
+from stickslip.identification.travel import TravelModel, Trial
+from stickslip.quantities import Quantity, fields_of, parameters
+
+__all__ = ["INTERVALS", "fit_one", "room_for"]
+
+INTERVALS = {"rounding": "rounding range", "interval": "stated interval", "standard": "95 %"}
+"""What the interval of an estimate is called, by the kind of uncertainty of the reading."""
+NORMAL_95 = 1.959963984540054
+
+
+def fit_one(model: TravelModel, trial: Trial, kind: str) -> Fit:
+    """Find the value of the one free parameter that gives the travel, and those at its ends."""
+    (path,) = model.free
+    values = {
+        known: (quantity, value) for known, quantity, value in parameters(model.law, "friction")
+    }
+    quantity, start = values[path]
+    low, high = room_for(model.law, path.rpartition(".")[2])
+
+    def root(travel: float, begin: float) -> float | None:
+        return positive_root(
+            lambda value: model.travel(trial, [value]) - travel, begin, low=low, high=high
+        )
+
+    best = root(trial.travel, start or 1.0)
+    if best is None:
+        raise ConvergenceError(
+            f"no value of {path} ({quantity.symbol}) between {low:g} and {high:g} makes the travel"
+            f" {trial.travel:g} m; with {start:g} it is {model.travel(trial, [start]):.4g} m."
+        )
+    spread = trial.half_width * (NORMAL_95 if kind == "standard" else 1.0)
+    ends = [root(trial.travel + sign * spread, best) for sign in (-1.0, 1.0)] if spread else []
+    estimate = _estimate(path, quantity, best, ends, kind)
+    return Fit(
+        law=model.with_values([best]),
+        mechanism=trial.mechanism,
+        estimates=(estimate,),
+        measured=(trial.travel,),
+        predicted=(model.travel(trial, [best]),),
+        runs=model.runs,
+    )
+
+
+def _estimate(
+    path: str, quantity: Quantity, best: float, ends: list[float | None], kind: str
+) -> Estimate:
+    found = sorted(end for end in ends if end is not None)
+    low = found[0] if found and found[0] <= best else -math.inf
+    high = found[-1] if found and found[-1] >= best else math.inf
+    reason = ""
+    if not ends:
+        reason = "no uncertainty of the reading was given"
+    elif not (math.isfinite(low) and math.isfinite(high)):
+        reason = "no value gives the travel at one end of the reading's range"
+    return Estimate(
+        path=path,
+        quantity=quantity,
+        value=best,
+        low=low,
+        high=high,
+        interval=INTERVALS[kind],
+        reason=reason,
+    )
+
+
+def room_for(law: FrictionLaw, name: str) -> tuple[float, float]:
+    """Return the values a parameter may take while the others stay as they are."""
+    quantities = fields_of(type(law))
+    quantity = quantities[name]
+    low, high = max(quantity.low, quantity.above or 0.0, 0.0), quantity.high
+    if quantity.at_least is not None:
+        low = max(low, getattr(law, quantity.at_least))
+    for other, bound in quantities.items():
+        if bound.at_least == name and getattr(law, other) is not None:
+            high = min(high, getattr(law, other))
+    return low, high

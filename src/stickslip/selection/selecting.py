@@ -1,0 +1,176 @@
+"""The verb `select`."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+from stickslip.errors import ConvergenceError, InputError
+from stickslip.experiments import Measurement
+from stickslip.friction import LAWS, FrictionLaw
+from stickslip.identification import Fit, fit, starting_law
+from stickslip.identification.travel import Trial, trials_of
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters
+from stickslip.selection.criteria import criteria_of
+from stickslip.selection.scoring import held_out_errors, root_mean_square, simpler_within_doubt
+from stickslip.selection.separation import separations
+from stickslip.selection.verdict import Candidate, Verdict
+from stickslip.selection.words import wording
+from stickslip.simulation import simulate
+
+__all__ = ["select"]
+
+Watch = Callable[[str, int], None]
+
+
+def select(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None = None,
+    *,
+    t_end: float = 10.0,
+    watch: Watch | None = None,
+) -> Verdict:
+    """Fit every law to measured travels, compare them, and say what the data cannot tell.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        One travel or several trials.
+    laws : mapping or sequence, optional
+        The candidates; instances bring start values and assumptions, types take ordinary ones.
+        All registered laws if not given.
+    t_end : float
+        Time after which a body counts as stopped [s].
+    watch : callable, optional
+        Called with the name of a law and the number of its runs so far.
+
+    Returns
+    -------
+    Verdict
+        Candidates, the law to use, what the data settle and what they cannot tell.
+
+    Raises
+    ------
+    InputError
+        If there is no law to try or the measurement has no travel.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Measurement, SpringBlock, Viscous
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+    >>> verdict = select(rig, reading, [Coulomb, Viscous])
+    >>> verdict.best.name, verdict.ranked
+    ('coulomb', False)
+    """
+    trials = trials_of(mechanism, measurement)
+    kind = measurement.records()[0].uncertainty_kind
+    named = _named(laws)
+    if not named:
+        raise InputError("there is no friction law to try: give at least one in `laws`.")
+    scored = len({trial.mechanism for trial in trials}) > 1
+    candidates = [
+        _candidate(name, law, mechanism, measurement, trials, kind, t_end, scored, watch)
+        for name, law in named.items()
+    ]
+    candidates, best = _ranked(candidates) if scored else (candidates, _plainest(candidates))
+    fitted = {c.name: c.fit.law for c in candidates if c.fit and not c.dropped}
+    predictions = separations(trials[0].mechanism, fitted, t_end=t_end)
+    words = wording(trials, kind, candidates, best, predictions, ranked=scored)
+    return Verdict(
+        mechanism=trials[0].mechanism,
+        measurement=measurement,
+        candidates=tuple(candidates),
+        best=best,
+        ranked=scored and best is not None,
+        separations=predictions,
+        words=words,
+        t_end=t_end,
+    )
+
+
+def _named(
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None,
+) -> dict[str, FrictionLaw]:
+    if isinstance(laws, Mapping):
+        return dict(laws)
+    chosen = list(LAWS.values()) if laws is None else list(laws)
+    made = [starting_law(law) if isinstance(law, type) else law for law in chosen]
+    return {law.name: law for law in made}
+
+
+def _candidate(
+    name: str,
+    law: FrictionLaw,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    trials: Sequence[Trial],
+    kind: str,
+    t_end: float,
+    scored: bool,
+    watch: Watch | None,
+) -> Candidate:
+    """Try one law: as given, fitted, and predicting each trial from the others."""
+    first = trials[0]
+    given = simulate(first.mechanism, law, t_end=t_end, y0=first.initial)
+    report = None if watch is None else (lambda runs: watch(name, runs))
+    result: Fit | None = None
+    dropped = ""
+    errors: tuple[float, ...] = ()
+    try:
+        result = fit(mechanism, law, measurement, t_end=t_end, watch=report)
+        if scored:
+            free = [estimate.path for estimate in result.estimates]
+            errors = held_out_errors(law, trials, kind, free=free, t_end=t_end, watch=report)
+    except ConvergenceError as reason:
+        dropped = str(reason)
+    run = simulate(first.mechanism, result.law, t_end=t_end, y0=first.initial) if result else None
+    score, score_error = root_mean_square(errors) if errors else (None, None)
+    return Candidate(
+        name=name,
+        law=law,
+        given=criteria_of(given, first.mechanism, first.travel),
+        fit=result,
+        run=run,
+        criteria=criteria_of(run, first.mechanism, first.travel) if run else None,
+        dropped=dropped,
+        score=score,
+        score_error=score_error,
+        held_out=errors,
+        assumed=_assumed(law, result),
+    )
+
+
+def _assumed(law: FrictionLaw, result: Fit | None) -> tuple[str, ...]:
+    """Return the names of the parameters that were taken as given."""
+    free = {estimate.path for estimate in result.estimates} if result else set()
+    paths = [path for path, _, _ in parameters(law, "friction")]
+    return tuple(path.rpartition(".")[2] for path in paths if path not in free)
+
+
+def _plainest(candidates: Sequence[Candidate]) -> Candidate | None:
+    """Return the law that explains the data with the fewest assumptions.
+
+    Among equals a law that can hold a body at rest comes first, since it did come to rest.
+    """
+    explained = [c for c in candidates if not c.dropped]
+    stops = [c for c in explained if c.criteria and c.criteria.stop_time is not None]
+    return min(stops or explained, key=lambda c: len(c.assumed), default=None)
+
+
+def _ranked(candidates: Sequence[Candidate]) -> tuple[list[Candidate], Candidate | None]:
+    """Order by held-out score; take a simpler law that is no worse within doubt."""
+    scored = sorted((c for c in candidates if c.score is not None), key=lambda c: c.score or 0.0)
+    rest = [c for c in candidates if c.score is None]
+    if not scored:
+        return rest, None
+    best = scored[0]
+    for other in sorted(scored, key=lambda c: len(list(parameters(c.law, "friction")))):
+        if other is best:
+            break
+        if simpler_within_doubt(other.held_out, best.held_out):
+            best = other
+            break
+    ordered = [best, *[c for c in scored if c is not best], *rest]
+    return ordered, best

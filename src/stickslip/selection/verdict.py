@@ -1,0 +1,129 @@
+"""What a selection gives back."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from stickslip.experiments import Measurement
+from stickslip.friction import FrictionLaw
+from stickslip.identification import Fit
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters
+from stickslip.selection.criteria import Criteria
+from stickslip.selection.separation import Separation
+from stickslip.trajectory import Trajectory
+
+__all__ = ["Candidate", "Verdict", "Wording"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Candidate:
+    """One law: as given, as fitted, and what it does with each."""
+
+    name: str
+    """Registry name."""
+    law: FrictionLaw
+    """The law as given."""
+    given: Criteria
+    """What the mechanism does with it."""
+    fit: Fit | None
+    """The fit; None if no value explains the measurement."""
+    run: Trajectory | None
+    """The fitted run of the first trial."""
+    criteria: Criteria | None
+    """What the fitted run does."""
+    dropped: str
+    """Why the law is out, empty if it is in."""
+    score: float | None
+    """Held-out error [m], root mean square over trials; None where no trial is left to judge."""
+    score_error: float | None
+    """Its standard error [m]."""
+    held_out: tuple[float, ...] = ()
+    """Held-out error of each trial [m]."""
+    assumed: tuple[str, ...] = ()
+    """Names of the parameters that were neither measured nor fitted."""
+
+    @property
+    def title(self) -> str:
+        """Name of the law in running text."""
+        return self.law.title
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the candidate as plain numbers and strings."""
+        law = self.fit.law if self.fit else self.law
+        return {
+            "law": self.name,
+            "dropped": self.dropped,
+            "score": self.score,
+            "score_error": self.score_error,
+            "held_out": list(self.held_out),
+            "parameters": {path: value for path, _, value in parameters(law, "friction")},
+            "assumed": list(self.assumed),
+            "fit": self.fit.to_dict() if self.fit else None,
+            "criteria_as_given": asdict(self.given),
+            "criteria_fitted": asdict(self.criteria) if self.criteria else None,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wording:
+    """The verdict in words."""
+
+    verdict: str
+    """One sentence that says what to do."""
+    lede: str
+    """Two or three sentences why."""
+    settles: tuple[str, ...]
+    """What the measurement settles."""
+    cannot_tell: tuple[str, ...]
+    """What it cannot tell; never empty."""
+    measure_next: tuple[str, ...]
+    """What to measure next, with values."""
+    no_score: str
+    """Why there is no ranking; empty if there is one."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """Which law to use, how the others compare, and what the data cannot tell."""
+
+    mechanism: Mechanism
+    """What was measured."""
+    measurement: Measurement
+    """The measurement."""
+    candidates: tuple[Candidate, ...]
+    """All laws tried, best first where there is a ranking."""
+    best: Candidate | None
+    """The law to use; None if none explains the measurement."""
+    ranked: bool
+    """Whether scores decided."""
+    separations: tuple[Separation, ...]
+    """Predictions for measurements not yet made, the most telling first."""
+    words: Wording
+    """The verdict in words."""
+    t_end: float
+    """Time after which a body counts as stopped [s]."""
+
+    @property
+    def explained(self) -> tuple[Candidate, ...]:
+        """The candidates that reproduce the measurement."""
+        return tuple(candidate for candidate in self.candidates if not candidate.dropped)
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the verdict as plain numbers and strings, ready for JSON."""
+        return {
+            "verdict": self.words.verdict,
+            "why": self.words.lede,
+            "best": self.best.name if self.best else None,
+            "ranked": self.ranked,
+            "no_score": self.words.no_score,
+            "settles": list(self.words.settles),
+            "cannot_tell": list(self.words.cannot_tell),
+            "measure_next": list(self.words.measure_next),
+            "candidates": [candidate.to_dict() for candidate in self.candidates],
+            "next_measurements": [separation.to_dict() for separation in self.separations],
+            "mechanism": {
+                "type": self.mechanism.name,
+                **{path: value for path, _, value in parameters(self.mechanism, "mechanism")},
+            },
+        }

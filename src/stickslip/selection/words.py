@@ -1,0 +1,217 @@
+"""The verdict in words: what the travels settle, what they cannot tell, what to measure next.
+
+Symbols stand between dollar signs, which reports typeset.
+"""
+
+from collections.abc import Sequence
+
+from stickslip.identification import Estimate
+from stickslip.identification.travel import Trial
+from stickslip.quantities import fields_of
+from stickslip.selection.separation import Separation
+from stickslip.selection.verdict import Candidate, Wording
+
+__all__ = ["estimate_text", "wording"]
+
+ADVICE = {
+    "static_coefficient": "Pull slowly until the block moves: the force then is $mu_s$ times the load.",
+    "bristle_stiffness": (
+        "A presliding loop: push to and fro with less than the break-away force and record the"
+        " movement; its slope gives $sigma_0$."
+    ),
+    "bristle_damping": "The same loop at two rates, for $sigma_1$.",
+    "stribeck_velocity": (
+        "A velocity trace of the last centimetre, 240 frames a second or more: friction that rises"
+        " before the stop gives $v_s$."
+    ),
+    "viscous_coefficient": "A velocity trace of one run: its curvature gives $sigma_2$.",
+}
+"""Which measurement pays for a parameter that a travel does not fix, the most telling first."""
+
+
+def wording(
+    trials: Sequence[Trial],
+    kind: str,
+    candidates: Sequence[Candidate],
+    best: Candidate | None,
+    predictions: Sequence[Separation],
+    *,
+    ranked: bool,
+) -> Wording:
+    """Put a selection into words."""
+    explained = [c for c in candidates if not c.dropped]
+    if best is None:
+        verdict, lede = _nothing_fits(candidates)
+    elif ranked:
+        verdict, lede = _ranked(trials, explained, best)
+    else:
+        verdict, lede = _tie(explained, candidates, best)
+    return Wording(
+        verdict=verdict,
+        lede=lede,
+        settles=_settles(trials, kind, best),
+        cannot_tell=_cannot_tell(explained, ranked=ranked),
+        measure_next=_measure_next(explained, best, predictions),
+        no_score=_no_score(trials, ranked=ranked),
+    )
+
+
+def estimate_text(estimate: Estimate) -> str:
+    """Return symbol and value of an estimate, such as ``"$mu_k$ = 0.255"``."""
+    unit = "" if estimate.quantity.unit == "1" else f" {estimate.quantity.unit}"
+    return f"${estimate.quantity.symbol}$ = {estimate.value:.3g}{unit}"
+
+
+def _with_estimates(candidate: Candidate) -> str:
+    found = candidate.fit.estimates if candidate.fit else ()
+    return f"{candidate.title} friction with {' and '.join(estimate_text(e) for e in found)}"
+
+
+def _nothing_fits(candidates: Sequence[Candidate]) -> tuple[str, str]:
+    closest = min(candidates, key=lambda c: abs(c.given.relative_error or 0.0))
+    error = 100.0 * abs(closest.given.relative_error or 0.0)
+    return (
+        f"No candidate explains the measurement; the closest is {closest.title}.",
+        f"With the values given it is {error:.2g} % off, and no value of its first parameter gives"
+        " the measured travel. Check the rig: mass, stiffness, compression, and whether the body"
+        " leaves the spring.",
+    )
+
+
+def _tie(
+    explained: Sequence[Candidate], candidates: Sequence[Candidate], best: Candidate
+) -> tuple[str, str]:
+    others = len(explained) - 1
+    if len(candidates) == 1:
+        rest = "No other model was tried."
+    elif others == len(candidates) - 1:
+        rest = "So does every other model."
+    elif others:
+        rest = f"So do {others} of the {len(candidates) - 1} other models."
+    else:
+        rest = "No other model does."
+    force = _mean_force(best)
+    return (
+        f"{_with_estimates(best)} explains the measurement. {rest}",
+        f"One travel fixes one number: the mean friction force, {force:.3g} N. It cannot tell"
+        f" friction models apart. {best.title} is named because it needs the fewest assumptions,"
+        " not because it is closer.",
+    )
+
+
+def _ranked(
+    trials: Sequence[Trial], explained: Sequence[Candidate], best: Candidate
+) -> tuple[str, str]:
+    equals = [c.title for c in explained if c is not best and _as_good(c, best)]
+    doubt = ""
+    if equals:
+        names = equals[0] if len(equals) == 1 else ", ".join(equals[:-1]) + f" and {equals[-1]}"
+        doubt = f"; {names} {'is' if len(equals) == 1 else 'are'} as good on these trials"
+    score, error = best.score or 0.0, best.score_error or 0.0
+    return (
+        f"Use {_with_estimates(best)}{doubt}.",
+        f"Each of the {len(trials)} trials was predicted from the others. {best.title} misses by"
+        f" {1e3 * score:.3g} mm (root mean square, standard error {1e3 * error:.2g} mm).",
+    )
+
+
+def _as_good(candidate: Candidate, best: Candidate) -> bool:
+    if candidate.score is None or best.score is None:
+        return False
+    return candidate.score - best.score <= (candidate.score_error or 0.0) + (
+        best.score_error or 0.0
+    )
+
+
+def _mean_force(candidate: Candidate) -> float:
+    """Return work taken by friction over the travel [N]."""
+    seen = candidate.criteria or candidate.given
+    return abs(seen.work_friction / seen.travel) if seen.travel else 0.0
+
+
+def _settles(trials: Sequence[Trial], kind: str, best: Candidate | None) -> tuple[str, ...]:
+    if best is None or best.fit is None or best.criteria is None:
+        return ()
+    seen = best.criteria
+    lines = []
+    if len(trials) == 1:
+        lines.append(
+            f"Mean friction over the travel: {seen.work_friction:.3f} J / {abs(seen.travel):.3g} m"
+            f" = {_mean_force(best):.3g} N."
+        )
+    lines += [_range_line(estimate, best, kind) for estimate in best.fit.estimates]
+    return tuple(lines[:3])
+
+
+def _range_line(estimate: Estimate, best: Candidate, kind: str) -> str:
+    name = estimate.path.rpartition(".")[2]
+    given = getattr(best.law, name)
+    symbol = f"${estimate.quantity.symbol}$"
+    if not estimate.bounded:
+        return f"{symbol} only to one side: {estimate.reason}."
+    inside = estimate.low <= given <= estimate.high
+    doubt = "rounding of the measurement" if kind == "rounding" else f"{estimate.interval} interval"
+    return (
+        f"{symbol} lies between {estimate.low:.3g} and {estimate.high:.3g}; the given {given:.3g}"
+        f" is {'inside' if inside else 'outside'} the {doubt}."
+    )
+
+
+def _cannot_tell(explained: Sequence[Candidate], *, ranked: bool) -> tuple[str, ...]:
+    lines = []
+    if not ranked:
+        lines.append("Which friction model: there is nothing left to judge by.")
+    assumed = {name for c in explained for name in c.assumed}
+    if "static_coefficient" in assumed:
+        lines.append("$mu_s$: the body starts far above it, and nothing loads it after it stops.")
+        assumed.discard("static_coefficient")
+    symbols = _symbols(explained, assumed)
+    if symbols:
+        lines.append(f"{symbols}: assumed, not measured; no travel depends on them enough.")
+    return tuple(lines[:3]) or ("How friction behaves at speeds and loads that were not measured.",)
+
+
+def _symbols(explained: Sequence[Candidate], names: set[str]) -> str:
+    found = {
+        name: fields_of(type(c.law))[name].symbol
+        for c in explained
+        for name in fields_of(type(c.law))
+        if name in names and name != "kinetic_coefficient"
+    }
+    return ", ".join(f"${symbol}$" for symbol in dict.fromkeys(found.values()))
+
+
+def _measure_next(
+    explained: Sequence[Candidate], best: Candidate | None, predictions: Sequence[Separation]
+) -> tuple[str, ...]:
+    lines = []
+    if best is not None and len(explained) > 1 and predictions:
+        lines.append(_settings_line(explained, best, predictions))
+    assumed = {name for c in explained for name in c.assumed}
+    lines += [advice for name, advice in ADVICE.items() if name in assumed]
+    return tuple(lines[:3])
+
+
+def _settings_line(
+    explained: Sequence[Candidate], best: Candidate, predictions: Sequence[Separation]
+) -> str:
+    """Name the outer settings and what the most different law predicts there."""
+    low, high = predictions[0], predictions[-1]
+    rival = max((c for c in explained if c is not best), key=lambda c: high.gap(best.name, c.name))
+    return (
+        f"Set ${low.symbol}$ to {low.value:.3g} and {high.value:.3g} {low.unit}, three runs each."
+        f" {best.title} predicts {low.predicted[best.name]:.3f} and"
+        f" {high.predicted[best.name]:.3f} m, {rival.title} {low.predicted[rival.name]:.3f} and"
+        f" {high.predicted[rival.name]:.3f} m."
+    )
+
+
+def _no_score(trials: Sequence[Trial], *, ranked: bool) -> str:
+    if ranked:
+        return ""
+    if len(trials) == 1:
+        return "No score and no ranking: one number was measured and one was fitted."
+    return (
+        "No score and no ranking: all trials repeat one setting, so none can be predicted from"
+        " another."
+    )
