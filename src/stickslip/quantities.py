@@ -227,8 +227,12 @@ def _vary_member(member: Any, prefix: str, changes: Mapping[str, float | None]) 
     if isinstance(member, tuple):
         items = list(member)
         for path, value in changes.items():
-            index = int(path.removeprefix(prefix + ".").partition(".")[0])
-            items[index] = vary(items[index], f"{prefix}.{index}", {path: value})
+            place = path.removeprefix(prefix + ".").partition(".")[0]
+            if place not in map(str, range(len(items))):
+                raise UnknownNameError(
+                    "parameter", path, [f"{prefix}.{i}" for i in range(len(items))]
+                )
+            items[int(place)] = vary(items[int(place)], f"{prefix}.{place}", {path: value})
         return tuple(items)
     raise UnknownNameError("parameter", next(iter(changes)), [])
 

@@ -24,7 +24,7 @@ class Viscous(SetValuedLaw):
     """
 
     name: ClassVar[str] = "viscous"
-    title: ClassVar[str] = "viscous"
+    title: ClassVar[str] = "Viscous"
     formula: ClassVar[str] = r"F = \sigma_2 v"
     sources: ClassVar[tuple[str, ...]] = ("reynolds1886",)
     fit_order: ClassVar[tuple[str, ...]] = ("viscous_coefficient",)

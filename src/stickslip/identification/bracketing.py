@@ -1,5 +1,6 @@
 """Roots of one unknown on a positive axis."""
 
+import math
 from collections.abc import Callable
 
 from scipy.optimize import brentq
@@ -14,7 +15,7 @@ def positive_root(
     start: float,
     *,
     low: float = 0.0,
-    high: float = float("inf"),
+    high: float = math.inf,
 ) -> float | None:
     """Return a root between `low` and `high` next to `start`, or None if no sign change is found.
 
@@ -39,8 +40,7 @@ def positive_root(
                 return float(brentq(function, above, wider, rtol=1e-11, xtol=1e-300))
             above, f_above = wider, f_wider
         if below > low:
-            lower = 0.5 * below if 0.5 * below > low or low > 0.0 else below * 0.5
-            lower = max(lower, low)
+            lower = max(0.5 * below, low)
             f_lower = function(lower)
             if f_lower * f_below <= 0.0:
                 return float(brentq(function, lower, below, rtol=1e-11, xtol=1e-300))

@@ -42,14 +42,13 @@ def fit_several(model: TravelModel, trials: Sequence[Trial], kind: str) -> Fit:
     if not result.success:
         raise ConvergenceError(f"the fit of {', '.join(model.free)} ended: {result.message}")
     best = [float(result.params[f"u{i}"].value) for i in range(len(model.free))]
-    chi_square = float(np.sum(np.square(result.residual)))
+    freedom = len(trials) - len(best)
+    excess = max(1.0, float(np.sum(np.square(result.residual))) / freedom) if freedom else 1.0
     return Fit(
         law=model.with_values(best),
         mechanism=trials[0].mechanism,
         estimates=tuple(
-            _estimate(
-                path, known[path][0], result.params[f"u{i}"], chi_square, len(trials), len(best)
-            )
+            _estimate(path, known[path][0], result.params[f"u{i}"], excess, freedom)
             for i, path in enumerate(model.free)
         ),
         measured=tuple(measured.tolist()),
@@ -67,7 +66,7 @@ def _standard_errors(trials: Sequence[Trial], kind: str) -> NDArray[np.float64]:
 
 
 def _estimate(
-    path: str, quantity: Quantity, found: lmfit.Parameter, chi_square: float, data: int, free: int
+    path: str, quantity: Quantity, found: lmfit.Parameter, excess: float, freedom: int
 ) -> Estimate:
     """Return an estimate with a 95 % interval, widened where the residuals exceed their errors."""
     value, error = float(found.value), found.stderr
@@ -75,8 +74,6 @@ def _estimate(
     if error is None or not math.isfinite(error) or error > 1e6 * abs(value) + 1e-300:
         spread, reason = math.inf, "the trials do not depend on it enough"
     else:
-        freedom = data - free
-        excess = max(1.0, chi_square / freedom) if freedom else 1.0
         quantile = stats.t.ppf(0.975, freedom) if excess > 1.0 else stats.norm.ppf(0.975)
         spread = float(quantile * error * math.sqrt(excess))
     return Estimate(

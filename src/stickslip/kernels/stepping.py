@@ -12,6 +12,11 @@ from stickslip.kernels.tier import Vector
 
 __all__ = ["advance"]
 
+OVERSHOT = 0.5
+"""A step is taken again if the event lies in this first part of it."""
+BEYOND = 1.1
+"""Length of the new step over the time to the event."""
+
 
 def attempt(
     mode: int,
@@ -97,9 +102,10 @@ def advance(
 ) -> int:
     """Take one step up to the first event; return the guard that ended it, or NO_GUARD.
 
-    On return ``buffers[0]`` holds the new state, ``buffers[1]`` the length of the dense output and
-    the fraction of it that holds. A body that starts from rest towards a guard that would be
-    violated at once gets shorter steps before that is believed.
+    On return ``buffers[1]`` holds the fraction of the step that holds and its length. A body that
+    starts from rest towards a guard that would be violated at once gets shorter steps before that
+    is believed. A step that ends far beyond an event is taken again up to just beyond it: the
+    mode's equations, and so the error estimate, mean little where the mode does not hold.
     """
     scale, dense = work[3], work[7]
     point, found, samples, values = buffers
@@ -125,6 +131,9 @@ def advance(
         unarmed_start = guard == STOP and found[1] > 0.0 and not HAS_BRISTLES
         if unarmed_start and t + h / 64.0 > t and h > 1e-9 * (stop - t):
             real[STEP] = h / 8.0
+            continue
+        if guard != NO_GUARD and 0.0 < found[0] < OVERSHOT and t + found[0] * h > t:
+            real[STEP] = BEYOND * found[0] * h
             continue
         found[1] = h
         if guard == NO_GUARD:

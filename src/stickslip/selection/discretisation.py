@@ -1,5 +1,6 @@
 """What a fixed step makes of a run: chatter, drift and reverse motion that is not there."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -60,7 +61,7 @@ def compare_fixed_steps(
                 dt=dt,
                 stick_rule=stick_rule,
                 criteria=criteria_of(run, mechanism),
-                reversals=sum(a != b for a, b in zip(signs, signs[1:], strict=False)),
+                reversals=sum(a != b for a, b in itertools.pairwise(signs)),
             )
         )
     return tuple(rows)

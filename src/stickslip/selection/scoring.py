@@ -10,7 +10,7 @@ from stickslip.identification.travel import TravelModel, Trial
 __all__ = ["held_out_errors", "root_mean_square", "simpler_within_doubt"]
 
 FLOOR = 0.05
-"""A simpler law may be worse by this share of the error, if that is also within one standard error."""
+"""A simpler law may be worse by this share, if that is also within one standard error."""
 
 
 def held_out_errors(

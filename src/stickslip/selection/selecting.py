@@ -150,13 +150,17 @@ def _assumed(law: FrictionLaw, result: Fit | None) -> tuple[str, ...]:
 
 
 def _plainest(candidates: Sequence[Candidate]) -> Candidate | None:
-    """Return the law that explains the data with the fewest assumptions.
+    """Return the law that explains the data with the fewest parameters.
 
-    Among equals a law that can hold a body at rest comes first, since it did come to rest.
+    Laws that can hold a body at rest come first, since it did come to rest.
     """
     explained = [c for c in candidates if not c.dropped]
-    stops = [c for c in explained if c.criteria and c.criteria.stop_time is not None]
-    return min(stops or explained, key=lambda c: len(c.assumed), default=None)
+    holding = [c for c in explained if c.law.break_away(1.0) > 0]
+    return min(holding or explained, key=_size, default=None)
+
+
+def _size(candidate: Candidate) -> int:
+    return len(list(parameters(candidate.law, "friction")))
 
 
 def _ranked(candidates: Sequence[Candidate]) -> tuple[list[Candidate], Candidate | None]:
@@ -166,7 +170,7 @@ def _ranked(candidates: Sequence[Candidate]) -> tuple[list[Candidate], Candidate
     if not scored:
         return rest, None
     best = scored[0]
-    for other in sorted(scored, key=lambda c: len(list(parameters(c.law, "friction")))):
+    for other in sorted(scored, key=_size):
         if other is best:
             break
         if simpler_within_doubt(other.held_out, best.held_out):

@@ -112,14 +112,14 @@ class Verdict:
     def to_dict(self) -> Mapping[str, Any]:
         """Return the verdict as plain numbers and strings, ready for JSON."""
         return {
-            "verdict": self.words.verdict,
-            "why": self.words.lede,
+            "verdict": _plain(self.words.verdict),
+            "why": _plain(self.words.lede),
             "best": self.best.name if self.best else None,
             "ranked": self.ranked,
             "no_score": self.words.no_score,
-            "settles": list(self.words.settles),
-            "cannot_tell": list(self.words.cannot_tell),
-            "measure_next": list(self.words.measure_next),
+            "settles": [_plain(line) for line in self.words.settles],
+            "cannot_tell": [_plain(line) for line in self.words.cannot_tell],
+            "measure_next": [_plain(line) for line in self.words.measure_next],
             "candidates": [candidate.to_dict() for candidate in self.candidates],
             "next_measurements": [separation.to_dict() for separation in self.separations],
             "mechanism": {
@@ -127,3 +127,8 @@ class Verdict:
                 **{path: value for path, _, value in parameters(self.mechanism, "mechanism")},
             },
         }
+
+
+def _plain(text: str) -> str:
+    """Return a text without the marks that reports typeset."""
+    return text.replace("$", "")

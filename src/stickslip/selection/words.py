@@ -14,7 +14,9 @@ from stickslip.selection.verdict import Candidate, Wording
 __all__ = ["estimate_text", "wording"]
 
 ADVICE = {
-    "static_coefficient": "Pull slowly until the block moves: the force then is $mu_s$ times the load.",
+    "static_coefficient": (
+        "Pull slowly until the block moves: the force then is $mu_s$ times the load."
+    ),
     "bristle_stiffness": (
         "A presliding loop: push to and fro with less than the break-away force and record the"
         " movement; its slope gives $sigma_0$."
@@ -27,6 +29,10 @@ ADVICE = {
     "viscous_coefficient": "A velocity trace of one run: its curvature gives $sigma_2$.",
 }
 """Which measurement pays for a parameter that a travel does not fix, the most telling first."""
+
+
+MOVES = 0.05
+"""Share of the longest travel below which a setting is not worth a run."""
 
 
 def wording(
@@ -59,7 +65,12 @@ def wording(
 def estimate_text(estimate: Estimate) -> str:
     """Return symbol and value of an estimate, such as ``"$mu_k$ = 0.255"``."""
     unit = "" if estimate.quantity.unit == "1" else f" {estimate.quantity.unit}"
-    return f"${estimate.quantity.symbol}$ = {estimate.value:.3g}{unit}"
+    return f"${estimate.quantity.symbol}$ = {_three(estimate.value)}{unit}"
+
+
+def _three(value: float) -> str:
+    """Return a number with three digits, zeros kept."""
+    return f"{value:#.3g}".rstrip(".")
 
 
 def _with_estimates(candidate: Candidate) -> str:
@@ -93,7 +104,7 @@ def _tie(
     force = _mean_force(best)
     return (
         f"{_with_estimates(best)} explains the measurement. {rest}",
-        f"One travel fixes one number: the mean friction force, {force:.3g} N. It cannot tell"
+        f"One travel fixes one number: the mean friction force, {_three(force)} N. It cannot tell"
         f" friction models apart. {best.title} is named because it needs the fewest assumptions,"
         " not because it is closer.",
     )
@@ -118,9 +129,8 @@ def _ranked(
 def _as_good(candidate: Candidate, best: Candidate) -> bool:
     if candidate.score is None or best.score is None:
         return False
-    return candidate.score - best.score <= (candidate.score_error or 0.0) + (
-        best.score_error or 0.0
-    )
+    doubt = (candidate.score_error or 0.0) + (best.score_error or 0.0)
+    return candidate.score - best.score <= doubt
 
 
 def _mean_force(candidate: Candidate) -> float:
@@ -136,8 +146,8 @@ def _settles(trials: Sequence[Trial], kind: str, best: Candidate | None) -> tupl
     lines = []
     if len(trials) == 1:
         lines.append(
-            f"Mean friction over the travel: {seen.work_friction:.3f} J / {abs(seen.travel):.3g} m"
-            f" = {_mean_force(best):.3g} N."
+            f"Mean friction over the travel: {seen.work_friction:.3f} J / {_three(abs(seen.travel))} m"
+            f" = {_three(_mean_force(best))} N."
         )
     lines += [_range_line(estimate, best, kind) for estimate in best.fit.estimates]
     return tuple(lines[:3])
@@ -152,7 +162,7 @@ def _range_line(estimate: Estimate, best: Candidate, kind: str) -> str:
     inside = estimate.low <= given <= estimate.high
     doubt = "rounding of the measurement" if kind == "rounding" else f"{estimate.interval} interval"
     return (
-        f"{symbol} lies between {estimate.low:.3g} and {estimate.high:.3g}; the given {given:.3g}"
+        f"{symbol} lies between {_three(estimate.low)} and {_three(estimate.high)}; the given {given:g}"
         f" is {'inside' if inside else 'outside'} the {doubt}."
     )
 
@@ -196,10 +206,12 @@ def _settings_line(
     explained: Sequence[Candidate], best: Candidate, predictions: Sequence[Separation]
 ) -> str:
     """Name the outer settings and what the most different law predicts there."""
-    low, high = predictions[0], predictions[-1]
+    farthest = max(p.predicted[best.name] for p in predictions)
+    moving = [p for p in predictions if p.predicted[best.name] > MOVES * farthest]
+    low, high = moving[0], moving[-1]
     rival = max((c for c in explained if c is not best), key=lambda c: high.gap(best.name, c.name))
     return (
-        f"Set ${low.symbol}$ to {low.value:.3g} and {high.value:.3g} {low.unit}, three runs each."
+        f"Set ${low.symbol}$ to {low.value:g} and {high.value:g} {low.unit}, three runs each."
         f" {best.title} predicts {low.predicted[best.name]:.3f} and"
         f" {high.predicted[best.name]:.3f} m, {rival.title} {low.predicted[rival.name]:.3f} and"
         f" {high.predicted[rival.name]:.3f} m."

@@ -1,0 +1,135 @@
+"""Presliding: friction against displacement where the contact deflects but hardly slips."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.friction import BristleLaw
+
+__all__ = ["PreslidingLoop", "presliding_length", "presliding_loop"]
+
+Array: TypeAlias = NDArray[np.float64]
+
+SLOW = 1e-6
+"""Imposed speed [m/s]: far below any Stribeck velocity, so that only the path matters."""
+POINTS = 200
+"""Points of each straight piece of the path; each is one Runge-Kutta step or more."""
+SHARE_OF_LENGTH = 0.05
+"""Longest step, over the presliding length: the bristles relax within that length."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PreslidingLoop:
+    """Friction along an imposed displacement that swings ever wider."""
+
+    displacement: Array
+    """Imposed displacement (n,) [m]."""
+    friction: Array
+    """Friction force (n,) [N]."""
+
+
+def presliding_length(law: BristleLaw, load: float = 1.0) -> float:
+    """Return the displacement [m] at which the first stiffness would reach break-away.
+
+    Parameters
+    ----------
+    law : BristleLaw
+        The law.
+    load : float
+        Normal force [N].
+
+    Returns
+    -------
+    float
+        Break-away force over the stiffness of the undeflected contact.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> presliding_length(Dahl(kinetic_coefficient=0.25, bristle_stiffness=1000.0))
+    0.00025
+    """
+    rest = tuple(0.0 for _ in law.bristles)
+    rates = law.bristle_rates(SLOW, rest, load)
+    moved = tuple(float(rate) / SLOW for rate in rates)  # deflection per displacement
+    # The laws are affine in their deflection at a given speed, so any step gives the slope.
+    stiffness = float(law.force(0.0, moved, load)) - float(law.force(0.0, rest, load))
+    return float(law.break_away(load)) / stiffness
+
+
+def presliding_loop(
+    law: BristleLaw, amplitude: float, load: float = 1.0, *, swings: int = 3
+) -> PreslidingLoop:
+    """Move a contact slowly to and fro, each time farther, and record its friction.
+
+    Parameters
+    ----------
+    law : BristleLaw
+        The law; its bristles begin undeflected.
+    amplitude : float
+        Amplitude of the last swing [m].
+    load : float
+        Normal force [N].
+    swings : int
+        How many swings; their amplitudes grow evenly.
+
+    Returns
+    -------
+    PreslidingLoop
+        Displacement and friction.
+
+    Raises
+    ------
+    InputError
+        If the amplitude or the number of swings is not positive.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1000.0)
+    >>> loop = presliding_loop(law, 0.001, load=10.0)
+    >>> bool(abs(loop.friction).max() < 2.5)
+    True
+    """
+    if not amplitude > 0 or swings < 1:
+        raise InputError(
+            "a presliding loop needs an amplitude above 0 m and at least one swing,"
+            f" got {amplitude:g} m and {swings}."
+        )
+    ends = [sign * amplitude * (n + 1) / swings for n in range(swings) for sign in (1.0, -1.0)]
+    path = [np.zeros(1)]
+    for start, end in zip([0.0, *ends], [*ends, amplitude], strict=True):
+        path.append(np.linspace(start, end, POINTS + 1)[1:])
+    x = np.concatenate(path)
+    substeps = int(np.ceil(np.abs(np.diff(x)).max() / (SHARE_OF_LENGTH * presliding_length(law))))
+    z = np.zeros(len(law.bristles))
+    friction = np.zeros(len(x))
+    for i, step in enumerate(np.diff(x)):
+        v = SLOW * float(np.sign(step))
+        z = _moved(law, v, z, load, abs(step) / SLOW, max(substeps, 1))
+        friction[i + 1] = law.force(v, tuple(map(float, z)), load)
+    return PreslidingLoop(displacement=x, friction=friction)
+
+
+def _moved(law: BristleLaw, v: float, z: Array, load: float, time: float, substeps: int) -> Array:
+    """Return the bristles after some time at a constant slip velocity."""
+
+    def rate(state: Array) -> Array:
+        return np.asarray(law.bristle_rates(v, tuple(map(float, state)), load), dtype=np.float64)
+
+    for _ in range(substeps):
+        z = _runge_kutta(rate, z, time / substeps)
+    return z
+
+
+def _runge_kutta(rate: Callable[[Array], Array], z: Array, h: float) -> Array:
+    k1 = rate(z)
+    k2 = rate(z + h / 2 * k1)
+    k3 = rate(z + h / 2 * k2)
+    k4 = rate(z + h * k3)
+    return z + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)

@@ -1,0 +1,28 @@
+"""``stickslip cite``."""
+
+from collections.abc import Sequence
+
+from stickslip.cli.output import document, print_json, stdout
+from stickslip.friction import SOURCES, law_type, laws
+
+__all__ = ["run"]
+
+
+def run(names: Sequence[str], *, as_json: bool) -> None:
+    """Print citations."""
+    from stickslip import __version__
+
+    own = f"stickslip {__version__}. The stickslip authors, 2026. BSD-3-Clause."
+    chosen = [law_type(name) for name in names] if names else list(laws().values())
+    found = {law.name: [SOURCES[key] for key in law.sources] for law in chosen}
+    if as_json:
+        content = {"software": own, "rig": SOURCES["paper"], "laws": found}
+        print_json(document("cite", content))
+        return
+    console = stdout()
+    console.print(f"Software\n  {own}", markup=False)
+    console.print(f"Bundled rig\n  {SOURCES['paper']}", markup=False)
+    for law in chosen:
+        console.print(law.title, markup=False)
+        for source in found[law.name]:
+            console.print(f"  {source}", markup=False)

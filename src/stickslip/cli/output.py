@@ -1,0 +1,134 @@
+"""What commands share: consoles, JSON documents, folders that are written whole or not at all."""
+
+import json
+import math
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from stickslip.errors import InputError
+
+__all__ = [
+    "document",
+    "note",
+    "overrides",
+    "plain",
+    "print_json",
+    "refuse_overwriting",
+    "show_table",
+    "stderr",
+    "stdout",
+    "write_file",
+    "write_folder",
+]
+
+SCHEMA_VERSION = 1
+
+
+def stdout() -> Console:
+    """Return the console for results."""
+    return Console(highlight=False, soft_wrap=True)
+
+
+def stderr() -> Console:
+    """Return the console for progress and remarks."""
+    return Console(stderr=True, highlight=False)
+
+
+def note(text: str) -> None:
+    """Say something beside the result."""
+    stderr().print(text, markup=False)
+
+
+def show_table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print a table."""
+    table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="dim")
+    for head in heads:
+        table.add_column(head, justify="left" if head == heads[0] else "right", overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    stdout().print(table)
+
+
+def document(kind: str, content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a JSON document of a kind, with the version of its form."""
+    from stickslip import __version__
+
+    head = {"schema": f"stickslip/{kind}/{SCHEMA_VERSION}", "stickslip": __version__}
+    return {**head, **_finite(content)}
+
+
+def _finite(value: Any) -> Any:
+    """Replace what JSON has no word for by null."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {str(key): _finite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(item) for item in value]
+    return value
+
+
+def print_json(content: Mapping[str, Any]) -> None:
+    """Print one JSON document on stdout."""
+    sys.stdout.write(json_text(content))
+
+
+def json_text(content: Mapping[str, Any]) -> str:
+    """Return a JSON document as text."""
+    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def plain(text: str) -> str:
+    """Return a text without the marks that reports typeset."""
+    return text.replace("$", "")
+
+
+def overrides(changes: Sequence[str]) -> dict[str, str]:
+    """Split ``path=value`` pairs."""
+    found = {}
+    for change in changes:
+        path, equals, value = change.partition("=")
+        if not equals or not path.strip() or not value.strip():
+            raise InputError(
+                f"--set takes PATH=VALUE such as friction.static_coefficient=0.4, got {change!r}."
+            )
+        found[path.strip()] = value.strip()
+    return found
+
+
+def refuse_overwriting(path: Path, *, force: bool) -> None:
+    """Refuse early what could not be written in the end."""
+    if path.exists() and not force:
+        raise InputError(f"{path} is already there; give --force to replace it, or another -o.")
+    parent = next(
+        folder for folder in (path.absolute(), *path.absolute().parents) if folder.exists()
+    )
+    if parent != path.absolute() and not parent.is_dir():
+        raise InputError(f"{path} cannot be written: {parent} is not a folder.")
+
+
+def write_folder(folder: Path, files: Mapping[str, str]) -> None:
+    """Write text files into a folder; each appears whole, and all were made before the first."""
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} is a file; a report needs a folder: give another -o.")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in files.items():
+            write_file(folder / name, text.encode("utf-8"))
+    except OSError as error:
+        raise InputError(f"{folder} cannot be written: {error.strerror}.") from error
+
+
+def write_file(path: Path, content: bytes) -> None:
+    """Write a file so that it appears whole or not at all."""
+    with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
+        file.write(content)
+    temporary = Path(file.name)
+    temporary.chmod(0o644)
+    temporary.replace(path)

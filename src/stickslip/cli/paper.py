@@ -1,0 +1,62 @@
+"""``stickslip paper``."""
+
+import sys
+from pathlib import Path
+
+from stickslip.cli.output import (
+    document,
+    json_text,
+    note,
+    print_json,
+    refuse_overwriting,
+    show_table,
+    stdout,
+    write_folder,
+)
+from stickslip.cli.progress import Watching
+from stickslip.experiments import load_rig
+from stickslip.paper import PaperAudit, audit, paper_report
+
+__all__ = ["run"]
+
+
+def run(output: Path, *, force: bool, as_json: bool) -> None:
+    """Recompute the paper, write the page, print Table II."""
+    if not as_json:
+        refuse_overwriting(output, force=force)
+    with Watching(list(load_rig().laws), "Recomputing the paper:") as watch:
+        found = audit(watch=watch)
+    content = document("paper", found.to_dict())
+    if as_json:
+        print_json(content)
+        return
+    note("Writing the page ...")
+    page = paper_report(found, command=" ".join(["stickslip", *sys.argv[1:]]))
+    write_folder(output, {"index.html": page, "paper.json": json_text(content)})
+    _show(found)
+    stdout().print(f"\nPage: {output / 'index.html'}", markup=False)
+
+
+def _show(found: PaperAudit) -> None:
+    """Print Table II beside ours, and what the unpublished parameters would have to be."""
+    heads = ["model", "published, m", "A push, m", "B spring, m", "C fixed, m"]
+    rows = [
+        [
+            row.law.title,
+            f"{row.published.travel:.2f}" if row.published.travel is not None else "",
+            *[f"{reading.criteria.travel:.4f}" for reading in row.readings],
+        ]
+        for row in found.table
+    ]
+    show_table(f"Table II; measured {found.measured:.2f} m", heads, rows)
+    rows = [
+        [
+            need.law,
+            f"{need.published:.2f}",
+            "no value" if need.value is None else f"{need.symbol} = {need.value:.3g} {need.unit}",
+            "" if need.low is None or need.high is None else f"{need.low:.3g} to {need.high:.3g}",
+        ]
+        for need in found.requirements
+    ]
+    stdout().print()
+    show_table("What would give the published rows", ["row", "m", "needs", "range"], rows)

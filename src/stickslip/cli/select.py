@@ -1,0 +1,126 @@
+"""``stickslip select``."""
+
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import typer
+
+from stickslip.cli.output import (
+    document,
+    json_text,
+    note,
+    overrides,
+    plain,
+    print_json,
+    refuse_overwriting,
+    show_table,
+    stdout,
+    write_folder,
+)
+from stickslip.cli.progress import Watching
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.experiments import Measurement, Rig, load_measurement, load_rig
+from stickslip.friction import FrictionLaw
+from stickslip.friction import laws as known_laws
+from stickslip.identification import starting_law
+from stickslip.paper import rig_report
+from stickslip.report.numbers import interval, significant
+from stickslip.selection import Candidate, Verdict, select
+
+__all__ = ["run"]
+
+CRITERIA_FAILED = 4
+
+
+def run(
+    path: Path | None,
+    data: Path | None,
+    changes: Sequence[str],
+    laws: str | None,
+    output: Path,
+    *,
+    force: bool,
+    as_json: bool,
+    enforce: bool,
+) -> None:
+    """Select, write the report, print the verdict."""
+    if not as_json:
+        refuse_overwriting(output, force=force)
+    rig = load_rig(path, overrides=overrides(changes))
+    measurement = _measurement(rig, data)
+    chosen = _chosen(rig, laws)
+    with Watching(list(chosen), "Fitting") as watch:
+        verdict = select(rig.mechanism, measurement, chosen, t_end=rig.t_end, watch=watch)
+    content = document("select", {"rig": rig.title, "digest": rig.digest, **verdict.to_dict()})
+    if as_json:
+        print_json(content)
+    else:
+        note("Writing the report ...")
+        command = " ".join(["stickslip", *sys.argv[1:]])
+        page = rig_report(rig, verdict, command=command)
+        write_folder(output, {"index.html": page, "verdict.json": json_text(content)})
+        _show(verdict)
+        stdout().print(f"\nReport: {output / 'index.html'}", markup=False)
+    if enforce and not _criteria_hold(verdict.best):
+        note("A criterion of the paper fails for the law that is named; the report says which.")
+        raise typer.Exit(CRITERIA_FAILED)
+
+
+def _measurement(rig: Rig, data: Path | None) -> Measurement:
+    if data is not None:
+        return load_measurement(data)
+    if rig.measurement is None:
+        raise InputError(
+            f"{rig.path} has no measurement: add a [[trial]] with a travel, or give --data FILE."
+        )
+    return rig.measurement
+
+
+def _chosen(rig: Rig, names: str | None) -> Mapping[str, FrictionLaw]:
+    """Return the laws to try: those of the rig, and ordinary values for others asked for."""
+    if names is None:
+        return rig.laws or {name: starting_law(law) for name, law in known_laws().items()}
+    chosen = {}
+    for name in (part.strip() for part in names.split(",")):
+        if name not in known_laws():
+            raise UnknownNameError("friction law", name, known_laws())
+        chosen[name] = rig.laws.get(name) or starting_law(known_laws()[name])
+    return chosen
+
+
+def _criteria_hold(best: Candidate | None) -> bool:
+    seen = best.criteria if best else None
+    return bool(seen and seen.velocity_never_negative and seen.displacement_never_decreases)
+
+
+def _show(verdict: Verdict) -> None:
+    """Print the verdict and the comparison."""
+    words = verdict.words
+    console = stdout()
+    console.print(f"\n[bold]{plain(words.verdict)}[/bold]")
+    console.print(plain(words.lede), markup=False)
+    if words.no_score:
+        console.print(words.no_score, markup=False, style="dim")
+    heads = ["law", "fitted", "range", "travel, m", "velocity never < 0"]
+    heads += ["held-out error, mm"] if verdict.ranked else []
+    console.print()
+    show_table("", heads, [_row(c, ranked=verdict.ranked) for c in verdict.candidates])
+    for title, lines in (("Cannot tell", words.cannot_tell), ("Measure next", words.measure_next)):
+        console.print(f"\n[bold]{title}[/bold]")
+        for line in lines:
+            console.print(f"  {plain(line)}", markup=False)
+
+
+def _row(candidate: Candidate, *, ranked: bool) -> list[str]:
+    if candidate.fit is None or candidate.criteria is None:
+        return [candidate.title, "no value fits", "", "", ""] + [""] * ranked
+    found = candidate.fit.estimates
+    cells = [
+        candidate.title,
+        ", ".join(f"{e.quantity.symbol} = {significant(e.value, 3)}" for e in found),
+        ", ".join(interval(e.low, e.high) for e in found),
+        f"{candidate.criteria.travel:.3f}",
+        "yes" if candidate.criteria.velocity_never_negative else "no",
+    ]
+    return cells + ([f"{1e3 * (candidate.score or 0.0):.3g}"] if ranked else [])

@@ -1,0 +1,162 @@
+"""``stickslip simulate``."""
+
+import io
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from stickslip.cli.output import (
+    document,
+    note,
+    overrides,
+    print_json,
+    refuse_overwriting,
+    show_table,
+    stdout,
+    write_file,
+)
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.experiments import Rig, load_rig
+from stickslip.friction import PRINTED_FORMS, FrictionLaw, PrintedForm, laws
+from stickslip.identification import starting_law
+from stickslip.report.numbers import residue
+from stickslip.selection import criteria_of
+from stickslip.simulation import simulate
+from stickslip.solver import FixedStep, Solver
+from stickslip.trajectory import Trajectory
+
+__all__ = ["Settings", "run"]
+
+CRITERIA_FAILED = 4
+MODES = {0: "stick", 1: "slip +", -1: "slip -"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """What to run and how."""
+
+    law: str
+    t_end: float | None
+    samples: int
+    fixed_step: float | None
+    method: str
+    stick_rule: bool
+
+
+def run(
+    path: Path | None,
+    changes: Sequence[str],
+    settings: Settings,
+    output: Path | None,
+    *,
+    force: bool,
+    as_json: bool,
+    enforce: bool,
+) -> None:
+    """Simulate, export, show."""
+    if output is not None:
+        _check_suffix(output)
+        refuse_overwriting(output, force=force)
+    rig = load_rig(path, overrides=overrides(changes))
+    law = _law(rig, settings.law)
+    t_end = rig.t_end if settings.t_end is None else settings.t_end
+    trajectory = simulate(rig.mechanism, law, t_end=t_end, solver=_solver(settings))
+    seen = criteria_of(trajectory, rig.mechanism)
+    if output is not None:
+        _export(trajectory.sampled(settings.samples), output)
+    if as_json:
+        content = _content(rig, law, trajectory) | {"criteria": asdict(seen)}
+        print_json(document("simulate", content))
+    else:
+        _show(rig, law, trajectory)
+        if output is not None:
+            stdout().print(f"\nExported: {output}", markup=False)
+    if enforce and not (seen.velocity_never_negative and seen.displacement_never_decreases):
+        note("A criterion of the paper fails: the body moves backwards.")
+        raise typer.Exit(CRITERIA_FAILED)
+
+
+def _law(rig: Rig, name: str) -> FrictionLaw:
+    if name in PRINTED_FORMS:
+        raise InputError(
+            f"{name} is an equation as printed; `stickslip paper` runs those. Its corrected law is"
+            f" {PRINTED_FORMS[name].corrected.name}."
+        )
+    if name not in laws():
+        raise UnknownNameError("friction law", name, laws())
+    return rig.laws.get(name) or starting_law(laws()[name])
+
+
+def _solver(settings: Settings) -> Solver | None:
+    if settings.fixed_step is None:
+        return None
+    return FixedStep(
+        dt=settings.fixed_step,
+        method=settings.method,  # type: ignore[arg-type]  # checked by FixedStep itself
+        stick_rule=settings.stick_rule,
+    )
+
+
+def _check_suffix(output: Path) -> None:
+    if output.suffix not in (".csv", ".parquet"):
+        raise InputError(f"--output takes a .csv or .parquet file, got {output}.")
+
+
+def _export(trajectory: Trajectory, output: Path) -> None:
+    """Write the run; the file appears whole or not at all."""
+    frame = trajectory.to_dataframe()
+    if output.suffix == ".csv":
+        content = frame.to_csv(index=False).encode()
+    else:
+        buffer = io.BytesIO()
+        frame.to_parquet(buffer, index=False)
+        content = buffer.getvalue()
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        write_file(output, content)
+    except OSError as error:
+        raise InputError(f"{output} cannot be written: {error.strerror}.") from error
+
+
+def _content(rig: Rig, law: FrictionLaw | PrintedForm, run: Trajectory) -> dict[str, Any]:
+    ends = run.at(run.span)
+    return {
+        "rig": rig.title,
+        "digest": rig.digest,
+        "law": law.name,
+        "status": run.status.name,
+        "meaning": run.status.value,
+        "final": {name: float(ends[name][1]) for name in run.names},
+        "events": [asdict(event) for event in run.events],
+        "certificate": {
+            **asdict(run.certificate),
+            "certified": run.certificate.certified,
+        },
+    }
+
+
+def _show(rig: Rig, law: FrictionLaw, run: Trajectory) -> None:
+    console = stdout()
+    console.print(f"[bold]{rig.title}[/bold], {law.title} friction", highlight=False)
+    console.print(run.status.value, markup=False)
+    rows = [
+        [f"{event.t:.6f}", event.reason, MODES[event.from_mode], MODES[event.to_mode]]
+        for event in run.events
+    ]
+    if rows:
+        show_table("", ["t, s", "event", "from", "to"], rows)
+    ends = run.at(run.span)
+    final = ", ".join(f"{name} = {ends[name][1]:.6g} {run.units[name]}" for name in run.names[:2])
+    console.print(f"At {run.span[1]:g} s: {final}", markup=False)
+    trust = run.certificate
+    console.print(
+        f"Energy mismatch {residue(trust.energy_error)}, guard violation"
+        f" {residue(trust.guard_violation)}, stick drift {residue(trust.stick_drift)},"
+        f" {trust.steps} steps",
+        markup=False,
+    )
+    for problem in trust.problems:
+        console.print(f"Not certified: {problem}", markup=False)

@@ -1,0 +1,23 @@
+"""The drives by name."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from stickslip.drives.base import Drive
+from stickslip.drives.forms import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
+
+__all__ = ["DRIVES"]
+
+DRIVES: Mapping[str, type[Drive]] = MappingProxyType(
+    {
+        "piecewise-linear": PiecewiseLinear,
+        "pulse": Pulse,
+        "ramp": Ramp,
+        "sampled": Sampled,
+        "sine": Sine,
+    }
+)
+"""The drives that come with the package, by the ``type`` they have in rig files.
+
+Sums have no name of their own: a list of drives is their sum.
+"""

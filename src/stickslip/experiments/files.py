@@ -1,0 +1,165 @@
+"""Builds a rig from its file."""
+
+import hashlib
+import json
+from collections.abc import Collection, Iterator, Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from stickslip.drives import Drive, Sum
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments.complaints import complaint, place
+from stickslip.experiments.laws import known_laws
+from stickslip.experiments.measurement import Measurement
+from stickslip.experiments.paths import canonical, quantity_at
+from stickslip.experiments.rig import Published, Rig, check_record, state_units
+from stickslip.experiments.schema import RigTable, TrialTable, rig_table
+from stickslip.experiments.tables import Table
+from stickslip.experiments.toml import LARGEST, apply, parse, read_bytes
+from stickslip.experiments.units import read_number
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity
+
+__all__ = ["read_rig"]
+
+BUNDLED = "paper_rig.toml"
+
+
+def read_rig(path: str | Path | None, overrides: Mapping[str, Any]) -> Rig:
+    """Return the rig of a file, or the bundled one, with overrides put in."""
+    if path is None:
+        file, data = BUNDLED, files("stickslip.experiments").joinpath(BUNDLED).read_bytes()
+    else:
+        file, data = str(path), read_bytes(path, largest=LARGEST)
+    raw = parse(data, file)
+    apply(raw, overrides)
+    try:
+        table = rig_table().model_validate(raw)
+    except ValidationError as error:
+        raise complaint(error, raw, file, overrides) from None
+    mechanism = _mechanism(table, file, overrides)
+    known = known_laws(table.friction, file, overrides)
+    return Rig(
+        title=table.title or Path(file).stem,
+        subject=table.subject,
+        source=table.source,
+        mechanism=mechanism,
+        laws=known.laws,
+        assumed=known.assumed,
+        measurement=_measurement(table, mechanism, file),
+        t_end=table.run.t_end,
+        published=tuple(Published(**row.given()) for row in table.published),
+        digest=_digest(data, overrides),
+        path=file,
+    )
+
+
+def _digest(data: bytes, overrides: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of the file; with overrides, of both."""
+    digest = hashlib.sha256(data)
+    if overrides:
+        text = json.dumps({key: str(value) for key, value in overrides.items()}, sort_keys=True)
+        digest.update(b"\0" + text.encode())
+    return digest.hexdigest()
+
+
+def _mechanism(table: RigTable, file: str, overridden: Collection[str]) -> Mechanism:
+    built = _build(table.mechanism, "mechanism", file, overridden)
+    assert isinstance(built, Mechanism)
+    return built
+
+
+def _build(table: Table, key: str, file: str, overridden: Collection[str]) -> Any:
+    """Return the object whose parameters stand in a table, and in the tables below it."""
+    values = {}
+    for name, value in table.given().items():
+        path = f"{key}.{name}"
+        if isinstance(value, Table):
+            values[name] = _build(value, path, file, overridden)
+        elif isinstance(value, list):
+            values[name] = _drive(value, path, file, overridden)
+        else:
+            values[name] = value
+    assert table.target is not None
+    try:
+        return table.target(**values)
+    except ParameterError as error:
+        touched = [path for path in overridden if path.startswith(key + ".")]
+        where = place(touched[0], file, overridden) if touched else file
+        raise ParameterError(f"{where}: {key}: {error}") from None
+
+
+def _drive(tables: list[Table], key: str, file: str, overridden: Collection[str]) -> Drive:
+    """Return the sum of several drives, or the only one as it is."""
+    drives = [_build(table, key, file, overridden) for table in tables]
+    return drives[0] if len(drives) == 1 else Sum(parts=tuple(drives))
+
+
+def _measurement(table: RigTable, mechanism: Mechanism, file: str) -> Measurement | None:
+    if not table.trial:
+        return None
+    records = tuple(
+        _record(trial, mechanism, f"{file}: trial.{index}")
+        for index, trial in enumerate(table.trial)
+    )
+    if len(records) == 1:
+        return records[0]
+    try:
+        return Measurement(trials=records, name=table.title)
+    except InputError as error:
+        raise InputError(f"{file}: trial: {error}") from None
+
+
+def _record(trial: TrialTable, mechanism: Mechanism, label: str) -> Measurement:
+    given = trial.given()
+    overrides, initial = given.pop("set", {}), given.pop("initial", {})
+    if "uncertainty_kind" in given and "uncertainty" not in given:
+        raise ParameterError(f"{label}.uncertainty is missing, but uncertainty_kind is given.")
+    record = Measurement(
+        **given,
+        overrides=_overrides(overrides, mechanism, f"{label}.set"),
+        initial=_initial(initial, mechanism, f"{label}.initial"),
+    )
+    check_record(mechanism, record, label)
+    return record
+
+
+def _overrides(given: Mapping[str, Any], mechanism: Mechanism, label: str) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for name, value in _flat(given, ""):
+        try:
+            path = canonical(mechanism, name)
+            number = read_number(value, quantity_at(mechanism, path))
+        except UnknownNameError as error:
+            raise InputError(f"{label}: {error}") from None
+        except ParameterError as error:
+            raise ParameterError(f"{label}: {name} {error}") from None
+        if path in found:
+            raise InputError(f"{label}: {path} is given twice.")
+        found[path] = number
+    return found
+
+
+def _initial(given: Mapping[str, Any], mechanism: Mechanism, label: str) -> dict[str, float]:
+    units = state_units(mechanism)
+    found = {}
+    for name, value in given.items():
+        if name not in units:
+            raise UnknownNameError(f"state in {label}:", name, units)
+        try:
+            found[name] = read_number(value, Quantity(name, units[name]))
+        except ParameterError as error:
+            raise ParameterError(f"{label}: {name} {error}") from None
+    return found
+
+
+def _flat(given: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
+    """Yield dotted paths: TOML makes tables of a dotted key that is not in quotes."""
+    for name, value in given.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value

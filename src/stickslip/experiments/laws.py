@@ -1,0 +1,98 @@
+"""Builds the laws of a rig from its ``[friction]`` table."""
+
+import dataclasses
+from collections.abc import Collection, Mapping
+from typing import Any, NamedTuple
+
+from stickslip.errors import InputError, ParameterError
+from stickslip.experiments.complaints import place
+from stickslip.experiments.law_tables import force_parameters, python_name
+from stickslip.experiments.tables import Given, Table
+from stickslip.friction import FrictionLaw, laws
+from stickslip.quantities import fields_of
+
+__all__ = ["Known", "known_laws"]
+
+
+class Known(NamedTuple):
+    """Laws with all parameters by name, and which of their fields were marked as assumed."""
+
+    laws: Mapping[str, FrictionLaw]
+    assumed: Mapping[str, tuple[str, ...]]
+
+
+def known_laws(friction: Table, file: str, overridden: Collection[str]) -> Known:
+    """Return the laws for which the table gives every required parameter."""
+    found: dict[str, FrictionLaw] = {}
+    assumed: dict[str, tuple[str, ...]] = {}
+    shared = friction.given()
+    for name, law in laws().items():
+        own: Table | None = getattr(friction, python_name(name))
+        names = [field.name for field in dataclasses.fields(law)]
+        values = {key: shared[key] for key in names if key in shared}
+        if own is not None:
+            values |= _own(own, law, file, overridden)
+        missing = [key for key in _required(law) if key not in values]
+        if missing and own is not None:
+            raise ParameterError(_missing(law, missing[0], file))
+        if missing:
+            continue
+        found[name] = _build(law, values, file, overridden)
+        marked = [
+            key for key in names if isinstance(values.get(key), Given) and values[key].assumed
+        ]
+        if marked:
+            assumed[name] = tuple(marked)
+    return Known(found, assumed)
+
+
+def _required(law: type[FrictionLaw]) -> list[str]:
+    return [one.name for one in dataclasses.fields(law) if one.default is dataclasses.MISSING]
+
+
+def _own(
+    own: Table, law: type[FrictionLaw], file: str, overridden: Collection[str]
+) -> dict[str, Any]:
+    """Return the values of a law's own table, those given as forces over their load."""
+    values = own.given()
+    forces: Table | None = values.pop("forces", None)
+    if forces is None:
+        return values
+    given = forces.given()
+    load = given.pop("load")
+    for key, force in given.items():
+        field, _ = force_parameters(law)[key]
+        normalised = f"friction.{law.name}.{field}"
+        if field in values and normalised in overridden:
+            continue
+        if field in values and f"friction.{law.name}.forces.{key}" not in overridden:
+            raise InputError(
+                f"{file}: {normalised} and friction.{law.name}.forces.{key} give the same"
+                " parameter twice: leave one out."
+            )
+        values[field] = Given(force.value / load, force.assumed)
+    return values
+
+
+def _missing(law: type[FrictionLaw], key: str, file: str) -> str:
+    symbol = f" ({fields_of(law)[key].symbol})" if key in fields_of(law) else ""
+    forces = [one for one, (field, _) in force_parameters(law).items() if field == key]
+    other = f", or {forces[0]} under [friction.{law.name}.forces]" if forces else ""
+    return (
+        f"{file}: friction.{law.name}.{key}{symbol} is missing. Add {key} under"
+        f" [friction.{law.name}] or [friction]{other}."
+    )
+
+
+def _build(
+    law: type[FrictionLaw], values: Mapping[str, Any], file: str, overridden: Collection[str]
+) -> FrictionLaw:
+    plain = {
+        key: value.value if isinstance(value, Given) else value for key, value in values.items()
+    }
+    try:
+        return law(**plain)
+    except ParameterError as error:
+        touched = [path for path in overridden if path.startswith("friction.")]
+        where = place(touched[0], file, overridden) if touched else file
+        raise ParameterError(f"{where}: friction.{law.name}: {error}") from None

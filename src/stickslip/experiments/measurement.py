@@ -1,0 +1,340 @@
+"""What was measured: one record, or several trials of one rig."""
+
+import math
+import numbers
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, Literal, cast, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.quantities import Quantity
+
+__all__ = ["KINDS_OF_UNCERTAINTY", "QUANTITIES", "Array", "Kind", "Measurement", "Uncertainty"]
+
+Array = NDArray[np.float64]
+Kind = Literal["scalars", "series", "friction-map"]
+Uncertainty = Literal["rounding", "standard", "interval"]
+
+KINDS_OF_UNCERTAINTY: tuple[Uncertainty, ...] = ("rounding", "standard", "interval")
+
+TIME = Quantity("t", "s")
+
+QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
+    {
+        "position": Quantity("x", "m"),
+        "velocity": Quantity("v", "m/s"),
+        "force": Quantity("u", "N"),
+        "friction": Quantity("F", "N"),
+        "travel": Quantity("s", "m"),
+    }
+)
+"""What can be measured, by name."""
+
+SAMPLED = ("position", "velocity", "force", "friction")
+"""What a time series has one value of for each time."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Measurement:
+    """One record, or several trials of one rig.
+
+    Arrays are copied and made read-only; scalars become floats.
+
+    Parameters
+    ----------
+    time : array (n,), optional
+        Times of the samples [s], increasing.
+    position, velocity : array (n,) or float, optional
+        Of the slipping body, [m] and [m/s].
+    force : array (n,) or float, optional
+        Applied force [N].
+    friction : array (n,) or float, optional
+        Friction force [N], with the sign of the slip velocity.
+    travel : float or array (n,), optional
+        Distance [m] from the start to the final rest; an array is repeats of one run.
+    uncertainty : mapping of str to float, optional
+        By quantity, above 0. A plain float is accepted where there is exactly one quantity, and
+        kept as a mapping.
+    uncertainty_kind : {"standard", "rounding", "interval"}
+        What the uncertainty is: a standard error; half a last digit, so that the true value lies
+        within it; or the half width of an interval.
+    overrides : mapping of str to float, optional
+        What was different in this record, by parameter path.
+    initial : mapping of str to float, optional
+        Initial states by name; the others are 0.
+    offset : mapping of str to float, optional
+        Offset of a sensor by quantity; `values` subtracts it.
+    name, provenance : str
+        What the record is called and where it comes from.
+    trials : tuple of Measurement
+        Instead of all the above: records of one kind.
+
+    Raises
+    ------
+    InputError
+        If the parts do not make a measurement.
+
+    Examples
+    --------
+    >>> one = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+    >>> one.kind, one.quantities(), one.uncertainty
+    ('scalars', ('travel',), {'travel': 0.005})
+    >>> both = Measurement(
+    ...     trials=(
+    ...         Measurement(travel=0.072, overrides={"mechanism.compression": 0.06}),
+    ...         Measurement(travel=0.200, overrides={"mechanism.compression": 0.10}),
+    ...     )
+    ... )
+    >>> [record.travel for record in both.records()]
+    [0.072, 0.2]
+    """
+
+    time: Array | None = None
+    position: Array | float | None = None
+    velocity: Array | float | None = None
+    force: Array | float | None = None
+    friction: Array | float | None = None
+    travel: Array | float | None = None
+    uncertainty: Mapping[str, float] = field(default_factory=dict)
+    uncertainty_kind: Uncertainty = "standard"
+    overrides: Mapping[str, float] = field(default_factory=dict)
+    initial: Mapping[str, float] = field(default_factory=dict)
+    offset: Mapping[str, float] = field(default_factory=dict)
+    name: str = ""
+    provenance: str = ""
+    trials: tuple["Measurement", ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check all parts and keep them as floats, read-only arrays and plain mappings."""
+        if self.uncertainty_kind not in KINDS_OF_UNCERTAINTY:
+            raise InputError(
+                f"Measurement.uncertainty_kind must be one of {', '.join(KINDS_OF_UNCERTAINTY)},"
+                f" got {self.uncertainty_kind!r}."
+            )
+        self._set("trials", tuple(self.trials))
+        for name, quantity in {"time": TIME, **QUANTITIES}.items():
+            if getattr(self, name) is not None:
+                self._set(name, _numbers(name, quantity, getattr(self, name)))
+        if self.trials:
+            _check_trials(self)
+            return
+        if not self.quantities():
+            raise InputError(
+                "A Measurement needs at least one quantity"
+                f" ({', '.join(QUANTITIES)}) or trials, got none."
+            )
+        _check_shapes(self)
+        self._set("uncertainty", _uncertainty(self))
+        for name in ("overrides", "initial", "offset"):
+            self._set(name, _floats(name, getattr(self, name)))
+        for quantity_name in self.offset:
+            _present("offset", quantity_name, self.quantities())
+
+    def _set(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
+
+    @property
+    def kind(self) -> Kind:
+        """``"series"`` in time, ``"friction-map"`` of force and velocity, or ``"scalars"``."""
+        if self.trials:
+            return self.trials[0].kind
+        if self.time is not None:
+            return "series"
+        both = isinstance(self.friction, np.ndarray) and isinstance(self.velocity, np.ndarray)
+        return "friction-map" if both else "scalars"
+
+    def records(self) -> tuple["Measurement", ...]:
+        """Return the trials, or this record alone.
+
+        Examples
+        --------
+        >>> len(Measurement(travel=0.2).records())
+        1
+        """
+        return self.trials or (self,)
+
+    def quantities(self) -> tuple[str, ...]:
+        """Return the names of what was measured, time left out.
+
+        Examples
+        --------
+        >>> Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6]).quantities()
+        ('velocity', 'friction')
+        """
+        return tuple(
+            name
+            for name in QUANTITIES
+            if any(getattr(record, name) is not None for record in self.records())
+        )
+
+    def values(self, quantity: str) -> Array | float:
+        """Return a quantity with its sensor offset subtracted.
+
+        Parameters
+        ----------
+        quantity : str
+            One of `quantities`.
+
+        Returns
+        -------
+        array (n,) or float
+            Corrected values in SI units.
+
+        Raises
+        ------
+        UnknownNameError
+            If this record does not have that quantity.
+
+        Examples
+        --------
+        >>> Measurement(travel=0.25, offset={"travel": 0.05}).values("travel")
+        0.2
+        """
+        if self.trials:
+            raise InputError("Ask each of Measurement.records() for its values.")
+        _present("measurement", quantity, self.quantities())
+        value = cast("Array | float", getattr(self, quantity))
+        return value - self.offset.get(quantity, 0.0)
+
+
+def _numbers(name: str, quantity: Quantity, value: Any) -> Array | float:
+    """Return a float, or a read-only copy of an array (n,), all finite."""
+    label = f"Measurement.{name} ({quantity.symbol}) [{quantity.unit}]"
+    if isinstance(value, numbers.Real):
+        return quantity.check("Measurement", name, value)
+    try:
+        raw = np.asarray(value)
+        array = np.array(raw, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError(f"{label} must be numbers, got {_short(value)}.") from None
+    if raw.dtype.kind in "bcSUMm":
+        raise ParameterError(f"{label} must be real numbers, got {_short(value)}.")
+    if array.ndim == 0:
+        return quantity.check("Measurement", name, array.item())
+    if array.ndim != 1 or not array.size:
+        raise ParameterError(f"{label} must have the shape (n,) with n > 0, got {array.shape}.")
+    bad = np.flatnonzero(~np.isfinite(array))
+    if bad.size:
+        raise ParameterError(
+            f"{label} must be finite, got {array[bad[0]]:g} at index {bad[0]}"
+            f" ({bad.size} of {array.size} values). Remove those samples or fill the gaps."
+        )
+    array.setflags(write=False)
+    return array
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _check_shapes(record: Measurement) -> None:
+    sizes = {
+        name: np.size(getattr(record, name))
+        for name in SAMPLED
+        if isinstance(getattr(record, name), np.ndarray)
+    }
+    if record.time is not None:
+        _check_time(record, sizes)
+        return
+    if not sizes:
+        return
+    if "friction" not in sizes or "velocity" not in sizes:
+        raise InputError(
+            f"Measurement.{next(iter(sizes))} is an array without time: give time [s], or give"
+            " friction and velocity together as a friction map."
+        )
+    if len(set(sizes.values())) > 1:
+        raise InputError(
+            f"The arrays of a friction map must be equally long, got {_listed(sizes)}."
+        )
+
+
+def _check_time(record: Measurement, sizes: Mapping[str, int]) -> None:
+    time = record.time
+    if not isinstance(time, np.ndarray) or time.size < 2:
+        raise InputError("Measurement.time (t) [s] must be an array of at least 2 times.")
+    if not sizes:
+        raise InputError(
+            "Measurement.time (t) belongs to no array: give one of"
+            f" {', '.join(SAMPLED)} with as many values."
+        )
+    if set(sizes.values()) != {time.size}:
+        raise InputError(f"All arrays must be as long as time ({time.size}), got {_listed(sizes)}.")
+    for name in SAMPLED:
+        if isinstance(getattr(record, name), float):
+            raise InputError(
+                f"Measurement.{name} is one number beside {time.size} times: give an array."
+            )
+    late = np.flatnonzero(np.diff(time) <= 0)
+    if late.size:
+        i = int(late[0])
+        raise InputError(
+            f"Measurement.time (t) [s] must increase strictly, got {time[i]:.12g} before"
+            f" {time[i + 1]:.12g} at index {i + 1}. Sort the samples and remove doubles."
+        )
+
+
+def _listed(sizes: Mapping[str, int]) -> str:
+    return ", ".join(f"{name} {size}" for name, size in sizes.items())
+
+
+def _present(where: str, name: str, known: tuple[str, ...]) -> None:
+    if name not in known:
+        raise UnknownNameError(f"quantity in {where}", name, known)
+
+
+def _uncertainty(record: Measurement) -> dict[str, float]:
+    given: Any = record.uncertainty
+    present = record.quantities()
+    if not isinstance(given, Mapping):
+        if len(present) != 1:
+            raise InputError(
+                "Measurement.uncertainty must be a mapping by quantity where there are several"
+                f" ({', '.join(present)}), got {given!r}."
+            )
+        given = {present[0]: given}
+    checked = {}
+    for name, value in given.items():
+        _present("uncertainty", name, present)
+        quantity = Quantity(f"u_{QUANTITIES[name].symbol}", QUANTITIES[name].unit, above=0)
+        checked[name] = quantity.check("Measurement.uncertainty", name, value)
+    return checked
+
+
+def _floats(owner: str, given: object) -> dict[str, float]:
+    if not isinstance(given, Mapping):
+        raise InputError(f"Measurement.{owner} must be a mapping by name, got {given!r}.")
+    for name, value in given.items():
+        is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+        if not (is_number and math.isfinite(value)):
+            raise ParameterError(
+                f"Measurement.{owner} of {name!r} must be a finite number, got {value!r}."
+            )
+    return {str(name): float(value) for name, value in given.items()}
+
+
+def _check_trials(whole: Measurement) -> None:
+    trials: tuple[Any, ...] = whole.trials
+    for trial in trials:
+        if not isinstance(trial, Measurement) or trial.trials:
+            raise InputError(f"Each of Measurement.trials must be one record, got {_short(trial)}.")
+    # Beside trials these would silently have no effect.
+    arrays = [name for name in ("time", *QUANTITIES) if getattr(whole, name) is not None]
+    settings = ("uncertainty", "overrides", "initial", "offset")
+    own = arrays + [name for name in settings if getattr(whole, name)]
+    if own:
+        raise InputError(f"Measurement.{own[0]} stands beside trials: give it to each trial.")
+    kinds = sorted({trial.kind for trial in whole.trials})
+    if len(kinds) > 1:
+        raise InputError(f"Trials must be of one kind, got {' and '.join(kinds)}: separate them.")
+    names = Counter(trial.name for trial in whole.trials if trial.name)
+    twice = [name for name, count in names.items() if count > 1]
+    if twice:
+        raise InputError(f"Two trials are called {twice[0]!r}: give each its own name.")

@@ -1,0 +1,208 @@
+"""A rig: what moves, which friction values are known, and what was measured."""
+
+import numbers
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, final
+
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments.measurement import Measurement
+from stickslip.experiments.paths import PREFIX, quantity_at
+from stickslip.friction import BristleLaw, FrictionLaw, law_type, laws
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity, vary
+
+__all__ = ["Published", "Rig", "load_rig", "rig_schema", "state_units"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Published:
+    """What a publication reports for one law.
+
+    Parameters
+    ----------
+    law : str
+        Name in the registry.
+    travel : float, optional
+        Published travel [m].
+    velocity_positive, displacement_monotone : bool, optional
+        Whether the velocity never becomes negative and the displacement never decreases.
+    relative_error : float, optional
+        Published relative error of the travel [1].
+    note : str
+        What else is to be said.
+
+    Examples
+    --------
+    >>> Published(law="coulomb", travel=0.16, relative_error=0.2).travel
+    0.16
+    """
+
+    law: str
+    travel: float | None = None
+    velocity_positive: bool | None = None
+    displacement_monotone: bool | None = None
+    relative_error: float | None = None
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        """Check that the law is known."""
+        law_type(self.law)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Rig:
+    """A mechanism, the friction values known for it, and its measurement.
+
+    Parameters
+    ----------
+    title, subject, source : str
+        Heading of reports, what was examined, and where it comes from.
+    mechanism : Mechanism
+        What moves.
+    laws : mapping of str to FrictionLaw
+        By name in the registry: the laws all of whose parameters are known.
+    assumed : mapping of str to tuple of str
+        By law, the fields whose values are assumed and not measured.
+    measurement : Measurement, optional
+        What was measured.
+    t_end : float
+        Last time of runs [s].
+    published : tuple of Published
+        What a publication reports.
+    digest : str
+        SHA-256 of the file, overrides included.
+    path : str
+        The file.
+
+    Raises
+    ------
+    InputError
+        If the parts do not fit each other.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> Rig(mechanism=SpringBlock(mass=1.0), measurement=Measurement(travel=0.2)).t_end
+    10.0
+    """
+
+    title: str = ""
+    subject: str = ""
+    source: str = ""
+    mechanism: Mechanism
+    laws: Mapping[str, FrictionLaw] = field(default_factory=dict)
+    assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    measurement: Measurement | None = None
+    t_end: float = 10.0
+    published: tuple[Published, ...] = ()
+    digest: str = ""
+    path: str = ""
+
+    def __post_init__(self) -> None:
+        """Check that laws, trials and mechanism fit each other."""
+        if not isinstance(self.mechanism, Mechanism):
+            raise InputError(f"Rig.mechanism must be a Mechanism, got {self.mechanism!r}.")
+        t_end = Quantity("t_end", "s", above=0).check("Rig", "t_end", self.t_end)
+        object.__setattr__(self, "t_end", t_end)
+        for name, law in self.laws.items():
+            if not isinstance(law, law_type(name)):
+                raise InputError(f"Rig.laws of {name!r} must be that law, got {law!r}.")
+        for name in self.assumed:
+            if name not in self.laws:
+                raise UnknownNameError("law in Rig.assumed", name, self.laws)
+        records = () if self.measurement is None else self.measurement.records()
+        for index, record in enumerate(records):
+            check_record(self.mechanism, record, f"trial {record.name or index}")
+
+
+def state_units(mechanism: Mechanism) -> dict[str, str]:
+    """Return the units of all states a trial may start from, bristles of all laws included.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> state_units(SpringBlock(mass=1.0))
+    {'z': 'm', 'x': 'm', 'v': 'm/s'}
+    """
+    units = {
+        bristle: "m"
+        for law in laws().values()
+        if issubclass(law, BristleLaw)
+        for bristle in law.bristles
+    }
+    units |= dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    return units | {
+        rate: f"{unit}/s" for rate, unit in zip(mechanism.rates, mechanism.units, strict=True)
+    }
+
+
+def check_record(mechanism: Mechanism, record: Measurement, label: str) -> None:
+    """Check that what a record overrides and starts from exists in the mechanism."""
+    for path in record.overrides:
+        quantity_at(mechanism, path)
+    try:
+        vary(mechanism, PREFIX, record.overrides)
+    except ParameterError as error:
+        raise ParameterError(f"{label}: {error}") from None
+    known = state_units(mechanism)
+    for name in record.initial:
+        if name not in known:
+            raise UnknownNameError(f"state in initial of {label}:", name, known)
+
+
+def load_rig(
+    path: str | Path | None = None, *, overrides: Mapping[str, str | float | bool] | None = None
+) -> Rig:
+    """Read a rig file.
+
+    Parameters
+    ----------
+    path : str or Path, optional
+        A TOML file; the rig of the source paper, which comes with the package, if not given.
+    overrides : mapping, optional
+        Values by dotted path, as on the command line: ``{"run.t_end": "5 s"}``. A shared value
+        under ``friction`` does not replace one in a law's own table.
+
+    Returns
+    -------
+    Rig
+        With everything in SI.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or used; one message with file, key, range, unit and cure.
+
+    Examples
+    --------
+    >>> rig = load_rig(overrides={"mechanism.compression": "60 mm"})
+    >>> rig.mechanism.compression, sorted(rig.laws)
+    (0.06, ['coulomb', 'coulomb-viscous', 'dahl', 'lugre', 'stribeck', 'viscous'])
+    """
+    # Imported here so that rigs built in Python do without the file libraries.
+    from stickslip.experiments.files import read_rig
+
+    given: Any = {} if overrides is None else overrides
+    if not isinstance(given, Mapping):
+        raise InputError(f"overrides must be a mapping by dotted path, got {given!r}.")
+    for key, value in given.items():
+        if not isinstance(value, str | bool | numbers.Real):
+            raise InputError(f"override {key!r}: must be text, a number or a bool, got {value!r}.")
+    return read_rig(path, given)
+
+
+def rig_schema() -> dict[str, Any]:
+    """Return the JSON schema of rig files: tables, types, units and ranges.
+
+    Examples
+    --------
+    >>> sorted(rig_schema()["properties"])[:3]
+    ['friction', 'mechanism', 'published']
+    """
+    from stickslip.experiments.schema import json_schema
+
+    return json_schema()

@@ -1,0 +1,102 @@
+"""The schema of rig files."""
+
+import functools
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, Field, create_model
+from pydantic_core import PydanticCustomError
+
+from stickslip.experiments.law_tables import FrictionTable, friction_table
+from stickslip.experiments.measurement import QUANTITIES
+from stickslip.experiments.tables import Number, Table, choice, table_of
+from stickslip.friction import laws
+from stickslip.mechanisms import mechanisms
+from stickslip.quantities import Quantity
+
+__all__ = ["PublishedTable", "RigTable", "RunTable", "TrialTable", "json_schema", "rig_table"]
+
+TRAVEL = QUANTITIES["travel"]
+
+
+class RunTable(Table):
+    """How long runs last."""
+
+    t_end: Annotated[Any, Number(Quantity("t_end", "s", above=0))] = 10.0
+
+
+class TrialTable(Table):
+    """One measured run; several are several trials."""
+
+    travel: Annotated[Any, Number(TRAVEL)]
+    uncertainty: Annotated[Any, Number(Quantity("u_s", "m", above=0))] = None
+    uncertainty_kind: Literal["rounding", "standard", "interval"] = "standard"
+    name: str = ""
+    provenance: str = ""
+    set: dict[str, Any] = Field(default={}, description="parameter path: value in this trial")
+    initial: dict[str, Any] = Field(default={}, description="state name: value at the start")
+
+
+def _known_law(name: str) -> str:
+    if name not in laws():
+        known = {"kind": "friction law", "key": name, "known": list(laws())}
+        raise PydanticCustomError("unknown_name", "", known)
+    return name
+
+
+class PublishedTable(Table):
+    """What a publication reports for one law."""
+
+    law: Annotated[str, AfterValidator(_known_law)] = Field(
+        json_schema_extra=lambda schema: schema.update(enum=list(laws()))
+    )
+    travel: Annotated[Any, Number(TRAVEL)] = None
+    velocity_positive: bool | None = None
+    displacement_monotone: bool | None = None
+    relative_error: Annotated[Any, Number(Quantity("e", "1", low=0))] = None
+    note: str = ""
+
+
+class RigTable(Table):
+    """A rig: what moves, which friction values are known, and what was measured."""
+
+    title: str = ""
+    subject: str = ""
+    source: str = ""
+    run: RunTable = RunTable()
+    trial: list[TrialTable] = Field(default=[], min_length=1)
+    published: list[PublishedTable] = Field(default=[], min_length=1)
+    mechanism: Any
+    friction: FrictionTable
+
+
+@functools.cache
+def rig_table() -> type[RigTable]:
+    """Return the model of a rig file with all mechanisms, drives and laws that are installed."""
+    options = choice({name: table_of(cls, name) for name, cls in mechanisms().items()})
+    friction = friction_table()
+    return create_model(
+        "Rig", __base__=RigTable, mechanism=(options, ...), friction=(friction, friction())
+    )
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON schema of rig files."""
+    schema = rig_table().model_json_schema(by_alias=True)
+    _drop_nulls(schema)
+    dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+    return {**dialect, **schema, "title": "stickslip rig file"}
+
+
+def _drop_nulls(node: Any) -> None:
+    """Remove defaults and types that TOML cannot write."""
+    if isinstance(node, Mapping):
+        assert isinstance(node, dict)
+        if node.get("default", 0) is None:
+            del node["default"]
+        if "anyOf" in node:
+            node["anyOf"] = [option for option in node["anyOf"] if option != {"type": "null"}]
+    for inner in (
+        node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+    ):
+        _drop_nulls(inner)

@@ -1,0 +1,218 @@
+"""The tables of a rig file as pydantic models, built from the registries.
+
+Mechanisms, drives and laws are read from their declared quantities, so a new one can be written
+in files, and stands in the schema, without a line here.
+"""
+
+import dataclasses
+import functools
+import math
+import re
+import types
+import typing
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal, Union
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from stickslip.drives import Drive
+from stickslip.drives.registry import DRIVES
+from stickslip.errors import ParameterError
+from stickslip.experiments.units import allowed, read_number, shown
+from stickslip.quantities import Parametrised, Quantity, fields_of
+
+__all__ = ["Given", "Number", "Table", "choice", "table_of"]
+
+
+@dataclasses.dataclass(frozen=True)
+class Given:
+    """A number from a file, and whether it is marked as assumed."""
+
+    value: float
+    assumed: bool
+
+
+@dataclasses.dataclass(frozen=True)
+class Number:
+    """Annotation of a field that holds a quantity."""
+
+    quantity: Quantity
+    assumable: bool = False
+    """Whether ``{ value = ..., assumed = true }`` may stand for the value."""
+    alternatives: tuple[Quantity, ...] = ()
+    """Other ranges that would do, where several owners share the field."""
+
+    def read(self, value: Any) -> float | Given:
+        """Return the number in SI, with its mark where it may have one."""
+        if not self.assumable:
+            return self._number(value)
+        assumed: object = False
+        if isinstance(value, dict):
+            if "value" not in value or set(value) - {"value", "assumed"}:
+                raise ParameterError(
+                    f"({self.quantity.symbol}) as a table must have the keys value and assumed,"
+                    f" got {', '.join(map(repr, value)) or 'none'}."
+                )
+            value, assumed = value["value"], value.get("assumed", False)
+        if not isinstance(assumed, bool):
+            raise ParameterError(
+                f"({self.quantity.symbol}) has assumed = {shown(assumed)}: write true or false."
+            )
+        return Given(self._number(value), assumed)
+
+    def _number(self, value: object) -> float:
+        try:
+            return read_number(value, self.quantity)
+        except ParameterError:
+            for quantity in self.alternatives:
+                try:
+                    return read_number(value, quantity)
+                except ParameterError:
+                    continue
+            raise
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        quantity = self.quantity
+        number: dict[str, Any] = {"type": "number"}
+        bounds = {"minimum": quantity.low, "maximum": quantity.high}
+        number |= {key: bound for key, bound in bounds.items() if math.isfinite(bound)}
+        if quantity.above is not None:
+            number["exclusiveMinimum"] = quantity.above
+        plain = [number, {"type": "string", "description": "number with a unit"}]
+        kinds: list[dict[str, Any]] = list(plain)
+        if self.assumable:
+            members = {"value": {"anyOf": plain}, "assumed": {"type": "boolean", "default": False}}
+            kinds.append(
+                {
+                    "type": "object",
+                    "properties": members,
+                    "required": ["value"],
+                    "additionalProperties": False,
+                }
+            )
+        text = f"{quantity.symbol} [{quantity.unit}], {allowed(quantity)}"
+        return {"anyOf": kinds, "description": text, "x-unit": quantity.unit}
+
+
+class Table(BaseModel):
+    """Base of all tables: no key that is not known, none missing that is needed."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        strict=True,
+        frozen=True,
+        protected_namespaces=(),
+        arbitrary_types_allowed=True,
+    )
+
+    target: ClassVar[type[Parametrised] | None] = None
+    """The class whose parameters stand in this table."""
+    misplaced: ClassVar[Mapping[str, str]] = {}
+    """Keys one might expect here, and what to do instead."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def check_keys(cls, data: Any) -> Any:
+        """Refuse unknown keys before missing ones: a misspelt key is both."""
+        if not isinstance(data, dict):
+            return data
+        known = {field.alias or name: field for name, field in cls.model_fields.items()}
+        for key in data:
+            if key in cls.misplaced:
+                raise PydanticCustomError("misplaced", "", {"key": key, "cure": cls.misplaced[key]})
+            if key not in known:
+                raise PydanticCustomError("unknown_key", "", {"key": key, "known": list(known)})
+        for key, field in known.items():
+            if field.is_required() and key not in data:
+                marks = [mark for mark in field.metadata if isinstance(mark, Number)]
+                quantity = marks[0].quantity if marks else None
+                raise PydanticCustomError("missing_key", "", {"key": key, "quantity": quantity})
+        return data
+
+    def given(self) -> dict[str, Any]:
+        """Return what stands in the table by Python name, its ``type`` left out."""
+        names = self.model_fields_set - {"type"}
+        return {name: getattr(self, name) for name in type(self).model_fields if name in names}
+
+
+class _OrSingle:
+    """Says in the schema that a single table stands for a list of one."""
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        several = handler(schema)
+        return {"anyOf": [several["items"], several], "description": "a list is a sum"}
+
+
+@dataclasses.dataclass(frozen=True)
+class _Numbers:
+    """Annotation of a list of plain numbers in SI."""
+
+    def read(self, value: object) -> tuple[float, ...]:
+        if not isinstance(value, list):
+            raise ParameterError(f"must be a list of numbers in SI, got {shown(value)}.")
+        for index, item in enumerate(value):
+            if isinstance(item, bool) or not isinstance(item, int | float):
+                raise ParameterError(
+                    f"must be a list of numbers in SI, got {shown(item)} at index {index}."
+                )
+        return tuple(value)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        return {"type": "array", "items": {"type": "number"}}
+
+
+@functools.cache  # Registries do not change while a program runs.
+def table_of(cls: type, kind: str) -> type[Table]:
+    """Return the table of a mechanism or drive; `kind` is what its ``type`` must say."""
+    fields: dict[str, Any] = {"type": (Literal[kind], ...)}
+    for field in dataclasses.fields(cls):
+        default = ... if field.default is dataclasses.MISSING else field.default
+        fields[field.name] = (_hint(cls, field.name), default)
+    model = create_model(cls.__name__, __base__=Table, **fields)
+    model.__doc__ = (cls.__doc__ or "").strip().partition("\n")[0]
+    model.target = cls
+    return model
+
+
+def choice(tables: Mapping[str, type[Table]]) -> Any:
+    """Return the type of a table that is one of several, told apart by its key ``type``."""
+    options = tuple(tables.values())
+    if len(options) == 1:
+        return options[0]
+    return Annotated[Union[options], Field(discriminator="type")]  # noqa: UP007
+
+
+def _hint(cls: type[Parametrised], name: str) -> Any:
+    quantity = fields_of(cls).get(name)
+    if quantity is not None:
+        return Annotated[Any, Number(quantity)]
+    hint = typing.get_type_hints(cls, include_extras=True)[name]
+    if hint == tuple[float, ...]:
+        return Annotated[Any, _Numbers()]
+    is_union = typing.get_origin(hint) in (Union, types.UnionType)
+    parts = [
+        part
+        for part in (typing.get_args(hint) if is_union else (hint,))
+        if isinstance(part, type) and issubclass(part, Parametrised)
+    ]
+    if Drive in parts:
+        drives: Any = choice({kind: table_of(drive, kind) for kind, drive in DRIVES.items()})
+        return Annotated[list[drives], Field(min_length=1), BeforeValidator(_listed), _OrSingle()]
+    if parts:
+        return choice({_kebab(part): table_of(part, _kebab(part)) for part in parts})
+    return hint
+
+
+def _listed(value: object) -> object:
+    return [value] if isinstance(value, dict) else value
+
+
+def _kebab(cls: type) -> str:
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", cls.__name__).lower()

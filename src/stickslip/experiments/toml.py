@@ -1,0 +1,147 @@
+"""Reads TOML files and puts overrides into them."""
+
+import re
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from stickslip.errors import InputError
+
+__all__ = ["LARGEST", "apply", "parse", "read_bytes"]
+
+LARGEST = 10_000_000
+"""Largest rig file that is read [byte]."""
+
+
+def read_bytes(path: str | Path, *, largest: int | None = None) -> bytes:
+    """Return the contents of a regular file, or say why it cannot be read."""
+    check_file(path, largest=largest)
+    try:
+        return Path(path).read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}.") from None
+
+
+def check_file(path: str | Path, *, largest: int | None = None) -> None:
+    """Check that a file is there, is a file, and is neither empty nor too large."""
+    if not isinstance(path, str | Path):
+        raise InputError(f"A path must be text or a Path, got {path!r}.")
+    try:
+        size = Path(path).stat().st_size
+        regular, folder = Path(path).is_file(), Path(path).is_dir()
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file. {_siblings(Path(path))}") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{str(path)!r}: cannot be read: {reason}.") from None
+    if folder:
+        raise InputError(f"{path}: is a folder; give the path of a file.")
+    if not regular:
+        raise InputError(f"{path}: is not a regular file.")
+    if largest is not None and size > largest:
+        raise InputError(
+            f"{path}: has {size / 1e6:.0f} MB, more than the {largest / 1e6:.0f} MB a rig file"
+            " may have. Long records belong into a CSV or Parquet file."
+        )
+    if size == 0:
+        raise InputError(f"{path}: is empty.")
+
+
+def _siblings(path: Path) -> str:
+    try:
+        same = sorted(one.name for one in path.parent.iterdir() if one.suffix == path.suffix)
+    except OSError:
+        return f"The folder {path.parent} is not there either."
+    if not same:
+        return "Check the path."
+    more = "" if len(same) <= 5 else f" and {len(same) - 5} more"
+    return f"In {path.parent} there are: {', '.join(same[:5])}{more}."
+
+
+def decode(data: bytes, file: str) -> str:
+    """Return text from UTF-8, or the line at which it is none."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise InputError(
+            f"{file}: is not UTF-8 (byte 0x{data[error.start]:02x} in line {line})."
+            " Save it as UTF-8."
+        ) from None
+
+
+def parse(data: bytes, file: str) -> dict[str, Any]:
+    """Return the tables of a TOML file."""
+    try:
+        tables = tomllib.loads(decode(data, file))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{file}: is not valid TOML: {error}.") from None
+    except RecursionError:
+        raise InputError(f"{file}: is nested too deeply.") from None
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(f"{file}: has a number that cannot be read: {error}.") from None
+    if not tables:
+        raise InputError(f"{file}: has no tables; a rig needs at least [mechanism].")
+    return tables
+
+
+def apply(tables: dict[str, Any], overrides: Mapping[Any, object]) -> None:
+    """Put values given by dotted path into the tables.
+
+    Examples
+    --------
+    >>> tables = {"run": {"t_end": 1.0}}
+    >>> apply(tables, {"run.t_end": "5 s", "mechanism.attached": "true"})
+    >>> tables
+    {'run': {'t_end': '5 s'}, 'mechanism': {'attached': True}}
+    """
+    for path, value in overrides.items():
+        steps = path.split(".") if isinstance(path, str) else []
+        if not steps or not all(steps):
+            raise InputError(
+                f"override {path!r}: must be a dotted path such as mechanism.mass, with a value."
+            )
+        node: Any = tables
+        for index, step in enumerate(steps[:-1]):
+            node = _below(node, step, ".".join(steps[: index + 1]), path)
+        _place(node, steps[-1], _value(value), path)
+
+
+def _below(node: Any, step: str, here: str, path: str) -> Any:
+    inner = node.setdefault(step, {}) if isinstance(node, dict) else _item(node, step, path)
+    if not isinstance(inner, dict | list):
+        raise InputError(f"override {path!r}: {here} is a value, not a table.")
+    return inner
+
+
+def _place(node: Any, step: str, value: object, path: str) -> None:
+    if isinstance(node, dict):
+        node[step] = value
+    else:
+        node[_index(node, step, path)] = value
+
+
+def _item(node: list[Any], step: str, path: str) -> Any:
+    return node[_index(node, step, path)]
+
+
+def _index(node: list[Any], step: str, path: str) -> int:
+    if not re.fullmatch(r"\d{1,6}", step) or int(step) >= len(node):
+        raise InputError(
+            f"override {path!r}: {step!r} must be a whole number from 0 to {len(node) - 1}."
+        )
+    return int(step)
+
+
+def _value(value: object) -> object:
+    """Return the TOML value that a text from a command line spells, or the text itself."""
+    if not isinstance(value, str):
+        return value
+    try:
+        found = tomllib.loads(f"value = {value}")
+    except (ValueError, RecursionError):
+        return value
+    return found["value"] if set(found) == {"value"} else value

@@ -1,0 +1,160 @@
+"""Numbers with units, as files and command lines give them."""
+
+import functools
+import math
+import numbers
+import re
+from decimal import Decimal
+from typing import TYPE_CHECKING, Any
+
+from stickslip.errors import ParameterError
+from stickslip.quantities import Quantity
+
+if TYPE_CHECKING:
+    import pint
+
+__all__ = ["allowed", "factor", "read_number", "shown"]
+
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_FACTOR = r"[^\W\d_%°]+(?:\^?-?\d|[⁻¹²³]+)?|%|°"
+# The grammar is closed, so that no text can make the unit library compute powers of powers.
+_UNIT = rf"(?:1\s*/\s*)?(?:{_FACTOR})(?:(?:\s*[*·/]\s*|\s+)(?:{_FACTOR}))*"
+_TEXT = re.compile(rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>\S.*?)?\s*")
+_LONGEST = 100
+
+
+def shown(value: object) -> str:
+    """Return a value as it should stand in a message, shortened."""
+    text = f"{value:g}" if isinstance(value, float) else repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def allowed(quantity: Quantity) -> str:
+    """Return the allowed values in words."""
+    bounded = quantity.above is not None or quantity.low > -math.inf or quantity.high < math.inf
+    if bounded or quantity.unit == "1":
+        return quantity.range
+    return f"a finite number in {quantity.unit}"
+
+
+def read_number(value: object, quantity: Quantity) -> float:
+    """Return a number in SI from a number or from a text with a unit.
+
+    Parameters
+    ----------
+    value : object
+        As found in a file: a number in SI, or text such as ``"60 mm"``.
+    quantity : Quantity
+        What the number means.
+
+    Returns
+    -------
+    float
+        The checked number.
+
+    Raises
+    ------
+    ParameterError
+        If it cannot be used. The message begins with the symbol, so that the caller can put the
+        file and the key before it.
+
+    Examples
+    --------
+    >>> read_number("35 mm", Quantity("x", "m"))
+    0.035
+    """
+    if isinstance(value, str):
+        number: Any = _from_text(value, quantity)
+    elif isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise ParameterError(_no_number(value, quantity))
+    else:
+        number = value
+    try:
+        return quantity.check("", "", number)
+    except (ParameterError, OverflowError):
+        raise ParameterError(
+            f"({quantity.symbol}) must be {allowed(quantity)}, got {shown(value)}."
+        ) from None
+
+
+def _no_number(value: object, quantity: Quantity) -> str:
+    pure = quantity.unit == "1"
+    plain, example = ("a number", "10 %") if pure else ("a number in SI", f"1 {quantity.unit}")
+    return (
+        f'({quantity.symbol}) must be {plain} or text with a unit such as "{example}",'
+        f" {allowed(quantity)}, got {shown(value)}."
+    )
+
+
+def _from_text(text: str, quantity: Quantity) -> float:
+    match = _TEXT.fullmatch(text) if len(text) <= _LONGEST else None
+    if match is None:
+        raise ParameterError(_no_number(text, quantity))
+    number, unit = match["number"], match["unit"]
+    if not math.isfinite(float(number)):
+        return float(number)
+    if unit is None and quantity.unit != "1":
+        raise ParameterError(
+            f'({quantity.symbol}) has no unit in {shown(text)}: write "{number} {quantity.unit}",'
+            " or the number in SI without quotes."
+        )
+    try:
+        return float(Decimal(number) * _factor(unit or "1", quantity.unit))
+    except ParameterError as error:
+        raise ParameterError(f"({quantity.symbol}) {error} (got {shown(text)}).") from None
+
+
+def factor(unit: str, target: str | None) -> float:
+    """Return by what numbers in `unit` are to be multiplied to be in `target`, or in SI.
+
+    Examples
+    --------
+    >>> factor("mm", "m")
+    0.001
+    """
+    return float(_factor(unit, target))
+
+
+@functools.cache
+def _registry() -> "pint.UnitRegistry[Any]":
+    import pint
+
+    # Decimals make "35 mm" the same float as 0.035.
+    return pint.UnitRegistry(non_int_type=Decimal)
+
+
+@functools.cache
+def _factor(unit: str, target: str | None) -> Decimal:
+    if unit == target:
+        return Decimal(1)
+    one = _one(unit)
+    if target is None:
+        return Decimal(one.to_base_units().magnitude)
+    wanted = _one(target)
+    # Radians have no dimension, but 1 rad/s is not 1 Hz and an angle is no coefficient.
+    same_kind = one.dimensionality == wanted.dimensionality and _radians(one) == _radians(wanted)
+    if not same_kind:
+        kind = "a pure number or in %" if target == "1" else f"in {target} or a unit of that kind"
+        raise ParameterError(f"must be {kind}, not in {unit}")
+    return Decimal(one.to(wanted.units).magnitude)
+
+
+def _one(unit: str) -> Any:
+    registry = _registry()
+    if unit == "1":
+        return registry.Quantity(Decimal(1), "")
+    if re.fullmatch(_UNIT, unit) is None:
+        raise ParameterError(f"has a unit that cannot be read: {shown(unit)}")
+    try:
+        found = registry.parse_units(unit.replace("·", "*").replace("°", "deg"))
+        one = registry.Quantity(Decimal(1), found)
+    except Exception:
+        # Whatever the unit library says, it cannot say where in the file.
+        raise ParameterError(f"has an unknown unit {shown(unit)}") from None
+    if not one._is_multiplicative:
+        raise ParameterError(f"has a unit with a zero of its own: {shown(unit)}")
+    return one
+
+
+def _radians(one: Any) -> Any:
+    return one.to_root_units()._units.get("radian", 0)

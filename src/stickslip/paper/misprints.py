@@ -1,0 +1,174 @@
+"""What each printed equation does where it is wrong, beside the corrected law."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from stickslip.drives import Pulse
+from stickslip.friction import (
+    PRINTED_FORMS,
+    Coulomb,
+    CoulombViscous,
+    Dahl,
+    FrictionLaw,
+    LuGre,
+    PrintedForm,
+    Stribeck,
+)
+from stickslip.mechanisms import SpringBlock
+from stickslip.selection import Criteria, criteria_of
+from stickslip.simulation import simulate
+from stickslip.solver import FixedStep
+from stickslip.trajectory import Status
+
+__all__ = ["Consequence", "consequences"]
+
+STEP = 1e-4
+"""Fine enough that what is seen is the equation and not the step [s]."""
+BACKWARD = -0.5
+"""Initial velocity of the test in which a body coasts backwards [m/s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Consequence:
+    """One printed equation, a test that shows its defect, and both outcomes."""
+
+    form: type[PrintedForm]
+    test: str
+    """What is done to the block."""
+    printed: Criteria
+    """What the printed equation makes of it."""
+    corrected: Criteria
+    """What the corrected law makes of it."""
+    diverged: bool
+    """Whether the printed equation grew beyond all numbers."""
+    lasted: float
+    """Time that the printed run covered [s]."""
+
+
+@dataclass(frozen=True)
+class _Test:
+    text: str
+    mechanism: SpringBlock
+    velocity: float = 0.0
+    t_end: float = 1.0
+
+
+def consequences(
+    rig: SpringBlock,
+    *,
+    mu_k: float,
+    mu_s: float,
+    viscous: float,
+    stribeck_velocity: float,
+    stiffness: float,
+    damping: float,
+) -> tuple[Consequence, ...]:
+    """Run every printed equation and its corrected twin through the test that tells them apart.
+
+    Parameters
+    ----------
+    rig : SpringBlock
+        The paper's rig; mass and gravity are taken from it.
+    mu_k, mu_s, viscous, stribeck_velocity : float
+        Coefficients, viscous coefficient [N s/m], Stribeck velocity [m/s].
+    stiffness, damping : float
+        Of the bristles, [N/m] and [N s/m].
+    """
+    load = rig.mass * rig.gravity
+    level = {"kinetic_coefficient": mu_k}
+    levels = {**level, "static_coefficient": mu_s}
+    curve = {**levels, "stribeck_velocity": stribeck_velocity, "viscous_coefficient": viscous}
+    bristle = {"bristle_stiffness": stiffness}
+    arguments: dict[str, Mapping[str, float]] = {
+        "printed-1": level,
+        "printed-3-4": {**level, "viscous_coefficient": viscous},
+        "printed-5": curve,
+        "printed-6": {**level, **bristle},
+        "printed-7": level,
+        "printed-8": {**level, "viscous_coefficient": viscous},
+        "printed-9": {**curve, **bristle, "bristle_damping": damping},
+        "printed-10": curve,
+    }
+    twins = _twins(load, mu_k, mu_s, curve, stiffness, damping)
+    tests = _tests(rig, 0.5 * (mu_k + mu_s) * load)
+    return tuple(
+        _consequence(form(**arguments[name]), twins[form.corrected.name], tests[TESTED_BY[name]])
+        for name, form in PRINTED_FORMS.items()
+    )
+
+
+TESTED_BY = {
+    "printed-1": "held",
+    "printed-3-4": "backward",
+    "printed-5": "backward",
+    "printed-6": "push",
+    "printed-7": "push",
+    "printed-8": "backward",
+    "printed-9": "backward",
+    "printed-10": "backward",
+}
+"""The test that shows the defect of each form."""
+
+
+def _tests(rig: SpringBlock, between: float) -> dict[str, _Test]:
+    """Return the tests; `between` is a force above kinetic and below static friction [N]."""
+
+    def block(force: float, duration: float) -> SpringBlock:
+        drive = Pulse(level=force, duration=duration) if force else None
+        return SpringBlock(mass=rig.mass, gravity=rig.gravity, drive=drive)
+
+    force = rig.stiffness * rig.compression
+    return {
+        "held": _Test(f"at rest, pushed with {between:.3g} N for 1 s", block(between, 1.0)),
+        "push": _Test(f"at rest, pushed with {force:.3g} N for 0.1 s", block(force, 0.1)),
+        "backward": _Test(
+            f"coasting backwards from {-BACKWARD:g} m/s for 1 s", block(0.0, 0.0), BACKWARD
+        ),
+    }
+
+
+def _twins(
+    load: float,
+    mu_k: float,
+    mu_s: float,
+    curve: Mapping[str, float],
+    stiffness: float,
+    damping: float,
+) -> dict[str, FrictionLaw]:
+    """Return the corrected laws with the same numbers."""
+    viscous = curve["viscous_coefficient"]
+    return {
+        "coulomb": Coulomb(kinetic_coefficient=mu_k, static_coefficient=mu_s),
+        "coulomb-viscous": CoulombViscous(
+            kinetic_coefficient=mu_k, static_coefficient=mu_s, viscous_coefficient=viscous
+        ),
+        "stribeck": Stribeck(**curve),
+        "dahl": Dahl.from_forces(
+            load=load, kinetic_force=mu_k * load, bristle_stiffness=stiffness, static_switch=True
+        ),
+        "lugre": LuGre.from_forces(
+            load=load,
+            kinetic_force=mu_k * load,
+            static_force=mu_s * load,
+            stribeck_velocity=curve["stribeck_velocity"],
+            bristle_stiffness=stiffness,
+            bristle_damping=damping,
+            viscous_coefficient=viscous,
+            static_switch=True,
+        ),
+    }
+
+
+def _consequence(form: PrintedForm, twin: FrictionLaw, test: _Test) -> Consequence:
+    start = {"v": test.velocity}
+    solver = FixedStep(dt=STEP, method="heun", stick_rule=True)
+    printed = simulate(test.mechanism, form, t_end=test.t_end, y0=start, solver=solver, throw=False)
+    corrected = simulate(test.mechanism, twin, t_end=test.t_end, y0=start)
+    return Consequence(
+        form=type(form),
+        test=test.text,
+        printed=criteria_of(printed, test.mechanism),
+        corrected=criteria_of(corrected, test.mechanism),
+        diverged=printed.status is Status.NOT_FINITE,
+        lasted=printed.span[1],
+    )

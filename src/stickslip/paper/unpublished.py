@@ -1,0 +1,164 @@
+"""What the parameters that the paper does not print would have to be to give its rows.
+
+All searches use reading A, the push that the paper simulated; the range is that of the travels that
+round to the printed figure.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from stickslip.friction import Coulomb, CoulombViscous, Dahl, FrictionLaw, LuGre, Viscous
+from stickslip.identification.bracketing import positive_root
+from stickslip.mechanisms import SpringBlock
+from stickslip.paper.excitations import rigs
+from stickslip.simulation import simulate
+
+__all__ = ["Requirement", "requirements"]
+
+ROUNDING = 0.005
+"""Half of the last printed digit of Table II [m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Requirement:
+    """The value of one unpublished parameter that gives a published travel."""
+
+    law: str
+    """Registry name of the row."""
+    published: float
+    """Printed travel [m]."""
+    symbol: str
+    unit: str
+    value: float | None
+    """What it would have to be; None if no value gives the row."""
+    low: float | None
+    """End of the range for travels that round to the printed one."""
+    high: float | None
+    start: float
+    """Travel with the least value tried [m]."""
+    text: str
+    """What that means, in words."""
+
+
+def requirements(
+    rig: SpringBlock, published: dict[str, float], *, mu_k: float, mu_s: float, t_end: float
+) -> tuple[Requirement, ...]:
+    """Find the value behind each published travel.
+
+    Parameters
+    ----------
+    rig : SpringBlock
+        The paper's rig.
+    published : dict
+        Printed travel [m] by law.
+    mu_k, mu_s : float
+        Coefficients of the paper's Table I.
+    t_end : float
+        Length of the paper's runs [s].
+    """
+    _, _, push = rigs(rig)["A"]
+    load = rig.mass * rig.gravity
+    return tuple(
+        _require(name, published[name], push, t_end, *case)
+        for name, case in _cases(load, mu_k, mu_s).items()
+        if name in published
+    )
+
+
+Case = tuple[str, str, float, Callable[[float], FrictionLaw], str]
+
+
+def _cases(load: float, mu_k: float, mu_s: float) -> dict[str, Case]:
+    """Return symbol, unit, first value to try, law as a function of it, and remark, by row."""
+
+    def lugre(sigma_0: float) -> FrictionLaw:
+        return LuGre.from_forces(
+            load=load,
+            kinetic_force=mu_k * load,
+            static_force=mu_s * load,
+            stribeck_velocity=1e-3,
+            bristle_stiffness=sigma_0,
+            bristle_damping=math.sqrt(sigma_0),
+            viscous_coefficient=0.4,
+        )
+
+    def dahl(sigma_0: float) -> FrictionLaw:
+        return Dahl.from_forces(
+            load=load, kinetic_force=mu_k * load, bristle_stiffness=sigma_0, static_switch=True
+        )
+
+    return {
+        "coulomb": (
+            "mu_k",
+            "1",
+            mu_k,
+            lambda mu: Coulomb(kinetic_coefficient=mu),
+            "not the coefficient of Table I",
+        ),
+        "dahl": (
+            "sigma_0",
+            "N/m",
+            50.0,
+            dahl,
+            "bristles that give way by centimetres, with the block held at its first stop",
+        ),
+        "lugre": (
+            "sigma_0",
+            "N/m",
+            1e3,
+            lugre,
+            "with the damping of LuGre 1995, $sigma_1$ = the root of $sigma_0$, and no hold at rest",
+        ),
+        "stribeck": (
+            "sigma_2",
+            "N s/m",
+            2.0,
+            lambda sigma: Viscous(viscous_coefficient=sigma),
+            "of a purely viscous law: without any dry friction",
+        ),
+        "coulomb-viscous": (
+            "sigma_2",
+            "N s/m",
+            0.1,
+            lambda sigma: CoulombViscous(kinetic_coefficient=mu_k, viscous_coefficient=sigma),
+            "viscous friction can only shorten the travel of Coulomb friction",
+        ),
+    }
+
+
+def _require(
+    name: str,
+    published: float,
+    push: SpringBlock,
+    t_end: float,
+    symbol: str,
+    unit: str,
+    first: float,
+    law: Callable[[float], FrictionLaw],
+    text: str,
+) -> Requirement:
+    """Search for the value, and for those at the ends of the rounding range."""
+
+    def travel(value: float) -> float:
+        run = simulate(push, law(value), t_end=t_end)
+        return float(run.at(t_end)["x"][0])
+
+    def root(target: float, start: float) -> float | None:
+        least, most = start / 64.0, start * 64.0
+        return positive_root(lambda value: travel(value) - target, start, low=least, high=most)
+
+    best = root(published, first)
+    ends = [root(published + sign * ROUNDING, best or first) for sign in (-1.0, 1.0)]
+    found = sorted(end for end in ends if end is not None)
+    return Requirement(
+        law=name,
+        published=published,
+        symbol=symbol,
+        unit=unit,
+        value=best,
+        low=found[0] if best is not None and found else None,
+        high=found[-1] if best is not None and found else None,
+        start=travel(first if best is not None else first / 64.0),
+        text=text,
+    )

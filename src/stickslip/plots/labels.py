@@ -1,0 +1,149 @@
+"""Names beside curves: found a free place inside the plot, or stacked where the curves end."""
+
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from stickslip.plots.series import Array
+from stickslip.plots.theme import label_at, label_column
+
+__all__ = ["Curve", "label_curves", "label_ends"]
+
+LETTER: Final = 5.7
+"""Mean width of a letter at 11 px [CSS px]; measured text would differ between machines."""
+HALF_LINE: Final = 7.0
+AWAY: Final = 11.0
+"""Distance of a name from its curve [CSS px]."""
+CROSSED: Final = 1e3
+OUTSIDE: Final = 1e5
+
+
+class Curve(NamedTuple):
+    """A drawn curve and the name it wants; a curve without a name only stands in the way."""
+
+    x: Array
+    y: Array
+    text: str
+    colour: str
+
+
+class _Box(NamedTuple):
+    left: float
+    bottom: float
+    right: float
+    top: float
+
+    def overlap(self, other: "_Box") -> float:
+        """Return the shared area."""
+        width = min(self.right, other.right) - max(self.left, other.left)
+        height = min(self.top, other.top) - max(self.bottom, other.bottom)
+        return max(width, 0.0) * max(height, 0.0)
+
+
+def label_curves(axes: Axes, curves: Sequence[Curve], *, places: int = 36) -> None:
+    """Write the name of each curve above or below it, where it is free and clearly meant.
+
+    Set the limits of the axes before.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where the curves are drawn.
+    curves : sequence of Curve
+        The curves; earlier ones choose first.
+    places : int
+        How many places along each curve are tried.
+    """
+    figure = axes.get_figure(root=True)
+    if figure is None:
+        return
+    figure.draw_without_rendering()  # the layout decides how many pixels a unit has
+    pixel = 72 / figure.dpi
+    frame = _Box(*(axes.get_window_extent().extents * pixel))
+    paths = [_in_pixels(axes, curve, pixel) for curve in curves]
+    taken: list[_Box] = []
+    for index, curve in enumerate(curves):
+        if not curve.text:
+            continue
+        anchors = np.linspace(frame.left + 4, frame.right - 4, places)
+        tries = [
+            (_cost(box, taken, paths, index, frame), anchor, side, box)
+            for anchor in anchors
+            for side in (1.0, -1.0)
+            for box in [_box(paths[index], float(anchor), side, len(curve.text))]
+        ]
+        _, anchor, side, box = min(tries, key=lambda found: (found[0], found[1], -found[2]))
+        taken.append(box)
+        x, y = axes.transData.inverted().transform(
+            ((box.left + box.right) / 2 / pixel, (box.bottom + box.top) / 2 / pixel)
+        )
+        label_at(axes, float(x), float(y), curve.text, curve.colour, offset=(0, 0), align="center")
+
+
+def label_ends(
+    axes: Axes,
+    x: float,
+    labels: Sequence[tuple[float, Sequence[str], str]],
+    *,
+    gap: float = 14.0,
+) -> None:
+    """Name curves where they end; a name may have several lines.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    x : float
+        Horizontal position of the column, in the units of the axes.
+    labels : sequence of tuple
+        Height, lines and colour of each.
+    gap : float
+        Distance of lines [CSS px].
+    """
+    # Equal heights keep their order from below, so the last line goes first.
+    rows = [(y, line, colour) for y, lines, colour in labels for line in reversed(lines)]
+    label_column(axes, x, rows, gap=gap)
+
+
+def _in_pixels(axes: Axes, curve: Curve, pixel: float) -> Array:
+    points = axes.transData.transform(np.column_stack([curve.x, curve.y])) * pixel
+    return np.asarray(points[np.isfinite(points).all(axis=1)])
+
+
+def _height(path: Array, x: float) -> float:
+    return float(np.interp(x, path[:, 0], path[:, 1]))
+
+
+def _box(path: Array, x: float, side: float, letters: int) -> _Box:
+    """Return the place of a name centred over a point, pushed clear of its own curve."""
+    half = LETTER * letters / 2
+    y = _height(path, x)
+    return _Box(
+        x - half,
+        y + side * AWAY - HALF_LINE,
+        x + half,
+        y + side * AWAY + HALF_LINE,
+    )
+
+
+def _cost(box: _Box, taken: Sequence[_Box], paths: Sequence[Array], own: int, frame: _Box) -> float:
+    cost = 0.0
+    if box.left < frame.left or box.right > frame.right:
+        cost += OUTSIDE
+    if box.bottom < frame.bottom or box.top > frame.top + 2 * HALF_LINE:
+        cost += OUTSIDE
+    cost += CROSSED * sum(box.overlap(other) for other in taken)
+    centre = (box.left + box.right) / 2
+    middle = (box.bottom + box.top) / 2
+    columns = np.linspace(box.left, box.right, 15)
+    reach = abs(_height(paths[own], centre) - middle)
+    for index, path in enumerate(paths):
+        heights = np.interp(columns, path[:, 0], path[:, 1])
+        cost += CROSSED * int(np.sum((heights > box.bottom - 1) & (heights < box.top + 1)))
+        if index != own:
+            # A name is read as that of the nearest curve, so no other may be as near.
+            distance = float(np.min(np.abs(heights - middle)))
+            cost += 40.0 * max(0.0, 2.2 * reach - distance)
+    return cost

@@ -1,0 +1,207 @@
+"""Figures of one run, and of several over each other."""
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stickslip.plots.labels import label_ends
+from stickslip.plots.series import Sizes, dense, grouped, horizon, looks, scale_of, wrapped
+from stickslip.plots.svg import Draw
+from stickslip.plots.theme import C1, INK, MUTED, SURFACE, label_at, shade
+from stickslip.trajectory import Event, Trajectory
+
+__all__ = ["FRICTION_SIZES", "RUN_SIZES", "draw_friction_velocity", "draw_run", "draw_runs"]
+
+RUN_SIZES: Final = Sizes(wide=(880, 440), narrow=(358, 440))
+FRICTION_SIZES: Final = Sizes(wide=(880, 280), narrow=(358, 250))
+
+MOST_NAMED: Final = 4
+MOST_MARKED: Final = 40
+
+
+def draw_run(
+    run: Trajectory, *, slip: str = "x", rate: str = "v", until: float | None = None
+) -> Draw:
+    """Return a drawing of displacement, velocity and friction against time.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    slip, rate : str
+        Names of the slipping coordinate and its rate.
+    until : float, optional
+        Last time shown [s]; some time after the body has arrived if not given.
+
+    Returns
+    -------
+    callable
+        Draws it, with bands where the body sticks and dots at events.
+    """
+    last = horizon(run, slip) if until is None else min(until, run.span[1])
+    seen = dense(run, last)
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        panels = figure.subplots(3, 1, sharex=True)
+        titles = {slip: "displacement", rate: "velocity", "friction": "friction"}
+        events = [event for event in run.events if event.t <= last][:MOST_MARKED]
+        for axes, (name, title) in zip(panels, titles.items(), strict=True):
+            factor, unit = scale_of(seen[name], run.units[name])
+            axes.plot(seen.t, factor * seen[name], color=C1, linewidth=2.0)
+            axes.set_ylabel(f"{title}, {unit}")
+            axes.margins(x=0, y=0.12)
+            axes.grid(axis="y")
+            shade(axes, _within(run.stick_spans(), last))
+            if events:
+                at = run.at([event.t for event in events])
+                _dots(axes, at.t, factor * at[name])
+        figure.align_ylabels()
+        panels[-1].set_xlabel("time, s")
+        _name_modes(panels[0], run, last)
+        _name_events(panels[1], run, events, rate, narrow)
+
+    return draw
+
+
+def draw_friction_velocity(
+    run: Trajectory, *, rate: str = "v", until: float | None = None, slip: str = "x"
+) -> Draw:
+    """Return a drawing of friction against velocity along a run.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    rate, slip : str
+        Names of the slip velocity and of the coordinate.
+    until : float, optional
+        Last time shown [s].
+
+    Returns
+    -------
+    callable
+        Draws it, with a ring where it begins and a dot where it ends.
+    """
+    last = horizon(run, slip) if until is None else min(until, run.span[1])
+    seen = dense(run, last, samples=2500)
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        axes = figure.add_subplot()
+        factor, unit = scale_of(seen[rate], run.units[rate])
+        v, force = factor * seen[rate], seen["friction"]
+        axes.axhline(0, color=MUTED, linewidth=0.8)
+        axes.axvline(0, color=MUTED, linewidth=0.8)
+        axes.plot(v, force, color=C1, linewidth=2.0)
+        axes.margins(0.08, 0.18)
+        axes.set_xlabel(f"velocity, {unit}")
+        axes.set_ylabel("friction, N")
+        axes.grid(axis="y")
+        axes.plot(v[:1], force[:1], "o", color=C1, markerfacecolor=SURFACE, markersize=6, zorder=4)
+        axes.plot(v[-1:], force[-1:], "o", color=C1, markersize=5, zorder=5)
+        label_at(axes, v[0], force[0], "start", INK, offset=(8, 9))
+        if abs(force[-1] - force[0]) > 0.15 * np.ptp(axes.get_ylim()):
+            label_at(axes, v[-1], force[-1], "end", INK, offset=(8, 9))
+
+    return draw
+
+
+def draw_runs(
+    runs: Mapping[str, Trajectory],
+    *,
+    column: str = "x",
+    title: str = "displacement",
+    chosen: str | None = None,
+    until: float | None = None,
+) -> Draw:
+    """Return a drawing of several runs over each other, named where they end.
+
+    Parameters
+    ----------
+    runs : mapping of str to Trajectory
+        The runs by name.
+    column, title : str
+        What is drawn, and what it is called.
+    chosen : str, optional
+        The run that stands out; the first if not given.
+    until : float, optional
+        Last time shown [s].
+
+    Returns
+    -------
+    callable
+        Draws it.
+    """
+    last = until or max(horizon(run, column) for run in runs.values())
+    seen = {name: dense(run, last) for name, run in runs.items()}
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        axes = figure.add_subplot()
+        look = looks(runs, chosen)
+        everything = np.concatenate([run[column] for run in seen.values()])
+        factor, unit = scale_of(everything, next(iter(runs.values())).units[column])
+        ends = {}
+        for name, run in seen.items():
+            colour, dashes, width, order = look[name]
+            y = factor * run[column]
+            axes.plot(run.t, y, color=colour, linestyle=dashes, linewidth=width, zorder=order)
+            ends[name] = float(y[-1])
+        axes.margins(x=0, y=0.1)
+        axes.set_xlabel("time, s")
+        axes.set_ylabel(f"{title}, {unit}")
+        axes.grid(axis="y")
+        labels = [
+            (y, wrapped(names, 14 if narrow else 30), look[names[0]].colour)
+            for y, names in grouped(ends, 0.02 * float(np.ptp(axes.get_ylim())))
+        ]
+        label_ends(axes, max(float(run.t[-1]) for run in seen.values()), labels)
+
+    return draw
+
+
+def _within(spans: Sequence[tuple[float, float]], last: float) -> list[tuple[float, float]]:
+    return [(low, min(high, last)) for low, high in spans if low < last]
+
+
+def _dots(axes: Axes, x: "np.ndarray[tuple[int], np.dtype[np.float64]]", y: object) -> None:
+    axes.plot(x, y, "o", color=C1, markersize=4.5, zorder=4)  # type: ignore[arg-type]
+
+
+def _name_modes(axes: Axes, run: Trajectory, last: float) -> None:
+    """Write "stick" and "slip" once, each in the longest stretch of its mode."""
+    sticks = _within(run.stick_spans(), last)
+    if not sticks:
+        return
+    bounds = [run.span[0], *[end for span in sticks for end in span], last]
+    slips = list(zip(bounds[::2], bounds[1::2], strict=True))
+    for word, spans in (("stick", sticks), ("slip", slips)):
+        low, high = max(spans, key=lambda span: span[1] - span[0])
+        if high - low > 0.05 * (last - run.span[0]):
+            axes.annotate(
+                word,
+                ((low + high) / 2, 0.06),
+                xycoords=axes.get_xaxis_transform(),
+                ha="center",
+                color=MUTED,
+                fontsize=11,
+            )
+
+
+def _name_events(
+    axes: Axes, run: Trajectory, events: Sequence[Event], rate: str, narrow: bool
+) -> None:
+    """Say in words what the first few events are."""
+    if not events or len(events) > MOST_NAMED:
+        return
+    factor, _ = scale_of(run[rate], run.units[rate])
+    at = run.at([event.t for event in events])
+    low, high = axes.get_xlim()
+    for event, v in zip(events, factor * at[rate], strict=True):
+        is_late = event.t > low + (0.5 if narrow else 0.75) * (high - low)
+        side = -7 if is_late else 7
+        label_at(
+            axes, event.t, float(v), event.reason, INK, offset=(side, 9),
+            align="right" if is_late else "left",
+        )  # fmt: skip

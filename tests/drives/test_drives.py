@@ -1,0 +1,167 @@
+"""Values, pieces and sums of drives."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stickslip import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
+from stickslip.drives import Piece
+from stickslip.drives.base import BEGINNING
+from stickslip.errors import ParameterError
+from tests.support import broken_lines, pulses
+
+sines = st.builds(Sine, amplitude=st.floats(-9, 9), frequency=st.floats(0.1, 9))
+ramps = st.builds(Ramp, rate=st.floats(-9, 9), start=st.floats(-1, 1))
+samples = st.builds(
+    lambda values, hold: Sampled(times=range(len(values)), values=values, hold=hold),
+    st.lists(st.floats(-9, 9), min_size=1, max_size=5),
+    st.sampled_from(["zero", "first"]),
+)
+single = st.one_of(pulses, broken_lines, sines, ramps, samples)
+times = st.floats(-2, 6)
+
+
+@pytest.mark.parametrize(("t", "value"), [(-0.1, 0), (0.4999, 0), (0.5, 3), (0.999, 3), (1.0, 0)])
+def test_a_pulse_holds_its_level_from_its_start_until_just_before_its_end(t, value):
+    assert Pulse(level=3.0, duration=0.5, start=0.5).value(t) == value
+
+
+def test_a_pulse_of_no_duration_never_acts():
+    assert Pulse(level=3.0, duration=0.0, start=1.0).value(1.0) == 0
+
+
+@pytest.mark.parametrize(("t", "value"), [(0.9, 0.0), (1.0, 0.0), (3.0, 4.0)])
+def test_a_ramp_grows_from_its_start(t, value):
+    assert Ramp(rate=2.0, start=1.0).value(t) == value
+
+
+@given(t=times)
+def test_a_sine_is_a_sine(t):
+    drive = Sine(amplitude=3.0, frequency=0.7, phase=0.2)
+    assert drive.value(t) == 3.0 * math.sin(2.0 * math.pi * 0.7 * t + 0.2)
+
+
+@given(t=times)
+def test_a_piecewise_linear_drive_joins_its_points(t):
+    drive = PiecewiseLinear(times=(0.0, 1.0, 3.0), values=(1.0, 3.0, -1.0))
+    if t <= 0:
+        expected = 1.0
+    elif t <= 1:
+        expected = 1.0 + 2.0 * t
+    else:
+        expected = 3.0 - 2.0 * (min(t, 3.0) - 1.0)
+    assert math.isclose(drive.value(t), expected, rel_tol=1e-15, abs_tol=1e-15)  # a rounding
+
+
+@pytest.mark.parametrize(
+    ("t", "value"), [(-1.0, 1.0), (0.0, 1.0), (0.0999, 1.0), (0.1, 3.0), (0.2, 2.0), (9.0, 2.0)]
+)
+def test_samples_are_held_until_the_next(t, value):
+    assert Sampled(times=(0.0, 0.1, 0.2), values=(1.0, 3.0, 2.0)).value(t) == value
+
+
+@given(t=times)
+def test_samples_can_be_joined_by_lines(t):
+    points = {"times": (0.0, 0.1, 0.2), "values": (1.0, 3.0, 2.0)}
+    assert Sampled(**points, hold="first").value(t) == PiecewiseLinear(**points).value(t)
+
+
+def test_a_single_sample_holds_for_ever():
+    drive = Sampled(times=[5.0], values=[2.0])
+    assert drive.value(-100.0) == drive.value(100.0) == 2.0
+
+
+def test_points_may_be_any_sequence_and_become_tuples_of_floats():
+    drive = PiecewiseLinear(times=[0, 1], values=[2, 3])
+    assert (drive.times, drive.values) == ((0.0, 1.0), (2.0, 3.0))
+    assert hash(drive) == hash(PiecewiseLinear(times=(0.0, 1.0), values=(2.0, 3.0)))
+
+
+@given(drive=single | st.builds(lambda a, b: a + b, single, single))
+def test_pieces_come_in_the_order_of_time(drive):
+    starts = [piece.start for piece in drive.pieces()]
+    assert starts == sorted(starts)
+
+
+@given(first=single, second=single, third=single, t=times)
+def test_the_value_of_a_sum_is_the_sum_of_the_values(first, second, third, t):
+    parts = [drive.value(t) for drive in (first, second, third)]
+    # slopes of up to 100 per second are carried from other starting points: a few roundings
+    tolerance = 1e-12
+    assert math.isclose((first + second).value(t), sum(parts[:2]), abs_tol=tolerance)
+    assert math.isclose((first + second + third).value(t), sum(parts), abs_tol=tolerance)
+    assert math.isclose((first + (second + third)).value(t), sum(parts), abs_tol=tolerance)
+
+
+@given(drive=sines | st.builds(lambda a, b: a + b, sines, sines), t=times)
+def test_a_smooth_part_stays_within_its_bound(drive, t):
+    low, high = drive.smooth_bound()
+    assert low - 1e-12 <= drive.smooth(t) <= high + 1e-12  # a rounding of numbers up to 18
+
+
+def test_a_sum_takes_the_shortest_time_scale_of_its_parts():
+    total = Sine(amplitude=1.0, frequency=2.0) + Sine(amplitude=1.0, frequency=5.0)
+    assert total.time_scale() == 0.2
+    assert (total + Pulse(level=1.0, duration=1.0)).time_scale() == 0.2
+    assert Pulse(level=1.0, duration=1.0).time_scale() == math.inf
+
+
+def test_what_held_before_the_first_point_holds_from_the_beginning():
+    (first, *_) = PiecewiseLinear(times=(0.0, 1.0), values=(4.0, 5.0)).pieces()
+    assert first == Piece(BEGINNING, 4.0, 0.0)
+
+
+@pytest.mark.parametrize("kind", [PiecewiseLinear, Sampled])
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        (((), ()), "same length of at least 1, got 0 and 0"),
+        (((0.0, 1.0), (1.0,)), "same length of at least 1, got 2 and 1"),
+        (((0.0, 0.0), (1.0, 2.0)), "must increase, got 0 before 0"),
+        (((1.0, 0.5), (1.0, 2.0)), "must increase, got 1 before 0.5"),
+        (((0.0, math.nan), (1.0, 2.0)), "finite"),
+        (((0.0, 1.0), (1.0, math.inf)), "finite"),
+    ],
+)
+def test_bad_points_are_refused_in_words(kind, points, words):
+    with pytest.raises(ParameterError, match=words) as caught:
+        kind(times=points[0], values=points[1])
+    assert kind.__name__ in str(caught.value)
+
+
+@pytest.mark.parametrize("kind", [PiecewiseLinear, Sampled])
+@pytest.mark.parametrize("bad", ["a", None, True], ids=repr)
+def test_points_that_are_no_numbers_are_refused_in_words(kind, bad):
+    with pytest.raises(ParameterError, match=kind.__name__):
+        kind(times=(0.0, 1.0), values=(1.0, bad))
+
+
+@pytest.mark.parametrize("kind", [PiecewiseLinear, Sampled])
+def test_a_number_instead_of_points_is_refused_in_words(kind):
+    with pytest.raises(ParameterError, match=kind.__name__):
+        kind(times=0.0, values=1.0)
+
+
+def test_an_unknown_hold_is_refused_with_the_known_ones():
+    with pytest.raises(ParameterError, match="'zero' or 'first', got 'second'"):
+        Sampled(times=(0.0,), values=(1.0,), hold="second")
+
+
+@pytest.mark.parametrize(
+    ("kind", "values", "words"),
+    [
+        (Pulse, {"level": 1.0, "duration": -1.0}, r"Pulse\.duration \(T\) must be at least 0 s"),
+        (Sine, {"amplitude": 1.0, "frequency": 0.0}, r"Sine\.frequency \(f\) must be above 0 Hz"),
+        (Ramp, {"rate": math.inf}, r"Ramp\.rate \(r\) must be a finite number N/s, got inf"),
+    ],
+)
+def test_bad_numbers_are_refused_in_words(kind, values, words):
+    with pytest.raises(ParameterError, match=words):
+        kind(**values)
+
+
+def test_only_drives_can_be_added():
+    with pytest.raises((TypeError, ParameterError)):
+        Pulse(level=1.0, duration=1.0) + 2.0

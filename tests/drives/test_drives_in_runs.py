@@ -1,0 +1,70 @@
+"""What a run makes of its drive."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stickslip import Axis, Coulomb, PiecewiseLinear, Pulse, Ramp, Sampled, Sine, simulate
+from tests.support import broken_lines, drives, pulses
+
+FREE = Coulomb(kinetic_coefficient=0.0)
+sines = st.builds(Sine, amplitude=st.floats(-9, 9), frequency=st.floats(0.1, 3))
+ramps = st.builds(Ramp, rate=st.floats(-9, 9), start=st.floats(-0.5, 1))
+samples = st.builds(
+    lambda values, hold: Sampled(times=range(len(values)), values=values, hold=hold),
+    st.lists(st.floats(-9, 9), min_size=1, max_size=5),
+    st.sampled_from(["zero", "first"]),
+)
+any_drive = st.one_of(drives, sines, ramps, samples, st.builds(lambda a, b: a + b, sines, pulses))
+
+
+@settings(max_examples=40)
+@given(drive=any_drive)
+def test_a_free_body_gains_the_momentum_that_the_drive_gives(drive):
+    inertia, t_end = 2.0, 1.7
+    run = simulate(Axis(inertia=inertia, drive=drive), FREE, t_end=t_end)
+    starts = [piece.start for piece in drive.pieces() if 0 < piece.start < t_end]
+    edges = np.array([0.0, *starts, t_end])
+    # Gauss-Legendre is exact for lines, and to 1e-14 for up to six waves at 60 nodes
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    impulse = size = 0.0
+    for low, high in zip(edges, edges[1:], strict=False):
+        t = low + 0.5 * (high - low) * (nodes + 1)
+        values = np.array([drive.value(float(one)) for one in t])
+        impulse += 0.5 * (high - low) * float(weights @ values)
+        size += 0.5 * (high - low) * float(weights @ np.abs(values))
+    # the tolerance of the solver, 1e-12 a step, over some tens of steps
+    assert abs(run["v"][-1] * inertia - impulse) <= 1e-10 * size
+
+
+@settings(max_examples=25)
+@given(drive=st.one_of(pulses, broken_lines, ramps, samples, drives), t=st.floats(0.01, 1.69))
+def test_the_force_that_holds_a_body_is_the_drive_at_every_time(drive, t):
+    firm = Coulomb(kinetic_coefficient=1e3)
+    run = simulate(Axis(inertia=2.0, drive=drive), firm, t_end=1.7)
+    # carried from the start of the piece: a few roundings of slopes up to 200 N/s
+    assert abs(run.at(t)["friction"][0] - drive.value(t)) <= 1e-12
+    assert np.all(run["x"] == 0)
+
+
+def test_a_body_is_held_again_from_the_moment_the_drive_allows():
+    drive = PiecewiseLinear(times=(0.0, 1.0), values=(0.0, 2.0)) + Pulse(
+        level=-2.0, duration=10.0, start=1.5
+    )
+    law = Coulomb(kinetic_coefficient=1.0)
+    run = simulate(Axis(inertia=1.0, drive=drive), law, t_end=5.0)
+    # slip from 0.5 s; (t - 0.5)^2 up to 1 s, then 1 m/s^2 to 1.5 s, then -1 m/s^2 to rest
+    speed = 0.25 + 0.5
+    assert [event.reason for event in run.events] == ["break-away", "stop"]
+    np.testing.assert_allclose(
+        [event.t for event in run.events], [0.5, 1.5 + speed], rtol=1e-12
+    )  # located to rounding
+
+
+def test_a_pulse_much_shorter_than_any_step_is_not_missed():
+    drive = Pulse(level=1e6, duration=1e-6, start=3.0)
+    run = simulate(Axis(inertia=1.0, drive=drive), Coulomb(kinetic_coefficient=0.1), t_end=100.0)
+    v = (1e6 - 0.1) * 1e-6
+    travel = 0.5 * v * 1e-6 + v * v / (2 * 0.1)
+    # the pulse's length is only known to 4e-16 s in a clock that shows 3 s: 4e-10 of it
+    np.testing.assert_allclose(run["x"][-1], travel, rtol=2e-9)
