@@ -5,14 +5,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stickslip import Axis, Coulomb, PiecewiseLinear, Pulse, Ramp, Sampled, Sine, simulate
-from tests.support import broken_lines, drives, pulses
+from tests.support import broken_lines, drives, nearly, pulses
 
 FREE = Coulomb(kinetic_coefficient=0.0)
-sines = st.builds(Sine, amplitude=st.floats(-9, 9), frequency=st.floats(0.1, 3))
-ramps = st.builds(Ramp, rate=st.floats(-9, 9), start=st.floats(-0.5, 1))
+sines = st.builds(Sine, amplitude=nearly(-9, 9), frequency=nearly(0.1, 3))
+ramps = st.builds(Ramp, rate=nearly(-9, 9), start=nearly(-0.5, 1))
 samples = st.builds(
     lambda values, hold: Sampled(times=range(len(values)), values=values, hold=hold),
-    st.lists(st.floats(-9, 9), min_size=1, max_size=5),
+    st.lists(nearly(-9, 9), min_size=1, max_size=5),
     st.sampled_from(["zero", "first"]),
 )
 any_drive = st.one_of(drives, sines, ramps, samples, st.builds(lambda a, b: a + b, sines, pulses))

@@ -69,7 +69,7 @@ def run(
 
 def _measurement(rig: Rig, data: Path | None) -> Measurement:
     if data is not None:
-        return load_measurement(data)
+        return load_measurement(data, mechanism=rig.mechanism)
     if rig.measurement is None:
         raise InputError(
             f"{rig.path} has no measurement: add a [[trial]] with a travel, or give --data FILE."

@@ -2,7 +2,8 @@
 
 import itertools
 import math
-from collections.abc import Sequence
+import numbers
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal, final
 
@@ -118,11 +119,23 @@ class Sine(Drive):
         return 1.0 / self.frequency
 
 
+def _numbers(owner: str, series: object) -> list[float]:
+    """Return a series as floats, or say that it is none."""
+    found = []
+    for x in series if isinstance(series, Iterable) else (series, None):
+        if isinstance(x, bool) or not isinstance(x, numbers.Real):
+            raise ParameterError(
+                f"{owner}.times [s] and .values must be series of numbers, got {series!r}."
+            )
+        found.append(float(x))
+    return found
+
+
 def _series(
     owner: str, times: Sequence[float], values: Sequence[float]
 ) -> tuple[list[float], list[float]]:
     """Return checked points: as many times as values, finite, times increasing."""
-    t, u = [float(x) for x in times], [float(x) for x in values]
+    t, u = (_numbers(owner, series) for series in (times, values))
     if len(t) != len(u) or not t:
         raise ParameterError(
             f"{owner}.times and .values must have the same length of at least 1,"

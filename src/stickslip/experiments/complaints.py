@@ -39,8 +39,11 @@ def complaint(
     kind = first["type"]
     where = place(key, file, overridden)
     if kind == "unknown_key":
-        where = place(_join(key, context["key"]), file, overridden)
-        table = f" in [{key}]" if key else ""
+        full = _join(key, context["key"])
+        # An override may have made a whole table that is not known.
+        made = any(path.startswith(full + ".") for path in overridden)
+        where = place(full, file, [*overridden, full] if made else overridden)
+        table = f" in {_heading(key)}" if key else ""
         return UnknownNameError(f"key{table} of {where}:", context["key"], context["known"])
     if kind == "unknown_name":
         owner = f"{context['kind']} in {key} of {where}:"
@@ -66,7 +69,7 @@ def complaint(
 
 def _missing(where: str, key: str, context: Mapping[str, Any]) -> str:
     name, quantity = context["key"], context["quantity"]
-    under = f"under [{key}]" if key else "at the top of the file"
+    under = f"under {_heading(key)}" if key else "at the top of the file"
     full = _join(key, name)
     if quantity is None:
         table = name in {"mechanism", "run", "friction"}
@@ -74,6 +77,12 @@ def _missing(where: str, key: str, context: Mapping[str, Any]) -> str:
     return (
         f"{where}: {full} ({quantity.symbol}) is missing. Add {name} {under}, {allowed(quantity)}."
     )
+
+
+def _heading(key: str) -> str:
+    """Return how a table is written in the file; entries of a list are counted from 1."""
+    table, _, last = key.rpartition(".")
+    return f"[[{table}]] number {int(last) + 1}" if last.isdecimal() else f"[{key}]"
 
 
 def _join(key: str, name: str) -> str:

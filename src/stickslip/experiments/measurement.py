@@ -210,10 +210,11 @@ def _numbers(name: str, quantity: Quantity, value: Any) -> Array | float:
         return quantity.check("Measurement", name, value)
     try:
         raw = np.asarray(value)
-        array = np.array(raw, dtype=float)
+        # Truth values, complex numbers, texts and dates would convert to something.
+        array = None if raw.dtype.kind in "bcSUMm" else np.array(raw, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        raise ParameterError(f"{label} must be numbers, got {_short(value)}.") from None
-    if raw.dtype.kind in "bcSUMm":
+        array = None
+    if array is None:
         raise ParameterError(f"{label} must be real numbers, got {_short(value)}.")
     if array.ndim == 0:
         return quantity.check("Measurement", name, array.item())

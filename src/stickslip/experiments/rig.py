@@ -1,10 +1,8 @@
 """A rig: what moves, which friction values are known, and what was measured."""
 
-import numbers
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any, final
+from typing import final
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.measurement import Measurement
@@ -13,7 +11,7 @@ from stickslip.friction import BristleLaw, FrictionLaw, law_type, laws
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
 
-__all__ = ["Published", "Rig", "load_rig", "rig_schema", "state_units"]
+__all__ = ["Published", "Rig", "check_record", "state_units"]
 
 
 @final
@@ -152,57 +150,3 @@ def check_record(mechanism: Mechanism, record: Measurement, label: str) -> None:
     for name in record.initial:
         if name not in known:
             raise UnknownNameError(f"state in initial of {label}:", name, known)
-
-
-def load_rig(
-    path: str | Path | None = None, *, overrides: Mapping[str, str | float | bool] | None = None
-) -> Rig:
-    """Read a rig file.
-
-    Parameters
-    ----------
-    path : str or Path, optional
-        A TOML file; the rig of the source paper, which comes with the package, if not given.
-    overrides : mapping, optional
-        Values by dotted path, as on the command line: ``{"run.t_end": "5 s"}``. A shared value
-        under ``friction`` does not replace one in a law's own table.
-
-    Returns
-    -------
-    Rig
-        With everything in SI.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or used; one message with file, key, range, unit and cure.
-
-    Examples
-    --------
-    >>> rig = load_rig(overrides={"mechanism.compression": "60 mm"})
-    >>> rig.mechanism.compression, sorted(rig.laws)
-    (0.06, ['coulomb', 'coulomb-viscous', 'dahl', 'lugre', 'stribeck', 'viscous'])
-    """
-    # Imported here so that rigs built in Python do without the file libraries.
-    from stickslip.experiments.files import read_rig
-
-    given: Any = {} if overrides is None else overrides
-    if not isinstance(given, Mapping):
-        raise InputError(f"overrides must be a mapping by dotted path, got {given!r}.")
-    for key, value in given.items():
-        if not isinstance(value, str | bool | numbers.Real):
-            raise InputError(f"override {key!r}: must be text, a number or a bool, got {value!r}.")
-    return read_rig(path, given)
-
-
-def rig_schema() -> dict[str, Any]:
-    """Return the JSON schema of rig files: tables, types, units and ranges.
-
-    Examples
-    --------
-    >>> sorted(rig_schema()["properties"])[:3]
-    ['friction', 'mechanism', 'published']
-    """
-    from stickslip.experiments.schema import json_schema
-
-    return json_schema()

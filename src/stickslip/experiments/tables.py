@@ -197,7 +197,7 @@ def _hint(cls: type[Parametrised], name: str) -> Any:
     if hint == tuple[float, ...]:
         return Annotated[Any, _Numbers()]
     is_union = typing.get_origin(hint) in (Union, types.UnionType)
-    parts = [
+    parts: list[type] = [
         part
         for part in (typing.get_args(hint) if is_union else (hint,))
         if isinstance(part, type) and issubclass(part, Parametrised)

@@ -25,6 +25,8 @@ _LONGEST = 100
 
 def shown(value: object) -> str:
     """Return a value as it should stand in a message, shortened."""
+    if isinstance(value, bool):
+        return str(value).lower()
     text = f"{value:g}" if isinstance(value, float) else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
 
@@ -77,11 +79,15 @@ def read_number(value: object, quantity: Quantity) -> float:
         ) from None
 
 
+def _example(quantity: Quantity) -> str:
+    return "10 %" if quantity.unit == "1" else f"1 {quantity.unit}"
+
+
 def _no_number(value: object, quantity: Quantity) -> str:
     pure = quantity.unit == "1"
-    plain, example = ("a number", "10 %") if pure else ("a number in SI", f"1 {quantity.unit}")
+    plain = "a number" if pure else "a number in SI"
     return (
-        f'({quantity.symbol}) must be {plain} or text with a unit such as "{example}",'
+        f'({quantity.symbol}) must be {plain} or text with a unit such as "{_example(quantity)}",'
         f" {allowed(quantity)}, got {shown(value)}."
     )
 
@@ -101,7 +107,10 @@ def _from_text(text: str, quantity: Quantity) -> float:
     try:
         return float(Decimal(number) * _factor(unit or "1", quantity.unit))
     except ParameterError as error:
-        raise ParameterError(f"({quantity.symbol}) {error} (got {shown(text)}).") from None
+        raise ParameterError(
+            f"({quantity.symbol}) {error}, got {shown(text)}; write"
+            f' for example "{_example(quantity)}".'
+        ) from None
 
 
 def factor(unit: str, target: str | None) -> float:

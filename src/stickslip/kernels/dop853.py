@@ -66,8 +66,10 @@ def dop853_step(
             error_5 += ERROR_5[s] * k[s * n + i]
             error_3 += ERROR_3[s] * k[s * n + i]
         if error_5 != 0.0 or error_3 != 0.0:
-            sum_5 += (error_5 / size) ** 2 if size > 0.0 else math.inf
-            sum_3 += (error_3 / size) ** 2 if size > 0.0 else math.inf
+            share_5 = error_5 / size if size > 0.0 else math.inf
+            share_3 = error_3 / size if size > 0.0 else math.inf
+            sum_5 += share_5 * share_5  # a power would raise where this becomes infinite
+            sum_3 += share_3 * share_3
     total = sum_5 + 0.01 * sum_3
     return 0.0 if total == 0.0 else abs(h) * sum_5 / math.sqrt(total * n)
 

@@ -81,7 +81,8 @@ def rodas_error(y: Vector, y1: Vector, k: Vector, scale: Vector, rtol: float) ->
         error = k[7 * n + i]
         size = rtol * max(scale[i], abs(y[i]), abs(y1[i]))
         if error != 0.0:
-            total += (error / size) ** 2 if size > 0.0 else math.inf
+            share = error / size if size > 0.0 else math.inf
+            total += share * share
     return math.sqrt(total / n)
 
 

@@ -1,17 +1,26 @@
 """The source paper, audited: every table and figure again, beside what was printed."""
 
-from stickslip.paper.audit import PaperAudit, audit
+from stickslip.paper.audit import PaperAudit, TableRow, audit
 from stickslip.paper.excitations import Excitation, excitations
 from stickslip.paper.misprints import Consequence, consequences
+from stickslip.paper.pages import paper_report, rig_report
+from stickslip.paper.springback import Springback, springbacks
 from stickslip.paper.unpublished import Requirement, requirements
+from stickslip.paper.values import PaperValues
 
 __all__ = [
     "Consequence",
     "Excitation",
     "PaperAudit",
+    "PaperValues",
     "Requirement",
+    "Springback",
+    "TableRow",
     "audit",
     "consequences",
     "excitations",
+    "paper_report",
     "requirements",
+    "rig_report",
+    "springbacks",
 ]

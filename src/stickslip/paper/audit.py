@@ -7,10 +7,11 @@ from typing import Any
 
 from stickslip.experiments import Published, Rig, load_rig
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import SpringBlock
 from stickslip.paper.excitations import Excitation, excitations
 from stickslip.paper.misprints import Consequence, consequences
+from stickslip.paper.springback import Springback, springbacks
 from stickslip.paper.unpublished import Requirement, requirements
+from stickslip.paper.values import PaperValues
 from stickslip.selection import FixedStepRow, Verdict, compare_fixed_steps, select
 
 __all__ = ["PaperAudit", "TableRow", "audit"]
@@ -41,14 +42,10 @@ class PaperAudit:
     """What the printed equations do where they are wrong."""
     fixed_steps: tuple[FixedStepRow, ...]
     """The released spring with fixed steps and exactly."""
+    springbacks: tuple[Springback, ...]
+    """How bristle laws spring back where nothing holds the block."""
     verdict: Verdict
     """What our selection says of the rig."""
-
-    def reading(self, law: str, key: str) -> Excitation:
-        """Return one cell of the table."""
-        (row,) = (row for row in self.table if row.law.name == law)
-        (found,) = (reading for reading in row.readings if reading.key == key)
-        return found
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the audit as plain numbers and strings, ready for JSON."""
@@ -65,6 +62,9 @@ class PaperAudit:
             ],
             "unpublished_parameters": [asdict(r) for r in self.requirements],
             "misprints": [_consequence_dict(c) for c in self.consequences],
+            "springbacks": [
+                {"law": back.law.name, **asdict(back.criteria)} for back in self.springbacks
+            ],
             "fixed_steps": [asdict(row) for row in self.fixed_steps],
             "selection": self.verdict.to_dict(),
         }
@@ -112,47 +112,25 @@ def audit(
     >>> found = audit()  # doctest: +SKIP
     """
     rig = load_rig()
-    if verdict is None:
-        assert rig.measurement is not None
+    values = PaperValues.of(rig)
+    if verdict is None and rig.measurement is not None:
         verdict = select(rig.mechanism, rig.measurement, rig.laws, t_end=rig.t_end, watch=watch)
-    mechanism, measurement = rig.mechanism, rig.measurement
-    assert isinstance(mechanism, SpringBlock)
-    assert measurement is not None
-    measured = float(measurement.records()[0].travel or 0.0)
-    coulomb = rig.laws["coulomb"]
-    mu_k, mu_s = (
-        float(getattr(coulomb, name)) for name in ("kinetic_coefficient", "static_coefficient")
-    )
+    assert verdict is not None
     published = {row.law: row for row in rig.published}
-    lugre = rig.laws["lugre"]
-    load = mechanism.mass * mechanism.gravity
+    travels = {name: row.travel for name, row in published.items() if row.travel is not None}
     return PaperAudit(
         rig=rig,
-        measured=measured,
-        table=tuple(
-            TableRow(
-                law=rig.laws[name],
-                published=row,
-                readings=excitations(mechanism, rig.laws[name], measured=measured, t_end=rig.t_end),
-            )
-            for name, row in published.items()
-        ),
-        requirements=requirements(
-            mechanism,
-            {name: row.travel for name, row in published.items() if row.travel is not None},
-            mu_k=mu_k,
-            mu_s=mu_s,
-            t_end=rig.t_end,
-        ),
-        consequences=consequences(
-            mechanism,
-            mu_k=mu_k,
-            mu_s=mu_s,
-            viscous=float(rig.laws["coulomb-viscous"].viscous_coefficient),
-            stribeck_velocity=float(lugre.stribeck_velocity),
-            stiffness=float(lugre.bristle_stiffness) * load,
-            damping=float(lugre.bristle_damping) * load,
-        ),
-        fixed_steps=compare_fixed_steps(mechanism, coulomb, t_end=1.0),
+        measured=values.measured,
+        table=tuple(_row(rig, values, row) for row in published.values()),
+        requirements=requirements(values, travels, t_end=rig.t_end),
+        consequences=consequences(values),
+        fixed_steps=compare_fixed_steps(values.rig, rig.laws["coulomb"], t_end=1.0),
+        springbacks=springbacks(values),
         verdict=verdict,
     )
+
+
+def _row(rig: Rig, values: PaperValues, published: Published) -> TableRow:
+    law = rig.laws[published.law]
+    readings = excitations(values.rig, law, measured=values.measured, t_end=rig.t_end)
+    return TableRow(law=law, published=published, readings=readings)

@@ -15,6 +15,7 @@ from stickslip.friction import (
     Stribeck,
 )
 from stickslip.mechanisms import SpringBlock
+from stickslip.paper.values import PaperValues
 from stickslip.selection import Criteria, criteria_of
 from stickslip.simulation import simulate
 from stickslip.solver import FixedStep
@@ -53,44 +54,28 @@ class _Test:
     t_end: float = 1.0
 
 
-def consequences(
-    rig: SpringBlock,
-    *,
-    mu_k: float,
-    mu_s: float,
-    viscous: float,
-    stribeck_velocity: float,
-    stiffness: float,
-    damping: float,
-) -> tuple[Consequence, ...]:
-    """Run every printed equation and its corrected twin through the test that tells them apart.
-
-    Parameters
-    ----------
-    rig : SpringBlock
-        The paper's rig; mass and gravity are taken from it.
-    mu_k, mu_s, viscous, stribeck_velocity : float
-        Coefficients, viscous coefficient [N s/m], Stribeck velocity [m/s].
-    stiffness, damping : float
-        Of the bristles, [N/m] and [N s/m].
-    """
-    load = rig.mass * rig.gravity
-    level = {"kinetic_coefficient": mu_k}
-    levels = {**level, "static_coefficient": mu_s}
-    curve = {**levels, "stribeck_velocity": stribeck_velocity, "viscous_coefficient": viscous}
-    bristle = {"bristle_stiffness": stiffness}
+def consequences(values: PaperValues) -> tuple[Consequence, ...]:
+    """Run every printed equation and its corrected twin through the test that tells them apart."""
+    level = {"kinetic_coefficient": values.mu_k}
+    viscous = {"viscous_coefficient": values.viscous}
+    curve = {
+        **level,
+        **viscous,
+        "static_coefficient": values.mu_s,
+        "stribeck_velocity": values.stribeck_velocity,
+    }
+    bristle = {"bristle_stiffness": values.stiffness}
     arguments: dict[str, Mapping[str, float]] = {
         "printed-1": level,
-        "printed-3-4": {**level, "viscous_coefficient": viscous},
+        "printed-3-4": {**level, **viscous},
         "printed-5": curve,
         "printed-6": {**level, **bristle},
         "printed-7": level,
-        "printed-8": {**level, "viscous_coefficient": viscous},
-        "printed-9": {**curve, **bristle, "bristle_damping": damping},
+        "printed-8": {**level, **viscous},
+        "printed-9": {**curve, **bristle, "bristle_damping": values.damping},
         "printed-10": curve,
     }
-    twins = _twins(load, mu_k, mu_s, curve, stiffness, damping)
-    tests = _tests(rig, 0.5 * (mu_k + mu_s) * load)
+    twins, tests = _twins(values), _tests(values)
     return tuple(
         _consequence(form(**arguments[name]), twins[form.corrected.name], tests[TESTED_BY[name]])
         for name, form in PRINTED_FORMS.items()
@@ -110,13 +95,15 @@ TESTED_BY = {
 """The test that shows the defect of each form."""
 
 
-def _tests(rig: SpringBlock, between: float) -> dict[str, _Test]:
-    """Return the tests; `between` is a force above kinetic and below static friction [N]."""
+def _tests(values: PaperValues) -> dict[str, _Test]:
+    """Return the tests; the held block is pushed between kinetic and static friction."""
+    rig = values.rig
 
     def block(force: float, duration: float) -> SpringBlock:
         drive = Pulse(level=force, duration=duration) if force else None
         return SpringBlock(mass=rig.mass, gravity=rig.gravity, drive=drive)
 
+    between = 0.5 * (values.mu_k + values.mu_s) * values.load
     force = rig.stiffness * rig.compression
     return {
         "held": _Test(f"at rest, pushed with {between:.3g} N for 1 s", block(between, 1.0)),
@@ -127,32 +114,34 @@ def _tests(rig: SpringBlock, between: float) -> dict[str, _Test]:
     }
 
 
-def _twins(
-    load: float,
-    mu_k: float,
-    mu_s: float,
-    curve: Mapping[str, float],
-    stiffness: float,
-    damping: float,
-) -> dict[str, FrictionLaw]:
+def _twins(values: PaperValues) -> dict[str, FrictionLaw]:
     """Return the corrected laws with the same numbers."""
-    viscous = curve["viscous_coefficient"]
+    load, mu_k, mu_s, viscous = values.load, values.mu_k, values.mu_s, values.viscous
     return {
         "coulomb": Coulomb(kinetic_coefficient=mu_k, static_coefficient=mu_s),
         "coulomb-viscous": CoulombViscous(
             kinetic_coefficient=mu_k, static_coefficient=mu_s, viscous_coefficient=viscous
         ),
-        "stribeck": Stribeck(**curve),
+        "stribeck": Stribeck(
+            kinetic_coefficient=mu_k,
+            static_coefficient=mu_s,
+            stribeck_velocity=values.stribeck_velocity,
+            viscous_coefficient=viscous,
+            exponent=1,
+        ),
         "dahl": Dahl.from_forces(
-            load=load, kinetic_force=mu_k * load, bristle_stiffness=stiffness, static_switch=True
+            load=load,
+            kinetic_force=mu_k * load,
+            bristle_stiffness=values.stiffness,
+            static_switch=True,
         ),
         "lugre": LuGre.from_forces(
             load=load,
             kinetic_force=mu_k * load,
             static_force=mu_s * load,
-            stribeck_velocity=curve["stribeck_velocity"],
-            bristle_stiffness=stiffness,
-            bristle_damping=damping,
+            stribeck_velocity=values.stribeck_velocity,
+            bristle_stiffness=values.stiffness,
+            bristle_damping=values.damping,
             viscous_coefficient=viscous,
             static_switch=True,
         ),

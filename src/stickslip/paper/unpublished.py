@@ -5,13 +5,14 @@ round to the printed figure.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from stickslip.friction import Coulomb, CoulombViscous, Dahl, FrictionLaw, LuGre, Viscous
 from stickslip.identification.bracketing import positive_root
 from stickslip.mechanisms import SpringBlock
 from stickslip.paper.excitations import rigs
+from stickslip.paper.values import PaperValues
 from stickslip.simulation import simulate
 
 __all__ = ["Requirement", "requirements"]
@@ -42,26 +43,23 @@ class Requirement:
 
 
 def requirements(
-    rig: SpringBlock, published: dict[str, float], *, mu_k: float, mu_s: float, t_end: float
+    values: PaperValues, published: Mapping[str, float], *, t_end: float
 ) -> tuple[Requirement, ...]:
     """Find the value behind each published travel.
 
     Parameters
     ----------
-    rig : SpringBlock
-        The paper's rig.
-    published : dict
+    values : PaperValues
+        The paper's rig and coefficients.
+    published : mapping
         Printed travel [m] by law.
-    mu_k, mu_s : float
-        Coefficients of the paper's Table I.
     t_end : float
         Length of the paper's runs [s].
     """
-    _, _, push = rigs(rig)["A"]
-    load = rig.mass * rig.gravity
+    _, _, push = rigs(values.rig)["A"]
     return tuple(
         _require(name, published[name], push, t_end, *case)
-        for name, case in _cases(load, mu_k, mu_s).items()
+        for name, case in _cases(values).items()
         if name in published
     )
 
@@ -69,8 +67,9 @@ def requirements(
 Case = tuple[str, str, float, Callable[[float], FrictionLaw], str]
 
 
-def _cases(load: float, mu_k: float, mu_s: float) -> dict[str, Case]:
+def _cases(values: PaperValues) -> dict[str, Case]:
     """Return symbol, unit, first value to try, law as a function of it, and remark, by row."""
+    load, mu_k, mu_s = values.load, values.mu_k, values.mu_s
 
     def lugre(sigma_0: float) -> FrictionLaw:
         return LuGre.from_forces(
@@ -108,7 +107,7 @@ def _cases(load: float, mu_k: float, mu_s: float) -> dict[str, Case]:
             "N/m",
             1e3,
             lugre,
-            "with the damping of LuGre 1995, $sigma_1$ = the root of $sigma_0$, and no hold at rest",
+            "with the damping of LuGre 1995, the root of $sigma_0$, and no hold at rest",
         ),
         "stribeck": (
             "sigma_2",

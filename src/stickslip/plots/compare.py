@@ -1,23 +1,21 @@
-"""Figures that compare fitted laws: their travels, and what they predict at other settings."""
+"""Travels of fitted laws, and how far they lie apart on the way."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.plots.labels import Curve, label_curves, label_ends
-from stickslip.plots.series import Array, Look, Sizes, dense, grouped, horizon, looks, wrapped
+from stickslip.plots.labels import Curve, label_curves
+from stickslip.plots.series import Array, Look, Sizes, dense, horizon, looks
 from stickslip.plots.svg import Draw
-from stickslip.plots.theme import INK, MUTED, SLIP_BACK, STICK, SURFACE, label_at
-from stickslip.selection.separation import Separation
+from stickslip.plots.theme import MUTED, SLIP_BACK, label_at
 from stickslip.trajectory import Trajectory
 
-__all__ = ["SEPARATION_SIZES", "TRAVEL_SIZES", "draw_separation", "draw_travels"]
+__all__ = ["TRAVEL_SIZES", "draw_travels"]
 
 TRAVEL_SIZES: Final = Sizes(wide=(880, 310), narrow=(358, 500))
-SEPARATION_SIZES: Final = Sizes(wide=(880, 320), narrow=(358, 300))
 
 APART: Final = 0.04
 """Share of the travel by which a law must differ to have a name of its own on the left."""
@@ -91,9 +89,6 @@ def _travels(
     curves = [Curve(times, x, texts.get(name, ""), look[name].colour) for name, x in travel.items()]
     if band:
         label_at(axes, float(times[0]), band[1], "measured", MUTED, offset=(5, 7))
-        width = 0.22 * float(np.ptp(times))
-        top = np.array([band[1], band[1] + 0.1 * reach])
-        curves.append(Curve(times[0] + np.array([0.0, width]), top, "", MUTED))
     label_curves(axes, curves)
 
 
@@ -123,96 +118,3 @@ def _lines(axes: Axes, times: Array, curves: Mapping[str, Array], look: Mapping[
     for name, y in curves.items():
         colour, dashes, width, order = look[name]
         axes.plot(times, y, color=colour, linestyle=dashes, linewidth=width, zorder=order)
-
-
-def draw_separation(
-    separations: Sequence[Separation],
-    chosen: str,
-    measured: Sequence[tuple[float, float]] = (),
-    *,
-    titles: Mapping[str, str] | None = None,
-) -> Draw:
-    """Return a drawing of the travel that each law predicts against the setting of the rig.
-
-    Parameters
-    ----------
-    separations : sequence of Separation
-        Predictions at several settings of one parameter.
-    chosen : str
-        Key of the law that stands out.
-    measured : sequence of tuple of float
-        Setting and travel of what was measured.
-    titles : mapping of str to str, optional
-        Names of the laws by key.
-
-    Returns
-    -------
-    callable
-        Draws it, with a band at the settings that tell most.
-    """
-    rows = sorted(separations, key=lambda row: row.value)
-    names = list(rows[0].predicted)
-    names.sort(key=lambda name: name != chosen)
-    titles = titles or {}
-    what = rows[0].path.rpartition(".")[2].replace("_", " ")
-    in_mm = rows[0].unit == "m"
-    settings = np.array([row.value for row in rows]) * (1e3 if in_mm else 1.0)
-    look = looks(names, chosen)
-
-    def draw(figure: Figure, narrow: bool) -> None:
-        axes = figure.add_subplot()
-        ends = {}
-        for name in names:
-            colour, dashes, width, order = look[name]
-            y = np.array([row.predicted[name] for row in rows])
-            x, smooth = _smooth(settings, y)
-            axes.plot(x, smooth, color=colour, linestyle=dashes, linewidth=width, zorder=order)
-            ends[name] = float(y[-1])
-        axes.set_xlabel(f"{what}, {'mm' if in_mm else rows[0].unit}")
-        axes.set_ylabel("travel, m")
-        axes.grid(axis="y")
-        axes.set_xticks(settings)
-        axes.margins(x=0.03)
-        axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-        _where_to_measure(axes, settings)
-        _measured(axes, [(x * (1e3 if in_mm else 1.0), y) for x, y in measured])
-        labels = []
-        for y, group in grouped(ends, 0.015 * float(np.ptp(axes.get_ylim()))):
-            lines = wrapped([titles.get(n, n) for n in group], 16 if narrow else 34)
-            labels.append((y, [f"{y:.3f} m {lines[0]}", *lines[1:]], look[group[0]].colour))
-        label_ends(axes, axes.get_xlim()[1], labels)
-
-    return draw
-
-
-def _smooth(x: Array, y: Array) -> tuple[Array, Array]:
-    """Return a curve through a few points: travels are smooth in what a rig can be set to."""
-    degree = min(len(x) - 1, 3)
-    fine = np.linspace(x[0], x[-1], 60)
-    fit = np.polynomial.Polynomial.fit(x, y, degree)
-    if np.max(np.abs(fit(x) - y)) > 0.01 * np.ptp(y):
-        return x, y
-    return fine, fit(fine)
-
-
-def _where_to_measure(axes: Axes, settings: Array) -> None:
-    low, high = axes.get_xlim()
-    half = 0.008 * (high - low)
-    for at in (settings[0], settings[-1]):
-        axes.axvspan(at - half, at + half, facecolor=STICK, edgecolor="none", zorder=0)
-    place = axes.get_xaxis_transform()
-    for at, text, side, align in (
-        (settings[0], "measure here", 8, "left"),
-        (settings[-1], "and here", -8, "right"),
-    ):
-        axes.annotate(
-            text, (at, 0.06), xycoords=place, xytext=(side, 0), textcoords="offset points",
-            ha=align, color=MUTED, fontsize=11,
-        )  # fmt: skip
-
-
-def _measured(axes: Axes, points: Sequence[tuple[float, float]]) -> None:
-    for index, (x, y) in enumerate(points):
-        axes.plot([x], [y], "o", color=INK, markersize=6, markeredgecolor=SURFACE, zorder=5)
-        if index == 0:
-            label_at(axes, x, y, "measured", INK, offset=(-8, 10), align="right")

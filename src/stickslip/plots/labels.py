@@ -9,13 +9,13 @@ from matplotlib.axes import Axes
 from stickslip.plots.series import Array
 from stickslip.plots.theme import label_at, label_column
 
-__all__ = ["Curve", "label_curves", "label_ends"]
+__all__ = ["LETTER", "Curve", "label_curves", "label_ends"]
 
 LETTER: Final = 5.7
 """Mean width of a letter at 11 px [CSS px]; measured text would differ between machines."""
 HALF_LINE: Final = 7.0
-AWAY: Final = 11.0
-"""Distance of a name from its curve [CSS px]."""
+AWAY: Final = (11.0, 17.0, 25.0, 36.0)
+"""Distances of a name from its curve that are tried [CSS px]."""
 CROSSED: Final = 1e3
 OUTSIDE: Final = 1e5
 
@@ -61,20 +61,24 @@ def label_curves(axes: Axes, curves: Sequence[Curve], *, places: int = 36) -> No
         return
     figure.draw_without_rendering()  # the layout decides how many pixels a unit has
     pixel = 72 / figure.dpi
-    frame = _Box(*(axes.get_window_extent().extents * pixel))
+    frame = _Box(*(float(edge) * pixel for edge in axes.get_window_extent().extents))
     paths = [_in_pixels(axes, curve, pixel) for curve in curves]
-    taken: list[_Box] = []
+    taken = [
+        _Box(*(float(edge) * pixel for edge in text.get_window_extent().extents))
+        for text in axes.texts
+    ]
     for index, curve in enumerate(curves):
         if not curve.text:
             continue
         anchors = np.linspace(frame.left + 4, frame.right - 4, places)
         tries = [
-            (_cost(box, taken, paths, index, frame), anchor, side, box)
+            (_cost(box, taken, paths, index, frame) + away, anchor, -side, box)
             for anchor in anchors
             for side in (1.0, -1.0)
-            for box in [_box(paths[index], float(anchor), side, len(curve.text))]
+            for away in AWAY
+            for box in [_box(paths[index], float(anchor), side * away, len(curve.text))]
         ]
-        _, anchor, side, box = min(tries, key=lambda found: (found[0], found[1], -found[2]))
+        box = min(tries, key=lambda found: found[:3])[3]
         taken.append(box)
         x, y = axes.transData.inverted().transform(
             ((box.left + box.right) / 2 / pixel, (box.bottom + box.top) / 2 / pixel)
@@ -116,16 +120,11 @@ def _height(path: Array, x: float) -> float:
     return float(np.interp(x, path[:, 0], path[:, 1]))
 
 
-def _box(path: Array, x: float, side: float, letters: int) -> _Box:
-    """Return the place of a name centred over a point, pushed clear of its own curve."""
+def _box(path: Array, x: float, shift: float, letters: int) -> _Box:
+    """Return the place of a name centred above or below a point of its curve."""
     half = LETTER * letters / 2
-    y = _height(path, x)
-    return _Box(
-        x - half,
-        y + side * AWAY - HALF_LINE,
-        x + half,
-        y + side * AWAY + HALF_LINE,
-    )
+    y = _height(path, x) + shift
+    return _Box(x - half, y - HALF_LINE, x + half, y + HALF_LINE)
 
 
 def _cost(box: _Box, taken: Sequence[_Box], paths: Sequence[Array], own: int, frame: _Box) -> float:

@@ -1,24 +1,23 @@
 """Figures of one run, and of several over each other."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.plots.labels import label_ends
+from stickslip.plots.labels import Curve, label_curves, label_ends
+from stickslip.plots.marks import name_events, name_modes, within
 from stickslip.plots.series import Sizes, dense, grouped, horizon, looks, scale_of, wrapped
 from stickslip.plots.svg import Draw
 from stickslip.plots.theme import C1, INK, MUTED, SURFACE, label_at, shade
-from stickslip.trajectory import Event, Trajectory
+from stickslip.trajectory import Trajectory
 
 __all__ = ["FRICTION_SIZES", "RUN_SIZES", "draw_friction_velocity", "draw_run", "draw_runs"]
 
 RUN_SIZES: Final = Sizes(wide=(880, 440), narrow=(358, 440))
 FRICTION_SIZES: Final = Sizes(wide=(880, 280), narrow=(358, 250))
 
-MOST_NAMED: Final = 4
 MOST_MARKED: Final = 40
 
 
@@ -54,14 +53,14 @@ def draw_run(
             axes.set_ylabel(f"{title}, {unit}")
             axes.margins(x=0, y=0.12)
             axes.grid(axis="y")
-            shade(axes, _within(run.stick_spans(), last))
+            shade(axes, within(run.stick_spans(), last))
             if events:
                 at = run.at([event.t for event in events])
-                _dots(axes, at.t, factor * at[name])
+                axes.plot(at.t, factor * at[name], "o", color=C1, markersize=4.5, zorder=4)
         figure.align_ylabels()
         panels[-1].set_xlabel("time, s")
-        _name_modes(panels[0], run, last)
-        _name_events(panels[1], run, events, rate, narrow)
+        name_modes(panels[0], run, last)
+        name_events(panels[1], run, events, rate, narrow)
 
     return draw
 
@@ -88,7 +87,7 @@ def draw_friction_velocity(
     last = horizon(run, slip) if until is None else min(until, run.span[1])
     seen = dense(run, last, samples=2500)
 
-    def draw(figure: Figure, narrow: bool) -> None:
+    def draw(figure: Figure, _narrow: bool) -> None:
         axes = figure.add_subplot()
         factor, unit = scale_of(seen[rate], run.units[rate])
         v, force = factor * seen[rate], seen["friction"]
@@ -101,7 +100,7 @@ def draw_friction_velocity(
         axes.grid(axis="y")
         axes.plot(v[:1], force[:1], "o", color=C1, markerfacecolor=SURFACE, markersize=6, zorder=4)
         axes.plot(v[-1:], force[-1:], "o", color=C1, markersize=5, zorder=5)
-        label_at(axes, v[0], force[0], "start", INK, offset=(8, 9))
+        label_at(axes, v[0], force[0], "start", INK, offset=(8, -10))
         if abs(force[-1] - force[0]) > 0.15 * np.ptp(axes.get_ylim()):
             label_at(axes, v[-1], force[-1], "end", INK, offset=(8, 9))
 
@@ -134,12 +133,14 @@ def draw_runs(
     callable
         Draws it.
     """
-    last = until or max(horizon(run, column) for run in runs.values())
+    end = min(run.span[1] for run in runs.values())
+    last = min(until or max(horizon(run, column) for run in runs.values()), end)
     seen = {name: dense(run, last) for name, run in runs.items()}
 
     def draw(figure: Figure, narrow: bool) -> None:
         axes = figure.add_subplot()
         look = looks(runs, chosen)
+        times = np.linspace(0.0, last, 200)
         everything = np.concatenate([run[column] for run in seen.values()])
         factor, unit = scale_of(everything, next(iter(runs.values())).units[column])
         ends = {}
@@ -147,61 +148,19 @@ def draw_runs(
             colour, dashes, width, order = look[name]
             y = factor * run[column]
             axes.plot(run.t, y, color=colour, linestyle=dashes, linewidth=width, zorder=order)
-            ends[name] = float(y[-1])
+            ends[name] = factor * runs[name].at(times)[column]
         axes.margins(x=0, y=0.1)
         axes.set_xlabel("time, s")
         axes.set_ylabel(f"{title}, {unit}")
         axes.grid(axis="y")
-        labels = [
-            (y, wrapped(names, 14 if narrow else 30), look[names[0]].colour)
-            for y, names in grouped(ends, 0.02 * float(np.ptp(axes.get_ylim())))
-        ]
-        label_ends(axes, max(float(run.t[-1]) for run in seen.values()), labels)
+        groups = grouped(ends, 0.02 * float(np.ptp(axes.get_ylim())))
+        if narrow:
+            texts = {names[0]: ", ".join(names) for _, names in groups}
+            label_curves(
+                axes,
+                [Curve(times, ends[n], texts.get(n, ""), look[n].colour) for n in ends],
+            )
+            return
+        label_ends(axes, last, [(y, wrapped(ns, 30), look[ns[0]].colour) for y, ns in groups])
 
     return draw
-
-
-def _within(spans: Sequence[tuple[float, float]], last: float) -> list[tuple[float, float]]:
-    return [(low, min(high, last)) for low, high in spans if low < last]
-
-
-def _dots(axes: Axes, x: "np.ndarray[tuple[int], np.dtype[np.float64]]", y: object) -> None:
-    axes.plot(x, y, "o", color=C1, markersize=4.5, zorder=4)  # type: ignore[arg-type]
-
-
-def _name_modes(axes: Axes, run: Trajectory, last: float) -> None:
-    """Write "stick" and "slip" once, each in the longest stretch of its mode."""
-    sticks = _within(run.stick_spans(), last)
-    if not sticks:
-        return
-    bounds = [run.span[0], *[end for span in sticks for end in span], last]
-    slips = list(zip(bounds[::2], bounds[1::2], strict=True))
-    for word, spans in (("stick", sticks), ("slip", slips)):
-        low, high = max(spans, key=lambda span: span[1] - span[0])
-        if high - low > 0.05 * (last - run.span[0]):
-            axes.annotate(
-                word,
-                ((low + high) / 2, 0.06),
-                xycoords=axes.get_xaxis_transform(),
-                ha="center",
-                color=MUTED,
-                fontsize=11,
-            )
-
-
-def _name_events(
-    axes: Axes, run: Trajectory, events: Sequence[Event], rate: str, narrow: bool
-) -> None:
-    """Say in words what the first few events are."""
-    if not events or len(events) > MOST_NAMED:
-        return
-    factor, _ = scale_of(run[rate], run.units[rate])
-    at = run.at([event.t for event in events])
-    low, high = axes.get_xlim()
-    for event, v in zip(events, factor * at[rate], strict=True):
-        is_late = event.t > low + (0.5 if narrow else 0.75) * (high - low)
-        side = -7 if is_late else 7
-        label_at(
-            axes, event.t, float(v), event.reason, INK, offset=(side, 9),
-            align="right" if is_late else "left",
-        )  # fmt: skip

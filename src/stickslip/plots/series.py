@@ -88,9 +88,9 @@ def dense(run: Trajectory, until: float | None = None, samples: int = SAMPLES) -
     first, last = run.span
     last = last if until is None else min(until, last)
     events = [event.t for event in run.events if event.t <= last]
-    # Also just after an event: friction jumps there, and the jump must be upright.
-    after = [min(math.nextafter(t, math.inf), last) for t in events]
-    times = np.union1d(np.linspace(first, last, samples), [*events, *after])
+    # Also just before an event: friction jumps there, and the jump must be upright.
+    before = [max(math.nextafter(t, -math.inf), first) for t in events]
+    times = np.union1d(np.linspace(first, last, samples), [*before, *events])
     return run.at(times)
 
 
@@ -117,7 +117,8 @@ def horizon(run: Trajectory, slip: str = "x") -> float:
         return last
     arrived = float(seen.t[np.flatnonzero(far)[-1]]) - first
     stops = [e.t for e in run.events if e.to_mode == 0 and e.t >= first + arrived]
-    arrived = max([arrived, *[stop - first for stop in stops[:1]]])
+    # The stop is shown, unless it is the end of a decay that one cannot see.
+    arrived = max([arrived, *[stop - first for stop in stops[:1] if stop < 1.5 * arrived]])
     return min(first + 1.3 * arrived, last)
 
 
@@ -147,15 +148,17 @@ def scale_of(values: Array | Sequence[float], unit: str) -> tuple[float, str]:
     return (1e6, f"µ{unit}") if largest < 1e-4 else (1e3, f"m{unit}")
 
 
-def grouped(values: Mapping[str, float], apart: float) -> list[tuple[float, tuple[str, ...]]]:
-    """Return the names whose values lie within `apart` of their neighbour, with the first's value.
+def grouped(
+    values: Mapping[str, float | Array], apart: float
+) -> list[tuple[float, tuple[str, ...]]]:
+    """Return the names of series that are nowhere `apart`, with the end of the first of them.
 
     Parameters
     ----------
-    values : mapping of str to float
-        Where each series ends, in the order of their importance.
+    values : mapping of str to float or array
+        Where each series ends, or all of it, in the order of their importance.
     apart : float
-        Distance from which two ends have labels of their own.
+        Distance from which two series have names of their own.
 
     Returns
     -------
@@ -167,14 +170,16 @@ def grouped(values: Mapping[str, float], apart: float) -> list[tuple[float, tupl
     >>> grouped({"Coulomb": 0.450, "viscous": 0.300, "Dahl": 0.451}, 0.01)
     [(0.45, ('Coulomb', 'Dahl')), (0.3, ('viscous',))]
     """
-    groups: list[tuple[float, list[str]]] = []
+    groups: list[tuple[Array, list[str]]] = []
     for name, value in values.items():
-        near = [group for group in groups if abs(group[0] - value) < apart]
-        if near:
-            min(near, key=lambda group: abs(group[0] - value))[1].append(name)
+        series = np.atleast_1d(value)
+        gaps = [float(np.max(np.abs(first - series))) for first, _ in groups]
+        if gaps and min(gaps) < apart:
+            groups[int(np.argmin(gaps))][1].append(name)
         else:
-            groups.append((value, [name]))
-    return [(value, tuple(names)) for value, names in sorted(groups, key=lambda g: -g[0])]
+            groups.append((series, [name]))
+    ends = [(float(series[-1]), tuple(names)) for series, names in groups]
+    return sorted(ends, key=lambda group: -group[0])
 
 
 def wrapped(names: Sequence[str], width: int) -> list[str]:

@@ -145,8 +145,9 @@ def _settles(trials: Sequence[Trial], kind: str, best: Candidate | None) -> tupl
     seen = best.criteria
     lines = []
     if len(trials) == 1:
+        work, travel = seen.work_friction, abs(seen.travel)
         lines.append(
-            f"Mean friction over the travel: {seen.work_friction:.3f} J / {_three(abs(seen.travel))} m"
+            f"Mean friction over the travel: {work:.3f} J / {_three(travel)} m"
             f" = {_three(_mean_force(best))} N."
         )
     lines += [_range_line(estimate, best, kind) for estimate in best.fit.estimates]
@@ -162,8 +163,8 @@ def _range_line(estimate: Estimate, best: Candidate, kind: str) -> str:
     inside = estimate.low <= given <= estimate.high
     doubt = "rounding of the measurement" if kind == "rounding" else f"{estimate.interval} interval"
     return (
-        f"{symbol} lies between {_three(estimate.low)} and {_three(estimate.high)}; the given {given:g}"
-        f" is {'inside' if inside else 'outside'} the {doubt}."
+        f"{symbol} lies between {_three(estimate.low)} and {_three(estimate.high)}; the given"
+        f" {given:g} is {'inside' if inside else 'outside'} the {doubt}."
     )
 
 

@@ -70,9 +70,12 @@ class Playback:
         """Return friction and normal force (n, 2)."""
         forces = np.empty((len(t), 2))
         out = [0.0] * 4
-        loaded = {int(piece): self.parameters(int(piece)) for piece in set(self.rows[index, 5])}
+        # a body at rest for good is one row, during which its drives go on
+        starts = self.inputs.table[:: 1 + 3 * self.module.N_DRIVES]
+        pieces = np.maximum(self.rows[index, 5], np.searchsorted(starts, t, side="right") - 1)
+        loaded = {int(piece): self.parameters(int(piece)) for piece in set(pieces)}
         for i, row in enumerate(index):
-            mode, flags, piece = (int(number) for number in self.rows[row, 3:6])
+            mode, flags, piece = (*map(int, self.rows[row, 3:5]), int(pieces[i]))
             self.module.contact(mode, flags, float(t[i]), states[i].tolist(), loaded[piece], out)
             forces[i] = out[:2]
         return forces

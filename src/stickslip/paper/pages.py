@@ -1,0 +1,159 @@
+"""The pages: the audit of the paper, and the selection report of a rig."""
+
+import platform
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+
+from stickslip.experiments import Rig
+from stickslip.friction import SOURCES
+from stickslip.paper.audit import PaperAudit, audit
+from stickslip.paper.sections import (
+    equation_section,
+    excitation_section,
+    figure_sections,
+    table_section,
+    unpublished_section,
+)
+from stickslip.paper.sections.common import counted
+from stickslip.report import (
+    Code,
+    Fact,
+    Opening,
+    Page,
+    Paragraph,
+    Reference,
+    References,
+    Section,
+    render,
+)
+from stickslip.report.numbers import fixed, percent
+from stickslip.report.selection import selection_page
+from stickslip.selection import Verdict, compare_fixed_steps
+
+__all__ = ["paper_report", "rig_report"]
+
+LIBRARIES = ("stickslip", "numpy", "scipy", "symengine")
+
+
+def versions() -> Mapping[str, str]:
+    """Return the versions that a result may depend on."""
+    return {"python": platform.python_version(), **{name: version(name) for name in LIBRARIES}}
+
+
+def rig_report(rig: Rig, verdict: Verdict, *, command: str = "stickslip select") -> str:
+    """Return the selection report of a rig as one HTML page.
+
+    For the bundled rig of the paper it also shows where the paper's own comparison errs.
+
+    Parameters
+    ----------
+    rig : Rig
+        What was measured.
+    verdict : Verdict
+        What `select` found.
+    command : str
+        The command that made it, for those who want to repeat it.
+    """
+    extra: Sequence[Section] = ()
+    if rig.source == "paper" and rig.path == "paper_rig.toml" and not verdict.ranked:
+        found = audit(verdict=verdict)
+        extra = (excitation_section(found), table_section(found), equation_section(found))
+    best = verdict.best
+    steps = ()
+    if best is not None and best.fit is not None:
+        steps = compare_fixed_steps(verdict.mechanism, best.fit.law, t_end=min(rig.t_end, 1.0))
+    page = selection_page(
+        verdict,
+        subject=rig.subject,
+        kicker=rig.title,
+        extra=extra,
+        reproduce=(command,),
+        versions=versions(),
+        digest=rig.digest,
+        fixed_steps=steps,
+    )
+    return render(page)
+
+
+def paper_report(found: PaperAudit, *, command: str = "stickslip paper") -> str:
+    """Return the audit of the paper as one HTML page."""
+    page = Page(
+        title="The pendulum-driven cart paper, recomputed",
+        subject="Tables and figures beside what was printed",
+        kicker="audit of a paper",
+        sections=(
+            Section(id="verdict", nav="Verdict", heading="", blocks=(_opening(found),)),
+            excitation_section(found),
+            table_section(found),
+            unpublished_section(found),
+            equation_section(found),
+            *figure_sections(found),
+            _closing(found, command),
+        ),
+        footer=f"Written by stickslip {version('stickslip')}. No network, no scripts.",
+    )
+    return render(page)
+
+
+def _opening(found: PaperAudit) -> Opening:
+    """Say what the audit found."""
+    first = found.table[0]
+    push, spring = (r.criteria for r in first.readings[:2])
+    near = [
+        row for row in found.table if abs(row.readings[1].criteria.relative_error or 0.0) <= 0.05
+    ]
+    reached = [need for need in found.requirements if need.value is not None]
+    published = first.published
+    error = abs(spring.relative_error or 0.0)
+    return Opening(
+        kicker=SOURCES["paper"],
+        verdict=(
+            "The ranking of Table II comes from the excitation and from unpublished values, not"
+            " from the friction models."
+        ),
+        lede=(
+            f"With the spring released, {counted(len(near))} of {counted(len(found.table))} models"
+            f" come within 5 % of the measured {found.measured:.2f} m. The paper simulated a push"
+            f" of 10 N for 0.1 s, which does {push.work_in:.3f} J of work where the spring does"
+            f" {spring.work_in:.3f} J. One travel cannot rank these models."
+        ),
+        facts=(
+            Fact(
+                value=percent(error),
+                aside=f"not {percent(published.relative_error or 0.0)}",
+                what=f"error of {first.law.title} with Table I's coefficient, spring released",
+            ),
+            Fact(
+                value=f"{fixed(push.work_in, 3)} J",
+                aside=f"not {fixed(spring.work_in, 3)} J",
+                what="work of the push that was simulated, and of the spring that was released",
+            ),
+            Fact(
+                value=f"{len(reached)} of {len(found.requirements)} rows",
+                aside="",
+                what="of Table II can be had by choosing an unpublished value",
+            ),
+        ),
+        settles=tuple(found.verdict.words.settles[:3]),
+        cannot_tell=(
+            "Which values the paper used: it prints no stiffness, Stribeck velocity or viscous"
+            " coefficient.",
+            *found.verdict.words.cannot_tell[:2],
+        ),
+        measure_next=tuple(found.verdict.words.measure_next[:3]),
+    )
+
+
+def _closing(found: PaperAudit, command: str) -> Section:
+    keys = dict.fromkeys(["paper", *[key for row in found.table for key in row.law.sources]])
+    used = ", ".join(f"{name} {number}" for name, number in versions().items())
+    return Section(
+        id="again",
+        nav="Reproduce and cite",
+        heading="Reproduce and cite",
+        blocks=(
+            Code(text=f"$ {command}"),
+            Paragraph(text=f"Versions: {used}. Rig: sha256 `{found.rig.digest[:16]}`."),
+            References(items=tuple(Reference(title=SOURCES[key]) for key in keys)),
+        ),
+    )

@@ -1,0 +1,15 @@
+"""The audit as sections of a page: headings state what was found."""
+
+from stickslip.paper.sections.equations import equation_section
+from stickslip.paper.sections.excitation import excitation_section
+from stickslip.paper.sections.figures import figure_sections
+from stickslip.paper.sections.table import table_section
+from stickslip.paper.sections.unpublished import unpublished_section
+
+__all__ = [
+    "equation_section",
+    "excitation_section",
+    "figure_sections",
+    "table_section",
+    "unpublished_section",
+]

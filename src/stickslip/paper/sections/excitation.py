@@ -1,0 +1,148 @@
+"""Three readings of how the block is set in motion."""
+
+from collections.abc import Sequence
+
+from stickslip.paper.audit import PaperAudit
+from stickslip.paper.excitations import Excitation
+from stickslip.paper.sections.common import COLOURS, counted, travel_axis
+from stickslip.paper.unpublished import ROUNDING
+from stickslip.plots.excitations import draw_excitations
+from stickslip.plots.sketches import sketch
+from stickslip.plots.svg import inline_svg
+from stickslip.report import (
+    Caption,
+    Column,
+    Figure,
+    Gallery,
+    Mark,
+    Number,
+    Panel,
+    Paragraph,
+    Row,
+    RowPlot,
+    Section,
+    Table,
+)
+from stickslip.report.numbers import fixed, interval, residue, signed_percent
+
+__all__ = ["excitation_section"]
+
+SKETCHES = {"A": "push", "B": "released-spring", "C": "fixed-spring"}
+
+
+def excitation_section(found: PaperAudit) -> Section:
+    """Show three readings of one sentence of the paper, with the first law of its table."""
+    row = found.table[0]
+    mu_k = getattr(row.law, "kinetic_coefficient", 0.0)
+    text = (
+        "“When the spring is released” and “applied force 10 N, applied time 0.1 s” describe"
+        f" different experiments. Same block, same $mu_k$ = {mu_k:g}, same {row.law.title} law:"
+    )
+    travels = {f"{reading.criteria.travel:.2f}" for reading in row.readings}
+    return Section(
+        id="excitation",
+        nav="Three excitations",
+        heading=f"Three readings of one sentence, {counted(len(travels))} travels",
+        blocks=(
+            Paragraph(text=text),
+            _sketches(row.readings),
+            _figure(found, row.readings),
+            _table(found, row.readings),
+            _closed_forms(row.readings),
+        ),
+    )
+
+
+def _sketches(readings: Sequence[Excitation]) -> Gallery:
+    return Gallery(
+        panels=tuple(
+            Panel(
+                svg=sketch(
+                    SKETCHES[reading.key],
+                    alt=f"Sketch of the rig: {reading.title}",
+                    prefix=f"sketch-{reading.key.lower()}",
+                ),
+                title=f"{reading.key}. {reading.title}.",
+                text=reading.text,
+                colour=COLOURS[reading.key],
+            )
+            for reading in readings
+        )
+    )
+
+
+def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> Figure:
+    low, high = found.measured - ROUNDING, found.measured + ROUNDING
+    svg = inline_svg(
+        draw_excitations(
+            {_label(r): r.run for r in readings},
+            chosen=next(_label(r) for r in readings if r.key == "B"),
+            band=(low, high),
+            measured=f"measured, {found.measured:.2f} m",
+        ),
+        alt="Travel against time in the three readings of the rig",
+        prefix="excitations",
+    )
+    return Figure(
+        svg=svg,
+        caption=(
+            "**Travel in the three readings.** Blue-grey band:"
+            f" {interval(low, high)} m, the readings that round to {found.measured:.2f} m."
+        ),
+    )
+
+
+def _table(found: PaperAudit, readings: Sequence[Excitation]) -> Table:
+    columns = (
+        Column(head="excitation"),
+        Column(head="travel\nm", numeric=True),
+        Column(head="", axis=travel_axis(found, "travel, m; line: measured")),
+        Column(head="error", numeric=True, phone="label", label="error"),
+        Column(head="work put in\nJ", numeric=True, phone="label", label="work put in, J"),
+        Column(head="how it ends"),
+    )
+    rows = tuple(
+        Row(
+            cells=(
+                f"{reading.key}. {reading.title}",
+                Number(value=fixed(reading.criteria.travel, 3)),
+                RowPlot(marks=(_dot(reading),)),
+                signed_percent(reading.criteria.relative_error or 0.0),
+                fixed(reading.criteria.work_in, 3),
+                _ending(reading),
+            ),
+            chosen=reading.key == "B",
+        )
+        for reading in readings
+    )
+    return Table(columns=columns, rows=rows)
+
+
+def _label(reading: Excitation) -> str:
+    return f"{reading.key}. {reading.title}"
+
+
+def _dot(reading: Excitation) -> Mark:
+    return Mark(kind="dot", at=reading.criteria.travel, colour=COLOURS[reading.key])
+
+
+def _ending(reading: Excitation) -> str:
+    """Say in words how a run ends."""
+    seen = reading.criteria
+    if seen.stop_time is None:
+        return "still moves at the end"
+    if seen.displacement_never_decreases:
+        return f"stops at {seen.stop_time:.3f} s, stays"
+    farthest = seen.travel + seen.largest_return
+    return f"turns at {farthest:.3f} m, ends at {seen.stop_time:.3f} s"
+
+
+def _closed_forms(readings: Sequence[Excitation]) -> Caption:
+    """Set the runs against the formulas."""
+    known = [r for r in readings if r.closed_form is not None]
+    parts = [
+        f"{r.key} {r.closed_form:.7f} m, simulation differs by"
+        f" {residue(abs(r.criteria.travel - (r.closed_form or 0.0)))} m"
+        for r in known
+    ]
+    return Caption(text=f"By formula: {'; '.join(parts)}.")

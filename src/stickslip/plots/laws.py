@@ -1,0 +1,167 @@
+"""Figures of laws alone: friction against velocity, and against displacement before slip."""
+
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stickslip.characterize import presliding_length, presliding_loop
+from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw
+from stickslip.plots.series import Array, Sizes, scale_of
+from stickslip.plots.svg import Draw
+from stickslip.plots.theme import C1, INK, LINE, MUTED, label_at
+
+__all__ = ["characteristic_sizes", "draw_characteristics", "draw_presliding", "presliding_sizes"]
+
+WIDE_COLUMNS: Final = 3
+NARROW_COLUMNS: Final = 2
+ROW_HEIGHT: Final = 165
+LENGTHS: Final = 3.0
+"""Widest presliding swing, over the presliding length: wide enough to see friction level off."""
+
+
+def characteristic_sizes(count: int) -> Sizes:
+    """Return the sizes of a figure of that many laws.
+
+    Examples
+    --------
+    >>> characteristic_sizes(6)["wide"]
+    (880, 380)
+    """
+    rows = {n: -(-count // n) for n in (WIDE_COLUMNS, NARROW_COLUMNS)}
+    return Sizes(
+        wide=(880, 50 + ROW_HEIGHT * rows[WIDE_COLUMNS]),
+        narrow=(358, 50 + ROW_HEIGHT * rows[NARROW_COLUMNS]),
+    )
+
+
+def presliding_sizes(count: int) -> Sizes:
+    """Return the sizes of a figure of that many laws.
+
+    Examples
+    --------
+    >>> presliding_sizes(2)["narrow"]
+    (358, 460)
+    """
+    return Sizes(wide=(880, 60 + 220 * (-(-count // WIDE_COLUMNS))), narrow=(358, 60 + 200 * count))
+
+
+def draw_characteristics(
+    laws: Mapping[str, FrictionLaw], load: float, v_max: float, *, chosen: str | None = None
+) -> Draw:
+    """Return a drawing of friction against slip velocity, a panel for each law.
+
+    Parameters
+    ----------
+    laws : mapping of str to FrictionLaw
+        Laws by title. At rest a law takes any force up to break-away; for laws with bristles the
+        curve is that of steady sliding.
+    load : float
+        Normal force [N].
+    v_max : float
+        Highest slip speed [m/s].
+    chosen : str, optional
+        The law whose panel stands out; the first if not given.
+
+    Returns
+    -------
+    callable
+        Draws it; the other laws stand pale behind each.
+    """
+    chosen = next(iter(laws)) if chosen is None else chosen
+    curves = {title: _characteristic(law, load, v_max) for title, law in laws.items()}
+    factor, unit = scale_of([v_max], "m/s")
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        columns = min(NARROW_COLUMNS if narrow else WIDE_COLUMNS, len(curves))
+        rows = -(-len(curves) // columns)
+        grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+        panels = list(grid.flat)
+        for axes, title in zip(panels, curves, strict=False):
+            for other, (v, force) in curves.items():
+                if other != title:
+                    axes.plot(factor * v, force, color=LINE, linewidth=1.2, zorder=1)
+            v, force = curves[title]
+            colour = C1 if title == chosen else INK
+            axes.plot(factor * v, force, color=colour, linewidth=2.0, zorder=3)
+            axes.set_title(title, color=colour)
+            axes.axhline(0, color=MUTED, linewidth=0.6, zorder=0)
+            axes.margins(x=0.02, y=0.08)
+        for axes in panels[len(curves) :]:
+            axes.set_visible(False)
+        for axes in panels[max(len(curves) - columns, 0) : len(curves)]:
+            axes.set_xlabel(f"velocity, {unit}")
+            axes.tick_params(labelbottom=True)
+        for row in grid:
+            row[0].set_ylabel("friction, N")
+
+    return draw
+
+
+def draw_presliding(
+    laws: Mapping[str, BristleLaw], *, load: float = 1.0, amplitude: float | None = None
+) -> Draw:
+    """Return a drawing of friction against a slow displacement to and fro, before full slip.
+
+    Parameters
+    ----------
+    laws : mapping of str to BristleLaw
+        Laws by title.
+    load : float
+        Normal force [N].
+    amplitude : float, optional
+        Amplitude of the widest swing [m]; a few presliding lengths of each law if not given.
+
+    Returns
+    -------
+    callable
+        Draws a panel for each law, with its break-away level.
+    """
+    loops = {
+        title: presliding_loop(law, amplitude or LENGTHS * presliding_length(law, load), load)
+        for title, law in laws.items()
+    }
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        columns = 1 if narrow else min(len(loops), WIDE_COLUMNS)
+        rows = -(-len(loops) // columns)
+        panels = list(figure.subplots(rows, columns, squeeze=False).flat)
+        for axes, (title, loop) in zip(panels, loops.items(), strict=False):
+            factor, unit = scale_of(loop.displacement, "m")
+            axes.plot(factor * loop.displacement, loop.friction, color=C1, linewidth=1.6)
+            level = float(laws[title].break_away(load))
+            for side in (level, -level):
+                axes.axhline(side, color=MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
+            axes.margins(0.05, 0.14)
+            _say_break_away(axes, level)
+            axes.set_title(title)
+            axes.set_xlabel(f"displacement, {unit}")
+        for axes in panels[len(loops) :]:
+            axes.set_visible(False)
+        for axes in panels[::columns]:
+            axes.set_ylabel("friction, N")
+
+    return draw
+
+
+def _characteristic(law: FrictionLaw, load: float, v_max: float) -> tuple[Array, Array]:
+    """Return velocity and force; at rest an upright line between the break-away levels."""
+    # Closer towards zero, where a static surplus fades within millimetres a second.
+    speed = v_max * np.concatenate([np.geomspace(1e-6, 0.02, 120), np.linspace(0.021, 1.0, 150)])
+    if isinstance(law, SetValuedLaw):
+        force = np.asarray(law.sliding(speed, load)) + np.zeros_like(speed)
+        held = float(law.break_away(load))
+    elif isinstance(law, BristleLaw):
+        force = np.asarray(law.steady(speed, load)) + np.zeros_like(speed)
+        held = float(force[0])
+    else:
+        force, held = np.full_like(speed, np.nan), 0.0
+    v = np.concatenate([-speed[::-1], [0.0, 0.0], speed])
+    return v, np.concatenate([-force[::-1], [-held, held], force])
+
+
+def _say_break_away(axes: Axes, level: float) -> None:
+    low = axes.get_xlim()[0]
+    label_at(axes, low, level, f"break-away {level:.3g} N", MUTED, offset=(4, 8))

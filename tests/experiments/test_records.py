@@ -1,0 +1,255 @@
+"""Measurements from files: records in time, tables of trials, and what may be wrong with them."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from stickslip import SpringBlock, load_measurement
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+
+SPRING = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+
+
+@pytest.fixture
+def write(tmp_path, monkeypatch):
+    """Writes a file into an empty working folder and returns its name."""
+    monkeypatch.chdir(tmp_path)
+
+    def writer(text, name="data.csv"):
+        data = text if isinstance(text, bytes) else text.encode()
+        (tmp_path / name).write_bytes(data)
+        return name
+
+    return writer
+
+
+# --- records in time
+
+
+def test_a_record_is_read_by_the_names_of_its_columns(write):
+    record = load_measurement(write("time,position,velocity,force,note\n0,0,0,1,a\n1,2,3,4,b\n"))
+    assert record.kind == "series"
+    assert record.quantities() == ("position", "velocity", "force")
+    np.testing.assert_array_equal(record.position, [0.0, 2.0])
+    assert (record.name, record.provenance) == ("data", "data.csv")
+
+
+def test_columns_are_mapped_and_converted(write):
+    file = write("t_s,q_meas_m,noise\n0,0,1\n1,35,2\n")
+    record = load_measurement(
+        file, columns={"time": "t_s", "position": "q_meas_m"}, units={"position": "mm"}
+    )
+    np.testing.assert_array_equal(record.position, [0.0, 0.035])
+
+
+def test_a_unit_in_the_header_is_converted(write):
+    record = load_measurement(write("time [ms],position [mm]\n0,0\n240,35\n"))
+    np.testing.assert_array_equal(record.time, [0.0, 0.24])
+    np.testing.assert_array_equal(record.position, [0.0, 0.035])
+
+
+def test_a_header_with_a_unit_is_mapped_with_or_without_it(write):
+    file = write("time,q [mm]\n0,0\n1,35\n")
+    for column in ("q", "q [mm]"):
+        record = load_measurement(file, columns={"position": column})
+        np.testing.assert_array_equal(record.position, [0.0, 0.035])
+
+
+def test_parquet_is_read_like_csv(write, tmp_path):
+    frame = pd.DataFrame({"t_s": [0.0, 0.1, 0.2], "x": [0, 1, 2]}, index=[5, 6, 7])
+    frame.to_parquet(tmp_path / "data.parquet")
+    file = tmp_path / "data.parquet"
+    record = load_measurement(file, columns={"time": "t_s", "position": "x"})
+    np.testing.assert_array_equal(record.position, [0.0, 1.0, 2.0])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "time;position\n0;0,5\n1;1,5\n",
+        "time\tposition\n0\t0.5\n1\t1.5\n",
+        "# exported\n\ntime,position\n0,0.5\n1,1.5\n\n",
+        "\ufefftime,position\r\n0,0.5\r\n1,1.5\r\n",
+        ",time,position\n0,0,0.5\n1,1,1.5\n",
+        "time,position\n0,0.5\n\n1,1.5\n",
+    ],
+    ids=["decimal comma", "tabs", "comments", "mark and CRLF", "row names", "blank line"],
+)
+def test_common_dialects_of_csv_are_understood(write, text):
+    record = load_measurement(write(text))
+    np.testing.assert_array_equal(record.position, [0.5, 1.5])
+
+
+def test_a_file_without_time_may_be_a_friction_map(write):
+    record = load_measurement(write("velocity,friction\n0.1,2\n0.2,3\n"), uncertainty=None)
+    assert record.kind == "friction-map"
+
+
+def test_what_stands_in_no_file_is_given_with_it(write):
+    record = load_measurement(
+        write("time,position\n0,0\n1,1\n"),
+        uncertainty=0.01,
+        uncertainty_kind="interval",
+        overrides={"mechanism.mass": 2.0},
+        initial={"x": 0.1},
+        offset={"position": 0.1},
+        name="run",
+    )
+    assert (record.uncertainty, record.uncertainty_kind) == ({"position": 0.01}, "interval")
+    assert (record.overrides, record.initial) == ({"mechanism.mass": 2.0}, {"x": 0.1})
+    assert (record.offset, record.name) == ({"position": 0.1}, "run")
+
+
+def test_the_axis_record_is_read_in_si(data_dir):
+    record = load_measurement(
+        data_dir / "emps" / "train.parquet",
+        columns={"time": "t_s", "position": "q_meas_m", "force": "force_N"},
+    )
+    # Rows as its description counts them, at 1 kHz; the clock of the record is 16 ppm off.
+    assert record.time.size == 24841
+    assert np.median(np.diff(record.time)) == pytest.approx(1e-3, rel=1e-4)
+
+
+# --- tables of trials
+
+
+def test_each_row_is_a_trial_with_its_own_settings(write):
+    text = (
+        "name,travel [mm],uncertainty [mm],uncertainty_kind,mechanism.compression [mm],initial.v\n"
+        "short,72,5,rounding,60,0\n"
+        "long,450,,standard,150,0.1\n"
+    )
+    with pytest.raises(ParameterError, match=r"'uncertainty \[mm\]', line 3.*got nothing"):
+        load_measurement(write(text))
+    first, second = load_measurement(write(text.replace("450,,", "450,1,"))).records()
+    assert (first.name, first.travel, first.uncertainty) == ("short", 0.072, {"travel": 0.005})
+    assert (first.uncertainty_kind, second.uncertainty_kind) == ("rounding", "standard")
+    assert second.overrides == {"mechanism.compression": 0.15}
+    assert second.initial == {"v": 0.1}
+    assert second.provenance == "data.csv, line 3"
+
+
+def test_what_all_trials_have_in_common_is_given_once(write):
+    trials = load_measurement(
+        write("travel\n0.1\n0.2\n"), uncertainty=0.005, overrides={"mechanism.mass": 2.0}
+    ).records()
+    assert {trial.uncertainty["travel"] for trial in trials} == {0.005}
+    assert {trial.overrides["mechanism.mass"] for trial in trials} == {2.0}
+
+
+def test_one_row_is_one_record(write):
+    assert load_measurement(write("travel\n0.1\n")).trials == ()
+
+
+def test_a_mechanism_lets_plain_names_stand_for_paths(write):
+    file = write("travel,compression [mm]\n0.072,60\n0.2,100\n")
+    first, _ = load_measurement(file, mechanism=SPRING).records()
+    assert first.overrides == {"mechanism.compression": 0.06}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("travel,compresion\n0.1,1\n", "column 'compresion': .*'mechanism.compression'"),
+        ("travel,compression [kg]\n0.1,1\n", r"'compression \[kg\]' must be in m .*not in kg"),
+        ("travel,mass\n0.1,-1\n", r"line 2: .*\(m\) must be above 0 kg"),
+        ("travel,initial.y\n0.1,1\n", "state in column of data.csv: 'y'"),
+    ],
+)
+def test_a_mechanism_checks_the_columns(write, text, message):
+    with pytest.raises(InputError, match=message):
+        load_measurement(write(text), mechanism=SPRING)
+
+
+# --- files that cannot be used
+
+BAD = {
+    "empty": ("", InputError, "data.csv: is empty"),
+    "blank": ("\n \n", InputError, "has no header"),
+    "header only": ("time,position\n", InputError, "has no rows"),
+    "no known column": (
+        "a,b\n1,2\n",
+        InputError,
+        r"no column is called .* it has 'a', 'b'.*columns=",
+    ),
+    "time alone": ("time,b\n1,2\n", InputError, "no column is called"),
+    "hole": ("time,position\n0,0\n1,\n", ParameterError, "column 'position', line 3.*got nothing"),
+    "text": ("time,position\n0,0\n1,far\n", ParameterError, "'position', line 3: .*got 'far'"),
+    "infinite": ("time,position\n0,0\n1,inf\n", ParameterError, "line 3: must be a finite number"),
+    "truth": ("time,position\n0,true\n1,false\n", ParameterError, "line 2: must be a finite"),
+    "order": ("time,position\n1,0\n0,1\n", InputError, "data.csv: .*must increase strictly"),
+    "one sample": ("time,position\n1,0\n", InputError, "data.csv: .*at least 2 times"),
+    "double column": (
+        "time,position,position\n0,1,2\n",
+        InputError,
+        "columns are called 'position'",
+    ),
+    "double with units": (
+        "travel [m],travel [mm]\n0,1\n",
+        InputError,
+        "columns are called 'travel'",
+    ),
+    "unit": ("time,position [kg]\n0,1\n1,2\n", ParameterError, "must be in m .*not in kg"),
+    "unknown unit": ("time,position [mn]\n0,1\n1,2\n", ParameterError, "unknown unit 'mn'"),
+    "long row": ("time,position\n0,1\n1,2,3\n", InputError, "rows and header do not fit"),
+    "long rows": ("time,position\n0,1,1\n1,2,3\n", InputError, "rows and header do not fit"),
+    "short row": ("time,position\n0,1\n1\n", ParameterError, "line 3: .*got nothing"),
+    "not text": (b"time,position\n0,\xff\n", InputError, "is not UTF-8 .byte 0xff in line 2"),
+    "misspelt trial column": (
+        "travel,uncertainity\n1,1\n",
+        UnknownNameError,
+        "'uncertainity'. Did you mean 'uncertainty'",
+    ),
+    "zero uncertainty": ("travel,uncertainty\n1,0\n", ParameterError, "line 2: .*above 0 m, got 0"),
+    "kind": ("travel,uncertainty_kind\n1,guess\n", InputError, "line 2: .*must be one of rounding"),
+    "same name": ("travel,name\n1,a\n2,a\n", InputError, "data.csv: Two trials are called 'a'"),
+}
+
+
+@pytest.mark.parametrize(("text", "error", "message"), BAD.values(), ids=BAD)
+def test_a_bad_file_gives_one_message_with_place(write, text, error, message):
+    file = write(text)
+    with pytest.raises(error, match=message) as caught:
+        load_measurement(file)
+    assert "data.csv" in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert caught.value.__cause__ is None
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"columns": {"position": "y"}}, "column of data.csv: 'y'. Known: time, x"),
+        ({"columns": {"position": "x"}, "units": {"positon": "mm"}}, "'positon'.*'position'"),
+        ({"columns": {"position": "x"}, "units": {"position": "kg"}}, "must be in m"),
+        ({"columns": {"position": "x"}, "uncertainty": 0}, "above 0 m"),
+        ({"columns": {"position": "x"}, "offset": {"force": 1}}, "quantity in offset"),
+    ],
+)
+def test_bad_settings_are_refused(write, settings, message):
+    file = write("time,x\n0,0\n1,1\n")
+    with pytest.raises(InputError, match=message):
+        load_measurement(file, **settings)
+
+
+def test_a_broken_parquet_file_is_refused(write):
+    with pytest.raises(InputError, match=r"data\.parquet: is not a Parquet file"):
+        load_measurement(write("time,position\n", "data.parquet"))
+
+
+def test_dates_are_no_times(write, tmp_path):
+    frame = pd.DataFrame({"time": pd.to_datetime(["2020-01-01", "2020-01-02"]), "position": [0, 1]})
+    frame.to_parquet(tmp_path / "data.parquet")
+    with pytest.raises(ParameterError, match="column 'time', row 1: must be a finite number"):
+        load_measurement(tmp_path / "data.parquet")
+
+
+def test_another_kind_of_file_is_refused_with_a_cure(write):
+    with pytest.raises(InputError, match=r"must be a .csv.* got .xlsx. Save a spreadsheet as CSV"):
+        load_measurement(write("x", "data.xlsx"))
+
+
+def test_a_missing_file_is_named(write):
+    write("x")
+    with pytest.raises(InputError, match=r"there is no such file.*data\.csv"):
+        load_measurement("dta.csv")

@@ -1,0 +1,503 @@
+"""Rig files: the bundled one, overrides, units, and everything that may be wrong with a file."""
+
+import hashlib
+import json
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+
+from stickslip import (
+    LAWS,
+    Coulomb,
+    Measurement,
+    Pulse,
+    Rig,
+    SpringBlock,
+    TowedBlock,
+    load_rig,
+    rig_schema,
+    simulate,
+)
+from stickslip.drives import Sum
+from stickslip.drives.registry import DRIVES
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.mechanisms import MECHANISMS
+
+MECHANISM = '[mechanism]\ntype = "spring-block"\nmass = 1\n'
+BUNDLED = files("stickslip.experiments").joinpath("paper_rig.toml").read_bytes()
+
+
+@pytest.fixture
+def read(tmp_path, monkeypatch):
+    """Reads a rig file with the given text."""
+    monkeypatch.chdir(tmp_path)
+
+    def reader(text, overrides=None):
+        Path("rig.toml").write_text(text, encoding="utf-8")
+        return load_rig("rig.toml", overrides=overrides)
+
+    return reader
+
+
+# --- the bundled rig
+
+
+def test_the_bundled_rig_is_table_one_of_the_paper():
+    rig = load_rig()
+    assert rig.mechanism == SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    assert rig.laws["coulomb"] == Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
+    assert (rig.t_end, rig.path, rig.source) == (10.0, "paper_rig.toml", "paper")
+
+
+def test_the_bundled_rig_has_the_measured_travel_with_its_rounding():
+    (record,) = load_rig().measurement.records()
+    assert (record.travel, record.uncertainty) == (0.20, {"travel": 0.005})
+    assert record.uncertainty_kind == "rounding"
+
+
+def test_the_bundled_rig_has_table_two():
+    rows = {row.law: (row.travel, row.velocity_positive) for row in load_rig().published}
+    assert rows == {
+        "coulomb": (0.16, True),
+        "dahl": (0.25, True),
+        "lugre": (0.13, False),
+        "stribeck": (0.45, True),
+        "coulomb-viscous": (0.16, True),
+    }
+
+
+@pytest.mark.parametrize("row", load_rig().published, ids=lambda row: row.law)
+def test_each_published_error_is_that_of_its_travel(row):
+    measured = load_rig().measurement.travel
+    # Table II prints whole percents.
+    assert abs(row.travel - measured) / measured == pytest.approx(row.relative_error, abs=0.005)
+
+
+def test_what_the_paper_does_not_print_is_marked_as_assumed():
+    assumed = load_rig().assumed
+    assert "coulomb" not in assumed
+    assert assumed["lugre"] == ("stribeck_velocity", "bristle_stiffness", "bristle_damping")
+    assert assumed["dahl"] == ("bristle_stiffness",)
+
+
+def test_values_given_as_forces_are_divided_by_their_load():
+    lugre = load_rig().laws["lugre"]
+    assert lugre.bristle_stiffness == 1e4 / 9.81
+    assert lugre.bristle_damping == 100 / 9.81
+
+
+def test_the_bundled_rig_gives_the_closed_form_travel():
+    rig = load_rig()
+    run = simulate(rig.mechanism, rig.laws["coulomb"], t_end=rig.t_end)
+    # k x0^2 / (2 mu m g); the solver's error is below 1e-9 m.
+    assert run["x"][-1] == pytest.approx(0.5 / (0.25 * 9.81), abs=1e-9)
+
+
+def test_the_digest_is_that_of_the_file_and_changes_with_overrides():
+    assert load_rig().digest == hashlib.sha256(BUNDLED).hexdigest()
+    assert load_rig(overrides={"run.t_end": 5}).digest != load_rig().digest
+    assert (
+        load_rig(overrides={"run.t_end": 5}).digest != load_rig(overrides={"run.t_end": 6}).digest
+    )
+
+
+# --- what a file may say
+
+
+def test_a_mechanism_alone_is_a_rig(read):
+    rig = read(MECHANISM)
+    assert rig.title == "rig"
+    assert (rig.measurement, dict(rig.laws), rig.published) == (None, {}, ())
+
+
+def test_a_byte_order_mark_is_no_harm(read):
+    assert read("\ufeff" + MECHANISM).mechanism.mass == 1.0
+
+
+@pytest.mark.parametrize(
+    ("text", "drive"),
+    [
+        ('type="pulse"\nlevel="10 N"\nduration="100 ms"', Pulse(level=10.0, duration=0.1)),
+        ('type="sampled"\ntimes=[0,1]\nvalues=[1,2.5]\nhold="first"', None),
+        ('type="piecewise-linear"\ntimes=[0,1]\nvalues=[1,2.5]', None),
+        ('type="sine"\namplitude=1\nfrequency="2 Hz"\nphase="90 deg"', None),
+        ('type="ramp"\nrate="1 N/s"', None),
+    ],
+)
+def test_every_drive_can_be_written(read, text, drive):
+    found = read(f"{MECHANISM}[mechanism.drive]\n{text}").mechanism.drive
+    assert isinstance(found, DRIVES[text.split('"')[1]])
+    assert drive is None or found == drive
+
+
+def test_a_list_of_drives_is_their_sum(read):
+    pulse = '[[mechanism.drive]]\ntype = "pulse"\nlevel = 1\nduration = 1\n'
+    assert isinstance(read(MECHANISM + pulse).mechanism.drive, Pulse)
+    both = read(MECHANISM + pulse + pulse).mechanism.drive
+    assert isinstance(both, Sum)
+    assert both.value(0.5) == 2.0
+
+
+def test_another_mechanism_is_chosen_by_its_type(read):
+    rig = read('[mechanism]\ntype="towed-block"\nmass="1 kg"\nstiffness="2 N/m"\nspeed="100 mm/s"')
+    assert rig.mechanism == TowedBlock(mass=1.0, stiffness=2.0, speed=0.1)
+
+
+def test_a_law_is_known_when_all_its_parameters_are(read):
+    rig = read(f"{MECHANISM}[friction]\nkinetic_coefficient=0.2\nviscous_coefficient=0.1")
+    assert sorted(rig.laws) == ["coulomb", "coulomb-viscous", "viscous"]
+
+
+def test_a_law_s_own_value_goes_before_the_shared_one(read):
+    text = "[friction]\nkinetic_coefficient=0.2\n[friction.coulomb]\nkinetic_coefficient=0.3\n"
+    rig = read(MECHANISM + text)
+    assert rig.laws["coulomb"].kinetic_coefficient == 0.3
+
+
+def test_levels_may_be_given_as_forces(read):
+    text = '[friction.dahl.forces]\nload="10 N"\nkinetic_force="2.5 N"\nbristle_stiffness=1e4\n'
+    law = read(MECHANISM + text).laws["dahl"]
+    assert (law.kinetic_coefficient, law.bristle_stiffness) == (0.25, 1000.0)
+
+
+def test_a_shared_assumption_is_one_of_every_law_that_uses_it(read):
+    text = "[friction]\nkinetic_coefficient={value=0.2, assumed=true}\nviscous_coefficient=1\n"
+    rig = read(MECHANISM + text)
+    assert rig.assumed == dict.fromkeys(("coulomb", "coulomb-viscous"), ("kinetic_coefficient",))
+
+
+def test_several_trials_have_their_own_settings(read):
+    spring = 'stiffness = 100\ncompression = "100 mm"\n'
+    trial = (
+        '[[trial]]\ntravel="72 mm"\nset={"mechanism.compression"="60 mm"}\ninitial={v="1 mm/s"}\n'
+        "[[trial]]\ntravel=0.2\nset={compression=0.1}\n"
+        "[[trial]]\ntravel=0.2\nset={mechanism.compression=0.1}\n"
+    )
+    first, second, third = read(MECHANISM + spring + trial).measurement.records()
+    assert (first.travel, first.initial) == (0.072, {"v": 0.001})
+    assert first.overrides == {"mechanism.compression": 0.06}
+    assert second.overrides == third.overrides == {"mechanism.compression": 0.1}
+
+
+# --- overrides
+
+
+def test_overrides_are_read_as_on_a_command_line():
+    rig = load_rig(
+        overrides={
+            "mechanism.attached": "true",
+            "mechanism.compression": "60 mm",
+            "mechanism.mass": "2",
+            "friction.static_coefficient": 0.4,
+            "run.t_end": "5 s",
+            "trial.0.travel": "72 mm",
+        }
+    )
+    assert rig.mechanism == SpringBlock(mass=2.0, stiffness=100.0, compression=0.06, attached=True)
+    assert rig.laws["stribeck"].static_coefficient == 0.4
+    assert (rig.t_end, rig.measurement.travel) == (5.0, 0.072)
+
+
+def test_an_override_may_be_a_whole_table():
+    drive = '{type = "pulse", level = "10 N", duration = "100 ms"}'
+    rig = load_rig(overrides={"mechanism.compression": "0", "mechanism.drive": drive})
+    assert rig.mechanism.drive == Pulse(level=10.0, duration=0.1)
+
+
+def test_an_override_of_a_parameter_replaces_its_value_given_as_a_force():
+    rig = load_rig(overrides={"friction.lugre.bristle_stiffness": "1e3 1/m"})
+    assert rig.laws["lugre"].bristle_stiffness == 1e3
+    assert "bristle_stiffness" not in rig.assumed["lugre"]
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        ({"mechanism.atached": True}, r"key in \[mechanism\] of override.*mean 'attached'"),
+        ({"runn.t_end": 1}, "key of override of paper_rig.toml: 'runn'. Did you mean 'run'"),
+        ({"mechanism.mass": "-1"}, r"override of paper_rig.toml: mechanism.mass \(m\) .* got -1"),
+        ({"mechanism.mass": "1\nfoo = 2"}, r"mechanism.mass \(m\)"),
+        ({"mechanism.mass.x": 1}, "mechanism.mass is a value, not a table"),
+        ({"mechanism": 5}, "mechanism must be a table"),
+        ({"mechanism.stiffness": 0}, "override of paper_rig.toml: mechanism: .*no spring"),
+        ({"friction.static_coefficient": 0.1}, "at least kinetic_coefficient = 0.25"),
+        ({"trial.3.travel": 1}, "'3' must be a whole number from 0 to 0"),
+        ({"": 1}, "dotted path"),
+        ({"a..b": 1}, "dotted path"),
+        ({3: 1}, "dotted path"),
+        ({"mechanism.mass": None}, "must be text, a number or a bool"),
+        (5, "must be a mapping"),
+    ],
+)
+def test_a_bad_override_says_that_it_is_one(overrides, message):
+    with pytest.raises(InputError, match=message):
+        load_rig(overrides=overrides)
+
+
+# --- what a file may not say
+
+SPRING = '[mechanism]\ntype = "spring-block"\n'
+TRIAL = f"{MECHANISM}[[trial]]\ntravel = 0.2\n"
+BAD_TEXT = {
+    "misspelt key": (
+        f"{MECHANISM}atached = true",
+        r"in \[mechanism\] of rig.toml: 'atached'.*'att",
+    ),
+    "misspelt table": (f"{MECHANISM}[fricton]\nx = 1", "of rig.toml: 'fricton'. .*'friction'"),
+    "no mass": (SPRING, r"mechanism.mass \(m\) is missing. Add mass under \[mechanism\], above 0"),
+    "no mechanism": ("title = 'x'", r"mechanism is missing. Add \[mechanism\]"),
+    "no type": ("[mechanism]\nmass = 1", "mechanism.type is missing"),
+    "unknown type": ("[mechanism]\ntype = 'spring-blok'", "'spring-blok'. Did you mean 'spring-b"),
+    "type of another kind": ("[mechanism]\ntype = [1]", "Known: axis, spring-block, towed-block"),
+    "mechanism as a value": ("mechanism = 5", "mechanism must be a table, got 5"),
+    "negative": (
+        f"{SPRING}mass = -1",
+        r"rig.toml: mechanism.mass \(m\) must be above 0 kg, got -1",
+    ),
+    "zero": (f"{SPRING}mass = 0", "above 0 kg, got 0"),
+    "not a number": (f"{SPRING}mass = nan", "above 0 kg, got nan"),
+    "infinite": (f"{SPRING}mass = inf", "above 0 kg, got inf"),
+    "beyond floats": (f"{SPRING}mass = 1{'0' * 400}", "above 0 kg, got 1000"),
+    "beyond integers": (f"{SPRING}mass = 1{'0' * 5000}", "a number that cannot be read"),
+    "truth": (f"{SPRING}mass = true", "mass .* must be a number.*got true"),
+    "date": (f"{SPRING}mass = 1979-05-27", "mass .* must be a number"),
+    "list": (f"{SPRING}mass = [1]", r"mass .* got \[1\]"),
+    "unknown unit": (f"{SPRING}mass = '1 kgg'", r"mechanism.mass \(m\) has an unknown unit 'kgg'"),
+    "wrong unit": (f"{SPRING}mass = '60 mm'", "in kg or a unit of that kind, not in mm"),
+    "number in quotes": (f"{SPRING}mass = '1'", 'write "1 kg"'),
+    "words": (f"{SPRING}mass = 'heavy'", 'text with a unit such as "1 kg"'),
+    "text for truth": (f"{MECHANISM}attached = 'yes'", "must be true or false, got 'yes'"),
+    "no spring": (f"{MECHANISM}compression = '60 mm'", "no spring to compress"),
+    "unknown drive": (f"{MECHANISM}drive = {{type = 'puls'}}", "drive.type .*'pulse'"),
+    "drive key": (
+        f"{MECHANISM}drive = {{type = 'pulse', levl = 1}}",
+        r"\[mechanism.drive\].*'level'",
+    ),
+    "drive value": (
+        f"{MECHANISM}drive = {{type = 'sine', amplitude = 1, frequency = 0}}",
+        r"mechanism.drive.frequency \(f\) must be above 0 Hz",
+    ),
+    "second drive": (
+        f"{MECHANISM}drive = [{{type='ramp', rate=1}}, {{type='ramp'}}]",
+        r"mechanism.drive.1.rate \(r\) is missing. Add rate under \[\[mechanism.drive\]\] number 2",
+    ),
+    "no drives": (f"{MECHANISM}drive = []", "must not be an empty list"),
+    "drive as a number": (f"{MECHANISM}drive = 5", "must be a list of tables, got 5"),
+    "points": (
+        f"{MECHANISM}drive = {{type='sampled', times=[0,'1'], values=[1,2]}}",
+        "drive.times must be a list of numbers in SI, got '1' at index 1",
+    ),
+    "point order": (
+        f"{MECHANISM}drive = {{type='sampled', times=[0,0], values=[1,2]}}",
+        r"mechanism.drive: Sampled.times \[s\] must increase",
+    ),
+    "hold": (
+        f"{MECHANISM}drive = {{type='sampled', times=[0,1], values=[1,2], hold='second'}}",
+        "drive.hold must be 'zero' or 'first'",
+    ),
+    "friction key": (f"{MECHANISM}[friction]\nkinetic_coeficient = 1", "'kinetic_coefficient'"),
+    "friction value": (
+        f"{MECHANISM}[friction]\nkinetic_coefficient = -0.2",
+        r"friction.kinetic_coefficient \(mu_k\) must be at least 0, got -0.2",
+    ),
+    "order of levels": (
+        f"{MECHANISM}[friction]\nkinetic_coefficient = 0.3\nstatic_coefficient = 0.2",
+        r"friction.coulomb: .*\(mu_s\) must be at least kinetic_coefficient = 0.3, got 0.2",
+    ),
+    "unknown law": (f"{MECHANISM}[friction.lugree]\nx = 1", "'lugree'. Did you mean 'lugre'"),
+    "law as a value": (f"{MECHANISM}[friction]\nlugre = 1", "friction.lugre must be a table"),
+    "half a law": (
+        f"{MECHANISM}[friction.dahl]\nkinetic_coefficient = 0.3",
+        r"friction.dahl.bristle_stiffness \(sigma_0\) is missing",
+    ),
+    "zero where one law forbids it": (
+        f"{MECHANISM}[friction]\nkinetic_coefficient = 0\n[friction.dahl]\nbristle_stiffness = 1",
+        "friction.dahl: .*above 0, got 0",
+    ),
+    "shared exponent": (f"{MECHANISM}[friction]\nexponent = 1", "differs from law to law"),
+    "forces without load": (
+        f"{MECHANISM}[friction.dahl.forces]\nbristle_stiffness = 1",
+        r"friction.dahl.forces.load \(N\) is missing",
+    ),
+    "given twice": (
+        f"{MECHANISM}[friction.dahl]\nkinetic_coefficient = 1\nbristle_stiffness = 3\n"
+        "[friction.dahl.forces]\nload = 1\nbristle_stiffness = 1",
+        "the same parameter twice",
+    ),
+    "misspelt mark": (
+        f"{MECHANISM}[friction]\nkinetic_coefficient = {{value = 1, asumed = true}}",
+        "keys value and assumed, got 'value', 'asumed'",
+    ),
+    "mark of another kind": (
+        f"{MECHANISM}[friction]\nkinetic_coefficient = {{value = 1, assumed = 1}}",
+        "write true or false",
+    ),
+    "no trials": (f"trial = []\n{MECHANISM}", "trial must not be an empty list"),
+    "empty trial": (f"{MECHANISM}[[trial]]", r"Add travel under \[\[trial\]\] number 1"),
+    "trial as a table": (f"{MECHANISM}[trial]\ntravel = 1", "trial must be a list of tables"),
+    "uncertainty": (f"{TRIAL}uncertainty = 0", r"trial.0.uncertainty \(u_s\) must be above 0 m"),
+    "kind of uncertainty": (f"{TRIAL}uncertainty = 1\nuncertainty_kind = 'x'", "or 'interval'"),
+    "kind alone": (f"{TRIAL}uncertainty_kind = 'rounding'", "trial.0.uncertainty is missing"),
+    "set of nothing": (f"{TRIAL}set = {{compresion = 1}}", "mean 'mechanism.compression'"),
+    "set to nonsense": (f"{TRIAL}set = {{mass = '1 mm'}}", r"trial.0.set: mass \(m\).*not in mm"),
+    "set twice": (
+        f"{TRIAL}set = {{mass = 1, mechanism.mass = 1}}",
+        "mechanism.mass is given twice",
+    ),
+    "set against the rig": (f"{TRIAL}set = {{compression = 1}}", "trial.0: .*no spring"),
+    "set without a table": (f"{TRIAL}set = 5", "trial.0.set must be a table"),
+    "initial state": (f"{TRIAL}initial = {{y = 1}}", "trial.0.initial: 'y'. Known: v, x, z"),
+    "initial value": (f"{TRIAL}initial = {{x = '1 kg'}}", r"initial: x \(x\) must be in m"),
+    "same name": (f"{TRIAL}name='a'\n[[trial]]\ntravel=1\nname='a'", "trials are called 'a'"),
+    "published law": (f"{MECHANISM}[[published]]\nlaw = 'coulom'", "'coulom'. .*'coulomb'"),
+    "published error": (
+        f"{MECHANISM}[[published]]\nlaw = 'dahl'\nrelative_error = '-1 %'",
+        r"published.0.relative_error \(e\) must be at least 0, got '-1 %'",
+    ),
+    "end time": (f"{MECHANISM}[run]\nt_end = '0 s'", r"run.t_end \(t_end\) must be above 0 s"),
+    "title": (f"title = 5\n{MECHANISM}", "title must be text in quotes, got 5"),
+    "syntax": (f"{MECHANISM}x = = 3", r"is not valid TOML: .*line 4, column 5"),
+    "key twice": (f"{MECHANISM}mass = 2", "is not valid TOML"),
+    "comment only": ("# nothing", "has no tables"),
+    "depth": (f"x = {'[' * 5000}", "nested too deeply"),
+    "empty": ("", "rig.toml: is empty"),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), BAD_TEXT.values(), ids=BAD_TEXT)
+def test_a_bad_file_gives_one_message_with_place_and_cure(read, text, message):
+    with pytest.raises(InputError, match=message) as caught:
+        read(text)
+    said = str(caught.value)
+    assert "rig.toml" in said
+    assert "\n" not in said
+    assert "pydantic" not in said
+    assert caught.value.__cause__ is None
+    assert caught.value.__suppress_context__ or caught.value.__context__ is None
+
+
+def test_errors_are_of_the_kind_that_fits(read):
+    with pytest.raises(UnknownNameError):
+        read(f"{MECHANISM}atached = true")
+    with pytest.raises(ParameterError):
+        read(f"{SPRING}mass = -1")
+
+
+# --- files that cannot be read
+
+
+def test_a_missing_file_names_its_neighbours(tmp_path):
+    (tmp_path / "mine.toml").write_text(MECHANISM)
+    with pytest.raises(InputError, match=r"there is no such file. In .* there are: mine.toml"):
+        load_rig(tmp_path / "mime.toml")
+
+
+def test_a_missing_folder_is_named(tmp_path):
+    with pytest.raises(InputError, match=r"The folder .* is not there either"):
+        load_rig(tmp_path / "nowhere" / "rig.toml")
+
+
+def test_a_folder_is_no_file(tmp_path):
+    with pytest.raises(InputError, match="is a folder"):
+        load_rig(tmp_path)
+
+
+@pytest.mark.parametrize("path", ["a\0b", "x" * 5000])
+def test_an_impossible_path_is_refused(path):
+    with pytest.raises(InputError, match="cannot be read"):
+        load_rig(path)
+
+
+def test_a_path_of_another_type_is_refused():
+    with pytest.raises(InputError, match="A path must be text or a Path, got 5"):
+        load_rig(5)
+
+
+def test_a_device_is_no_file():
+    with pytest.raises(InputError, match="is not a regular file"):
+        load_rig("/dev/null")
+
+
+def test_a_file_without_permission_says_so(tmp_path, monkeypatch):
+    path = tmp_path / "rig.toml"
+    path.write_text(MECHANISM)
+
+    def refuse(self):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "read_bytes", refuse)
+    with pytest.raises(InputError, match="cannot be read: Permission denied"):
+        load_rig(path)
+
+
+def test_bytes_that_are_no_text_are_placed(tmp_path):
+    path = tmp_path / "rig.toml"
+    path.write_bytes(b"title = 'a'\nsubject = '\xff'\n")
+    with pytest.raises(InputError, match=r"is not UTF-8 \(byte 0xff in line 2\)"):
+        load_rig(path)
+
+
+def test_a_huge_file_is_refused_unread(tmp_path):
+    path = tmp_path / "rig.toml"
+    with path.open("wb") as file:
+        file.truncate(20_000_000)
+    with pytest.raises(InputError, match="has 20 MB, more than the 10 MB"):
+        load_rig(path)
+
+
+# --- rigs built in Python
+
+
+LAW = Coulomb(kinetic_coefficient=0.1)
+
+
+@pytest.mark.parametrize(
+    ("parts", "message"),
+    [
+        ({"overrides": {"mechanism.masss": 1.0}}, r"'mechanism\.masss'. Did you mean 'mechanism.m"),
+        ({"overrides": {"mechanism.mass": -1.0}, "name": "b"}, r"trial b: .*\(m\) must be above 0"),
+        ({"initial": {"y": 1.0}}, "state in initial of trial 0: 'y'"),
+    ],
+)
+def test_a_trial_that_does_not_fit_the_mechanism_is_refused(parts, message):
+    trial = Measurement(travel=0.1, **parts)
+    block = SpringBlock(mass=1.0)
+    with pytest.raises(InputError, match=message):
+        Rig(mechanism=block, measurement=trial)
+
+
+@pytest.mark.parametrize(
+    ("parts", "message"),
+    [
+        ({"laws": {"coulom": LAW}}, "unknown friction law 'coulom'"),
+        ({"laws": {"dahl": LAW}}, "must be that law"),
+        ({"assumed": {"dahl": ("exponent",)}}, "law in Rig.assumed 'dahl'"),
+        ({"mechanism": "block"}, "must be a Mechanism"),
+        ({"t_end": 0.0}, r"Rig.t_end \(t_end\) must be above 0 s"),
+    ],
+)
+def test_a_rig_checks_its_parts(parts, message):
+    with pytest.raises(InputError, match=message):
+        Rig(**{"mechanism": SpringBlock(mass=1.0), **parts})
+
+
+# --- the schema
+
+
+def test_the_schema_is_json_and_knows_every_registry():
+    text = json.dumps(rig_schema(), allow_nan=False)
+    for name in (*MECHANISMS, *DRIVES, *LAWS):
+        assert f'"{name}"' in text
+
+
+def test_the_schema_says_units_and_ranges():
+    mass = rig_schema()["$defs"]["SpringBlock"]["properties"]["mass"]
+    assert mass["x-unit"] == "kg"
+    assert mass["anyOf"][0] == {"type": "number", "exclusiveMinimum": 0}
+
+
+def test_the_schema_allows_no_other_keys():
+    schema = rig_schema()
+    assert schema["additionalProperties"] is False
+    assert all(part["additionalProperties"] is False for part in schema["$defs"].values())

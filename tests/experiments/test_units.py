@@ -1,0 +1,91 @@
+"""Numbers with units."""
+
+import contextlib
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stickslip.errors import ParameterError
+from stickslip.experiments.units import factor, read_number
+from stickslip.quantities import Quantity
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "number"),
+    [
+        ("35 mm", "m", 0.035),
+        ("60mm", "m", 0.06),
+        (" 0.2 m ", "m", 0.2),
+        ("-5 mm", "m", -0.005),
+        ("1e4 1/m", "1/m", 1e4),
+        ("100 N/m", "N/m", 100.0),
+        ("0.5 N s/m", "N s/m", 0.5),
+        ("0.5 N*s/m", "N s/m", 0.5),
+        ("0.5 N·s/m", "N s/m", 0.5),
+        ("9.81 m/s^2", "m/s^2", 9.81),
+        ("9.81 m/s²", "m/s^2", 9.81),
+        ("240 ms", "s", 0.24),
+        ("25 %", "1", 0.25),
+        ("0.25", "1", 0.25),
+        ("2 kHz", "Hz", 2000.0),
+        ("1 in", "m", 0.0254),
+        ("500 g", "kg", 0.5),
+    ],
+)
+def test_a_text_with_a_unit_is_the_float_one_would_write_in_si(text, unit, number):
+    assert read_number(text, Quantity("q", unit)) == number
+
+
+def test_degrees_become_radians():
+    # Decimal digits of pi in the unit library, one rounding.
+    assert read_number("180 deg", Quantity("phi", "rad")) == pytest.approx(math.pi, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "message"),
+    [
+        ("1 kgg", "kg", "unknown unit 'kgg', got '1 kgg'; write for example \"1 kg\""),
+        ("60 mm", "kg", "must be in kg or a unit of that kind, not in mm"),
+        ("30 deg", "1", "must be a pure number or in %, not in deg"),
+        ("60 rpm", "Hz", "not in rpm"),
+        ("20 degC", "m", "a zero of its own"),
+        ("5", "m", "has no unit in '5': write \"5 m\""),
+        ("heavy", "kg", 'such as "1 kg"'),
+        ("", "kg", "got ''"),
+        ("nan m", "m", "got 'nan m'"),
+        ("1e999 m", "m", "got '1e999 m'"),
+        ("1,5 mm", "m", "cannot be read"),
+        ("9**9**9**9 m", "m", "cannot be read"),
+        ("1 m^9^9^9", "m", "cannot be read"),
+        ("1 __import__", "m", "cannot be read"),
+        ("1" * 101, "m", "must be a number"),
+        (True, "m", "got true"),
+        (None, "m", "got None"),
+        ([1.0], "m", r"got \[1.0\]"),
+        (math.nan, "m", "must be a finite number in m, got nan"),
+        (10**400, "m", "must be a finite number in m"),
+    ],
+)
+def test_what_is_no_number_is_refused_with_the_symbol_and_a_cure(value, unit, message):
+    with pytest.raises(ParameterError, match=message) as caught:
+        read_number(value, Quantity("q", unit))
+    assert str(caught.value).startswith("(q) ")
+    assert caught.value.__suppress_context__ or caught.value.__context__ is None
+
+
+def test_ranges_are_checked_after_conversion_and_the_text_is_shown():
+    with pytest.raises(ParameterError, match=r"\(m\) must be above 0 kg, got '-1 g'"):
+        read_number("-1 g", Quantity("m", "kg", above=0))
+
+
+def test_units_without_a_target_are_converted_to_si():
+    assert factor("mm", None) == 0.001
+    assert factor("N/mm", None) == 1000.0
+
+
+@given(st.text(max_size=30))
+def test_any_text_is_a_number_or_a_parameter_error(text):
+    with contextlib.suppress(ParameterError):
+        assert math.isfinite(read_number(text, Quantity("q", "1")))
