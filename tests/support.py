@@ -11,7 +11,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from stickslip import LAWS, Axis, PiecewiseLinear, Pulse, SpringBlock, TowedBlock
-from stickslip.formulation import formulate
+from stickslip.formulation import Model, formulate
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, parameters
@@ -124,8 +124,10 @@ EXAMPLES: Mapping[str, Mechanism] = {
 class Generated:
     """The generated module of a mechanism with a law, called with plain numbers."""
 
-    def __init__(self, mechanism: Mechanism, law: FrictionLaw) -> None:
-        model = formulate(mechanism, law)
+    def __init__(
+        self, mechanism: Mechanism, law: FrictionLaw, model: Model | None = None
+    ) -> None:
+        model = formulate(mechanism, law) if model is None else model
         self.module: ModuleType = load(model)
         inputs = gather(mechanism, law, model)
         self.p = list(inputs.p)

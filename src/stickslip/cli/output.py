@@ -48,11 +48,16 @@ def note(text: str) -> None:
 def show_table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Print a table."""
     table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="dim")
-    for head in heads:
-        table.add_column(head, justify="left" if head == heads[0] else "right", overflow="fold")
+    for i, head in enumerate(heads):
+        numeric = all(_is_number(row[i]) for row in rows)
+        table.add_column(head, justify="right" if numeric else "left", overflow="fold")
     for row in rows:
         table.add_row(*row)
     stdout().print(table)
+
+
+def _is_number(cell: str) -> bool:
+    return not cell or cell[0].isdigit() or cell[0] in "-−.+"
 
 
 def document(kind: str, content: Mapping[str, Any]) -> dict[str, Any]:

@@ -72,6 +72,8 @@ class Drive(Parametrised, ABC):
 
     def __add__(self, other: "Drive") -> "Sum":
         """Add two drives."""
+        if not isinstance(other, Drive):
+            return NotImplemented
         return Sum(parts=(self, other))
 
 

@@ -36,7 +36,8 @@ def fit_several(model: TravelModel, trials: Sequence[Trial], kind: str) -> Fit:
     def residual(values: lmfit.Parameters) -> NDArray[np.float64]:
         point = [values[f"u{i}"].value for i in range(len(model.free))]
         predicted = np.array([model.travel(trial, point) for trial in trials])
-        return (measured - predicted) / errors
+        weighted: NDArray[np.float64] = (measured - predicted) / errors
+        return weighted
 
     result = lmfit.minimize(residual, unknowns, method="least_squares", scale_covar=False)
     if not result.success:

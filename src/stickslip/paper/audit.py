@@ -32,6 +32,8 @@ class PaperAudit:
     """Everything recomputed, beside what was printed."""
 
     rig: Rig
+    values: PaperValues
+    """The rig's numbers in the paper's terms."""
     measured: float
     """Measured travel [m]."""
     table: tuple[TableRow, ...]
@@ -120,6 +122,7 @@ def audit(
     travels = {name: row.travel for name, row in published.items() if row.travel is not None}
     return PaperAudit(
         rig=rig,
+        values=values,
         measured=values.measured,
         table=tuple(_row(rig, values, row) for row in published.values()),
         requirements=requirements(values, travels, t_end=rig.t_end),

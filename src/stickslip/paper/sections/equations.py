@@ -1,5 +1,7 @@
 """The printed equations, their defects and what they do."""
 
+import re
+
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.misprints import STEP, Consequence
 from stickslip.paper.sections.common import counted
@@ -8,32 +10,20 @@ from stickslip.report.numbers import significant
 
 __all__ = ["equation_section"]
 
+SYMBOL = re.compile(r"\b((?:mu|sigma|F|v)_[a-z0-9])\b")
+
 
 def equation_section(found: PaperAudit) -> Section:
     """Show each printed equation beside the corrected one, and what both do in a test."""
     wrong = sum(_differs(c) for c in found.consequences)
     columns = (
         Column(head="equation"),
-        Column(head="as printed"),
-        Column(head="used here"),
-        Column(head="test"),
+        Column(head="as printed, what is wrong, what is used here"),
         Column(head="as printed\nm", numeric=True, phone="label", label="as printed, m"),
         Column(head="corrected\nm", numeric=True, phone="label", label="corrected, m"),
     )
     rows = [_row(consequence) for consequence in found.consequences]
-    release, attached = (found.table[0].readings[i].criteria.travel for i in (1, 2))
-    rows.append(
-        Row(
-            cells=(
-                Name(text="(11) energy"),
-                "no condition stated",
-                "valid only if the block leaves the spring",
-                "spring released, and spring fixed",
-                significant(release, 3),
-                significant(attached, 3),
-            )
-        )
-    )
+    rows.append(_energy_row(found))
     return Section(
         id="equations",
         nav="Equations",
@@ -50,8 +40,8 @@ def equation_section(found: PaperAudit) -> Section:
             Table(columns=columns, rows=tuple(rows)),
             Caption(
                 text=(
-                    f"Travel within the test; Heun steps of {1e3 * STEP:g} ms. The printed forms:"
-                    " `stickslip models --published`."
+                    f"The last columns: travel within the test, in steps of {1e3 * STEP:g} ms as"
+                    " printed. The printed forms: `stickslip models --published`."
                 )
             ),
         ),
@@ -66,15 +56,37 @@ def _differs(consequence: Consequence) -> bool:
 def _row(consequence: Consequence) -> Row:
     form = consequence.form
     outcome = significant(consequence.printed.travel, 3)
+    remark = f"{form.defect}. Used here: {form.cure}."
     if consequence.diverged:
-        outcome = f"beyond all numbers at {1e3 * consequence.lasted:.3g} ms"
+        outcome = "diverges"
+        when = f"after {1e3 * consequence.lasted:.3g} ms" if consequence.lasted else "in one step"
+        remark += f" The printed form grows beyond all numbers {when}."
     return Row(
         cells=(
-            Name(text=f"{form.equation} {form.title}", aside=form.defect),
-            mathml(form.formula, display=False),
-            form.cure.replace("mu_s", "$mu_s$").replace("mu_k", "$mu_k$"),
-            consequence.test,
+            Name(text=f"{form.equation} {form.title}", aside=f"test: {consequence.test}"),
+            Name(text=mathml(form.formula, display=False), aside=_symbols(remark)),
             outcome,
             significant(consequence.corrected.travel, 3),
         )
     )
+
+
+def _energy_row(found: PaperAudit) -> Row:
+    """Set eq. (11) against the two springs: it knows only one of them."""
+    release, attached = (found.table[0].readings[i].criteria.travel for i in (1, 2))
+    return Row(
+        cells=(
+            Name(text="(11) energy", aside="test: spring released, and spring fixed"),
+            Name(
+                text=mathml(r"\tfrac12 k x_0^2 = \mu m g s", display=False),
+                aside="no condition stated. Used here: only if the block leaves the spring.",
+            ),
+            significant(release, 3),
+            significant(attached, 3),
+        )
+    )
+
+
+def _symbols(text: str) -> str:
+    """Mark the symbols in a plain text for typesetting."""
+    return SYMBOL.sub(r"$\1$", text)

@@ -12,7 +12,7 @@ from stickslip.plots.laws import (
     draw_presliding,
     presliding_sizes,
 )
-from stickslip.plots.run import draw_runs
+from stickslip.plots.motion import draw_motion
 from stickslip.plots.svg import inline_svg
 from stickslip.report import Figure, Paragraph, Section
 
@@ -78,7 +78,7 @@ def _run_figure(row: TableRow, number: int) -> Figure:
     runs = {f"{reading.key}. {reading.title}": reading.run for reading in row.readings}
     return Figure(
         svg=inline_svg(
-            draw_runs(runs, chosen=_chosen(row)),
+            draw_motion(runs, chosen=_chosen(row)),
             alt=f"Displacement and velocity of the block with {row.law.title} friction",
             prefix=f"fig{number}",
         ),

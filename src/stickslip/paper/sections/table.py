@@ -4,7 +4,6 @@ from stickslip.paper.audit import PaperAudit, TableRow
 from stickslip.paper.sections.common import counted, travel_axis
 from stickslip.paper.springback import STIFFNESS
 from stickslip.paper.unpublished import Requirement
-from stickslip.quantities import fields_of
 from stickslip.report import Block, Column, Mark, Note, Paragraph, Row, RowPlot, Section, Table
 from stickslip.report.numbers import fixed, interval, significant
 
@@ -34,18 +33,13 @@ def _travel(row: TableRow, key: str) -> float:
 
 
 def _assumptions(found: PaperAudit) -> str:
-    """List the assumed values once each, symbol and unit."""
-    seen: dict[str, str] = {}
-    for law, names in found.rig.assumed.items():
-        if law not in {row.law.name for row in found.table}:
-            continue
-        instance = found.rig.laws[law]
-        for name in names:
-            quantity = fields_of(type(instance))[name]
-            value = significant(getattr(instance, name), 3)
-            unit = "" if quantity.unit == "1" else f" {quantity.unit}"
-            seen.setdefault(quantity.symbol, f"${quantity.symbol}$ {value}{unit}")
-    return ", ".join(seen.values())
+    """List the assumed values in the paper's own terms."""
+    values = found.values
+    return (
+        f"$sigma_2$ {values.viscous:g} N s/m, $v_s$ {1e3 * values.stribeck_velocity:g} mm/s,"
+        f" bristles of {significant(values.stiffness, 2)} N/m and"
+        f" {significant(values.damping, 2)} N s/m"
+    )
 
 
 def _table(found: PaperAudit) -> Table:
@@ -94,7 +88,7 @@ def _origin(need: Requirement | None) -> str:
     if need.value is None:
         return f"no value of ${need.symbol}$: {need.text}"
     unit = "" if need.unit == "1" else f" {need.unit}"
-    return f"${need.symbol}$ = {significant(need.value, 2)}{unit}, {need.text}"
+    return f"${need.symbol}$ = {significant(need.value, 3)}{unit}, {need.text}"
 
 
 def _note(found: PaperAudit) -> Block:

@@ -4,7 +4,7 @@ from stickslip.paper.audit import PaperAudit
 from stickslip.paper.sections.common import counted
 from stickslip.paper.unpublished import Requirement
 from stickslip.report import Caption, Column, Paragraph, Row, Section, Table
-from stickslip.report.numbers import fixed, interval, significant
+from stickslip.report.numbers import fixed, significant
 
 __all__ = ["unpublished_section"]
 
@@ -55,5 +55,5 @@ def _row(need: Requirement, title: str) -> Row:
         value = f"${need.symbol}$ = {significant(need.value, 3)}{unit}"
         limits = "one-sided"
         if need.low is not None and need.high is not None:
-            limits = interval(need.low, need.high)
+            limits = f"{significant(need.low, 3)} to {significant(need.high, 3)}"
     return Row(cells=(title, fixed(need.published, 2), value, limits, need.text))
