@@ -13,6 +13,7 @@ release = importlib.metadata.version("stickslip")
 version = release
 
 extensions = [
+    "generated",
     "mathml",
     "myst_nb",
     "numpydoc",
@@ -20,7 +21,9 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinxcontrib.bibtex",
 ]
-exclude_patterns = ["_build", "_ext"]
+exclude_patterns = ["_build", "_ext", "_templates"]
+templates_path = ["_templates"]
+default_role = "py:obj"
 
 autosummary_generate = True
 autodoc_member_order = "bysource"
@@ -30,6 +33,7 @@ numpydoc_show_class_members = False
 myst_enable_extensions = ["amsmath", "deflist", "dollarmath", "fieldlist"]
 myst_heading_anchors = 3
 
+nb_execution_in_temp = True  # examples that write files leave none behind
 nb_execution_mode = "force"  # a cache would not notice a change in the package
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300

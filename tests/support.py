@@ -69,8 +69,6 @@ def example_of(kind: type[FrictionLaw]) -> Any:
     return kind(**values)
 
 
-
-
 def nearly(low: float, high: float) -> st.SearchStrategy[float]:
     """Numbers of everyday size: multiples of a millionth, so that no square underflows."""
     return st.integers(round(low * 1e6), round(high * 1e6)).map(lambda whole: whole * 1e-6)
@@ -124,9 +122,7 @@ EXAMPLES: Mapping[str, Mechanism] = {
 class Generated:
     """The generated module of a mechanism with a law, called with plain numbers."""
 
-    def __init__(
-        self, mechanism: Mechanism, law: FrictionLaw, model: Model | None = None
-    ) -> None:
+    def __init__(self, mechanism: Mechanism, law: FrictionLaw, model: Model | None = None) -> None:
         model = formulate(mechanism, law) if model is None else model
         self.module: ModuleType = load(model)
         inputs = gather(mechanism, law, model)

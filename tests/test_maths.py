@@ -120,7 +120,7 @@ def test_the_same_condition_met_twice_is_one_switch():
     board = Switchboard()
     v = traced("v", board)
     maths.where(v > 1.0, v, 0.0)
-    maths.where(1.0 < v, 2.0, v)
+    maths.where(v > 1.0, 2.0, v)
     assert len(board.switches) == 1
 
 
@@ -140,7 +140,7 @@ def test_a_sign_that_the_mode_fixes_makes_no_switch():
         pytest.param(lambda v: v > 0 and v < 1, id="and"),
         pytest.param(lambda v: not v, id="not"),
         pytest.param(lambda v: max(v, 0.0), id="max"),
-        pytest.param(lambda v: bool(v), id="bool"),
+        pytest.param(bool, id="bool"),
         pytest.param(lambda v: v == 0, id="equal"),
         pytest.param(lambda v: v != 0, id="not equal"),
         pytest.param(lambda v: v in (1.0, 2.0), id="in"),

@@ -66,6 +66,8 @@ def simulate(
     last = Quantity("T", "s", above=0).check("simulate", "t_end", t_end)
     start = _initial_state(mechanism, law, y0)
     solver = EventDriven() if solver is None else solver
+    if not isinstance(solver, Solver):
+        raise InputError(f"solver must be an EventDriven(...) or FixedStep(...), got {solver!r}.")
     run = solver.run(mechanism, law, y0=start, t_end=last)
     if throw and not run.status.complete:
         raise SimulationError(f"{run.status.value} It ended at t = {run.span[1]:g} s.")
@@ -92,6 +94,6 @@ def _initial_state(
     if len(y0) != len(names):
         raise InputError(f"y0 must have {len(names)} values ({', '.join(names)}), got {len(y0)}.")
     return [
-        Quantity(name, "").check("simulate", f"y0[{name!r}]", value)
+        Quantity(name).check("simulate", f"y0[{name!r}]", value)
         for name, value in zip(names, y0, strict=True)
     ]

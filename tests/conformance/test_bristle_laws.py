@@ -4,7 +4,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
-
 from tests.support import BRISTLE, decade, laws
 
 loads = decade(-2, 3)

@@ -8,13 +8,13 @@ import re
 
 import pytest
 from latex2mathml.converter import convert
+from tests.support import EXAMPLES, example_of
 
 from stickslip import LAWS, PRINTED_FORMS
 from stickslip.errors import ParameterError
 from stickslip.friction import SOURCES, laws
 from stickslip.mechanisms import MECHANISMS, mechanisms
 from stickslip.quantities import fields_of
-from tests.support import EXAMPLES, example_of
 
 FIRST = (*LAWS.values(), *MECHANISMS.values())
 ALL = (*FIRST, *PRINTED_FORMS.values())
@@ -88,7 +88,7 @@ def test_registries_with_installed_packages_hold_at_least_our_own():
     assert MECHANISMS.items() <= mechanisms().items()
 
 
-@pytest.mark.parametrize("kind", (*LAWS.values(), *PRINTED_FORMS.values()), ids=called)
+@pytest.mark.parametrize("kind", [*LAWS.values(), *PRINTED_FORMS.values()], ids=called)
 def test_every_formula_renders_as_mathml(kind):
     rendered = convert(kind.formula)
     assert rendered.startswith("<math")

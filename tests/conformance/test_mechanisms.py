@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.support import EXAMPLES, RIGS, Generated, example_of
 
 from stickslip import LAWS, simulate
 from stickslip.drives import Drive
 from stickslip.friction import BristleLaw
 from stickslip.mechanisms import MECHANISMS
-from tests.support import EXAMPLES, RIGS, Generated, example_of
 
 each_mechanism = pytest.mark.parametrize("name", MECHANISMS)
 each_law = pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)

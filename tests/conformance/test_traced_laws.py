@@ -5,11 +5,11 @@ import random
 
 import numpy as np
 import pytest
+from tests.support import Generated, example_of
 
 from stickslip import LAWS, Axis
 from stickslip.friction import BristleLaw
 from stickslip.quantities import fields_of
-from tests.support import Generated, example_of
 
 FRACTIONAL = 1.5
 SPEEDS = [10.0 ** (i / 4) for i in range(-24, 5)]

@@ -5,12 +5,12 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.support import broken_lines, pulses
 
 from stickslip import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
 from stickslip.drives import Piece
 from stickslip.drives.base import BEGINNING
 from stickslip.errors import ParameterError
-from tests.support import broken_lines, pulses
 
 sines = st.builds(Sine, amplitude=st.floats(-9, 9), frequency=st.floats(0.1, 9))
 ramps = st.builds(Ramp, rate=st.floats(-9, 9), start=st.floats(-1, 1))

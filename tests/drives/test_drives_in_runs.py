@@ -1,11 +1,13 @@
 """What a run makes of its drive."""
 
+import itertools
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.support import broken_lines, drives, nearly, pulses
 
 from stickslip import Axis, Coulomb, PiecewiseLinear, Pulse, Ramp, Sampled, Sine, simulate
-from tests.support import broken_lines, drives, nearly, pulses
 
 FREE = Coulomb(kinetic_coefficient=0.0)
 sines = st.builds(Sine, amplitude=nearly(-9, 9), frequency=nearly(0.1, 3))
@@ -28,7 +30,7 @@ def test_a_free_body_gains_the_momentum_that_the_drive_gives(drive):
     # Gauss-Legendre is exact for lines, and to 1e-14 for up to six waves at 60 nodes
     nodes, weights = np.polynomial.legendre.leggauss(60)
     impulse = size = 0.0
-    for low, high in zip(edges, edges[1:], strict=False):
+    for low, high in itertools.pairwise(edges):
         t = low + 0.5 * (high - low) * (nodes + 1)
         values = np.array([drive.value(float(one)) for one in t])
         impulse += 0.5 * (high - low) * float(weights @ values)

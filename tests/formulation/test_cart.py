@@ -10,18 +10,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, final
 
+import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from tests.support import Generated, decade
 from typing_extensions import override
 
-from stickslip import Coulomb
+from stickslip import Coulomb, Status, simulate
 from stickslip.drives import Drive
+from stickslip.errors import SimulationError
 from stickslip.formulation import formulate
 from stickslip.maths import cos, sin
 from stickslip.mechanisms import Contact, Mechanism
 from stickslip.quantities import Quantity
-from tests.support import Generated, decade
 
 ROUNDING = 1e-12
 """Roundings, multiplied by the ratio of the masses and by how close D comes to zero."""
@@ -182,3 +184,25 @@ def test_the_energy_is_that_of_cart_and_ball(cart, theta, omega, v):
     expected = 0.5 * M * v**2 + 0.5 * m * ball + m * g * l * math.cos(theta)
     found = Generated(cart, LAW, model()).energy([0.0, theta, v, omega])
     assert abs(found - expected) <= 1e-14 * (M * v**2 + m * ball + m * g * l)  # a few roundings
+
+
+def test_a_cart_whose_pendulum_lifts_it_ends_with_that_status():
+    cart = Cart(cart_mass=1.0, ball_mass=1.0, length=1.0)
+    # rising to the top fast enough that m l w^2 cos th outweighs both
+    start = {"theta": -1.2, "omega": 7.0}
+    run = simulate(cart, LAW, t_end=5.0, y0=start, throw=False)
+    assert run.status is Status.LIFT_OFF
+    assert run.events[-1].reason == "lift-off"
+    assert run.certificate.certified
+    assert abs(run["normal_force"][-1]) <= 1e-9 * 2 * 9.81  # located to rounding of the time
+    with pytest.raises(SimulationError, match="leaves the ground"):
+        simulate(cart, LAW, t_end=5.0, y0=start)
+
+
+def test_a_cart_without_friction_and_torque_keeps_its_energy_and_momentum():
+    cart = Cart(cart_mass=2.0, ball_mass=0.5, length=0.4)
+    free = Coulomb(kinetic_coefficient=0.0)
+    run = simulate(cart, free, t_end=3.0, y0={"theta": 0.3, "v": 5.0})
+    momentum = 2.5 * run["v"] - 0.5 * 0.4 * run["omega"] * np.cos(run["theta"])
+    assert run.certificate.energy_error <= 1e-9  # the certificate's limit
+    np.testing.assert_allclose(momentum, momentum[0], rtol=1e-10)  # a hundred tolerances

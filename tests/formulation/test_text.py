@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar, final
 
 import pytest
+from tests.support import EXAMPLES, Generated, example_of
 from typing_extensions import override
 
 from stickslip import LAWS, Axis, Coulomb, Dahl, Pulse, SpringBlock, simulate
@@ -20,7 +21,6 @@ from stickslip.friction import SetValuedLaw
 from stickslip.maths import exp, where
 from stickslip.mechanisms import Contact, Mechanism
 from stickslip.quantities import Quantity
-from tests.support import EXAMPLES, Generated, example_of
 
 PRINT_TEXTS = """
 import hashlib

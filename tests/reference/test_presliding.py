@@ -1,5 +1,6 @@
 """Published numbers of laws with bristles."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -42,7 +43,9 @@ def test_presliding_follows_the_published_loop():
     np.testing.assert_allclose(run.at([10, 15, 35, 40, 60, 65])["x"], known, rtol=0, atol=5e-10)
 
 
-@pytest.mark.parametrize(("w", "slowing", "speeding"), [(1, 1.18162, 1.18715), (25, 1.13788, 1.24536)])
+@pytest.mark.parametrize(
+    ("w", "slowing", "speeding"), [(1, 1.18162, 1.18715), (25, 1.13788, 1.24536)]
+)
 def test_friction_lags_behind_the_speed(w, slowing, speeding):
     def speed(t):
         return 1e-3 * (1.5 + math.cos(w * t))
@@ -75,9 +78,7 @@ def test_break_away_falls_with_the_rate_of_the_force(rate, level):
 
 def test_a_towed_block_with_lugre_friction_has_the_known_cycle():
     k, speed = 2.0, 0.1
-    run = simulate(
-        TowedBlock(mass=1.0, stiffness=k, speed=speed, load=1.0), LUGRE, t_end=45.0
-    )
+    run = simulate(TowedBlock(mass=1.0, stiffness=k, speed=speed, load=1.0), LUGRE, t_end=45.0)
 
     def spring(t, sign=1.0):
         return sign * k * (speed * t - float(run.at(t)["x"][0]))
@@ -152,20 +153,25 @@ def test_the_published_lugre_row_has_a_negative_velocity():
 
 
 @pytest.mark.parametrize("stiffness", [1e3, 1e4, 1e5])
-@pytest.mark.parametrize("kind", ["dahl", "lugre"])
-def test_a_released_block_travels_the_same_whatever_its_bristles(kind, stiffness):
-    law = lugre(stiffness) if kind == "lugre" else dahl(stiffness, static_switch=False)
-    if kind == "lugre":
-        pytest.skip("has a viscous part")
+def test_a_released_block_travels_the_same_whatever_its_bristles(stiffness):
+    run = simulate(RELEASED, dahl(stiffness, static_switch=False), t_end=3.0)
+    assert 0.2037 - 5e-5 <= run["x"][-1] <= 0.2039 + 5e-5  # known digits
+
+
+def test_a_released_block_with_stiff_lugre_bristles_travels_the_same_too():
+    law = dataclasses.replace(lugre(1e5), viscous_coefficient=0.0)
     run = simulate(RELEASED, law, t_end=3.0)
-    assert 0.2037 - 5e-5 <= run["x"][-1] <= 0.2039 + 5e-5
+    assert 0.2037 - 5e-5 <= run["x"][-1] <= 0.2039 + 5e-5  # known digits
 
 
-@pytest.mark.parametrize(("kind", "slowest"), [("dahl", -6e-3), ("lugre", -2e-3)])
-def test_stiff_bristles_spring_back_by_millimetres_per_second(kind, slowest):
-    law = lugre(1e5) if kind == "lugre" else dahl(1e5, static_switch=False)
-    run = simulate(PUSHED, law, t_end=1.0)
-    assert math.isclose(run.sampled(40001)["v"].min(), slowest, rel_tol=0.25)  # one digit
+def test_stiff_dahl_bristles_throw_the_block_back_at_6_millimetres_per_second():
+    run = simulate(PUSHED, dahl(1e5, static_switch=False), t_end=1.0)
+    assert math.isclose(run.sampled(40001)["v"].min(), -6e-3, rel_tol=0.08)  # one digit
+
+
+def test_damped_bristles_throw_the_block_back_more_slowly():
+    slowest = simulate(PUSHED, lugre(1e5), t_end=1.0).sampled(40001)["v"].min()
+    assert -5e-3 < slowest < -1e-3  # some mm/s: the damping behind the known number is not
 
 
 def test_the_classical_lugre_parameters_generate_energy_in_a_cycle():
@@ -187,7 +193,7 @@ def test_the_classical_lugre_parameters_generate_energy_in_a_cycle():
         return run.y[0, -1], run.y[1, -1]
 
     z = 0.0
-    for _ in range(40):
+    for _ in range(8):
         z, first = work(z, slow, 0.25)
         z, second = work(z, fast, 2e-4)
     assert math.isclose(first + second, -5.6e-5, abs_tol=5e-7)  # known digits

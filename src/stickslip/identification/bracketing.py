@@ -7,7 +7,8 @@ from scipy.optimize import brentq
 
 __all__ = ["positive_root"]
 
-DOUBLINGS = 40
+DOUBLINGS = 12
+"""How far the search goes: a factor of 4096 to either side. Beyond it laws only get stiff."""
 
 
 def positive_root(
@@ -37,13 +38,13 @@ def positive_root(
             wider = min(2.0 * above, high)
             f_wider = function(wider)
             if f_wider * f_above <= 0.0:
-                return float(brentq(function, above, wider, rtol=1e-11, xtol=1e-300))
+                return float(brentq(function, above, wider, rtol=1e-10, xtol=1e-300))
             above, f_above = wider, f_wider
         if below > low:
             lower = max(0.5 * below, low)
             f_lower = function(lower)
             if f_lower * f_below <= 0.0:
-                return float(brentq(function, lower, below, rtol=1e-11, xtol=1e-300))
+                return float(brentq(function, lower, below, rtol=1e-10, xtol=1e-300))
             below, f_below = lower, f_lower
         if above >= high and below <= max(low, start * 2.0**-DOUBLINGS):
             break

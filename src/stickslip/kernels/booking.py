@@ -1,7 +1,8 @@
 """The books of a run: rows of steps, work done, violations found."""
 
+from stickslip.kernels.codes import STOP
 from stickslip.kernels.dense import TERMS, interpolate
-from stickslip.kernels.model import N_GUARDS, N_STATES, power
+from stickslip.kernels.model import N_GUARDS, N_STATES, SLIP, power
 from stickslip.kernels.roots import NO_GUARD, SAMPLES, guard_values
 from stickslip.kernels.state import (
     DENSE_AT,
@@ -86,7 +87,8 @@ def audit(
     """Note how far guards are violated at the end of a step, relative to their size in it."""
     guard_values(int(whole[MODE]), int(whole[FLAGS]), t, y, p, scale, values)
     for i in range(N_GUARDS):
-        size = 0.0
+        # a step may be a rounding long, and the speed at its start no measure of anything
+        size = scale[SLIP] if i == STOP else 0.0
         for s in range(SAMPLES + 1):
             size = max(size, abs(samples[s * N_GUARDS + i]))
         if values[i] < 0.0 and size > 0.0:

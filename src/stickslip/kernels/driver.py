@@ -76,7 +76,7 @@ def finish_step(
         log[(int(whole[STEPS]) - 1) * ROW_COLUMNS + 1] = real[TIME]
     if guard != NO_GUARD:
         handle_event(guard, start, y, real, whole, p, values, events)
-    elif real[TIME] >= t_end:
+    if whole[STATUS] == RUNNING and real[TIME] >= t_end:
         whole[STATUS] = END_TIME
     elif real[TIME] >= stop:
         enter_pieces(table, p, real, whole)
@@ -125,4 +125,6 @@ def run(
             )
         if whole[STEPS] >= limit and whole[STATUS] == RUNNING:
             whole[STATUS] = STEP_LIMIT
+    if whole[STEPS] == 0:  # not one step could be taken: the start is all there is
+        record(log, real[TIME], real[TIME], 1.0, y, vector(TERMS * n), whole)
     return log, events

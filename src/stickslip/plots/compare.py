@@ -48,7 +48,8 @@ def draw_travels(
     callable
         Draws it.
     """
-    last = min(1.6 * horizon(runs[chosen], slip), runs[chosen].span[1])
+    arrived = horizon(runs[chosen], slip)
+    last = min(1.6 * arrived, *(run.span[1] for run in runs.values()))
     times = dense(runs[chosen], last).t
     travel = {name: run.at(times)[slip] - run.at(run.span[:1])[slip] for name, run in runs.items()}
     apart = {name: 1e3 * (x - travel[chosen]) for name, x in travel.items()}
@@ -60,7 +61,9 @@ def draw_travels(
             return
         left, right = figure.subplots(*((2, 1) if narrow else (1, 2)))
         _travels(left, times, travel, chosen, look, band)
-        _differences(right, times, apart, chosen, look)
+        shown = times <= arrived
+        near = {name: gap[shown] for name, gap in apart.items()}
+        _differences(right, times[shown], near, chosen, look)
 
     return draw
 

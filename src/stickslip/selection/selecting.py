@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 
-from stickslip.errors import ConvergenceError, InputError
+from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Measurement
 from stickslip.friction import LAWS, FrictionLaw
 from stickslip.identification import Fit, fit, starting_law
@@ -123,7 +123,7 @@ def _candidate(
         if scored:
             free = [estimate.path for estimate in result.estimates]
             errors = held_out_errors(law, trials, kind, free=free, t_end=t_end, watch=report)
-    except ConvergenceError as reason:
+    except (ConvergenceError, SimulationError) as reason:
         dropped = str(reason)
     run = simulate(first.mechanism, result.law, t_end=t_end, y0=first.initial) if result else None
     score, score_error = root_mean_square(errors) if errors else (None, None)

@@ -78,6 +78,10 @@ class FixedStep(Solver):
     ) -> Trajectory:
         diagram = Diagram.build(mechanism, law)
         count = math.floor(t_end / self.dt * (1 + 1e-12))
+        if count < 1:
+            raise ParameterError(
+                f"FixedStep.dt (dt) must be at most t_end = {t_end:g} s, got {self.dt:g}."
+            )
         y = list(y0)
         held = self.stick_rule and y[diagram.slip] == 0 and diagram.holds(0.0, y)
         rows = [diagram.sample(0.0, y, held)]

@@ -143,7 +143,7 @@ def load(model: Model) -> ModuleType:
 def _from_file(name: str, text: str) -> ModuleType:
     path = cache_directory() / f"{name}.py"
     try:
-        if not path.exists() or path.read_text(encoding="utf-8") != text:
+        if not path.exists() or path.read_text("utf-8", "replace") != text:
             _write(path, text)
         return _executed(name, path)
     except OSError:

@@ -1,0 +1,211 @@
+"""Reference pages made from the package itself: laws, printed forms, command line, rig files."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import typer.main
+from docutils import nodes
+from docutils.statemachine import StringList
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+from stickslip import LAWS, PRINTED_FORMS, rig_schema
+from stickslip.cli.app import app as command_line
+from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.quantities import fields_of
+
+BIBLIOGRAPHY = {"paper": "pendulumcart"}
+"""Keys of sources that are called otherwise in references.bib."""
+GREEK = ("alpha", "mu", "phi", "sigma")
+RIG_LISTS = {"RunTable": "[run]", "TrialTable": "[[trial]]", "PublishedTable": "[[published]]"}
+
+
+def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Iterator[str]:
+    """Lines of a table."""
+    for cells in (head, ("---",) * len(head), *rows):
+        yield "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |"
+    yield ""
+
+
+def symbol(text: str) -> str:
+    """A plain symbol such as mu_s as a formula."""
+    base, _, index = text.partition("_")
+    base = f"\\{base}" if base in GREEK else base
+    return f"${base}_{{{index}}}$" if index else f"${base}$"
+
+
+def laws() -> Iterator[str]:
+    """All registered laws: a table, then a section for each."""
+    rows = (
+        (
+            f"[{law.title}](#law-{name})",
+            f"`{name}`",
+            "bristles" if issubclass(law, BristleLaw) else "set-valued",
+            ", ".join(symbol(quantity.symbol) for quantity in fields_of(law).values()),
+        )
+        for name, law in LAWS.items()
+    )
+    yield from table(("law", "name", "kind", "parameters"), rows)
+    for name, law in LAWS.items():
+        yield from one_law(name, law)
+
+
+def one_law(name: str, law: type[FrictionLaw]) -> Iterator[str]:
+    prose = (law.__doc__ or "").partition("\n\n    Examples")[0]
+    yield from (f"(law-{name})=", f"## {law.title}", "")
+    yield from (prose.replace("\n    ", "\n"), "", "$$", law.formula, "$$", "")
+    rows = (
+        (f"`{field}`", symbol(quantity.symbol), quantity.unit, bounds(quantity), default(law, field))
+        for field, quantity in fields_of(law).items()
+    )
+    yield from table(("parameter", "symbol", "unit", "range", "default"), rows)
+    keys = ",".join(BIBLIOGRAPHY.get(key, key) for key in law.sources)
+    yield f"In Python: {{py:obj}}`stickslip.{law.__name__}`. Sources: {{cite}}`{keys}`."
+    yield ""
+
+
+def bounds(quantity: Any) -> str:
+    """The allowed range, with the field that a value must not fall below."""
+    text: str = quantity.range
+    return f"{text}, and at least `{quantity.at_least}`" if quantity.at_least else text
+
+
+def default(owner: type[Any], field: str) -> str:
+    value = owner.__dataclass_fields__[field].default
+    if isinstance(value, (int, float)):
+        return f"{value:g}"
+    return "none" if value is None else "required"
+
+
+def printed_forms() -> Iterator[str]:
+    """The printed equations: formula, what is wrong, what is used instead."""
+    for form in PRINTED_FORMS.values():
+        yield from (f"## Eq. {form.equation}: {form.title}", "")
+        yield from ("$$", form.formula, "$$", "")
+        yield from ("As printed", f": {form.defect}.", "")
+        yield from ("Used here", f": {form.cure}; the law `{form.corrected.name}`.", "")
+        yield from ("Class", f": `stickslip.PRINTED_FORMS[{form.name!r}]`", "")
+
+
+def commands() -> Iterator[str]:
+    """All commands of the command line, from the text of their own help."""
+    group: Any = typer.main.get_command(command_line)
+    yield from (group.epilog, "")
+    for name, command in group.commands.items():
+        parameters = [parameter for parameter in command.params if parameter.name != "help"]
+        places = [f"[{p.name.upper()}]" for p in parameters if is_argument(p)]
+        options = [] if len(places) == len(parameters) else ["[OPTIONS]"]
+        usage = " ".join(["stickslip", name, *options, *places])
+        yield from (f"## `stickslip {name}`", "", command.help, "")
+        yield from ("```text", usage, "```", "")
+        if parameters:
+            rows = ((called(p), p.help or "", preset(p)) for p in parameters)
+            yield from table(("argument or option", "meaning", "default"), rows)
+
+
+def is_argument(parameter: Any) -> bool:
+    return bool(parameter.param_type_name == "argument")
+
+
+def called(parameter: Any) -> str:
+    if is_argument(parameter):
+        return f"`{parameter.name.upper()}`"
+    metavar = f" {parameter.metavar}" if parameter.metavar else ""
+    return f"`{', '.join(parameter.opts)}{metavar}`"
+
+
+def preset(parameter: Any) -> str:
+    value = parameter.default
+    plain = isinstance(value, (str, int, float)) and not isinstance(value, bool)
+    return f"`{value}`" if plain or type(value).__name__ == "PosixPath" else ""
+
+
+def rig_file() -> Iterator[str]:
+    """All tables of a rig file, read off its schema."""
+    schema = rig_schema()
+    tables = schema["$defs"]
+    mechanisms = schema["properties"]["mechanism"]["discriminator"]["mapping"]
+    used = {reference.rpartition("/")[2] for reference in mechanisms.values()}
+    drives = dict(drive_mapping([tables[name] for name in used]))
+    yield from ("## The file", "", *rig_table(schema))
+    for heading, kinds in (("`[mechanism]`", mechanisms), ("`drive`", drives)):
+        yield from (f"## {heading}", "")
+        for kind, reference in sorted(kinds.items()):
+            own = tables[reference.rpartition("/")[2]]
+            yield from (f'### `type = "{kind}"`', "", own["description"], "", *rig_table(own))
+    for name in ("Friction", *(LAWS[key].__name__ for key in LAWS)):
+        key = next((key for key in LAWS if LAWS[key].__name__ == name), "")
+        heading = f"### `[friction.{key}]`" if key else "## `[friction]`"
+        yield from (heading, "", tables[name]["description"], "", *rig_table(tables[name]))
+    for name, heading in RIG_LISTS.items():
+        yield from (f"## `{heading}`", "", tables[name]["description"], "")
+        yield from rig_table(tables[name])
+
+
+def drive_mapping(node: Any) -> Iterator[tuple[str, str]]:
+    """Types of drives: the choices that a mechanism's table offers."""
+    if isinstance(node, dict):
+        yield from node.get("discriminator", {}).get("mapping", {}).items()
+    inner = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+    for child in inner:
+        yield from drive_mapping(child)
+
+
+def rig_table(schema: dict[str, Any]) -> Iterator[str]:
+    required = schema.get("required", ())
+    rows = []
+    for key, about in schema["properties"].items():
+        if key == "type":
+            continue
+        value = about.get("default")
+        given = value not in (None, "", [], {}) and not isinstance(value, dict)
+        preset = str(value).lower() if isinstance(value, bool) else f"{value}"
+        state = "required" if key in required else (f"`{preset}`" if given else "")
+        rows.append((f"`{key}`", kind_of(about), state))
+    yield from table(("key", "value", "default"), rows)
+
+
+def kind_of(about: dict[str, Any]) -> str:
+    """What may stand there, in words."""
+    if "enum" in about:
+        return "one of " + ", ".join(f"`{choice}`" for choice in about["enum"])
+    if "description" in about:
+        return quantity_text(about["description"])
+    kinds = [about, *about.get("anyOf", ())]
+    if any("$ref" in kind or "oneOf" in kind for kind in kinds):
+        return "a table"
+    words = {"string": "text", "boolean": "`true` or `false`", "array": "a list", "number": "a number"}
+    return ", ".join(dict.fromkeys(words[k["type"]] for k in kinds if k.get("type") in words))
+
+
+def quantity_text(description: str) -> str:
+    """A description such as "mu_s [1], at least 0" with its symbol typeset."""
+    name, bracket, rest = description.partition(" [")
+    return f"{symbol(name)} [{rest}" if bracket else description
+
+
+CONTENT = {
+    "laws": laws,
+    "printed-forms": printed_forms,
+    "commands": commands,
+    "rig-file": rig_file,
+}
+
+
+class Generated(SphinxDirective):
+    """``{generated} laws``: the page content of that name."""
+
+    required_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        lines = "\n".join(CONTENT[self.arguments[0]]()).splitlines()
+        parent = nodes.section()
+        parent.document = self.state.document
+        content = StringList(lines, source=self.get_source_info()[0])
+        self.state.nested_parse(content, self.content_offset, parent, match_titles=True)
+        return parent.children
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    app.add_directive("generated", Generated)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,279 @@
+"""The end of the report: what to measure next, parameters, certificate, and how to reproduce it."""
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from stickslip.friction import SOURCES
+from stickslip.plots import inline_svg
+from stickslip.plots.separation import SEPARATION_SIZES, draw_separation
+from stickslip.quantities import fields_of
+from stickslip.report import numbers
+from stickslip.report.blocks import (
+    Block,
+    Caption,
+    Code,
+    Figure,
+    KeyValue,
+    KeyValues,
+    Math,
+    Reference,
+    References,
+)
+from stickslip.report.documents import Section
+from stickslip.report.selection.texts import (
+    estimate_range,
+    estimate_value,
+    joined,
+    quantity_value,
+    travels,
+)
+from stickslip.report.tables import Column, Row, Table
+from stickslip.selection import Candidate, Verdict
+
+__all__ = ["certificate_section", "next_section", "parameters_section", "reproduce_section"]
+
+TELLING: Final = 0.05
+"""Share of the travel by which a prediction must differ to be measured with ease."""
+AUTHORS: Final = re.compile(r"(?<=[^\W\d_]{3})\. ")
+"""The end of the authors: a full stop after a surname, not after an initial."""
+
+
+def next_section(verdict: Verdict) -> Section | None:
+    """Return the section on further measurements, None if none would tell more."""
+    best = verdict.best
+    if best is None or not verdict.separations or len(verdict.explained) < 2:
+        return None
+    rows = sorted(verdict.separations, key=lambda row: row.value)
+    what = rows[0].path.rpartition(".")[2].replace("_", " ")
+    titles = {c.name: c.title for c in verdict.candidates}
+    apart = _told_apart(verdict, best)
+    if apart:
+        heading = f"Two more settings of the {what} would separate {joined(apart)} friction"
+    else:
+        heading = f"No setting of the {what} separates the models by much"
+    in_mm = rows[0].unit == "m"
+    settings = [f"{row.value * (1e3 if in_mm else 1):g}" for row in rows]
+    unit = "mm" if in_mm else rows[0].unit
+    columns = [Column(head=f"travel predicted, m\n{what}, {unit}")]
+    columns += [Column(head=s, numeric=True, phone="label", label=f"{s} {unit}") for s in settings]
+    names = sorted(rows[0].predicted, key=lambda name: name != best.name)
+    table = Table(
+        columns=tuple(columns),
+        rows=tuple(
+            Row(
+                cells=(titles[n], *(numbers.fixed(row.predicted[n], 3) for row in rows)),
+                chosen=n == best.name,
+            )
+            for n in names
+        ),
+    )
+    figure = _separation_figure(verdict, best, what, unit, titles)
+    return Section(id="next", nav="Measure next", heading=heading, blocks=(figure, table))
+
+
+def _separation_figure(
+    verdict: Verdict, best: Candidate, what: str, unit: str, titles: Mapping[str, str]
+) -> Figure:
+    rows = sorted(verdict.separations, key=lambda row: row.value)
+    path = rows[0].path
+    present = getattr(verdict.mechanism, path.rpartition(".")[2], None)
+    records = verdict.measurement.records()
+    settings = [record.overrides.get(path, present) for record in records]
+    measured = [
+        (float(s), t) for s, t in zip(settings, travels(verdict), strict=True) if s is not None
+    ]
+    still = [
+        c
+        for c in verdict.explained
+        if c is not best
+        and all(row.gap(best.name, c.name) <= TELLING * travels(verdict)[0] for row in rows)
+    ]
+    caption = f"**Predicted travel** of each law as fitted, against the {what}."
+    if still:
+        widest = max(row.gap(best.name, c.name) for row in rows for c in still)
+        caption += (
+            f" {joined([c.title for c in still])} stay{'s' if len(still) == 1 else ''} within"
+            f" {numbers.length(widest, 2)} of {best.title}: to separate"
+            f" {'that' if len(still) == 1 else 'those'}, measure slow motion, not travel."
+        )
+    svg = inline_svg(
+        draw_separation(rows, best.name, measured, titles=titles),
+        alt=f"Travel predicted by each law against the {what} in {unit}",
+        prefix="separation",
+        **SEPARATION_SIZES,
+    )
+    return Figure(svg=svg, caption=caption)
+
+
+def _told_apart(verdict: Verdict, best: Candidate) -> list[str]:
+    """Return the laws whose predictions differ enough to be measured with ease."""
+    limit = TELLING * abs(travels(verdict)[0])
+    return [
+        c.title
+        for c in verdict.explained
+        if c is not best and any(row.gap(best.name, c.name) > limit for row in verdict.separations)
+    ]
+
+
+def parameters_section(verdict: Verdict) -> Section | None:
+    """Return the section on the parameters of the chosen law."""
+    best = verdict.best
+    if best is None or best.fit is None:
+        return None
+    law = best.fit.law
+    estimates = {e.path.rpartition(".")[2]: e for e in best.fit.estimates}
+    rows = []
+    for name, quantity in fields_of(type(law)).items():
+        value = getattr(law, name)
+        label = f"{name.replace('_', ' ').capitalize()} ${quantity.symbol}$"
+        unit = "none" if quantity.unit == "1" else quantity.unit
+        if name in estimates:
+            estimate = estimates[name]
+            cells = (label, estimate_value(estimate), unit, estimate_range(estimate), "fitted")
+        elif value is None:
+            cells = (label, "not given", unit, "—", "taken from the level of sliding")
+        else:
+            how = "fixed form" if quantity.structural else "assumed, not measured"
+            cells = (label, quantity_value(value, "1"), unit, "—", how)
+        rows.append(Row(cells=cells, chosen=name in estimates))
+    kinds = joined(sorted({e.interval for e in estimates.values()}))
+    table = Table(
+        columns=(
+            Column(head="parameter"),
+            Column(head="value", numeric=True),
+            Column(head="unit", phone="label", label="unit:"),
+            Column(head=kinds or "interval", numeric=True, phone="label", label="interval"),
+            Column(head="how it is known"),
+        ),
+        rows=tuple(rows),
+    )
+    said = [
+        f"${e.quantity.symbol}$ = {quantity_value(float(f'{e.value:.3g}'), e.quantity.unit)}"
+        for e in best.fit.estimates
+    ]
+    fitted = joined(said)
+    blocks: tuple[Block, ...] = (Math(latex=law.formula), table, Code(text=_as_code(verdict)))
+    heading = f"Fitted: {fitted}" if fitted else f"The parameters of {best.title} friction"
+    return Section(id="parameters", nav="Parameters", heading=heading, blocks=blocks)
+
+
+def _as_code(verdict: Verdict) -> str:
+    """Return the chosen law as one would write it."""
+    if verdict.best is None or verdict.best.fit is None:
+        return ""
+    law = verdict.best.fit.law
+    values = ", ".join(
+        f"{name}={getattr(law, name):.6g}"
+        for name in fields_of(type(law))
+        if getattr(law, name) is not None
+    )
+    return f"{type(law).__name__}({values})"
+
+
+def certificate_section(verdict: Verdict) -> Section:
+    """Return the section that says how far to trust the computation."""
+    items: list[KeyValue] = []
+    best = verdict.best
+    if best is not None and best.run is not None:
+        book = best.run.certificate
+        mark = "ok" if book.certified else "warn"
+        items += [
+            KeyValue(
+                key="Energy",
+                value=f"{book.energy_start + book.work_supplied:.4f} J in ="
+                f" {book.work_friction:.4f} J taken by friction + {_left(book.energy_end)} left;"
+                f" mismatch {numbers.residue(book.energy_error)}",
+                mark="ok" if book.energy_error < 1e-5 else "warn",
+            ),
+            KeyValue(
+                key="Mode conditions",
+                value=f"largest violation {numbers.residue(book.guard_violation)}",
+                mark=mark,  # type: ignore[arg-type]
+            ),
+            KeyValue(
+                key="Events",
+                value=f"{len(best.run.events)} located, each to"
+                f" {numbers.residue(book.event_residual)} of its condition",
+                mark=mark,  # type: ignore[arg-type]
+            ),
+            KeyValue(
+                key="Drift at rest",
+                value="exactly 0" if book.stick_drift == 0 else numbers.length(book.stick_drift, 1),
+                mark="ok" if book.stick_drift == 0 else "warn",
+            ),
+            KeyValue(key="Steps", value=f"{book.steps:,} accepted, {book.rejected:,} rejected"),
+        ]
+        items += [KeyValue(key="Problem", value=text, mark="bad") for text in book.problems]
+    runs = [c.run for c in verdict.candidates if c.run is not None]
+    passed = sum(run.certificate.certified for run in runs)
+    if runs:
+        items.append(
+            KeyValue(
+                key="All fitted runs",
+                value=f"{passed} of {len(runs)} certified",
+                mark="ok" if passed == len(runs) else "warn",
+            )
+        )
+    items.append(_data(verdict))
+    return Section(
+        id="certificate",
+        nav="Certificate",
+        heading="Certificate of the computation",
+        blocks=(KeyValues(items=tuple(items)),),
+    )
+
+
+def _left(energy: float) -> str:
+    return "exactly 0 J" if energy == 0 else numbers.with_unit(numbers.significant(energy, 2), "J")
+
+
+def _data(verdict: Verdict) -> KeyValue:
+    records = verdict.measurement.records()
+    half = records[0].uncertainty.get("travel")
+    doubt = f"± {numbers.length(half, 1)}" if half else "without a stated uncertainty"
+    if len(records) == 1:
+        kind = {"rounding": "its rounding", "standard": "standard error", "interval": "interval"}
+        text = f"one travel, {doubt}"
+        text += f" ({kind[records[0].uncertainty_kind]})" if half else ""
+        return KeyValue(key="Data", value=f"{text}, no repeat: its spread is unknown", mark="warn")
+    distinct = len({tuple(sorted(record.overrides.items())) for record in records})
+    text = f"{len(records)} travels at {distinct} settings, {doubt} each"
+    return KeyValue(key="Data", value=text, mark="ok" if distinct > 1 else "warn")
+
+
+def reproduce_section(
+    verdict: Verdict, commands: Sequence[str], versions: Mapping[str, str], digest: str
+) -> Section:
+    """Return the section with commands, versions, hash and references."""
+    blocks: list[Block] = []
+    if commands:
+        blocks.append(Code(text="\n".join(f"$ {command}" for command in commands)))
+    items = [KeyValue(key=name, value=version) for name, version in versions.items()]
+    if digest:
+        items.append(KeyValue(key="Hash of the inputs", value=f"`{digest}`"))
+    if items:
+        blocks.append(KeyValues(items=tuple(items)))
+    blocks.append(References(items=_references(verdict)))
+    blocks.append(Caption(text="What the laws and criteria of this report come from."))
+    return Section(
+        id="reproduce", nav="Reproduce and cite", heading="Reproduce and cite", blocks=tuple(blocks)
+    )
+
+
+def _references(verdict: Verdict) -> tuple[Reference, ...]:
+    used: dict[str, list[str]] = {"paper": ["criteria"]}
+    for candidate in verdict.candidates:
+        for key in candidate.law.sources:
+            used.setdefault(key, []).append(candidate.title)
+    return tuple(
+        _reference(SOURCES[key], joined(who)) for key, who in used.items() if key in SOURCES
+    )
+
+
+def _reference(text: str, note: str) -> Reference:
+    """Return a citation in parts: authors, title, where."""
+    parts = AUTHORS.split(text.rstrip("."), maxsplit=1)
+    authors, rest = parts if len(parts) == 2 else ("", text.rstrip("."))
+    title, _, where = rest.partition(". ")
+    return Reference(authors=authors, title=title, where=where, note=note)

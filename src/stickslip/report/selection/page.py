@@ -1,0 +1,100 @@
+"""The page: sections in the order in which a reader decides."""
+
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+from stickslip.report.documents import Page, Section
+from stickslip.report.selection.closing import (
+    certificate_section,
+    next_section,
+    parameters_section,
+    reproduce_section,
+)
+from stickslip.report.selection.criteria import criteria_section
+from stickslip.report.selection.models import models_section
+from stickslip.report.selection.opening import opening_section
+from stickslip.report.selection.runs import fixed_steps_section, laws_section, run_section
+from stickslip.report.selection.trials import trials_section
+from stickslip.selection import FixedStepRow, Verdict
+from stickslip.trajectory import Trajectory
+
+__all__ = ["selection_page"]
+
+NOTHING: Mapping[str, Trajectory] = MappingProxyType({})
+
+
+def selection_page(
+    verdict: Verdict,
+    *,
+    subject: str,
+    kicker: str,
+    versions: Mapping[str, str],
+    digest: str,
+    lead: Sequence[Section] = (),
+    extra: Sequence[Section] = (),
+    reproduce: Sequence[str] = (),
+    fixed_steps: Sequence[FixedStepRow] = (),
+    fixed_step_runs: Mapping[str, Trajectory] = NOTHING,
+) -> Page:
+    """Return the report of a selection.
+
+    Parameters
+    ----------
+    verdict : Verdict
+        What `stickslip.select` gave; every number of the page is computed from it.
+    subject : str
+        The data, at the right of the top line.
+    kicker : str
+        The data in one line, above the verdict.
+    versions : mapping of str to str
+        Versions by name of the software; that of ``"stickslip"`` stands in the footer.
+    digest : str
+        Hash of the inputs.
+    lead, extra : sequence of Section
+        Sections of one's own: after the verdict, and before what to measure next.
+    reproduce : sequence of str
+        Commands that give this report again.
+    fixed_steps : sequence of FixedStepRow
+        What `stickslip.selection.compare_fixed_steps` gave.
+    fixed_step_runs : mapping of str to Trajectory
+        Runs of the chosen law with fixed steps, by what they are called.
+
+    Returns
+    -------
+    Page
+        The page; a section without content is left out.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock, select
+    >>> from stickslip.experiments import Measurement
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+    >>> verdict = select(rig, reading, [Coulomb], t_end=1.0)
+    >>> page = selection_page(verdict, subject="rig", kicker="One travel", versions={}, digest="")
+    >>> page.sections[0].id
+    'verdict'
+    """
+    sections = [
+        opening_section(verdict, kicker),
+        *lead,
+        models_section(verdict),
+        trials_section(verdict),
+        criteria_section(verdict),
+        run_section(verdict),
+        laws_section(verdict),
+        parameters_section(verdict),
+        fixed_steps_section(verdict, fixed_steps, fixed_step_runs),
+        *extra,
+        next_section(verdict),
+        certificate_section(verdict),
+        reproduce_section(verdict, reproduce, versions, digest),
+    ]
+    version = versions.get("stickslip", "")
+    return Page(
+        title=f"Friction model selection: {subject}",
+        subject=subject,
+        sections=tuple(section for section in sections if section is not None),
+        footer=f"Written by {f'stickslip {version}'.strip()}. This file is complete: it loads"
+        " nothing and runs no script.",
+    )

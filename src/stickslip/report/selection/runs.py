@@ -1,0 +1,186 @@
+"""The chosen run, the laws as curves, and fixed steps beside the exact run."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from stickslip.friction import BristleLaw
+from stickslip.plots import inline_svg
+from stickslip.plots.laws import (
+    characteristic_sizes,
+    draw_characteristics,
+    draw_presliding,
+    presliding_sizes,
+)
+from stickslip.plots.run import FRICTION_SIZES, RUN_SIZES, draw_friction_velocity, draw_run
+from stickslip.plots.steps import draw_fixed_steps, fixed_step_sizes
+from stickslip.report import numbers
+from stickslip.report.blocks import Block, Figure
+from stickslip.report.documents import Section
+from stickslip.report.selection.texts import joined, slip_and_rate
+from stickslip.report.tables import Column, Row, Table
+from stickslip.selection import FixedStepRow, Verdict
+from stickslip.trajectory import Trajectory
+
+__all__ = ["fixed_steps_section", "laws_section", "run_section"]
+
+MOST_EVENTS = 4
+
+
+def run_section(verdict: Verdict) -> Section | None:
+    """Return the section on the chosen run, None if no law was chosen."""
+    best = verdict.best
+    if best is None or best.run is None or best.criteria is None:
+        return None
+    slip, rate = slip_and_rate(verdict)
+    stop = best.criteria.stop_time
+    if stop is None:
+        heading = f"With {best.title} friction the body never quite stops"
+    else:
+        heading = f"With {best.title} friction the body stops after {stop:.3f} s, and stays"
+    blocks = (
+        Figure(
+            svg=inline_svg(
+                draw_run(best.run, slip=slip, rate=rate),
+                alt=f"Displacement, velocity and friction against time, {best.title}",
+                prefix="chosen",
+                **RUN_SIZES,
+            ),
+            caption=f"**The chosen run.** {_events(best.run)}",
+        ),
+        Figure(
+            svg=inline_svg(
+                draw_friction_velocity(best.run, rate=rate, slip=slip),
+                alt=f"Friction against velocity along the run, {best.title}",
+                prefix="friction-velocity",
+                **FRICTION_SIZES,
+            ),
+            caption="**Friction against velocity** along the same run.",
+        ),
+    )
+    return Section(id="run", nav="The chosen run", heading=heading, blocks=blocks)
+
+
+def _events(run: Trajectory) -> str:
+    """Say what happens when, in one sentence."""
+    if not run.events:
+        return "Nothing switches."
+    said = [f"{event.reason} at {event.t:.3f} s" for event in run.events[:MOST_EVENTS]]
+    more = len(run.events) - MOST_EVENTS
+    tail = f"; {more} more events" if more > 0 else ""
+    return f"Dots are events: {joined(said) if not tail else ', '.join(said)}{tail}."
+
+
+def laws_section(verdict: Verdict) -> Section | None:
+    """Return the section with the fitted laws as curves."""
+    laws = {c.title: c.fit.law for c in verdict.explained if c.fit is not None}
+    best = verdict.best
+    if best is None or best.run is None or best.title not in laws:
+        return None
+    _, rate = slip_and_rate(verdict)
+    v_max = float(np.max(np.abs(best.run[rate])))
+    load = float(np.median(best.run["normal_force"]))
+    draw = draw_characteristics(laws, load, v_max, chosen=best.title)
+    others = " The other laws stand pale behind it." if len(laws) > 1 else ""
+    at_rest = (
+        " At rest a contact takes any force between the ends of the upright line; for Dahl and"
+        " LuGre the curve is that of steady sliding."
+        if any(isinstance(law, BristleLaw) for law in laws.values())
+        else " At rest a contact takes any force between the ends of the upright line."
+    )
+    blocks: list[Block] = [
+        Figure(
+            svg=inline_svg(
+                draw,
+                alt="Friction against slip velocity of each fitted law",
+                prefix="laws",
+                **characteristic_sizes(len(laws)),
+            ),
+            caption=f"**Each law as fitted**, at the load of {load:.3g} N.{others}{at_rest}",
+        )
+    ]
+    bristle = {title: law for title, law in laws.items() if isinstance(law, BristleLaw)}
+    if bristle:
+        svg = inline_svg(
+            draw_presliding(bristle, load=load),
+            alt="Friction against slow displacement to and fro, before full slip",
+            prefix="presliding",
+            **presliding_sizes(len(bristle)),
+        )
+        caption = (
+            "**Before full slip** the contact is elastic: friction against a slow displacement to"
+            " and fro that swings ever wider. The stiffness is assumed, not measured."
+        )
+        blocks.append(Figure(svg=svg, caption=caption))
+    heading = "Fitted laws as curves" if len(laws) > 1 else f"{best.title} friction as a curve"
+    return Section(id="laws", nav="The laws", heading=heading, blocks=tuple(blocks))
+
+
+def fixed_steps_section(
+    verdict: Verdict, rows: Sequence[FixedStepRow], runs: Mapping[str, Trajectory]
+) -> Section | None:
+    """Return the section on what a fixed step makes of the run, None without rows."""
+    if not rows:
+        return None
+    blocks: list[Block] = [_steps_table(rows)]
+    best = verdict.best
+    if runs and best is not None and best.run is not None:
+        _, rate = slip_and_rate(verdict)
+        svg = inline_svg(
+            draw_fixed_steps(best.run, runs, rate=rate),
+            alt="Velocity around the stop, exact and with fixed steps",
+            prefix="fixed-steps",
+            **fixed_step_sizes(len(runs)),
+        )
+        caption = "**Velocity around the stop.** Each panel covers as many steps; dots are steps."
+        blocks.insert(0, Figure(svg=svg, caption=caption))
+    heading = _steps_heading(rows)
+    return Section(id="steps", nav="Fixed steps", heading=heading, blocks=tuple(blocks))
+
+
+def _steps_heading(rows: Sequence[FixedStepRow]) -> str:
+    worst = max(rows, key=lambda row: row.reversals)
+    exact = next((row for row in rows if row.dt is None), None)
+    if worst.dt is None or worst.reversals == 0 or (exact and exact.reversals):
+        return "Fixed steps beside the exact run"
+    times = "once" if worst.reversals == 1 else f"{worst.reversals:,} times"
+    rule = "" if worst.stick_rule else " without a stick rule"
+    return f"A fixed step of {_milliseconds(worst.dt)}{rule} reverses the body {times}"
+
+
+def _milliseconds(dt: float) -> str:
+    return numbers.with_unit(f"{1e3 * dt:g}", "ms")
+
+
+def _steps_table(rows: Sequence[FixedStepRow]) -> Table:
+    columns = (
+        Column(head="step"),
+        Column(head="stick rule", phone="label", label="stick rule:"),
+        Column(head="travel\nm", numeric=True, phone="label"),
+        Column(head="differs by\nmm", numeric=True, phone="label"),
+        Column(head="least velocity\nmm/s", numeric=True, phone="label"),
+        Column(head="reversals", numeric=True, phone="label"),
+    )
+    exact = next((row.criteria.travel for row in rows if row.dt is None), None)
+    out = []
+    for row in rows:
+        gap = None if exact is None or row.dt is None else row.criteria.travel - exact
+        least = row.criteria.least_velocity
+        out.append(
+            Row(
+                cells=(
+                    "exact, event-driven" if row.dt is None else _milliseconds(row.dt),
+                    "located events" if row.dt is None else "yes" if row.stick_rule else "no",
+                    numbers.fixed(row.criteria.travel, 4),
+                    "—" if gap is None else numbers.significant(1e3 * gap, 2),
+                    "0" if abs(least) < 1e-9 else numbers.significant(1e3 * least, 2),
+                    f"{row.reversals:,}",
+                ),
+                chosen=row.dt is None,
+            )
+        )
+    caption = (
+        "Travel at the end of the run. With a fixed step a reversal is noticed one step late; the"
+        " stick rule then holds the body, and without it the velocity chatters about zero."
+    )
+    return Table(columns=columns, rows=tuple(out), caption=caption)

@@ -1,0 +1,133 @@
+"""Fits of travels: closed forms, intervals, refusals."""
+
+import math
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Coulomb,
+    CoulombViscous,
+    Dahl,
+    Measurement,
+    SpringBlock,
+    Stribeck,
+    Viscous,
+    fit,
+    simulate,
+)
+from stickslip.errors import ConvergenceError, InputError, UnknownNameError
+from stickslip.identification.bracketing import positive_root
+
+RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+READING = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+
+
+def energy_balance(travel):
+    return 100.0 * 0.1**2 / (2.0 * 9.81 * travel)
+
+
+def trials(law, compressions, digits):
+    """Return readings of a law's travels, rounded as a ruler would."""
+    readings = []
+    for compression in compressions:
+        rig = SpringBlock(mass=1.0, stiffness=100.0, compression=compression)
+        travel = float(simulate(rig, law, t_end=10.0).at(10.0)["x"][0])
+        readings.append(
+            Measurement(
+                travel=round(travel, digits),
+                uncertainty=0.5 * 10.0**-digits,
+                uncertainty_kind="rounding",
+                overrides={"mechanism.compression": compression},
+                name=f"{compression:g}",
+            )
+        )
+    return Measurement(trials=tuple(readings))
+
+
+def test_one_travel_gives_the_coefficient_of_the_energy_balance():
+    result = fit(RIG, Coulomb, READING)
+    # the root is sought to 1e-11 of its value and the travel is exact to 1e-12
+    assert result.law.kinetic_coefficient == pytest.approx(energy_balance(0.20), rel=1e-9)
+
+
+def test_the_interval_is_that_of_the_travels_that_round_to_the_reading():
+    (estimate,) = fit(RIG, Coulomb, READING).estimates
+    ends = [energy_balance(0.205), energy_balance(0.195)]
+    np.testing.assert_allclose([estimate.low, estimate.high], ends, rtol=1e-9)
+    assert estimate.interval == "rounding range"
+
+
+def test_a_standard_error_gives_a_95_percent_interval():
+    (estimate,) = fit(RIG, Coulomb, Measurement(travel=0.20, uncertainty=0.005)).estimates
+    # 1.96 standard errors of the reading, through the energy balance
+    assert estimate.low == pytest.approx(energy_balance(0.20 + 1.959964 * 0.005), rel=1e-6)
+
+
+def test_a_reading_without_uncertainty_leaves_the_parameter_unbounded_and_says_why():
+    (estimate,) = fit(RIG, Coulomb, Measurement(travel=0.20)).estimates
+    assert not estimate.bounded
+    assert "no uncertainty" in estimate.reason
+
+
+@pytest.mark.parametrize("law", [Coulomb, Viscous, CoulombViscous, Stribeck, Dahl])
+def test_the_fitted_law_reproduces_the_travel(law):
+    result = fit(RIG, law, READING)
+    # the root is sought to 1e-11; stiff runs are exact to 1e-8
+    assert result.predicted[0] == pytest.approx(0.20, rel=1e-7)
+
+
+def test_three_travels_give_both_parameters_of_the_law_that_made_them():
+    truth = CoulombViscous(kinetic_coefficient=0.22, viscous_coefficient=0.5)
+    result = fit(RIG, CoulombViscous, trials(truth, (0.06, 0.1, 0.15), digits=9))
+    # readings are rounded to 1e-9 m, which is 1e-8 of the travels
+    assert result.law.kinetic_coefficient == pytest.approx(0.22, rel=1e-5)
+    assert result.law.viscous_coefficient == pytest.approx(0.5, rel=1e-5)
+
+
+def test_intervals_of_rounded_travels_cover_the_truth():
+    truth = CoulombViscous(kinetic_coefficient=0.22, viscous_coefficient=0.5)
+    result = fit(RIG, CoulombViscous, trials(truth, (0.05, 0.07, 0.1, 0.12, 0.15), digits=3))
+    for estimate, true in zip(result.estimates, (0.22, 0.5), strict=True):
+        assert estimate.low < true < estimate.high
+
+
+def test_a_travel_that_no_value_can_give_is_said_so():
+    far = Measurement(travel=0.20, uncertainty=0.005, overrides={"mechanism.mass": 1.0})
+    law = CoulombViscous(kinetic_coefficient=0.4, viscous_coefficient=0.5)
+    with pytest.raises(ConvergenceError, match=r"viscous_coefficient.*travel 0\.2 m"):
+        fit(RIG, law, far, free=["viscous_coefficient"])
+
+
+def test_more_parameters_than_travels_are_refused():
+    with pytest.raises(InputError, match=r"1 travel\(s\) cannot fix 2"):
+        fit(RIG, CoulombViscous, READING, free=["kinetic_coefficient", "viscous_coefficient"])
+
+
+def test_an_unknown_parameter_names_the_nearest_known_one():
+    with pytest.raises(UnknownNameError, match="friction.kinetic_coefficient"):
+        fit(RIG, Coulomb, READING, free=["kinetic_coeficient"])
+
+
+def test_a_record_without_a_travel_is_refused():
+    series = Measurement(time=[0.0, 1.0], position=[0.0, 1.0])
+    with pytest.raises(InputError, match="has none"):
+        fit(RIG, Coulomb, series)
+
+
+def test_progress_counts_the_runs():
+    seen = []
+    result = fit(RIG, Coulomb, READING, watch=seen.append)
+    assert seen == list(range(1, result.runs + 1))
+
+
+@pytest.mark.parametrize("root", [1e-3, 0.3, 1.0, 7.5, 3e3])
+def test_a_root_is_found_over_many_decades(root):
+    found = positive_root(lambda x: x - root, 1.0)
+    assert found == pytest.approx(root, rel=1e-9)
+
+
+def test_a_function_without_a_sign_change_has_no_root():
+    assert positive_root(lambda x: 1.0 + x, 1.0) is None
+    assert positive_root(lambda x: x - 5.0, 1.0, high=2.0) is None
+    assert math.isclose(positive_root(lambda x: x - 1.0, 1.0) or 0.0, 1.0)

@@ -1,0 +1,110 @@
+"""The numeric building blocks, as plain Python."""
+
+import math
+import random
+
+import numpy as np
+import pytest
+from scipy.integrate import DOP853
+from tests.support import Generated
+
+from stickslip import Axis, LuGre
+from stickslip.kernels import dop853_tableau, rodas5p_tableau
+from stickslip.kernels.lu import lu_factor, lu_solve
+from stickslip.kernels.state import grown
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 6])
+def test_linear_systems_are_solved_to_rounding(n):
+    dice = random.Random(n)
+    for _ in range(20):
+        a = [dice.gauss(0, 1) for _ in range(n * n)]
+        b = [dice.gauss(0, 1) for _ in range(n)]
+        matrix, right = np.array(a).reshape(n, n), np.array(b)
+        pivots = [0.0] * n
+        assert lu_factor(a, n, pivots)
+        lu_solve(a, n, pivots, b)
+        # backward stable: the residual is a few roundings of its parts
+        size = np.abs(matrix) @ np.abs(b) + np.abs(right)
+        assert np.all(np.abs(matrix @ np.array(b) - right) <= 1e-13 * size)
+
+
+def test_a_zero_on_the_diagonal_is_pivoted_away():
+    a, b, pivots = [0.0, 2.0, 3.0, 0.0], [4.0, 6.0], [0.0, 0.0]
+    assert lu_factor(a, 2, pivots)
+    lu_solve(a, 2, pivots, b)
+    assert b == [2.0, 2.0]
+
+
+@pytest.mark.parametrize("a", [[0.0], [1.0, 2.0, 2.0, 4.0], [math.nan]])
+def test_a_singular_matrix_is_recognised(a):
+    n = math.isqrt(len(a))
+    assert not lu_factor(list(a), n, [0.0] * n)
+
+
+def test_the_stages_of_dop853_are_those_of_scipy():
+    row = 0
+    for s in range(1, 12):
+        np.testing.assert_array_equal(dop853_tableau.A[row : row + s], DOP853.A[s, :s])
+        row += s
+    np.testing.assert_array_equal(dop853_tableau.A[row : row + 12], DOP853.B)
+    np.testing.assert_array_equal(dop853_tableau.C[:12], DOP853.C[:12])
+    np.testing.assert_array_equal(dop853_tableau.ERROR_5[:13], DOP853.E5)
+    np.testing.assert_array_equal(dop853_tableau.ERROR_3[:13], DOP853.E3)
+
+
+def test_the_last_stage_of_rodas5p_is_the_one_before_with_its_correction():
+    a = rodas5p_tableau.A_RODAS
+    rows = [a[s * (s - 1) // 2 : s * (s + 1) // 2] for s in range(1, 8)]
+    assert rows[5] == (*rows[4], 1.0)
+    assert rows[6] == (*rows[5], 1.0)
+
+
+def test_vectors_grow_by_doubling_and_keep_what_they_hold():
+    values = [1.0, 2.0, 3.0]
+    assert grown(values, 3) is values
+    assert grown(values, 4)[:3] == values
+    assert len(grown(values, 4)) >= 4
+
+
+@pytest.fixture(scope="module")
+def stiff():
+    law = LuGre(
+        kinetic_coefficient=1.0, static_coefficient=1.5, stribeck_velocity=0.1,
+        bristle_stiffness=10.0, bristle_damping=0.3, viscous_coefficient=0.4,
+    )  # fmt: skip
+    return Generated(Axis(inertia=1.0, stiffness=3.0), law)
+
+
+def rodas(stiff, h, count):
+    """Return the state after equal steps, and the middle of the first from its dense output."""
+    m, n = stiff.module, 3
+    y, flags, middle = [0.5, 0.8, 0.01], stiff.flags([0.5, 0.8, 0.01]), None
+    for i in range(count):
+        k, y1 = [0.0] * (8 * n), [0.0] * n
+        m.rodas_step(
+            1, flags, i * h, y, h, stiff.p, k, y1, [0.0] * n, [1.0] * n, 1.0,
+            [0.0] * (n * n), [0.0] * n, [0.0] * n,
+        )  # fmt: skip
+        if middle is None:
+            dense, middle = [0.0] * (7 * n), [0.0] * n
+            m.rodas_dense(y, y1, k, dense)
+            m.interpolate(y, dense, 0.5, middle)
+        y = y1
+    return np.array(y), np.array(middle)
+
+
+def test_rodas5p_converges_with_order_five(stiff):
+    exact, _ = rodas(stiff, 0.1 / 256, 256)
+    errors = [np.abs(rodas(stiff, 0.1 / n, n)[0] - exact).max() for n in (4, 8, 16)]
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert np.all(orders > 4.5)  # the next term of the error still shows
+
+
+def test_the_dense_output_of_rodas5p_converges_with_order_four(stiff):
+    errors = []
+    for h in (0.04, 0.02, 0.01):
+        exact, _ = rodas(stiff, h / 64, 32)
+        errors.append(np.abs(rodas(stiff, h, 1)[1] - exact).max())
+    # a single step errs with one order more
+    assert np.all(np.log2(np.divide(errors[:-1], errors[1:])) > 4.5)

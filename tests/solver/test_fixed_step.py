@@ -1,0 +1,193 @@
+"""The block diagram with a fixed step: what it does wrong, and what it converges to."""
+
+import math
+
+import numpy as np
+import pytest
+from tests.support import example_of
+
+from stickslip import (
+    LAWS,
+    PRINTED_FORMS,
+    Axis,
+    Coulomb,
+    Dahl,
+    FixedStep,
+    Pulse,
+    SpringBlock,
+    Status,
+    TowedBlock,
+    simulate,
+)
+from stickslip.errors import ParameterError, SimulationError
+from stickslip.quantities import fields_of
+
+LAW = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
+RELEASED = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+PUSHED = SpringBlock(mass=1.0, drive=Pulse(level=10.0, duration=0.1))
+TYPICAL = {"1": 0.25, "m/s": 0.01, "N/m": 1e3, "N s/m": 0.4}
+
+
+def printed(kind):
+    values = {name: TYPICAL[quantity.unit] for name, quantity in fields_of(kind).items()}
+    return kind(**values)
+
+
+def test_coulomb_friction_without_the_stick_rule_chatters_about_rest():
+    dt = 0.01
+    run = simulate(PUSHED, LAW, t_end=2.0, solver=FixedStep(dt=dt, stick_rule=False))
+    late = run["v"][run.t > 1.0]
+    assert late.min() < 0 < late.max()
+    # friction changes the velocity by dt F / m a step, and no more is ever left
+    assert np.abs(late).max() <= dt * 0.25 * 9.81 * (1 + 1e-12)
+
+
+def test_a_fixed_step_finds_a_negative_velocity_where_there_is_none():
+    solver = FixedStep(dt=0.01, stick_rule=False)
+    assert simulate(RELEASED, LAW, t_end=2.0, solver=solver)["v"].min() < -1e-3
+    assert simulate(RELEASED, LAW, t_end=2.0)["v"].min() >= 0
+
+
+def test_the_stick_rule_holds_the_body_where_it_stopped():
+    run = simulate(RELEASED, LAW, t_end=2.0, solver=FixedStep(dt=0.001))
+    held = run["mode"] == 0
+    assert held[-1]
+    assert np.all(run["v"] >= 0)
+    first = int(np.argmax(held & (run.t > 0.1)))
+    assert np.all(run["x"][first:] == run["x"][first])
+
+
+def test_the_stick_rule_lets_go_when_the_drive_exceeds_break_away():
+    axis = Axis(inertia=1.0, drive=Pulse(level=2.0, duration=1.0, start=0.5))
+    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    run = simulate(axis, law, t_end=3.0, solver=FixedStep(dt=0.001))
+    assert np.all(run["x"][run.t <= 0.5] == 0)
+    assert math.isclose(run["x"][-1], 1.0, rel_tol=5e-3)  # two or three steps of 1e-3
+
+
+@pytest.mark.parametrize("method", ["euler", "heun", "rk4"])
+def test_travel_converges_to_the_exact_one_with_the_first_order(method):
+    exact = 0.1**2 * 100.0 / (2 * 0.25 * 9.81)
+    steps = np.array([0.008, 0.004, 0.002, 0.001, 0.0005])
+    errors = np.array(
+        [
+            abs(
+                simulate(RELEASED, LAW, t_end=1.0, solver=FixedStep(dt=dt, method=method))["x"][-1]
+                - exact
+            )
+            for dt in steps
+        ]
+    )
+    # release and stop fall anywhere within a step: a few steps' way at some 0.8 m/s, scattered
+    assert np.all(errors <= 4 * 0.8 * steps)
+    assert errors[-1] < errors[0] / 3
+
+
+@pytest.mark.parametrize(
+    ("method", "order", "dt"), [("euler", 1, 1e-3), ("heun", 2, 1e-2), ("rk4", 4, 2e-2)]
+)
+def test_smooth_motion_converges_with_the_order_of_the_method(method, order, dt):
+    axis = Axis(inertia=1.0, stiffness=4.0)
+    law = Coulomb(kinetic_coefficient=0.0)
+    exact = math.cos(2.0) + 0.25 * math.sin(2.0)
+    errors = []
+    for step in (dt, dt / 2):
+        solver = FixedStep(dt=step, method=method, stick_rule=False)
+        run = simulate(axis, law, t_end=1.0, y0={"x": 1.0, "v": 0.5}, solver=solver)
+        errors.append(abs(run["x"][-1] - exact))
+    # the next term of the error is a few steps' size of the first
+    assert math.isclose(math.log2(errors[0] / errors[1]), order, abs_tol=0.1)
+
+
+@pytest.mark.parametrize("kind", PRINTED_FORMS.values(), ids=lambda kind: kind.name)
+@pytest.mark.parametrize("stick_rule", [True, False])
+def test_every_printed_form_runs(kind, stick_rule):
+    solver = FixedStep(dt=1e-3, stick_rule=stick_rule)
+    run = simulate(RELEASED, printed(kind), t_end=0.3, solver=solver, throw=False)
+    assert run.status in (Status.END_TIME, Status.NOT_FINITE)
+    assert run["x"][0] == 0
+    assert np.all(np.isfinite(run["x"]))
+
+
+@pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
+def test_every_law_runs_and_ends_near_the_exact_run(kind):
+    law = example_of(kind)
+    exact = simulate(RELEASED, law, t_end=0.4)
+    run = simulate(RELEASED, law, t_end=0.4, solver=FixedStep(dt=1e-4, method="heun"))
+    # a thousand steps of first order at the events, 1e-4 each of some metres per second
+    assert math.isclose(run["x"][-1], exact["x"][-1], rel_tol=5e-3)
+
+
+def test_a_form_that_holds_without_limit_never_starts():
+    form = printed(PRINTED_FORMS["printed-7"])
+    axis = Axis(inertia=1.0, drive=Pulse(level=1e6, duration=10.0))
+    run = simulate(axis, form, t_end=1.0, solver=FixedStep(dt=0.01))
+    assert np.all(run["x"] == 0)
+
+
+def test_equations_3_and_4_push_a_resting_body_backwards():
+    form = printed(PRINTED_FORMS["printed-3-4"])
+    run = simulate(Axis(inertia=1.0), form, t_end=1.0, solver=FixedStep(dt=0.01, stick_rule=False))
+    assert run["x"][-1] < -0.1
+
+
+def test_a_form_that_grows_beyond_all_numbers_ends_with_a_status():
+    form = PRINTED_FORMS["printed-5"](
+        kinetic_coefficient=0.25, static_coefficient=0.35, stribeck_velocity=0.01
+    )
+    axis = Axis(inertia=1.0)
+    solver = FixedStep(dt=0.01, stick_rule=False)
+    run = simulate(axis, form, t_end=10.0, y0={"v": -1.0}, solver=solver, throw=False)
+    assert run.status is Status.NOT_FINITE
+    with pytest.raises(SimulationError, match="beyond all numbers"):
+        simulate(axis, form, t_end=10.0, y0={"v": -1.0}, solver=solver)
+
+
+def test_a_fixed_step_is_never_certified_and_says_what_it_cost():
+    run = simulate(RELEASED, LAW, t_end=1.0, solver=FixedStep(dt=0.01))
+    assert not run.certificate.certified
+    assert "fixed step" in run.certificate.problems[0]
+    finer = simulate(RELEASED, LAW, t_end=1.0, solver=FixedStep(dt=0.0005))
+    assert finer.certificate.energy_error < run.certificate.energy_error
+    assert run.certificate.steps == 100
+
+
+def test_samples_stand_a_step_apart_and_are_joined_by_lines():
+    run = simulate(RELEASED, LAW, t_end=1.0, solver=FixedStep(dt=0.01))
+    np.testing.assert_allclose(run.t, np.arange(101) * 0.01, rtol=1e-15)
+    between = run.at(0.055)["x"][0]
+    assert math.isclose(between, 0.5 * (run["x"][5] + run["x"][6]), rel_tol=1e-12)
+
+
+def test_bristles_are_columns_of_a_fixed_step_run_too():
+    law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=100.0)
+    run = simulate(RELEASED, law, t_end=0.1, solver=FixedStep(dt=1e-3))
+    assert "z" in run.names
+    np.testing.assert_allclose(run["friction"], 9.81 * 100.0 * run["z"], rtol=1e-12)  # rounding
+
+
+def test_a_towed_block_sticks_and_slips_in_fixed_steps_too():
+    block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
+    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    run = simulate(block, law, t_end=20.0, solver=FixedStep(dt=0.002))
+    starts = run.t[1:][(run["mode"][:-1] == 0) & (run["mode"][1:] != 0)]
+    assert math.isclose(starts[1] - starts[0], 7.61126, abs_tol=0.02)  # ten steps
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"dt": 0.0}, r"FixedStep\.dt \(dt\) must be above 0 s, got 0"),
+        ({"dt": -1.0}, r"FixedStep\.dt"),
+        ({"dt": math.nan}, r"FixedStep\.dt"),
+        ({"dt": 0.1, "method": "rk5"}, "must be one of euler, heun, rk4, got 'rk5'"),
+    ],
+)
+def test_bad_settings_are_refused_in_words(settings, words):
+    with pytest.raises(ParameterError, match=words):
+        FixedStep(**settings)
+
+
+def test_a_step_longer_than_the_run_is_refused():
+    with pytest.raises(ParameterError, match="dt"):
+        simulate(RELEASED, LAW, t_end=1.0, solver=FixedStep(dt=2.0))
