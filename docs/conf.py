@@ -1,10 +1,23 @@
 """Configuration of the documentation."""
 
 import importlib.metadata
+import os
 import sys
+import tempfile
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
+
+# Examples run without the IPython profile of whoever builds; an error is one line, its message.
+PROFILE = tempfile.TemporaryDirectory()
+(Path(PROFILE.name) / "profile_default").mkdir()
+(Path(PROFILE.name) / "profile_default" / "ipython_kernel_config.py").write_text(
+    "c = get_config()\n"
+    "c.InteractiveShell.xmode = 'Minimal'\n"
+    "c.IPKernelApp.log_level = 'ERROR'\n",
+    encoding="utf-8",
+)
+os.environ["IPYTHONDIR"] = PROFILE.name
 
 project = "stickslip"
 author = "The stickslip authors"
@@ -44,6 +57,8 @@ bibtex_bibfiles = ["references.bib"]
 bibtex_default_style = "plain"
 
 html_theme = "furo"
+html_static_path = ["_static"]
+html_css_files = ["page.css"]
 html_title = f"stickslip {release}"
 html_math_renderer = "mathml"
 html_copy_source = False

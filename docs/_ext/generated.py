@@ -34,8 +34,8 @@ def symbol(text: str) -> str:
     return f"${base}_{{{index}}}$" if index else f"${base}$"
 
 
-def laws() -> Iterator[str]:
-    """All registered laws: a table, then a section for each."""
+def law_table() -> Iterator[str]:
+    """All registered laws in one table."""
     rows = (
         (
             f"[{law.title}](#law-{name})",
@@ -46,6 +46,10 @@ def laws() -> Iterator[str]:
         for name, law in LAWS.items()
     )
     yield from table(("law", "name", "kind", "parameters"), rows)
+
+
+def laws() -> Iterator[str]:
+    """All registered laws, a section for each."""
     for name, law in LAWS.items():
         yield from one_law(name, law)
 
@@ -90,7 +94,6 @@ def printed_forms() -> Iterator[str]:
 def commands() -> Iterator[str]:
     """All commands of the command line, from the text of their own help."""
     group: Any = typer.main.get_command(command_line)
-    yield from (group.epilog, "")
     for name, command in group.commands.items():
         parameters = [parameter for parameter in command.params if parameter.name != "help"]
         places = [f"[{p.name.upper()}]" for p in parameters if is_argument(p)]
@@ -185,6 +188,7 @@ def quantity_text(description: str) -> str:
 
 
 CONTENT = {
+    "law-table": law_table,
     "laws": laws,
     "printed-forms": printed_forms,
     "commands": commands,
@@ -193,7 +197,7 @@ CONTENT = {
 
 
 class Generated(SphinxDirective):
-    """``{generated} laws``: the page content of that name."""
+    """``{generated} laws``: the page content of that name, only sections or none at all."""
 
     required_arguments = 1
 

@@ -40,7 +40,7 @@ def test_bristles_and_force_are_odd(kind, data, v, share, load):
 
 
 @each_law
-@EVERY
+@settings(max_examples=12)
 @given(data=st.data(), v=speeds, load=loads)
 def test_long_sliding_gives_the_steady_force(kind, data, v, load):
     law = data.draw(laws(kind, plain=True))
@@ -49,7 +49,7 @@ def test_long_sliding_gives_the_steady_force(kind, data, v, load):
         lambda _, z: [rate / v for rate in law.bristle_rates(v, tuple(z), load)],
         (0.0, distance if v > 0 else -distance),
         [0.0] * len(law.bristles),
-        method="Radau",
+        method="LSODA",
         rtol=1e-10,
         atol=1e-12 * reach(law),
     )
@@ -72,13 +72,14 @@ def test_steady_friction_opposes_motion_within_break_away_and_viscous_part(kind,
 
 @each_law
 @EVERY
-@given(data=st.data(), v=speeds, share=shares, load=loads)
-def test_bristles_never_leave_the_reach_of_break_away(kind, data, v, share, load):
+@given(data=st.data(), v=speeds, beyond=st.floats(1e-9, 1.0), load=loads)
+def test_bristles_beyond_the_reach_of_break_away_are_not_stretched_further(
+    kind, data, v, beyond, load
+):
     law = data.draw(laws(kind))
-    edge = deflections(law, 1.0 if v > 0 else -1.0)
-    # at full deflection in the direction of motion, none may be stretched further
-    for rate in law.bristle_rates(v, edge, load):
-        assert rate * v <= ROUNDING * v * v
+    z = deflections(law, (1.0 + beyond) if v > 0 else -(1.0 + beyond))
+    for rate in law.bristle_rates(v, z, load):
+        assert rate * v <= 0
 
 
 @each_law

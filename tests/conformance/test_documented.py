@@ -55,7 +55,7 @@ def test_every_class_is_final_and_has_a_docstring_of_its_own(kind):
 
 @pytest.mark.parametrize("kind", FIRST, ids=called)
 def test_every_field_of_a_class_is_explained(kind):
-    own = kind.__dict__.get("__annotations__", {})
+    own = inspect.get_annotations(kind)
     fields = {field.name for field in dataclasses.fields(kind)} & set(own)
     assert fields <= written_docstrings(kind)
 

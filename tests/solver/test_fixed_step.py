@@ -191,3 +191,9 @@ def test_bad_settings_are_refused_in_words(settings, words):
 def test_a_step_longer_than_the_run_is_refused():
     with pytest.raises(ParameterError, match="dt"):
         simulate(RELEASED, LAW, t_end=1.0, solver=FixedStep(dt=2.0))
+
+
+def test_a_complete_run_covers_all_the_time_asked_for_whatever_the_step():
+    run = simulate(RELEASED, LAW, t_end=1.0, solver=FixedStep(dt=0.3))
+    assert run.status.complete
+    assert run.span == (0.0, 1.0)

@@ -22,8 +22,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _leave(str(error), BAD_INPUT)
     except StickslipError as error:
         return _leave(str(error), NO_CONVERGENCE)
-    except KeyboardInterrupt:
-        return _leave("Cancelled; nothing was written.", CANCELLED)
+    except SystemExit as leaving:
+        if leaving.code == CANCELLED:  # how typer passes an interrupt on
+            return _leave("Cancelled; nothing was written.", CANCELLED)
+        raise
     return 0
 
 

@@ -32,8 +32,9 @@ def fit_one(model: TravelModel, trial: Trial, kind: str) -> Fit:
 
     best = root(trial.travel, start or 1.0)
     if best is None:
+        room = f"above {low:g}" if math.isinf(high) else f"between {low:g} and {high:g}"
         raise ConvergenceError(
-            f"no value of {path} ({quantity.symbol}) between {low:g} and {high:g} makes the travel"
+            f"no value of {path} ({quantity.symbol}) {room} makes the travel"
             f" {trial.travel:g} m; with {start:g} it is {model.travel(trial, [start]):.4g} m."
         )
     spread = trial.half_width * (NORMAL_95 if kind == "standard" else 1.0)

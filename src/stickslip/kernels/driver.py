@@ -39,6 +39,12 @@ def workspace() -> tuple[Vector, ...]:
     )
 
 
+def keep_start(y: Vector, real: Vector, whole: Vector, log: Vector) -> None:
+    """Record the start where not one step could be taken: it is all there is."""
+    if whole[STEPS] == 0:
+        record(log, real[TIME], real[TIME], 1.0, y, vector(TERMS * N_STATES), whole)
+
+
 def final_rest(
     y: Vector, t_end: float, real: Vector, whole: Vector, log: Vector, dense: Vector
 ) -> None:
@@ -125,6 +131,5 @@ def run(
             )
         if whole[STEPS] >= limit and whole[STATUS] == RUNNING:
             whole[STATUS] = STEP_LIMIT
-    if whole[STEPS] == 0:  # not one step could be taken: the start is all there is
-        record(log, real[TIME], real[TIME], 1.0, y, vector(TERMS * n), whole)
+    keep_start(y, real, whole, log)
     return log, events

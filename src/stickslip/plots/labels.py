@@ -11,11 +11,13 @@ from stickslip.plots.theme import label_at, label_column
 
 __all__ = ["LETTER", "Curve", "label_curves", "label_ends"]
 
-LETTER: Final = 5.7
+LETTER: Final = 5.5
 """Mean width of a letter at 11 px [CSS px]; measured text would differ between machines."""
 HALF_LINE: Final = 7.0
 AWAY: Final = (11.0, 17.0, 25.0, 36.0)
 """Distances of a name from its curve that are tried [CSS px]."""
+BESIDE: Final = 8.0
+"""Distance of a name from its curve where it stands at its side [CSS px]."""
 CROSSED: Final = 1e3
 OUTSIDE: Final = 1e5
 
@@ -70,16 +72,15 @@ def label_curves(axes: Axes, curves: Sequence[Curve], *, places: int = 36) -> No
     for index, curve in enumerate(curves):
         if not curve.text:
             continue
-        anchors = np.linspace(frame.left + 4, frame.right - 4, places)
+        half = LETTER * len(curve.text) / 2
         tries = [
-            (_cost(box, taken, paths, index, frame) + away, anchor, -side, box)
-            for anchor in anchors
-            for side in (1.0, -1.0)
-            for away in AWAY
-            for box in [_box(paths[index], float(anchor), side * away, len(curve.text))]
+            (_cost(box, taken, paths, index, frame) + far, anchor, rank, box)
+            for anchor in np.linspace(frame.left + 4, frame.right - 4, places)
+            for rank, (dx, dy, far) in enumerate(_shifts(half))
+            for box in [_box(paths[index], float(anchor), dx, dy, half)]
         ]
         box = min(tries, key=lambda found: found[:3])[3]
-        taken.append(box)
+        taken.append(box._replace(left=box.left - BESIDE / 2, right=box.right + BESIDE / 2))
         x, y = axes.transData.inverted().transform(
             ((box.left + box.right) / 2 / pixel, (box.bottom + box.top) / 2 / pixel)
         )
@@ -120,11 +121,17 @@ def _height(path: Array, x: float) -> float:
     return float(np.interp(x, path[:, 0], path[:, 1]))
 
 
-def _box(path: Array, x: float, shift: float, letters: int) -> _Box:
-    """Return the place of a name centred above or below a point of its curve."""
-    half = LETTER * letters / 2
-    y = _height(path, x) + shift
-    return _Box(x - half, y - HALF_LINE, x + half, y + HALF_LINE)
+def _shifts(half: float) -> list[tuple[float, float, float]]:
+    """Return the shifts of a name from a point of its curve, each with its price."""
+    upright = [(0.0, side * away, away) for away in AWAY for side in (1.0, -1.0)]
+    beside = [(side * (half + BESIDE), 0.0, AWAY[1]) for side in (-1.0, 1.0)]
+    return upright + beside
+
+
+def _box(path: Array, x: float, dx: float, dy: float, half: float) -> _Box:
+    """Return the place of a name shifted from a point of its curve."""
+    y = _height(path, x) + dy
+    return _Box(x + dx - half, y - HALF_LINE, x + dx + half, y + HALF_LINE)
 
 
 def _cost(box: _Box, taken: Sequence[_Box], paths: Sequence[Array], own: int, frame: _Box) -> float:
@@ -134,15 +141,17 @@ def _cost(box: _Box, taken: Sequence[_Box], paths: Sequence[Array], own: int, fr
     if box.bottom < frame.bottom or box.top > frame.top + 2 * HALF_LINE:
         cost += OUTSIDE
     cost += CROSSED * sum(box.overlap(other) for other in taken)
-    centre = (box.left + box.right) / 2
     middle = (box.bottom + box.top) / 2
-    columns = np.linspace(box.left, box.right, 15)
-    reach = abs(_height(paths[own], centre) - middle)
+    # Its neighbours too: a name beside a steep curve is near it only at one end.
+    columns = np.linspace(box.left - BESIDE, box.right + BESIDE, 17)
+    own_heights = np.interp(columns, paths[own][:, 0], paths[own][:, 1])
+    reach = float(np.min(np.abs(own_heights - middle)))
     for index, path in enumerate(paths):
         heights = np.interp(columns, path[:, 0], path[:, 1])
-        cost += CROSSED * int(np.sum((heights > box.bottom - 1) & (heights < box.top + 1)))
+        inner = heights[1:-1]
+        cost += CROSSED * int(np.sum((inner > box.bottom - 1) & (inner < box.top + 1)))
         if index != own:
             # A name is read as that of the nearest curve, so no other may be as near.
             distance = float(np.min(np.abs(heights - middle)))
-            cost += 40.0 * max(0.0, 2.2 * reach - distance)
+            cost += 40.0 * max(0.0, 2.2 * max(reach, AWAY[0]) - distance)
     return cost

@@ -68,7 +68,8 @@ def draw_separation(
         axes.margins(x=0.03)
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
         _where_to_measure(axes, settings)
-        _measured(axes, [(x * (1e3 if in_mm else 1.0), y) for x, y in measured])
+        shown = [(x * (1e3 if in_mm else 1.0), y) for x, y in measured]
+        _measured(axes, [(x, y) for x, y in shown if settings[0] <= x <= settings[-1]])
         groups = grouped(ends, 0.015 * float(np.ptp(axes.get_ylim())))
         if narrow:
             texts = {group[0]: f"{end:.3f} m {_short(group, titles)}" for end, group in groups}

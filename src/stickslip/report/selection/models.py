@@ -130,17 +130,20 @@ def _columns(verdict: Verdict, axis: Axis | None) -> tuple[Column, ...]:
             label="differs by up to, mm",
         ),
     )
-    if axis is None:
-        return (Column(head="model"), *others)
-    return (Column(head="model"), *scores, *others[:3])
+    if axis is not None:
+        return (Column(head="model"), *scores, others[0], others[2])
+    return (Column(head="model"), *(others if verdict.best else others[:-1]))
 
 
 def _cells(verdict: Verdict, candidate: Candidate) -> list[Cell]:
     name = Name(text=candidate.title)
     if candidate.fit is None or candidate.criteria is None:
         given = numbers.fixed(candidate.given.travel, 3)
-        cells: list[Cell] = [name, "no value", NONE, f"dropped: {candidate.dropped}"]
-        return cells if verdict.ranked else [*cells, f"{given} as given", NONE]
+        reason = f"dropped: {candidate.dropped}"
+        if verdict.ranked:
+            return [name, "no value", reason]
+        cells: list[Cell] = [name, "no value", NONE, reason, f"{given} as given"]
+        return [*cells, NONE] if verdict.best else cells
     estimates = candidate.fit.estimates
     values = [
         f"${e.quantity.symbol}$ = {numbers.with_unit(estimate_value(e), _unit(e.quantity.unit))}"
@@ -148,15 +151,12 @@ def _cells(verdict: Verdict, candidate: Candidate) -> list[Cell]:
     ]
     assumed = assumptions(candidate)
     if candidate.criteria.stop_time is None:
-        assumed += "; never quite stops"
-    cells = [
-        name,
-        ", ".join(values) or "nothing",
-        ", ".join(estimate_range(e) for e in estimates) or NONE,
-        f"dropped: {candidate.dropped}" if candidate.dropped else assumed,
-    ]
+        assumed += "; still moves at the end"
+    fitted, ranges = ", ".join(values) or "nothing", ", ".join(map(estimate_range, estimates))
+    assumed = f"dropped: {candidate.dropped}" if candidate.dropped else assumed
     if verdict.ranked:
-        return cells
+        return [name, Name(text=fitted, aside=ranges), assumed]
+    cells = [name, fitted, ranges or NONE, assumed]
     gap = largest_difference(verdict, candidate)
     apart = NONE if gap is None or candidate is verdict.best else numbers.score(1e3 * gap)
     return [*cells, numbers.fixed(candidate.criteria.travel, 3), apart]
@@ -212,6 +212,6 @@ def _caption(verdict: Verdict) -> str:
     count = len(verdict.measurement.records())
     return (
         f"Score: each of the {count} travels predicted from a fit to the others, root mean square,"
-        " mm. Among models whose scores differ by less than their doubt the one with the fewest"
-        " parameters is taken."
+        " mm. Below each fitted number stands its interval. Among models whose scores differ by"
+        " less than their doubt the one with the fewest parameters is taken."
     )

@@ -75,12 +75,13 @@ def _as_given(best: Candidate) -> Fact | None:
 
 def _score(verdict: Verdict, best: Candidate) -> Fact:
     score, error = 1e3 * (best.score or 0.0), best.score_error
-    doubt = "" if error is None else f"± {numbers.score(1e3 * error)} standard error"
+    doubt = "" if error is None else f"± {numbers.score(1e3 * error)}"
     count = len(verdict.measurement.records())
     return Fact(
         value=numbers.with_unit(numbers.score(score), "mm"),
         aside=doubt,
-        what=f"held-out error: each of {count} travels predicted from the others, root mean square",
+        what=f"held-out error: each of {count} travels predicted from the others, root mean square"
+        f"{', ± 1 standard error' if doubt else ''}",
     )
 
 

@@ -82,12 +82,9 @@ def laws_section(verdict: Verdict) -> Section | None:
     load = float(np.median(best.run["normal_force"]))
     draw = draw_characteristics(laws, load, v_max, chosen=best.title)
     others = " The other laws stand pale behind it." if len(laws) > 1 else ""
-    at_rest = (
-        " At rest a contact takes any force between the ends of the upright line; for Dahl and"
-        " LuGre the curve is that of steady sliding."
-        if any(isinstance(law, BristleLaw) for law in laws.values())
-        else " At rest a contact takes any force between the ends of the upright line."
-    )
+    bristle = {title: law for title, law in laws.items() if isinstance(law, BristleLaw)}
+    steady = f"; for {joined(list(bristle))} the curve is that of steady sliding" if bristle else ""
+    at_rest = f" At rest a contact takes any force between the ends of the upright line{steady}."
     blocks: list[Block] = [
         Figure(
             svg=inline_svg(
@@ -99,8 +96,8 @@ def laws_section(verdict: Verdict) -> Section | None:
             caption=f"**Each law as fitted**, at the load of {load:.3g} N.{others}{at_rest}",
         )
     ]
-    bristle = {title: law for title, law in laws.items() if isinstance(law, BristleLaw)}
     if bristle:
+        guessed = [c.title for c in verdict.explained if "bristle_stiffness" in c.assumed]
         svg = inline_svg(
             draw_presliding(bristle, load=load),
             alt="Friction against slow displacement to and fro, before full slip",
@@ -109,8 +106,10 @@ def laws_section(verdict: Verdict) -> Section | None:
         )
         caption = (
             "**Before full slip** the contact is elastic: friction against a slow displacement to"
-            " and fro that swings ever wider. The stiffness is assumed, not measured."
+            " and fro that swings ever wider."
         )
+        if guessed:
+            caption += f" The stiffness of {joined(guessed)} is assumed, not measured."
         blocks.append(Figure(svg=svg, caption=caption))
     heading = "Fitted laws as curves" if len(laws) > 1 else f"{best.title} friction as a curve"
     return Section(id="laws", nav="The laws", heading=heading, blocks=tuple(blocks))

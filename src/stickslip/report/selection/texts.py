@@ -58,7 +58,7 @@ def quantity_value(value: float, unit: str, digits: int = 3) -> str:
     >>> quantity_value(0.05, "m/s", 2), quantity_value(0.25, "1", 2)
     ('50\xa0mm/s', '0.25')
     """
-    if unit in {"m", "m/s"} and 1e-6 <= abs(value) < 0.1:
+    if 1e-6 <= abs(value) < {"m": 1.0, "m/s": 0.1}.get(unit, 0.0):
         value, unit = value * 1e3, f"m{unit}"
     plain = f"{value:.{digits}g}"
     is_short = "e" not in plain and 0.0 < abs(value) < 1e4
@@ -74,10 +74,12 @@ def estimate_value(estimate: Estimate) -> str:
     """Return the value of an estimate, ending where the digits of its interval end."""
     if not estimate.bounded or estimate.low == estimate.high:
         return numbers.significant(estimate.value, 3)
-    low = numbers.interval(estimate.low, estimate.high).split(" to ")[0]
-    if "10" in low and "×" in low:
-        return numbers.significant(estimate.value, 3)
-    return numbers.fixed(estimate.value, len(low.partition(".")[2]))
+    ends = numbers.interval(estimate.low, estimate.high).split(" to ")
+    decimals = {len(end.partition(".")[2]) for end in ends}
+    # An interval over many powers of ten has no common last digit.
+    if len(decimals) > 1 or any("×" in end for end in ends):
+        return numbers.significant(estimate.value, 2)
+    return numbers.fixed(estimate.value, decimals.pop())
 
 
 def estimate_range(estimate: Estimate) -> str:

@@ -1,0 +1,218 @@
+"""The command line: results, exit codes, one message for bad input, nothing half written."""
+
+import json
+
+import pandas as pd
+import pytest
+
+from stickslip.cli import main
+
+
+@pytest.fixture
+def run(capsys, monkeypatch, tmp_path):
+    """Run a command in an empty folder; return exit code, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments):
+        try:
+            code = main(arguments)
+        except SystemExit as leaving:
+            code = leaving.code or 0
+        seen = capsys.readouterr()
+        return code, seen.out, seen.err
+
+    return call
+
+
+def complaint(run, *arguments):
+    """Run bad input and return its one message."""
+    code, out, err = run(*arguments)
+    assert code == 2, err
+    assert out == ""
+    assert "Traceback" not in err
+    return " ".join(err.split())
+
+
+def test_version_names_the_package(run):
+    code, out, _ = run("--version")
+    assert code == 0
+    assert out.startswith("stickslip ")
+
+
+def test_models_lists_every_registered_law(run):
+    _, out, _ = run("models", "--json")
+    names = [law["name"] for law in json.loads(out)["laws"]]
+    assert names == ["coulomb", "viscous", "coulomb-viscous", "stribeck", "dahl", "lugre"]
+    _, out, _ = run("models")
+    assert all(name in out for name in names)
+
+
+def test_models_shows_one_law_with_ranges_and_sources(run):
+    _, out, _ = run("models", "dahl")
+    assert "bristle_stiffness" in out
+    assert "above 0" in out
+    assert "Dahl. A solid friction model" in out
+
+
+def test_models_published_names_defect_and_cure(run):
+    _, out, _ = run("models", "--published")
+    assert out.count("as printed") == 8
+    assert "sgn 0 = 0" in out
+
+
+def test_simulate_shows_events_and_certificate(run):
+    code, out, _ = run("simulate", "--law", "coulomb")
+    assert code == 0
+    assert "block leaves the spring" in out
+    assert "0.203874" in out
+    assert "stick drift exactly 0" in out
+
+
+def test_simulate_prints_one_json_document(run):
+    _, out, _ = run("simulate", "--json", "--set", "mechanism.attached=true")
+    content = json.loads(out)
+    assert content["schema"] == "stickslip/simulate/1"
+    # PHYSICS: rest at .0981 m
+    assert content["final"]["x"] == pytest.approx(0.0981, rel=1e-9)
+    assert content["certificate"]["certified"] is True
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_simulate_exports_what_it_ran(run, tmp_path, suffix):
+    code, _, _ = run("simulate", "-o", f"run.{suffix}", "--samples", "11")
+    assert code == 0
+    read = pd.read_csv if suffix == "csv" else pd.read_parquet
+    frame = read(tmp_path / f"run.{suffix}")
+    assert list(frame.columns) == ["t", "x", "v", "friction", "normal_force", "mode"]
+    assert len(frame) == 11
+
+
+def test_an_export_is_never_overwritten_without_force(run, tmp_path):
+    (tmp_path / "run.csv").write_text("mine")
+    assert "--force" in complaint(run, "simulate", "-o", "run.csv")
+    assert (tmp_path / "run.csv").read_text() == "mine"
+    code, _, _ = run("simulate", "-o", "run.csv", "--force")
+    assert code == 0
+    assert (tmp_path / "run.csv").read_text() != "mine"
+
+
+def test_a_fixed_step_run_is_shown_with_what_it_lacks(run):
+    code, out, _ = run("simulate", "--fixed-step", "0.01", "--no-stick-rule", "--t-end", "1")
+    assert code == 0
+    assert "Not certified" in out
+
+
+def test_enforced_criteria_fail_with_their_own_exit_code(run):
+    code, _, err = run("simulate", "--set", "mechanism.attached=true", "--enforce")
+    assert code == 4
+    assert "moves backwards" in err
+    assert run("simulate", "--enforce")[0] == 0
+
+
+def test_select_prints_one_json_document(run, tmp_path):
+    code, out, _ = run("select", "--laws", "coulomb,viscous", "--json")
+    assert code == 0
+    content = json.loads(out)
+    assert content["schema"] == "stickslip/select/1"
+    assert content["best"] == "coulomb"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_select_writes_a_report_and_refuses_to_overwrite_it(run, tmp_path):
+    code, out, _ = run("select", "--laws", "coulomb,viscous")
+    assert code == 0
+    assert "0.255" in out
+    page = (tmp_path / "stickslip-report" / "index.html").read_text(encoding="utf-8")
+    assert page.startswith("<!doctype html>")
+    json.loads((tmp_path / "stickslip-report" / "verdict.json").read_text(encoding="utf-8"))
+    assert "--force" in complaint(run, "select", "--laws", "coulomb")
+    assert run("select", "--laws", "coulomb,viscous", "--force")[0] == 0
+
+
+def test_select_takes_trials_from_a_table(run, tmp_path):
+    (tmp_path / "trials.csv").write_text(
+        "name,travel [mm],uncertainty [mm],mechanism.compression [mm]\n"
+        "short,73.4,0.5,60\nmiddle,203.9,0.5,100\nlong,458.7,0.5,150\n"
+    )
+    code, out, _ = run("select", "--data", "trials.csv", "--laws", "coulomb,viscous", "--json")
+    assert code == 0
+    content = json.loads(out)
+    assert content["ranked"] is True
+    assert content["best"] == "coulomb"
+    # the table is k x0^2 / (2 mu m g) with mu = .25, rounded to .1 mm
+    found = content["candidates"][0]["parameters"]["friction.kinetic_coefficient"]
+    assert found == pytest.approx(0.25, rel=2e-3)
+
+
+def test_cite_prints_the_sources_of_the_laws_asked_for(run):
+    _, out, _ = run("cite", "lugre")
+    assert "Canudas de Wit" in out
+    assert "Dahl" not in out
+
+
+def test_schema_is_json(run):
+    _, out, _ = run("schema")
+    assert "properties" in json.loads(out)
+
+
+BAD = [
+    (["select", "nowhere.toml"], "nowhere.toml"),
+    (["select", "--laws", "coulom"], "Did you mean 'coulomb'"),
+    (["select", "--laws", ""], "unknown friction law"),
+    (["select", "--data", "nowhere.csv"], "nowhere.csv"),
+    (["select", "--set", "mechanism.mass=0"], "above 0 kg"),
+    (["select", "--set", "mechanism.mass=-1 kg"], "above 0 kg"),
+    (["select", "--set", "mechanism.mass=1 furlong"], "mass"),
+    (["select", "--set", "mechanism.mass=heavy"], "mass"),
+    (["select", "--set", "mechanism.mass=nan"], "mass"),
+    (["select", "--set", "mechanism.mass=inf"], "mass"),
+    (["select", "--set", "mechanism.masss=1"], "Did you mean 'mass'"),
+    (["select", "--set", "mechanism.stiffness=0"], "no spring to compress"),
+    (["select", "--set", "nonsense"], "PATH=VALUE"),
+    (["simulate", "--law", "stribek"], "Did you mean 'stribeck'"),
+    (["simulate", "--law", "printed-5"], "stickslip paper"),
+    (["simulate", "--t-end", "0"], "above 0 s"),
+    (["simulate", "--t-end", "nan"], "t_end"),
+    (["simulate", "--fixed-step", "-1"], "above 0 s"),
+    (["simulate", "--fixed-step", "0.1", "--method", "leapfrog"], "euler, heun, rk4"),
+    (["simulate", "-o", "run.txt"], ".csv or .parquet"),
+    (["models", "coulombs"], "Did you mean 'coulomb'"),
+    (["cite", "newton"], "unknown friction law"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "fragment"), BAD, ids=lambda value: str(value)[:50])
+def test_bad_input_gives_one_message_and_leaves_nothing(run, tmp_path, arguments, fragment):
+    assert fragment in complaint(run, *arguments)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("content", [b"", b"\xff\xfe\x00", b"title = ", b"[mechanism]\ntype = 1\n"])
+def test_a_broken_rig_file_is_named(run, tmp_path, content):
+    (tmp_path / "rig.toml").write_bytes(content)
+    assert "rig.toml" in complaint(run, "select", "rig.toml")
+
+
+def test_a_folder_is_no_rig_file(run, tmp_path):
+    (tmp_path / "folder").mkdir()
+    assert "folder" in complaint(run, "select", "folder")
+
+
+def test_a_report_cannot_replace_a_file(run, tmp_path):
+    (tmp_path / "taken").write_text("mine")
+    assert "taken" in complaint(run, "select", "--laws", "coulomb", "-o", "taken", "--force")
+    assert (tmp_path / "taken").read_text() == "mine"
+
+
+def test_an_interrupt_ends_with_130_and_one_line(run, monkeypatch):
+    import stickslip.cli.select as command
+
+    def interrupted(*_arguments, **_options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(command, "select", interrupted)
+    code, out, err = run("select", "--json")
+    assert (code, out) == (130, "")
+    assert "Cancelled" in err
+
+

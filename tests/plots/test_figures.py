@@ -1,0 +1,255 @@
+"""Figures of runs and laws say what they show, and are the same each time."""
+
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Coulomb,
+    CoulombViscous,
+    Dahl,
+    FixedStep,
+    LuGre,
+    Pulse,
+    SpringBlock,
+    Stribeck,
+    TowedBlock,
+    Viscous,
+    simulate,
+)
+from stickslip.plots import inline_svg
+from stickslip.plots.compare import TRAVEL_SIZES, draw_travels
+from stickslip.plots.excitations import EXCITATION_SIZES, draw_excitations, excitation_colours
+from stickslip.plots.labels import Curve, label_curves
+from stickslip.plots.laws import (
+    characteristic_sizes,
+    draw_characteristics,
+    draw_presliding,
+    presliding_sizes,
+)
+from stickslip.plots.run import (
+    FRICTION_SIZES,
+    RUN_SIZES,
+    draw_friction_velocity,
+    draw_run,
+    draw_runs,
+)
+from stickslip.plots.separation import SEPARATION_SIZES, draw_separation
+from stickslip.plots.series import dense, grouped, horizon, looks, wrapped
+from stickslip.plots.sketches import SKETCHES, sketch
+from stickslip.plots.steps import draw_fixed_steps, fixed_step_sizes
+from stickslip.plots.theme import C1
+from stickslip.selection.separation import Separation
+
+RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+COULOMB = Coulomb(kinetic_coefficient=0.25)
+LAWS = {
+    "Coulomb": COULOMB,
+    "Viscous": Viscous(viscous_coefficient=5.73),
+    "Coulomb + viscous": CoulombViscous(kinetic_coefficient=0.22, viscous_coefficient=0.5),
+    "Stribeck": Stribeck(kinetic_coefficient=0.25, static_coefficient=0.35, stribeck_velocity=0.05),
+    "Dahl": Dahl(kinetic_coefficient=0.25, bristle_stiffness=1000.0),
+}
+BRISTLE = {
+    "Dahl": LAWS["Dahl"],
+    "LuGre": LuGre(
+        kinetic_coefficient=0.25,
+        static_coefficient=0.35,
+        stribeck_velocity=0.05,
+        bristle_stiffness=1000.0,
+        bristle_damping=1.0,
+    ),
+}
+ROWS = [
+    Separation(
+        path="mechanism.compression",
+        symbol="x_0",
+        unit="m",
+        value=value,
+        predicted={"coulomb": 20 * value**2, "viscous": 2 * value, "dahl": 20 * value**2},
+    )
+    for value in (0.15, 0.06, 0.1)
+]
+
+
+@pytest.fixture(scope="module")
+def runs():
+    return {title: simulate(RIG, law, t_end=1.5) for title, law in LAWS.items()}
+
+
+@pytest.fixture(scope="module")
+def figures(runs):
+    """Return every figure with its sizes and some of the texts that it must carry."""
+    pushed = SpringBlock(mass=1.0, drive=Pulse(level=10.0, duration=0.1))
+    held = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, attached=True)
+    readings = {
+        "A, push": simulate(pushed, COULOMB, t_end=1.0),
+        "B, released": runs["Coulomb"],
+        "C, fixed": simulate(held, COULOMB, t_end=1.0),
+    }
+    fixed = {
+        "10 ms, stick rule": simulate(RIG, COULOMB, t_end=1.0, solver=FixedStep(dt=0.01)),
+        "10 ms, no stick rule": simulate(
+            RIG, COULOMB, t_end=1.0, solver=FixedStep(dt=0.01, stick_rule=False)
+        ),
+    }
+    titles = {"coulomb": "Coulomb", "viscous": "Viscous", "dahl": "Dahl"}
+    return {
+        "run": (draw_run(runs["Coulomb"]), RUN_SIZES, ["stick", "slip", "stop", "friction, N"]),
+        "map": (draw_friction_velocity(runs["Dahl"]), FRICTION_SIZES, ["start", "velocity, m/s"]),
+        "runs": (draw_runs(runs, chosen="Coulomb"), RUN_SIZES, ["Viscous", "displacement, m"]),
+        "travels": (
+            draw_travels(runs, "Coulomb", band=(0.195, 0.205)),
+            TRAVEL_SIZES,
+            ["measured", "Viscous", "Stribeck", "difference from Coulomb, mm"],
+        ),
+        "separation": (
+            draw_separation(ROWS, "coulomb", [(0.1, 0.2)], titles=titles),
+            SEPARATION_SIZES,
+            ["0.450 m Coulomb, Dahl", "0.300 m Viscous", "measured", "measure here"],
+        ),
+        "laws": (
+            draw_characteristics(LAWS, 9.81, 0.7),
+            characteristic_sizes(len(LAWS)),
+            [*LAWS, "friction, N"],
+        ),
+        "presliding": (
+            draw_presliding(BRISTLE, load=9.81),
+            presliding_sizes(2),
+            [*BRISTLE, "break-away 3.43 N", "displacement, mm"],
+        ),
+        "excitations": (
+            draw_excitations(readings, chosen="B, released", band=(0.195, 0.205)),
+            EXCITATION_SIZES,
+            ["A, push: 0.154 m", "B, released: 0.204 m", "C, fixed: 0.098 m", "dot: block at rest"],
+        ),
+        "steps": (
+            draw_fixed_steps(runs["Coulomb"], fixed),
+            fixed_step_sizes(2),
+            ["exact", "fixed step", "10 ms, no stick rule", "time after the exact stop, ms"],
+        ),
+    }
+
+
+NAMES = (
+    "run",
+    "map",
+    "runs",
+    "travels",
+    "separation",
+    "laws",
+    "presliding",
+    "excitations",
+    "steps",
+)
+
+
+def texts_of(svg, css_class):
+    roots = ElementTree.fromstring(f"<p>{svg}</p>")
+    (root,) = (root for root in roots if root.get("class") == css_class)
+    return ["".join(text.itertext()) for text in root.iter("text")]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_figure_is_labelled_and_the_same_each_time(figures, name):
+    draw, sizes, expected = figures[name]
+    svg = inline_svg(draw, alt=f"Figure {name}", prefix=name, **sizes)
+    assert svg == inline_svg(draw, alt=f"Figure {name}", prefix=name, **sizes)
+    assert svg.count(f'aria-label="Figure {name}"') == 2
+    wide = texts_of(svg, "fw")
+    assert set(expected) <= set(wide)
+    assert len(texts_of(svg, "fn")) > 5
+    assert not re.search(r"\b(?:nan|inf)\b|#[0-9a-f]{6}", svg)
+
+
+def test_stick_and_slip_are_said_once(figures):
+    draw, sizes, _ = figures["run"]
+    words = texts_of(inline_svg(draw, alt="Run", prefix="r", **sizes), "fw")
+    assert (words.count("stick"), words.count("slip")) == (1, 1)
+
+
+def test_stick_slip_that_goes_on_is_shown_to_its_end():
+    block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
+    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    assert horizon(simulate(block, law, t_end=30.0)) > 25.0
+
+
+def test_a_run_that_has_stopped_is_not_shown_for_long(runs):
+    stop = runs["Coulomb"].events[-1].t
+    assert stop < horizon(runs["Coulomb"]) < 1.5 * stop
+
+
+def test_friction_jumps_upright_at_an_event(runs):
+    seen = dense(runs["Coulomb"])
+    stop = runs["Coulomb"].events[-1].t
+    at = int(np.searchsorted(seen.t, stop))
+    assert seen["friction"][at - 1] == pytest.approx(0.25 * 9.81)
+    assert seen["friction"][at] == 0.0
+    assert seen.t[at] - seen.t[at - 1] < 1e-15
+
+
+def test_one_law_alone_needs_no_differences(runs):
+    draw = draw_travels({"Coulomb": runs["Coulomb"]}, "Coulomb")
+    assert "difference" not in inline_svg(draw, alt="Travel", prefix="t", **TRAVEL_SIZES)
+
+
+def test_a_law_far_from_the_others_is_named_and_not_drawn_to_scale(figures):
+    draw, sizes, _ = figures["travels"]
+    words = texts_of(inline_svg(draw, alt="Travel", prefix="t", **sizes), "fw")
+    assert any(re.fullmatch(r"Viscous: up to \d+ mm, off the scale", word) for word in words)
+
+
+@pytest.mark.parametrize("kind", SKETCHES)
+def test_a_sketch_is_one_small_drawing_with_the_mass_on_the_block(kind):
+    svg = sketch(kind, alt="Rig", prefix=kind, mass="2 kg")
+    assert svg.count("<svg") == 1
+    assert "2 kg" in svg
+    assert ("10 N" in svg) is (kind == "push")
+
+
+def test_the_chosen_series_is_blue_and_on_top_and_no_two_of_25_look_alike():
+    names = [f"law {i}" for i in range(25)]
+    found = looks(names, "law 7")
+    assert found["law 7"].colour == C1
+    assert found["law 7"].order > max(look.order for n, look in found.items() if n != "law 7")
+    rivals = {look[:2] for name, look in found.items() if name != "law 7"}
+    assert len(rivals) == 20  # five colours in four dashes; beyond, labels alone
+
+
+def test_the_reading_that_is_taken_is_blue():
+    colours = excitation_colours(dict.fromkeys("ABCDEF"), "B")
+    assert colours["B"] == C1
+    assert len(set(colours.values())) == 6
+
+
+def test_series_are_grouped_only_if_they_never_part():
+    bent = np.array([0.0, 1.0, 0.0])
+    assert grouped({"a": np.zeros(3), "b": bent, "c": np.zeros(3)}, 0.1) == [
+        (0.0, ("a", "c")),
+        (0.0, ("b",)),
+    ]
+
+
+def test_names_are_wrapped_without_being_cut():
+    assert wrapped(["Coulomb + viscous", "Dahl"], 5) == ["Coulomb + viscous,", "Dahl"]
+
+
+def test_names_of_curves_keep_clear_of_curves_and_of_each_other():
+    boxes = []
+
+    def draw(figure, narrow):
+        axes = figure.add_subplot()
+        x = np.linspace(0, 1, 50)
+        curves = [Curve(x, level + 0 * x, f"level {level}", C1) for level in (0.0, 0.5, 1.0)]
+        for curve in curves:
+            axes.plot(curve.x, curve.y)
+        axes.margins(y=0.2)
+        label_curves(axes, curves)
+        boxes.append(sorted(text.get_position()[1] for text in axes.texts))
+        heights = sorted(text.xy[1] for text in axes.texts)
+        assert np.diff(heights).min() > 0.2
+
+    inline_svg(draw, alt="Levels", prefix="l")
+    assert len(boxes) == 2

@@ -1,0 +1,278 @@
+"""The report of a selection holds for a tie, one law, a ranking, and where nothing fits."""
+
+import dataclasses
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+from stickslip import (
+    Coulomb,
+    CoulombViscous,
+    Dahl,
+    FixedStep,
+    LuGre,
+    SpringBlock,
+    Stribeck,
+    Viscous,
+    select,
+    simulate,
+)
+from stickslip.experiments import Measurement
+from stickslip.report import Paragraph, Section, markup
+from stickslip.report.page import render
+from stickslip.report.selection import selection_page
+from stickslip.selection import compare_fixed_steps
+
+RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+READING = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+SIX = (
+    Coulomb,
+    Viscous(viscous_coefficient=5.0),
+    CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.5),
+    Stribeck,
+    Dahl,
+    LuGre(
+        kinetic_coefficient=0.25,
+        static_coefficient=0.35,
+        stribeck_velocity=0.05,
+        bristle_stiffness=1000.0,
+        bristle_damping=1.0,
+        static_switch=True,
+    ),
+)
+VOID = {"meta", "br", "hr"}
+
+
+class Reader(HTMLParser):
+    """Fails on tags that are not closed in order; collects headings, labels and text."""
+
+    def __init__(self, html):
+        super().__init__(convert_charrefs=True)
+        self.open, self.texts, self.headings, self.labels = [], [], {}, []
+        self.section = ""
+        self.feed(html)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        attrs = dict(attrs)
+        if tag == "section":
+            self.section = attrs["id"]
+        if tag == "svg":
+            self.labels.append(attrs["aria-label"])
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        pass
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if "style" in self.open:
+            return
+        self.texts.append(data)
+        if "h1" in self.open or "h2" in self.open:
+            self.headings[self.section] = self.headings.get(self.section, "") + data
+
+    @property
+    def text(self):
+        return re.sub(r"\s+", " ", "".join(self.texts))
+
+
+def page_of(verdict, **more):
+    return selection_page(
+        verdict,
+        subject="rig.toml",
+        kicker="Spring and block",
+        versions={"stickslip": "0.1.0", "Python": "3.11"},
+        digest="sha256:0123abcd",
+        reproduce=("stickslip select rig.toml",),
+        **more,
+    )
+
+
+def read(page):
+    html = render(page)
+    reader = Reader(html)
+    shown = re.sub(r"<style.*?</style>", "", html, flags=re.DOTALL)
+    assert not re.search(r"\b(?:nan|inf|None)\b", shown)
+    return reader
+
+
+def three_trials():
+    true = CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=0.8)
+    trials = []
+    for compression in (0.06, 0.10, 0.15):
+        rig = dataclasses.replace(RIG, compression=compression)
+        run = simulate(rig, true, t_end=4.0)
+        travel = float(run.at([4.0])["x"][0])
+        trials.append(
+            Measurement(
+                travel=round(travel, 3),
+                uncertainty=0.0005,
+                uncertainty_kind="rounding",
+                overrides={"mechanism.compression": compression},
+            )
+        )
+    return Measurement(trials=tuple(trials))
+
+
+@pytest.fixture(scope="module")
+def tie():
+    return select(RIG, READING, SIX, t_end=1.5)
+
+
+@pytest.fixture(scope="module")
+def tie_page(tie):
+    return read(page_of(tie))
+
+
+@pytest.fixture(scope="module")
+def alone():
+    return select(RIG, READING, [Coulomb], t_end=1.5)
+
+
+@pytest.fixture(scope="module")
+def ranked():
+    return select(RIG, three_trials(), [Coulomb, Viscous, CoulombViscous], t_end=4.0)
+
+
+@pytest.fixture(scope="module")
+def failed():
+    return select(
+        RIG,
+        Measurement(travel=5.0, uncertainty=0.05, uncertainty_kind="rounding"),
+        [Coulomb, CoulombViscous],
+        t_end=1.5,
+    )
+
+
+def test_a_tie_opens_with_the_estimate_its_error_as_given_and_how_many_models_fit(tie_page):
+    assert "0.255 0.249 to 0.261" in tie_page.text
+    assert "1.9\N{NO-BREAK SPACE}%" in "".join(tie_page.texts)
+    assert "6 of 6 models" in tie_page.text
+
+
+def test_the_sections_of_a_tie_stand_in_the_order_of_a_decision(tie_page):
+    assert list(tie_page.headings) == [
+        "verdict",
+        "models",
+        "criteria",
+        "run",
+        "laws",
+        "parameters",
+        "next",
+        "certificate",
+        "reproduce",
+    ]
+
+
+def test_headings_state_what_was_computed(tie_page):
+    headings = tie_page.headings
+    assert re.match(
+        r"Fitted to 0\.200 m, four of the five other models stay within \d mm of Coulomb",
+        headings["models"],
+    )
+    assert "stops after 0.474 s" in headings["run"]
+    assert "would separate Viscous" in headings["next"]
+    assert headings["parameters"] == "Fitted: μk = 0.255"
+
+
+def test_the_spring_back_of_bristles_is_called_physics_and_names_its_laws(tie_page):
+    assert tie_page.headings["criteria"].startswith("Dahl lets the block spring back")
+    assert "rejects correct models" in tie_page.text
+    assert "held at its first stop" in tie_page.text  # LuGre has its switch
+
+
+def test_why_there_is_no_score_is_said_in_words(tie, tie_page):
+    assert tie.words.no_score in tie_page.text
+
+
+def test_every_model_has_its_row_with_what_it_assumes(tie, tie_page):
+    for candidate in tie.candidates:
+        assert candidate.title in tie_page.text
+    assert "σ0 1,000 1/m" in tie_page.text.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def test_every_figure_says_what_it_shows(tie_page):
+    assert len(tie_page.labels) >= 12
+    assert all(len(label) > 10 for label in tie_page.labels)
+
+
+def test_the_certificate_counts_the_runs_that_passed(tie_page):
+    assert "6 of 6 certified" in tie_page.text
+    assert "exactly 0" in tie_page.text
+
+
+def test_what_is_needed_to_reproduce_and_to_cite_is_there(tie_page):
+    for part in ("$ stickslip select rig.toml", "sha256:0123abcd", "P. R. Dahl", "LuGre"):
+        assert part in tie_page.text
+
+
+def test_the_page_is_the_same_each_time(alone):
+    assert render(page_of(alone)) == render(page_of(alone))
+
+
+def test_one_law_alone_is_not_compared(alone):
+    reader = read(page_of(alone))
+    assert reader.headings["models"] == "Coulomb, fitted to 0.200 m"
+    assert "next" not in reader.headings
+    assert "of 1 models" not in reader.text
+
+
+def test_a_ranking_shows_scores_and_each_trial(ranked):
+    assert ranked.best.name == "coulomb-viscous"
+    reader = read(page_of(ranked))
+    assert re.match(
+        r"Coulomb \+ viscous predicts a travel it has not seen to", reader.headings["models"]
+    )
+    assert "trials" in reader.headings
+    assert "held-out error" in reader.text
+    assert "x0 = 150 mm" in reader.text.replace("\N{NO-BREAK SPACE}", " ")
+    assert "3 travels at 3 settings" in reader.text
+
+
+def test_where_nothing_fits_each_law_says_why_it_was_dropped(failed):
+    assert failed.best is None
+    reader = read(page_of(failed))
+    assert "No candidate explains the measurement" in reader.text
+    assert reader.headings["models"] == "No model reaches the measured travel"
+    assert reader.text.count("dropped: no value of") == 2
+    assert "run" not in reader.headings
+
+
+def test_fixed_steps_are_reported_with_how_often_they_reverse_the_body(alone):
+    law = alone.best.fit.law
+    rows = compare_fixed_steps(RIG, law, t_end=1.0, steps=(0.01,))
+    runs = {"10 ms": simulate(RIG, law, t_end=1.0, solver=FixedStep(dt=0.01))}
+    reader = read(page_of(alone, fixed_steps=rows, fixed_step_runs=runs))
+    times = max(row.reversals for row in rows)
+    heading = reader.headings["steps"].replace("\N{NO-BREAK SPACE}", " ")
+    assert heading == (
+        f"A fixed step of 10 ms without a stick rule reverses the body {times} times"
+    )
+    assert "Velocity around the stop, exact and with fixed steps" in reader.labels
+
+
+def test_sections_of_ones_own_stand_after_the_verdict_and_before_what_to_measure(tie):
+    lead, extra = (
+        Section(id=name, nav=name, heading=name, blocks=(Paragraph(text=name),))
+        for name in ("lead", "extra")
+    )
+    ids = [part.id for part in page_of(tie, lead=(lead,), extra=(extra,)).sections]
+    assert ids[1] == "lead"
+    assert ids[ids.index("next") - 1] == "extra"
+
+
+def test_an_interval_without_an_end_is_a_sentence():
+    reading = Measurement(travel=0.20)
+    reader = read(page_of(select(RIG, reading, [Coulomb], t_end=1.5)))
+    assert "no uncertainty of the reading was given" in reader.text
+    assert "without a stated uncertainty" in reader.text
+
+
+def test_the_title_is_plain_text(alone):
+    assert markup.plain(page_of(alone).title) == "Friction model selection: rig.toml"
