@@ -1,10 +1,13 @@
 import os
+import tempfile
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
 os.environ.setdefault("MPLBACKEND", "Agg")
+# generated modules of the tests stay out of the user's cache, and are shared by its processes
+os.environ.setdefault("STICKSLIP_CACHE", str(Path(tempfile.gettempdir()) / "stickslip-tests"))
 
 settings.register_profile("dev", deadline=None)
 settings.register_profile("ci", deadline=None, derandomize=True)

@@ -22,6 +22,7 @@ _HOME = {
     "FrictionLaw": "friction",
     "LAWS": "friction",
     "LuGre": "friction",
+    "MECHANISMS": "mechanisms",
     "Measurement": "experiments",
     "Mechanism": "mechanisms",
     "PRINTED_FORMS": "friction",

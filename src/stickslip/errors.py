@@ -3,6 +3,8 @@
 import difflib
 from collections.abc import Iterable
 
+from typing_extensions import override
+
 __all__ = [
     "ConvergenceError",
     "InputError",
@@ -31,10 +33,16 @@ class UnknownNameError(InputError, LookupError):
     """A name that is not known; the message lists the nearest known ones."""
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
-        known = sorted(known)
+        known = tuple(sorted(known))
+        self.kind, self.name, self.known = kind, name, known
         close = nearest(name, known)
         hint = f"Did you mean {close}?" if close else f"Known: {', '.join(known) or 'none'}."
         super().__init__(f"unknown {kind} {name!r}. {hint}")
+
+    @override
+    def __reduce__(self) -> tuple[type["UnknownNameError"], tuple[str, str, tuple[str, ...]]]:
+        """Rebuild from what it was made of, so that it crosses processes."""
+        return type(self), (self.kind, self.name, self.known)
 
 
 class TracingError(StickslipError, TypeError):

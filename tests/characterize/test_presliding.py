@@ -32,7 +32,7 @@ def test_the_first_loading_of_dahl_is_an_exponential():
 
 
 def test_slow_lugre_levels_off_at_its_static_coefficient():
-    x, friction = first_loading(LUGRE, 20 * presliding_length(LUGRE, LOAD))
+    _, friction = first_loading(LUGRE, 20 * presliding_length(LUGRE, LOAD))
     # What the slow speed leaves: its fading, (1e-6 / 0.05)^2, and its bristle damping.
     assert friction[-1] == pytest.approx(0.35 * LOAD, rel=1e-6)
 

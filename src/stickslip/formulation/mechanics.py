@@ -1,7 +1,9 @@
 """Lagrange's equations of a mechanism, with the force of one contact left open."""
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import symengine as se
 
@@ -82,6 +84,15 @@ def _only_contact(mechanism: Mechanism) -> Contact:
     return contacts[0]
 
 
+def _traced(symbols: Mapping[str, se.Expr], board: Switchboard) -> dict[str, Traced]:
+    return {name: Traced(symbol, board) for name, symbol in symbols.items()}
+
+
+def _work_rate(forces: Mapping[str, Any], speeds: Mapping[str, se.Symbol]) -> se.Expr:
+    """Return the power of generalised forces."""
+    return sum((expression(force) * speeds[i] for i, force in forces.items()), se.Integer(0))
+
+
 def derive_mechanics(
     mechanism: Mechanism,
     t: se.Symbol,
@@ -95,10 +106,7 @@ def derive_mechanics(
     held = () if contact.normal is None else (contact.normal,)
     places = {**q, **{name: se.Symbol(f"h_{name}") for name in held}}
     speeds = {**q_dot, **{name: se.Symbol(f"hd_{name}") for name in held}}
-
-    def traced(symbols: Mapping[str, se.Expr]) -> dict[str, Traced]:
-        return {name: Traced(symbol, board) for name, symbol in symbols.items()}
-
+    traced = functools.partial(_traced, board=board)
     kinetic = expression(mechanism.kinetic_energy(traced(places), traced(speeds)))
     potential = expression(mechanism.potential_energy(Traced(t, board), traced(places)))
     other = mechanism.forces(Traced(t, board), traced(places), traced(speeds), traced(drives))
@@ -109,9 +117,8 @@ def derive_mechanics(
     force = []
     for name, p in zip(names, momentum, strict=True):
         drift = sum((p.diff(places[j]) * speeds[j] for j in names), se.Integer(0))
-        conservative = kinetic.diff(places[name]) - potential.diff(places[name])
-        total = (conservative + expression(other.get(name, 0.0)) - drift).subs(at_rest)
-        force.append(collapsed(total))
+        own = (kinetic - potential).diff(places[name]) + expression(other.get(name, 0.0))
+        force.append(collapsed((own - drift).subs(at_rest)))
     n = len(q)
     return Mechanics(
         coordinates=tuple(q),
@@ -122,6 +129,5 @@ def derive_mechanics(
         normal_row=se.DenseMatrix(1, n, mass[n][:n]) if held else None,
         normal_force=force[n] if held else expression(contact.load),
         energy=(kinetic + potential).subs(at_rest),
-        supplied=collapsed(potential.diff(t).subs(at_rest))
-        + sum((expression(f) * speeds[i] for i, f in other.items()), se.Integer(0)).subs(at_rest),
+        supplied=collapsed((potential.diff(t) + _work_rate(other, speeds)).subs(at_rest)),
     )

@@ -27,7 +27,7 @@ class Dahl(BristleLaw):
     name: ClassVar[str] = "dahl"
     title: ClassVar[str] = "Dahl"
     formula: ClassVar[str] = (
-        r"F = \sigma_0 z N, \quad \dot z = v\, r^n, \quad"
+        r"F = \sigma_0 z N, \quad \dot z = v\, \operatorname{sgn}(r)\, |r|^n, \quad"
         r" r = 1 - \frac{\sigma_0 z}{\mu_k} \operatorname{sgn} v"
     )
     sources: ClassVar[tuple[str, ...]] = ("dahl1968",)
@@ -70,7 +70,8 @@ class Dahl(BristleLaw):
     ) -> tuple[Scalar, ...]:
         (z,) = bristles
         r = 1.0 - self.bristle_stiffness * z * sign(velocity) / self.kinetic_coefficient
-        return (velocity * power(r, self.exponent),)
+        # sgn(r) |r|^n without a sign to switch: r creeps towards 0, and rounding decides its side
+        return (velocity * r * power(r * r, 0.5 * (self.exponent - 1.0)),)
 
     @override
     def steady(self, velocity: Scalar, load: Scalar) -> Scalar:

@@ -89,6 +89,16 @@ def accepted_step(
         h = proposed
 
 
+def retry_length(guard: int, t: float, h: float, stop: float, found: Vector) -> float:
+    """Return the length with which a step should be taken again, 0 if it stands."""
+    never_armed = found[1] > 0.0
+    if guard == STOP and never_armed and not HAS_BRISTLES:
+        return h / 8.0 if t + h / 64.0 > t and h > 1e-9 * (stop - t) else 0.0
+    if guard != NO_GUARD and 0.0 < found[0] < OVERSHOT and t + found[0] * h > t:
+        return BEYOND * found[0] * h
+    return 0.0
+
+
 def advance(
     y: Vector,
     stop: float,
@@ -128,12 +138,9 @@ def advance(
             values,
             found,
         )
-        unarmed_start = guard == STOP and found[1] > 0.0 and not HAS_BRISTLES
-        if unarmed_start and t + h / 64.0 > t and h > 1e-9 * (stop - t):
-            real[STEP] = h / 8.0
-            continue
-        if guard != NO_GUARD and 0.0 < found[0] < OVERSHOT and t + found[0] * h > t:
-            real[STEP] = BEYOND * found[0] * h
+        shorter = retry_length(guard, t, h, stop, found)
+        if shorter > 0.0:
+            real[STEP] = shorter
             continue
         found[1] = h
         if guard == NO_GUARD:

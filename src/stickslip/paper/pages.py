@@ -103,8 +103,6 @@ def _opening(found: PaperAudit) -> Opening:
         row for row in found.table if abs(row.readings[1].criteria.relative_error or 0.0) <= 0.05
     ]
     reached = [need for need in found.requirements if need.value is not None]
-    published = first.published
-    error = abs(spring.relative_error or 0.0)
     return Opening(
         kicker=SOURCES["paper"],
         verdict=_sentence(len(near), len(reached)),
@@ -114,23 +112,7 @@ def _opening(found: PaperAudit) -> Opening:
             f" of 10 N for 0.1 s, which does {push.work_in:.3f} J of work where the spring does"
             f" {spring.work_in:.3f} J. One travel cannot rank these models."
         ),
-        facts=(
-            Fact(
-                value=percent(error),
-                aside=f"not {percent(published.relative_error or 0.0)}",
-                what=f"error of {first.law.title} with Table I's coefficient, spring released",
-            ),
-            Fact(
-                value=f"{fixed(push.work_in, 3)} J",
-                aside=f"not {fixed(spring.work_in, 3)} J",
-                what="work of the push that was simulated, and of the spring that was released",
-            ),
-            Fact(
-                value=f"{len(reached)} of {len(found.requirements)} rows",
-                aside="",
-                what="of Table II can be had by choosing an unpublished value",
-            ),
-        ),
+        facts=_facts(found, len(reached)),
         settles=tuple(found.verdict.words.settles[:3]),
         cannot_tell=(
             "Which values the paper used: it prints no stiffness, Stribeck velocity or viscous"
@@ -138,6 +120,28 @@ def _opening(found: PaperAudit) -> Opening:
             *found.verdict.words.cannot_tell[:2],
         ),
         measure_next=tuple(found.verdict.words.measure_next[:3]),
+    )
+
+
+def _facts(found: PaperAudit, reached: int) -> tuple[Fact, ...]:
+    first = found.table[0]
+    push, spring = (r.criteria for r in first.readings[:2])
+    return (
+        Fact(
+            value=percent(abs(spring.relative_error or 0.0)),
+            aside=f"not {percent(first.published.relative_error or 0.0)}",
+            what=f"error of {first.law.title} with Table I's coefficient, spring released",
+        ),
+        Fact(
+            value=f"{fixed(push.work_in, 3)} J",
+            aside=f"not {fixed(spring.work_in, 3)} J",
+            what="work of the push that was simulated, and of the spring that was released",
+        ),
+        Fact(
+            value=f"{reached} of {len(found.requirements)} rows",
+            aside="",
+            what="of Table II can be had by choosing an unpublished value",
+        ),
     )
 
 

@@ -69,24 +69,7 @@ Case = tuple[str, str, float, Callable[[float], FrictionLaw], str]
 
 def _cases(values: PaperValues) -> dict[str, Case]:
     """Return symbol, unit, first value to try, law as a function of it, and remark, by row."""
-    load, mu_k, mu_s = values.load, values.mu_k, values.mu_s
-
-    def lugre(sigma_0: float) -> FrictionLaw:
-        return LuGre.from_forces(
-            load=load,
-            kinetic_force=mu_k * load,
-            static_force=mu_s * load,
-            stribeck_velocity=1e-3,
-            bristle_stiffness=sigma_0,
-            bristle_damping=math.sqrt(sigma_0),
-            viscous_coefficient=0.4,
-        )
-
-    def dahl(sigma_0: float) -> FrictionLaw:
-        return Dahl.from_forces(
-            load=load, kinetic_force=mu_k * load, bristle_stiffness=sigma_0, static_switch=True
-        )
-
+    mu_k = values.mu_k
     return {
         "coulomb": (
             "mu_k",
@@ -99,14 +82,14 @@ def _cases(values: PaperValues) -> dict[str, Case]:
             "sigma_0",
             "N/m",
             50.0,
-            dahl,
+            lambda sigma: _dahl(values, sigma),
             "bristles that give way by centimetres, with the block held at its first stop",
         ),
         "lugre": (
             "sigma_0",
             "N/m",
             1e3,
-            lugre,
+            lambda sigma: _lugre(values, sigma),
             "with the damping of LuGre 1995, the root of $sigma_0$, and no hold at rest",
         ),
         "stribeck": (
@@ -124,6 +107,28 @@ def _cases(values: PaperValues) -> dict[str, Case]:
             "viscous friction can only shorten the travel of Coulomb friction",
         ),
     }
+
+
+def _dahl(values: PaperValues, sigma_0: float) -> FrictionLaw:
+    return Dahl.from_forces(
+        load=values.load,
+        kinetic_force=values.mu_k * values.load,
+        bristle_stiffness=sigma_0,
+        static_switch=True,
+    )
+
+
+def _lugre(values: PaperValues, sigma_0: float) -> FrictionLaw:
+    """Return LuGre friction with the damping, viscosity and Stribeck velocity of LuGre 1995."""
+    return LuGre.from_forces(
+        load=values.load,
+        kinetic_force=values.mu_k * values.load,
+        static_force=values.mu_s * values.load,
+        stribeck_velocity=1e-3,
+        bristle_stiffness=sigma_0,
+        bristle_damping=math.sqrt(sigma_0),
+        viscous_coefficient=0.4,
+    )
 
 
 def _require(

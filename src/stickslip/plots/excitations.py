@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Final
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.plots.labels import Curve, label_curves, label_ends
@@ -75,26 +76,15 @@ def draw_excitations(
 
     def draw(figure: Figure, narrow: bool) -> None:
         axes = figure.add_subplot()
-        curves: list[Curve] = []
-        rests = False
-        for label, run in runs.items():
-            seen = dense(run, last)
-            start = float(run.at(run.span[:1])[slip][0])
-            x = seen[slip] - start
-            width = 2.2 if label == chosen else 1.5
-            axes.plot(seen.t, x, color=colours[label], linewidth=width, zorder=3)
-            stop = _rest(run)
-            if stop is not None and stop <= last:
-                at = run.at([stop])[slip] - start
-                axes.plot([stop], at, "o", color=colours[label], markersize=5, zorder=4)
-                rests = True
-            text = f"{label}: {float(x[-1]):.3f} m".replace("-", "−")
-            curves.append(Curve(seen.t, x, text, colours[label]))
+        curves = [
+            _reading(axes, label, run, last, slip, colours[label], label == chosen)
+            for label, run in runs.items()
+        ]
         axes.margins(x=0, y=0.16 if narrow else 0.1)
         if band:
             axes.axhspan(*band, facecolor=SLIP_BACK, edgecolor="none", zorder=0)
             label_at(axes, 0.0, band[1], measured, MUTED, offset=(6, 8))
-        if rests:
+        if any(_rest(run, last) for run in runs.values()):
             axes.annotate(
                 "dot: block at rest", (0.98, 0.06), xycoords="axes fraction",
                 ha="right", color=MUTED, fontsize=11,
@@ -110,7 +100,23 @@ def draw_excitations(
     return draw
 
 
-def _rest(run: Trajectory) -> float | None:
-    """Return when the last stop was, if the body stays there."""
-    stopped = run.events and run.events[-1].to_mode == 0
+def _reading(
+    axes: Axes, label: str, run: Trajectory, last: float, slip: str, colour: str, is_chosen: bool
+) -> Curve:
+    """Draw one reading, and return its curve with its name and value."""
+    seen = dense(run, last)
+    start = float(run.at(run.span[:1])[slip][0])
+    x = seen[slip] - start
+    axes.plot(seen.t, x, color=colour, linewidth=2.2 if is_chosen else 1.5, zorder=3)
+    stop = _rest(run, last)
+    if stop is not None:
+        at = run.at([stop])[slip] - start
+        axes.plot([stop], at, "o", color=colour, markersize=5, zorder=4)
+    value = f"{float(x[-1]):.3f} m".replace("-", "−")
+    return Curve(seen.t, x, f"{label}: {value}", colour)
+
+
+def _rest(run: Trajectory, last: float) -> float | None:
+    """Return when the last stop was, if the body stays there and it is shown."""
+    stopped = run.events and run.events[-1].to_mode == 0 and run.events[-1].t <= last
     return run.events[-1].t if stopped else None

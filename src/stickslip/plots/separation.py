@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.plots.labels import Curve, label_curves, label_ends
-from stickslip.plots.series import Array, Sizes, grouped, looks, wrapped
+from stickslip.plots.series import Array, Look, Sizes, grouped, looks, wrapped
 from stickslip.plots.svg import Draw
 from stickslip.plots.theme import INK, MUTED, STICK, SURFACE, label_at
 from stickslip.selection.separation import Separation
@@ -55,7 +55,6 @@ def draw_separation(
     def draw(figure: Figure, narrow: bool) -> None:
         axes = figure.add_subplot()
         paths = {name: np.array([row.predicted[name] for row in rows]) for name in names}
-        ends = {name: float(y[-1]) for name, y in paths.items()}
         for name in names:
             colour, dashes, width, order = look[name]
             y = paths[name]
@@ -70,21 +69,32 @@ def draw_separation(
         _where_to_measure(axes, settings)
         shown = [(x * (1e3 if in_mm else 1.0), y) for x, y in measured]
         _measured(axes, [(x, y) for x, y in shown if settings[0] <= x <= settings[-1]])
-        groups = grouped(ends, 0.015 * float(np.ptp(axes.get_ylim())))
-        if narrow:
-            texts = {group[0]: f"{end:.3f} m {_short(group, titles)}" for end, group in groups}
-            curves = [
-                Curve(settings, y, texts.get(n, ""), look[n].colour) for n, y in paths.items()
-            ]
-            label_curves(axes, curves)
-            return
-        labels = []
-        for end, group in groups:
-            lines = wrapped([titles.get(name, name) for name in group], 34)
-            labels.append((end, [f"{end:.3f} m {lines[0]}", *lines[1:]], look[group[0]].colour))
-        label_ends(axes, axes.get_xlim()[1], labels)
+        _name_laws(axes, settings, paths, look, titles, narrow)
 
     return draw
+
+
+def _name_laws(
+    axes: Axes,
+    settings: Array,
+    paths: Mapping[str, Array],
+    look: Mapping[str, Look],
+    titles: Mapping[str, str],
+    narrow: bool,
+) -> None:
+    """Name each law with its last prediction; laws that end together share a name."""
+    ends = {name: float(y[-1]) for name, y in paths.items()}
+    groups = grouped(ends, 0.015 * float(np.ptp(axes.get_ylim())))
+    if narrow:
+        texts = {group[0]: f"{end:.3f} m {_short(group, titles)}" for end, group in groups}
+        curves = [Curve(settings, y, texts.get(n, ""), look[n].colour) for n, y in paths.items()]
+        label_curves(axes, curves)
+        return
+    labels = []
+    for end, group in groups:
+        lines = wrapped([titles.get(name, name) for name in group], 34)
+        labels.append((end, [f"{end:.3f} m {lines[0]}", *lines[1:]], look[group[0]].colour))
+    label_ends(axes, axes.get_xlim()[1], labels)
 
 
 def _short(names: Sequence[str], titles: Mapping[str, str]) -> str:

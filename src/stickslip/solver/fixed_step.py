@@ -1,5 +1,6 @@
 """A block diagram with a fixed step: what chatter, drift and false reversals come from."""
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -77,34 +78,42 @@ class FixedStep(Solver):
         t_end: float,
     ) -> Trajectory:
         diagram = Diagram.build(mechanism, law)
-        count = math.floor(t_end / self.dt * (1 + 1e-12))
-        if count < 1:
+        if self.dt > t_end:
             raise ParameterError(
                 f"FixedStep.dt (dt) must be at most t_end = {t_end:g} s, got {self.dt:g}."
             )
+        times = self._times(t_end)
         y = list(y0)
         held = self.stick_rule and y[diagram.slip] == 0 and diagram.holds(0.0, y)
         rows = [diagram.sample(0.0, y, held)]
-        for i in range(count):
+        for t, following in itertools.pairwise(times):
             try:
-                y, held = self._step(diagram, i * self.dt, y, held)
-                rows.append(diagram.sample((i + 1) * self.dt, y, held))
+                y, held = self._step(diagram, t, following - t, y, held)
+                rows.append(diagram.sample(following, y, held))
             except (ArithmeticError, ValueError):
                 return _trajectory(mechanism, diagram, np.array(rows), Status.NOT_FINITE)
         return _trajectory(mechanism, diagram, np.array(rows), Status.END_TIME)
 
+    def _times(self, t_end: float) -> list[float]:
+        """Return the ends of the steps; the last one is shorter if it must be."""
+        count = math.floor(t_end / self.dt * (1 + 1e-12))
+        times = [i * self.dt for i in range(count + 1)]
+        if t_end - times[-1] > 1e-9 * self.dt:
+            return [*times, t_end]
+        return [*times[:-1], t_end]
+
     def _step(
-        self, diagram: Diagram, t: float, y: list[float], held: bool
+        self, diagram: Diagram, t: float, dt: float, y: list[float], held: bool
     ) -> tuple[list[float], bool]:
         """Advance one step; with the stick rule, stop at a sign change if the contact holds."""
         tableau = TABLEAUS[self.method]
         if held and diagram.holds(t, y):
-            return _advanced(diagram, tableau, t, y, self.dt, held=True), True
-        new = _advanced(diagram, tableau, t, y, self.dt, held=False)
+            return _advanced(diagram, tableau, t, y, dt, held=True), True
+        new = _advanced(diagram, tableau, t, y, dt, held=False)
         if self.stick_rule and y[diagram.slip] * new[diagram.slip] < 0:
             stopped = list(new)
             stopped[diagram.slip] = 0.0
-            if diagram.holds(t + self.dt, stopped):
+            if diagram.holds(t + dt, stopped):
                 return stopped, True
         return new, False
 

@@ -24,54 +24,50 @@ FIRST_RUN = 6
 
 def figure_sections(found: PaperAudit) -> tuple[Section, ...]:
     """Return Figs 3 and 4, the laws, and Figs 6 to 10, the runs."""
-    laws = {row.law.title: row.law for row in found.table}
-    load = _load(found)
-    bristle = {title: law for title, law in laws.items() if isinstance(law, BristleLaw)}
-    figures = [
-        Figure(
-            svg=inline_svg(
-                draw_characteristics(laws, load=load, v_max=0.5),
-                alt="Friction force against slip velocity of the five models",
-                prefix="fig3",
-                **characteristic_sizes(len(laws)),
-            ),
-            caption="**Fig. 3. Friction against velocity**, corrected laws. At rest any force up"
-            " to break-away; bristle laws by their steady curve.",
-        ),
-        Figure(
-            svg=inline_svg(
-                draw_presliding(bristle, load=load),
-                alt="Friction force against displacement before slip",
-                prefix="fig4",
-                **presliding_sizes(len(bristle)),
-            ),
-            caption="**Fig. 4. Friction against displacement** before and at the onset of slip,"
-            " slowly pushed to and fro.",
-        ),
-    ]
-    figures += [_run_figure(row, FIRST_RUN + i) for i, row in enumerate(found.table)]
+    text = (
+        "Figs 3 and 4 show the laws, Figs 6 to 10 the block, in the order of Table II. The"
+        " captions of the paper were not at hand: the numbers of the figures are our assignment."
+        " Figs 2 and 11 show the cart and come with it."
+    )
+    runs = [_run_figure(row, FIRST_RUN + i) for i, row in enumerate(found.table)]
     return (
         Section(
             id="figures",
             nav="Figures again",
             heading="The paper’s figures, recomputed",
-            blocks=(
-                Paragraph(
-                    text=(
-                        "Figs 3 and 4 show the laws, Figs 6 to 10 the block, in the order of Table"
-                        " II. The captions of the paper were not at hand: the numbers of the"
-                        " figures are our assignment. Figs 2 and 11 show the cart and come with it."
-                    )
-                ),
-                *figures,
-            ),
+            blocks=(Paragraph(text=text), *_law_figures(found), *runs),
         ),
     )
 
 
-def _load(found: PaperAudit) -> float:
-    parts = found.rig.mechanism
-    return float(getattr(parts, "mass", 1.0) * getattr(parts, "gravity", 9.81))
+def _law_figures(found: PaperAudit) -> tuple[Figure, Figure]:
+    laws = {row.law.title: row.law for row in found.table}
+    bristle = {title: law for title, law in laws.items() if isinstance(law, BristleLaw)}
+    load = found.values.load
+    characteristics = inline_svg(
+        draw_characteristics(laws, load=load, v_max=0.5),
+        alt="Friction force against slip velocity of the five models",
+        prefix="fig3",
+        **characteristic_sizes(len(laws)),
+    )
+    presliding = inline_svg(
+        draw_presliding(bristle, load=load),
+        alt="Friction force against displacement before slip",
+        prefix="fig4",
+        **presliding_sizes(len(bristle)),
+    )
+    return (
+        Figure(
+            svg=characteristics,
+            caption="**Fig. 3. Friction against velocity**, corrected laws. At rest any force up"
+            " to break-away; bristle laws by their steady curve.",
+        ),
+        Figure(
+            svg=presliding,
+            caption="**Fig. 4. Friction against displacement** before and at the onset of slip,"
+            " slowly pushed to and fro.",
+        ),
+    )
 
 
 def _run_figure(row: TableRow, number: int) -> Figure:

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import Final, Literal
 
 from stickslip.friction import SOURCES
 from stickslip.plots import inline_svg
@@ -30,6 +30,7 @@ from stickslip.report.selection.texts import (
 )
 from stickslip.report.tables import Column, Row, Table
 from stickslip.selection import Candidate, Verdict
+from stickslip.trajectory import Trajectory
 
 __all__ = ["certificate_section", "next_section", "parameters_section", "reproduce_section"]
 
@@ -173,38 +174,8 @@ def _as_code(verdict: Verdict) -> str:
 
 def certificate_section(verdict: Verdict) -> Section:
     """Return the section that says how far to trust the computation."""
-    items: list[KeyValue] = []
     best = verdict.best
-    if best is not None and best.run is not None:
-        book = best.run.certificate
-        mark = "ok" if book.certified else "warn"
-        items += [
-            KeyValue(
-                key="Energy",
-                value=f"{book.energy_start + book.work_supplied:.4f} J in ="
-                f" {book.work_friction:.4f} J taken by friction + {_left(book.energy_end)} left;"
-                f" mismatch {numbers.residue(book.energy_error)}",
-                mark="ok" if book.energy_error < 1e-5 else "warn",
-            ),
-            KeyValue(
-                key="Mode conditions",
-                value=f"largest violation {numbers.residue(book.guard_violation)}",
-                mark=mark,  # type: ignore[arg-type]
-            ),
-            KeyValue(
-                key="Events",
-                value=f"{len(best.run.events)} located, each to"
-                f" {numbers.residue(book.event_residual)} of its condition",
-                mark=mark,  # type: ignore[arg-type]
-            ),
-            KeyValue(
-                key="Drift at rest",
-                value="exactly 0" if book.stick_drift == 0 else numbers.length(book.stick_drift, 1),
-                mark="ok" if book.stick_drift == 0 else "warn",
-            ),
-            KeyValue(key="Steps", value=f"{book.steps:,} accepted, {book.rejected:,} rejected"),
-        ]
-        items += [KeyValue(key="Problem", value=text, mark="bad") for text in book.problems]
+    items = [] if best is None or best.run is None else _evidence(best.run)
     runs = [c.run for c in verdict.candidates if c.run is not None]
     passed = sum(run.certificate.certified for run in runs)
     if runs:
@@ -222,6 +193,34 @@ def certificate_section(verdict: Verdict) -> Section:
         heading="Certificate of the computation",
         blocks=(KeyValues(items=tuple(items)),),
     )
+
+
+def _evidence(run: Trajectory) -> list[KeyValue]:
+    """Return the certificate of the chosen run, check by check."""
+    book = run.certificate
+    mark: Literal["ok", "warn"] = "ok" if book.certified else "warn"
+    at_rest = book.stick_drift == 0
+    energy = (
+        f"{book.energy_start + book.work_supplied:.4f} J in = {book.work_friction:.4f} J taken by"
+        f" friction + {_left(book.energy_end)} left; mismatch {numbers.residue(book.energy_error)}"
+    )
+    events = f"{len(run.events)} located, each to {numbers.residue(book.event_residual)}"
+    return [
+        KeyValue(key="Energy", value=energy, mark=mark),
+        KeyValue(
+            key="Mode conditions",
+            value=f"largest violation {numbers.residue(book.guard_violation)}",
+            mark=mark,
+        ),
+        KeyValue(key="Events", value=f"{events} of its condition", mark=mark),
+        KeyValue(
+            key="Drift at rest",
+            value="exactly 0" if at_rest else numbers.length(book.stick_drift, 1),
+            mark="ok" if at_rest else "warn",
+        ),
+        KeyValue(key="Steps", value=f"{book.steps:,} accepted, {book.rejected:,} rejected"),
+        *[KeyValue(key="Problem", value=text, mark="bad") for text in book.problems],
+    ]
 
 
 def _left(energy: float) -> str:

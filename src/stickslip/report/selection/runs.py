@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from stickslip.friction import BristleLaw
+from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.plots import inline_svg
 from stickslip.plots.laws import (
     characteristic_sizes,
@@ -80,39 +80,52 @@ def laws_section(verdict: Verdict) -> Section | None:
     _, rate = slip_and_rate(verdict)
     v_max = float(np.max(np.abs(best.run[rate])))
     load = float(np.median(best.run["normal_force"]))
-    draw = draw_characteristics(laws, load, v_max, chosen=best.title)
-    others = " The other laws stand pale behind it." if len(laws) > 1 else ""
-    bristle = {title: law for title, law in laws.items() if isinstance(law, BristleLaw)}
-    steady = f"; for {joined(list(bristle))} the curve is that of steady sliding" if bristle else ""
-    at_rest = f" At rest a contact takes any force between the ends of the upright line{steady}."
-    blocks: list[Block] = [
-        Figure(
-            svg=inline_svg(
-                draw,
-                alt="Friction against slip velocity of each fitted law",
-                prefix="laws",
-                **characteristic_sizes(len(laws)),
-            ),
-            caption=f"**Each law as fitted**, at the load of {load:.3g} N.{others}{at_rest}",
-        )
-    ]
+    blocks: list[Block] = [_characteristics(laws, load, v_max, best.title)]
+    bristle = _bristle(laws)
     if bristle:
         guessed = [c.title for c in verdict.explained if "bristle_stiffness" in c.assumed]
-        svg = inline_svg(
-            draw_presliding(bristle, load=load),
-            alt="Friction against slow displacement to and fro, before full slip",
-            prefix="presliding",
-            **presliding_sizes(len(bristle)),
-        )
-        caption = (
-            "**Before full slip** the contact is elastic: friction against a slow displacement to"
-            " and fro that swings ever wider."
-        )
-        if guessed:
-            caption += f" The stiffness of {joined(guessed)} is assumed, not measured."
-        blocks.append(Figure(svg=svg, caption=caption))
+        blocks.append(_presliding(bristle, load, guessed))
     heading = "Fitted laws as curves" if len(laws) > 1 else f"{best.title} friction as a curve"
     return Section(id="laws", nav="The laws", heading=heading, blocks=tuple(blocks))
+
+
+def _bristle(laws: Mapping[str, FrictionLaw]) -> dict[str, BristleLaw]:
+    return {title: law for title, law in laws.items() if isinstance(law, BristleLaw)}
+
+
+def _characteristics(
+    laws: Mapping[str, FrictionLaw], load: float, v_max: float, chosen: str
+) -> Figure:
+    svg = inline_svg(
+        draw_characteristics(laws, load, v_max, chosen=chosen),
+        alt="Friction against slip velocity of each fitted law",
+        prefix="laws",
+        **characteristic_sizes(len(laws)),
+    )
+    bristle = joined(list(_bristle(laws)))
+    others = " The other laws stand pale behind it." if len(laws) > 1 else ""
+    steady = f"; for {bristle} the curve is that of steady sliding" if bristle else ""
+    return Figure(
+        svg=svg,
+        caption=f"**Each law as fitted**, at the load of {load:.3g} N.{others} At rest a contact"
+        f" takes any force between the ends of the upright line{steady}.",
+    )
+
+
+def _presliding(laws: Mapping[str, BristleLaw], load: float, guessed: Sequence[str]) -> Figure:
+    svg = inline_svg(
+        draw_presliding(laws, load=load),
+        alt="Friction against slow displacement to and fro, before full slip",
+        prefix="presliding",
+        **presliding_sizes(len(laws)),
+    )
+    caption = (
+        "**Before full slip** the contact is elastic: friction against a slow displacement to"
+        " and fro that swings ever wider."
+    )
+    if guessed:
+        caption += f" The stiffness of {joined(guessed)} is assumed, not measured."
+    return Figure(svg=svg, caption=caption)
 
 
 def fixed_steps_section(
