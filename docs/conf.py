@@ -1,6 +1,7 @@
 """Configuration of the documentation."""
 
 import importlib.metadata
+import logging
 import os
 import sys
 import tempfile
@@ -12,12 +13,11 @@ sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 PROFILE = tempfile.TemporaryDirectory()
 (Path(PROFILE.name) / "profile_default").mkdir()
 (Path(PROFILE.name) / "profile_default" / "ipython_kernel_config.py").write_text(
-    "c = get_config()\n"
-    "c.InteractiveShell.xmode = 'Minimal'\n"
-    "c.IPKernelApp.log_level = 'ERROR'\n",
+    "c = get_config()\nc.InteractiveShell.xmode = 'Minimal'\nc.IPKernelApp.log_level = 'ERROR'\n",
     encoding="utf-8",
 )
 os.environ["IPYTHONDIR"] = PROFILE.name
+logging.getLogger("traitlets").setLevel(logging.WARNING)  # a line for each kernel
 
 project = "stickslip"
 author = "The stickslip authors"

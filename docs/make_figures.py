@@ -1,13 +1,31 @@
 """Draw the figures of the README into docs/figures/: python docs/make_figures.py."""
 
+import re
 from pathlib import Path
 
 from stickslip import FixedStep, load_rig, select, simulate
-from stickslip.plots import save
+from stickslip.plots import SURFACE, Draw, Size, standalone_svg
 from stickslip.plots.separation import SEPARATION_SIZES, draw_separation
 from stickslip.plots.steps import draw_fixed_steps
 
 FOLDER = Path(__file__).parent / "figures"
+PAD = 16
+"""Of the card around a figure, which keeps it readable on dark pages [CSS px]."""
+
+
+def card(name: str, draw: Draw, size: Size, title: str) -> None:
+    """Save a figure on a card with round corners."""
+    svg = standalone_svg(draw, size=size, title=title)
+    width, height = size[0] + 2 * PAD, size[1] + 2 * PAD
+    rest = svg[svg.index(">") + 1 :]
+    head = svg[: svg.index(">") + 1]
+    for key, value in (("width", width), ("height", height)):
+        head = re.sub(rf' {key}="[^"]*"', f' {key}="{value:g}"', head)
+    box = f"{-PAD} {-PAD} {width:g} {height:g}"
+    head = re.sub(r'viewBox="[^"]*"', f'viewBox="{box}"', head)
+    x, y, w, h = box.split()
+    paper = f'<rect x="{x}" y="{y}" width="{w}" height="{h}" rx="8" fill="{SURFACE}"/>'
+    (FOLDER / name).write_text(head + paper + rest, encoding="utf-8", newline="\n")
 
 
 def separation() -> None:
@@ -20,11 +38,11 @@ def separation() -> None:
         [(rig.mechanism.compression, rig.measurement.travel)],
         titles={candidate.name: candidate.title for candidate in verdict.candidates},
     )
-    save(
+    card(
+        "separation.svg",
         draw,
-        FOLDER / "separation.svg",
-        size=SEPARATION_SIZES["wide"],
-        title="Travel that six fitted friction laws predict against the compression of the spring:"
+        SEPARATION_SIZES["wide"],
+        "Travel that six fitted friction laws predict against the compression of the spring:"
         " all meet at the one measured point and part at 40 and 150 mm",
     )
 
@@ -44,11 +62,11 @@ def chatter() -> None:
             for label, solver in fixed.items()
         },
     )
-    save(
+    card(
+        "chatter.svg",
         draw,
-        FOLDER / "chatter.svg",
-        size=(880, 260),
-        title="Velocity around the stop: the event-driven run ends at zero, fixed steps chatter",
+        (880, 260),
+        "Velocity around the stop: the event-driven run ends at zero, fixed steps chatter",
     )
 
 

@@ -59,7 +59,13 @@ def one_law(name: str, law: type[FrictionLaw]) -> Iterator[str]:
     yield from (f"(law-{name})=", f"## {law.title}", "")
     yield from (prose.replace("\n    ", "\n"), "", "$$", law.formula, "$$", "")
     rows = (
-        (f"`{field}`", symbol(quantity.symbol), quantity.unit, bounds(quantity), default(law, field))
+        (
+            f"`{field}`",
+            symbol(quantity.symbol),
+            quantity.unit,
+            bounds(quantity),
+            default(law, field),
+        )
         for field, quantity in fields_of(law).items()
     )
     yield from table(("parameter", "symbol", "unit", "range", "default"), rows)
@@ -177,7 +183,12 @@ def kind_of(about: dict[str, Any]) -> str:
     kinds = [about, *about.get("anyOf", ())]
     if any("$ref" in kind or "oneOf" in kind for kind in kinds):
         return "a table"
-    words = {"string": "text", "boolean": "`true` or `false`", "array": "a list", "number": "a number"}
+    words = {
+        "string": "text",
+        "boolean": "`true` or `false`",
+        "array": "a list",
+        "number": "a number",
+    }
     return ", ".join(dict.fromkeys(words[k["type"]] for k in kinds if k.get("type") in words))
 
 

@@ -183,7 +183,7 @@ def test_headings_state_what_was_computed(tie_page):
 
 
 def test_the_spring_back_of_bristles_is_called_physics_and_names_its_laws(tie_page):
-    assert tie_page.headings["criteria"].startswith("Dahl lets the block spring back")
+    assert tie_page.headings["criteria"].startswith("Dahl lets the body spring back")
     assert "rejects correct models" in tie_page.text
     assert "held at its first stop" in tie_page.text  # LuGre has its switch
 

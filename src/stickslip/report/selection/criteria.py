@@ -55,15 +55,14 @@ def _heading(rows: Sequence[tuple[Candidate, Criteria]], springs: Sequence[str])
     count = len({c.name for c, _ in rows})
     if not failing:
         return (
-            "The block only ever moves forward, with every model"
+            "The body only ever moves forward, with every model"
             if count > 1
-            else "The block only ever moves forward"
+            else "The body only ever moves forward"
         )
     if set(failing) == set(springs):
         verb = "lets" if len(springs) == 1 else "let"
-        return f"{joined(springs)} {verb} the block spring back; the others never reverse it"[
-            : None if len(springs) < count else -len("; the others never reverse it")
-        ]
+        rest = "; the others never reverse it" if len(springs) < count else ""
+        return f"{joined(springs)} {verb} the body spring back{rest}"
     if len(failing) == count:
         return "The body moves back, with every model" if count > 1 else "The body moves back"
     return f"The body moves back with {counted(len(failing))} of {counted(count)} models"
@@ -135,7 +134,7 @@ def _mm(metres: float) -> str:
 
 
 def _energy(left: float, all_in: float) -> str:
-    """Return an energy; exactly 0 where it is, and a power of ten where it is a remainder."""
-    if left == 0.0:
+    """Return an energy; 0 below rounding, and a power of ten where it is a remainder."""
+    if abs(left) <= 1e-15 * abs(all_in):
         return "0"
     return numbers.fixed(left, 4) if abs(left) >= 5e-5 * abs(all_in) else numbers.residue(left)

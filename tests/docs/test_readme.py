@@ -1,0 +1,68 @@
+"""The README is pasted by newcomers: what it shows must be what happens."""
+
+import contextlib
+import io
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from stickslip.cli import main
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+LINK = re.compile(r"\]\(([^)#]+)\)")
+
+BLOCKS = BLOCK.findall(README)
+EXAMPLES = [
+    (text, BLOCKS[i + 1][1])
+    for i, (kind, text) in enumerate(BLOCKS[:-1])
+    if kind == "python" and BLOCKS[i + 1][0] == "text"
+]
+COMMANDS = [
+    part
+    for kind, text in BLOCKS
+    if kind == "console"
+    for part in re.findall(r"^\$ stickslip (.*)\n((?:(?!\$ ).*\n)*)", text, re.MULTILINE)
+]
+
+
+def words(text: str) -> list[list[str]]:
+    """Lines as words: widths of columns depend on the terminal."""
+    return [line.split() for line in text.splitlines() if line.strip()]
+
+
+def test_the_readme_has_examples_for_python_and_the_terminal() -> None:
+    assert len(EXAMPLES) == sum(kind == "python" for kind, _ in BLOCKS) >= 2
+    assert COMMANDS
+
+
+@pytest.mark.parametrize(("code", "shown"), EXAMPLES)
+def test_a_python_example_prints_what_is_shown_below_it(code: str, shown: str) -> None:
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(compile(code, "README.md", "exec"), {})
+    assert printed.getvalue() == shown
+
+
+@pytest.mark.parametrize(("arguments", "shown"), COMMANDS)
+def test_a_command_prints_the_lines_that_are_shown(
+    arguments: str,
+    shown: str,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+    with pytest.raises(SystemExit) as left:
+        main(shlex.split(arguments))
+    assert not left.value.code
+    assert words(capsys.readouterr().out)[: len(words(shown))] == words(shown)
+
+
+@pytest.mark.parametrize("target", sorted(set(LINK.findall(README))))
+def test_a_link_of_the_readme_leads_to_a_file(target: str) -> None:
+    assert (ROOT / target).is_file()
