@@ -178,11 +178,11 @@ def kind_of(about: dict[str, Any]) -> str:
     """What may stand there, in words."""
     if "enum" in about:
         return "one of " + ", ".join(f"`{choice}`" for choice in about["enum"])
-    if "description" in about:
-        return quantity_text(about["description"])
     kinds = [about, *about.get("anyOf", ())]
     if any("$ref" in kind or "oneOf" in kind for kind in kinds):
-        return "a table"
+        return "; ".join(["a table", *([about["description"]] if "description" in about else [])])
+    if "description" in about:
+        return quantity_text(about["description"])
     words = {
         "string": "text",
         "boolean": "`true` or `false`",

@@ -15,7 +15,8 @@ from stickslip.cli.output import (
 )
 from stickslip.cli.progress import Watching
 from stickslip.experiments import load_rig
-from stickslip.paper import PaperAudit, audit, paper_report
+from stickslip.paper import PaperAudit, Requirement, audit, paper_report
+from stickslip.report.numbers import significant
 
 __all__ = ["run"]
 
@@ -49,14 +50,19 @@ def _show(found: PaperAudit) -> None:
         for row in found.table
     ]
     show_table(f"Table II; measured {found.measured:.2f} m", heads, rows)
-    rows = [
-        [
-            need.law,
-            f"{need.published:.2f}",
-            "no value" if need.value is None else f"{need.symbol} = {need.value:.3g} {need.unit}",
-            "" if need.low is None or need.high is None else f"{need.low:.3g} to {need.high:.3g}",
-        ]
-        for need in found.requirements
-    ]
+    rows = [_need(need) for need in found.requirements]
     stdout().print()
     show_table("What would give the published rows", ["row", "m", "needs", "range"], rows)
+
+
+def _need(need: Requirement) -> list[str]:
+    if need.value is None or need.low is None or need.high is None:
+        return [need.law, f"{need.published:.2f}", f"no value of {need.symbol}", ""]
+    unit = "" if need.unit == "1" else f" {need.unit}"
+    value = f"{need.symbol} = {significant(need.value, 3)}{unit}"
+    return [
+        need.law,
+        f"{need.published:.2f}",
+        value,
+        f"{significant(need.low, 3)} to {significant(need.high, 3)}",
+    ]

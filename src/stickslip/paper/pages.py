@@ -29,6 +29,9 @@ from stickslip.report import (
 from stickslip.report.numbers import fixed, percent
 from stickslip.report.selection import selection_page
 from stickslip.selection import FixedStepRow, Verdict, compare_fixed_steps
+from stickslip.simulation import simulate
+from stickslip.solver import FixedStep
+from stickslip.trajectory import Trajectory
 
 __all__ = ["paper_report", "rig_report"]
 
@@ -54,25 +57,59 @@ def rig_report(rig: Rig, verdict: Verdict, *, command: str = "stickslip select")
     command : str
         The command that made it, for those who want to repeat it.
     """
+    lead: Sequence[Section] = ()
     extra: Sequence[Section] = ()
+    remark = ""
     if rig.source == "paper" and rig.path == "paper_rig.toml" and not verdict.ranked:
         found = audit(verdict=verdict)
-        extra = (excitation_section(found), table_section(found), equation_section(found))
-    best = verdict.best
-    steps: Sequence[FixedStepRow] = ()
-    if best is not None and best.fit is not None:
-        steps = compare_fixed_steps(verdict.mechanism, best.fit.law, t_end=min(rig.t_end, 1.0))
+        lead = (excitation_section(found), table_section(found))
+        extra = (equation_section(found),)
+        remark = _remark(found)
+    steps, runs = _fixed_steps(verdict, t_end=min(rig.t_end, 1.0))
     page = selection_page(
         verdict,
         subject=rig.subject,
         kicker=rig.title,
+        remark=remark,
+        lead=lead,
         extra=extra,
         reproduce=(command,),
         versions=versions(),
         digest=rig.digest,
         fixed_steps=steps,
+        fixed_step_runs=runs,
     )
     return render(page)
+
+
+def _fixed_steps(
+    verdict: Verdict, *, t_end: float
+) -> tuple[Sequence[FixedStepRow], Mapping[str, Trajectory]]:
+    """Run the chosen law as a block diagram, for comparison."""
+    best = verdict.best
+    if best is None or best.fit is None:
+        return (), {}
+    law, mechanism = best.fit.law, verdict.mechanism
+    runs = {
+        f"10 ms, {'stick rule' if rule else 'no stick rule'}": simulate(
+            mechanism, law, t_end=t_end, solver=FixedStep(dt=0.01, stick_rule=rule)
+        )
+        for rule in (False, True)
+    }
+    return compare_fixed_steps(mechanism, law, t_end=t_end), runs
+
+
+def _remark(found: PaperAudit) -> str:
+    """Say where the published error comes from, if the numbers bear it out."""
+    first = found.table[0]
+    push, spring = (abs(r.criteria.relative_error or 0.0) for r in first.readings[:2])
+    published = first.published.relative_error
+    if published is None or not spring < push:
+        return ""
+    return (
+        f"The published {percent(published)} error of {first.law.title} friction comes from"
+        f" simulating a push where the rig releases a spring; released, it is {percent(spring)}."
+    )
 
 
 def paper_report(found: PaperAudit, *, command: str = "stickslip paper") -> str:

@@ -77,7 +77,7 @@ def select(
     candidates, best = _ranked(candidates) if scored else (candidates, _plainest(candidates))
     fitted = {c.name: c.fit.law for c in candidates if c.fit and not c.dropped}
     predictions = separations(trials[0].mechanism, fitted, t_end=t_end)
-    words = wording(trials, kind, candidates, best, predictions, ranked=scored)
+    words = wording(trials, candidates, best, predictions, ranked=scored)
     return Verdict(
         mechanism=trials[0].mechanism,
         measurement=measurement,

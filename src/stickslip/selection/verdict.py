@@ -98,7 +98,7 @@ class Verdict:
     ranked: bool
     """Whether scores decided."""
     separations: tuple[Separation, ...]
-    """Predictions for measurements not yet made, the most telling first."""
+    """Predictions for measurements not yet made, in the order of the setting."""
     words: Wording
     """The verdict in words."""
     t_end: float

@@ -37,7 +37,6 @@ MOVES = 0.05
 
 def wording(
     trials: Sequence[Trial],
-    kind: str,
     candidates: Sequence[Candidate],
     best: Candidate | None,
     predictions: Sequence[Separation],
@@ -55,7 +54,7 @@ def wording(
     return Wording(
         verdict=verdict,
         lede=lede,
-        settles=_settles(trials, kind, best),
+        settles=_settles(trials, best),
         cannot_tell=_cannot_tell(explained, ranked=ranked),
         measure_next=_measure_next(explained, best, predictions),
         no_score=_no_score(trials, ranked=ranked),
@@ -71,6 +70,11 @@ def estimate_text(estimate: Estimate) -> str:
 def _three(value: float) -> str:
     """Return a number with three digits, zeros kept."""
     return f"{value:#.3g}".rstrip(".")
+
+
+def _short(value: float) -> str:
+    """Return a number with at most three digits, as people write a setting."""
+    return f"{value:.3g}"
 
 
 def _with_estimates(candidate: Candidate) -> str:
@@ -122,7 +126,7 @@ def _ranked(
     return (
         f"Use {_with_estimates(best)}{doubt}.",
         f"Each of the {len(trials)} trials was predicted from the others. {best.title} misses by"
-        f" {1e3 * score:.3g} mm (root mean square, standard error {1e3 * error:.2g} mm).",
+        f" {1e3 * score:.2g} mm (root mean square, standard error {1e3 * error:.2g} mm).",
     )
 
 
@@ -139,7 +143,7 @@ def _mean_force(candidate: Candidate) -> float:
     return abs(seen.work_friction / seen.travel) if seen.travel else 0.0
 
 
-def _settles(trials: Sequence[Trial], kind: str, best: Candidate | None) -> tuple[str, ...]:
+def _settles(trials: Sequence[Trial], best: Candidate | None) -> tuple[str, ...]:
     if best is None or best.fit is None or best.criteria is None:
         return ()
     seen = best.criteria
@@ -150,21 +154,22 @@ def _settles(trials: Sequence[Trial], kind: str, best: Candidate | None) -> tupl
             f"Mean friction over the travel: {work:.3f} J / {_three(travel)} m"
             f" = {_three(_mean_force(best))} N."
         )
-    lines += [_range_line(estimate, best, kind) for estimate in best.fit.estimates]
+    lines += [_range_line(estimate, best) for estimate in best.fit.estimates]
     return tuple(lines[:3])
 
 
-def _range_line(estimate: Estimate, best: Candidate, kind: str) -> str:
+def _range_line(estimate: Estimate, best: Candidate) -> str:
     name = estimate.path.rpartition(".")[2]
     given = getattr(best.law, name)
     symbol = f"${estimate.quantity.symbol}$"
     if not estimate.bounded:
         return f"{symbol} only to one side: {estimate.reason}."
     inside = estimate.low <= given <= estimate.high
-    doubt = "rounding of the measurement" if kind == "rounding" else f"{estimate.interval} interval"
+    rounded = estimate.interval == "rounding range"
+    doubt = "rounding of the measurement" if rounded else f"{estimate.interval} interval"
     return (
         f"{symbol} lies between {_three(estimate.low)} and {_three(estimate.high)}; the given"
-        f" {given:g} is {'inside' if inside else 'outside'} the {doubt}."
+        f" {_short(given)} is {'inside' if inside else 'outside'} the {doubt}."
     )
 
 
@@ -178,7 +183,7 @@ def _cannot_tell(explained: Sequence[Candidate], *, ranked: bool) -> tuple[str, 
         assumed.discard("static_coefficient")
     symbols = _symbols(explained, assumed)
     if symbols:
-        lines.append(f"{symbols}: assumed, not measured; no travel depends on them enough.")
+        lines.append(f"{symbols}: taken as given; no travel depends on them enough.")
     return tuple(lines[:3]) or ("How friction behaves at speeds and loads that were not measured.",)
 
 
@@ -212,11 +217,18 @@ def _settings_line(
     low, high = moving[0], moving[-1]
     rival = max((c for c in explained if c is not best), key=lambda c: high.gap(best.name, c.name))
     return (
-        f"Set ${low.symbol}$ to {low.value:g} and {high.value:g} {low.unit}, three runs each."
+        f"Set ${low.symbol}$ to {_setting(low)} and {_setting(high)}, three runs each."
         f" {best.title} predicts {low.predicted[best.name]:.3f} and"
         f" {high.predicted[best.name]:.3f} m, {rival.title} {low.predicted[rival.name]:.3f} and"
         f" {high.predicted[rival.name]:.3f} m."
     )
+
+
+def _setting(separation: Separation) -> str:
+    """Return a setting with its unit, lengths below a metre in millimetres."""
+    if separation.unit == "m" and abs(separation.value) < 1.0:
+        return f"{1e3 * separation.value:g} mm"
+    return f"{separation.value:g} {separation.unit}"
 
 
 def _no_score(trials: Sequence[Trial], *, ranked: bool) -> str:

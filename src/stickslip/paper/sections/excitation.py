@@ -6,7 +6,7 @@ from stickslip.paper.audit import PaperAudit
 from stickslip.paper.excitations import Excitation
 from stickslip.paper.sections.common import COLOURS, counted, travel_axis
 from stickslip.paper.unpublished import ROUNDING
-from stickslip.plots.excitations import draw_excitations
+from stickslip.plots.excitations import EXCITATION_SIZES, draw_excitations
 from stickslip.plots.sketches import sketch
 from stickslip.plots.svg import inline_svg
 from stickslip.report import (
@@ -82,6 +82,7 @@ def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> Figure:
         ),
         alt="Travel against time in the three readings of the rig",
         prefix="excitations",
+        **EXCITATION_SIZES,
     )
     return Figure(
         svg=svg,

@@ -135,7 +135,7 @@ def parameters_section(verdict: Verdict) -> Section | None:
         elif value is None:
             cells = (label, "not given", unit, "—", "taken from the level of sliding")
         else:
-            how = "fixed form" if quantity.structural else "assumed, not measured"
+            how = "fixed form" if quantity.structural else "taken as given"
             cells = (label, quantity_value(value, "1"), unit, "—", how)
         rows.append(Row(cells=cells, chosen=name in estimates))
     kinds = joined(sorted({e.interval for e in estimates.values()}))

@@ -121,7 +121,7 @@ def _columns(verdict: Verdict, axis: Axis | None) -> tuple[Column, ...]:
     others = (
         Column(head="fitted", numeric=True),
         Column(head=of, numeric=True, phone="label", label="range"),
-        Column(head="assumed, not fitted", phone="label", label="assumed:"),
+        Column(head="given, not fitted", phone="label", label="given:"),
         Column(head="travel\nm", numeric=True, phone="hide"),
         Column(
             head=f"largest difference\nfrom {title}, mm",

@@ -14,14 +14,14 @@ from stickslip.selection import Candidate, Verdict
 __all__ = ["opening_section"]
 
 
-def opening_section(verdict: Verdict, kicker: str) -> Section:
+def opening_section(verdict: Verdict, kicker: str, remark: str = "") -> Section:
     """Return the section that a reader may stop after."""
     words = verdict.words
     several = len(travels(verdict)) > 1
     opening = Opening(
         kicker=kicker,
         verdict=words.verdict,
-        lede=words.lede,
+        lede=f"{words.lede} {remark}".strip(),
         facts=_facts(verdict),
         settles=words.settles[:3],
         cannot_tell=words.cannot_tell[:3],

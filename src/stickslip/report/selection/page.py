@@ -30,6 +30,7 @@ def selection_page(
     kicker: str,
     versions: Mapping[str, str],
     digest: str,
+    remark: str = "",
     lead: Sequence[Section] = (),
     extra: Sequence[Section] = (),
     reproduce: Sequence[str] = (),
@@ -50,6 +51,8 @@ def selection_page(
         Versions by name of the software; that of ``"stickslip"`` stands in the footer.
     digest : str
         Hash of the inputs.
+    remark : str
+        A sentence of one's own, at the end of the lede.
     lead, extra : sequence of Section
         Sections of one's own: after the verdict, and before what to measure next.
     reproduce : sequence of str
@@ -76,7 +79,7 @@ def selection_page(
     'verdict'
     """
     sections = [
-        opening_section(verdict, kicker),
+        opening_section(verdict, kicker, remark),
         *lead,
         models_section(verdict),
         trials_section(verdict),
