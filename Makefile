@@ -53,7 +53,8 @@ doctest: $(DEV) ## examples in docstrings
 
 docs: $(DEV) ## documentation in docs/_build/html, warnings are errors
 	$(call heading,docs)
-	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	rm -rf docs/reference/generated
+	$(BIN)/python -m sphinx -E -W --keep-going -q -b html docs docs/_build/html
 	$(BIN)/python docs/check_offline.py docs/_build/html
 
 bench: $(DEV) ## benchmarks

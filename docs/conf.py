@@ -1,23 +1,10 @@
 """Configuration of the documentation."""
 
 import importlib.metadata
-import logging
-import os
 import sys
-import tempfile
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
-
-# Examples run without the IPython profile of whoever builds; an error is one line, its message.
-PROFILE = tempfile.TemporaryDirectory()
-(Path(PROFILE.name) / "profile_default").mkdir()
-(Path(PROFILE.name) / "profile_default" / "ipython_kernel_config.py").write_text(
-    "c = get_config()\nc.InteractiveShell.xmode = 'Minimal'\nc.IPKernelApp.log_level = 'ERROR'\n",
-    encoding="utf-8",
-)
-os.environ["IPYTHONDIR"] = PROFILE.name
-logging.getLogger("traitlets").setLevel(logging.WARNING)  # a line for each kernel
 
 project = "stickslip"
 author = "The stickslip authors"
@@ -26,6 +13,7 @@ release = importlib.metadata.version("stickslip")
 version = release
 
 extensions = [
+    "examples",
     "generated",
     "mathml",
     "myst_nb",

@@ -6,7 +6,8 @@ import pytest
 
 import stickslip
 
-REFERENCE = (Path(__file__).parents[2] / "docs/reference/api.md").read_text(encoding="utf-8").split()
+PAGE = Path(__file__).parents[2] / "docs/reference/api.md"
+REFERENCE = PAGE.read_text(encoding="utf-8").split()
 
 
 @pytest.mark.parametrize("name", [name for name in stickslip.__all__ if name != "__version__"])

@@ -4,6 +4,7 @@ import math
 
 from stickslip.kernels.dop853_tableau import ERROR_3, ERROR_5, A, C, D
 from stickslip.kernels.model import N_STATES, field
+from stickslip.kernels.sizes import size_of
 from stickslip.kernels.tier import Vector
 
 __all__ = ["DOP853_STAGES", "dop853_dense", "dop853_step"]
@@ -59,7 +60,7 @@ def dop853_step(
     sum_5 = 0.0
     sum_3 = 0.0
     for i in range(n):
-        size = rtol * max(scale[i], abs(y[i]), abs(y1[i]))
+        size = rtol * size_of(i, h, y, y1, scale)
         error_5 = 0.0
         error_3 = 0.0
         for s in range(13):

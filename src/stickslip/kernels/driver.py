@@ -7,9 +7,11 @@ from stickslip.kernels.dop853 import DOP853_STAGES
 from stickslip.kernels.model import N_GUARDS, N_STATES
 from stickslip.kernels.pieces import enter_pieces, next_stop, rests_for_good
 from stickslip.kernels.roots import NO_GUARD, SAMPLES
+from stickslip.kernels.sizes import first_sizes
 from stickslip.kernels.state import (
     EVENT_COLUMNS,
     EVENTS,
+    FLAGS,
     ROW_COLUMNS,
     STATUS,
     STEP,
@@ -111,10 +113,9 @@ def run(
     buffers = (vector(n), vector(2), vector((SAMPLES + 1) * N_GUARDS), vector(room))
     log = vector(64 * ROW_COLUMNS)
     events = vector(64 * EVENT_COLUMNS)
-    for i in range(n):
-        work[3][i] = abs(y[i])
     enter_pieces(table, p, real, whole)
     initial_mode(real[TIME], y, p, whole)
+    first_sizes(real[TIME], t_end, y, p, int(whole[FLAGS]), work[3])
     real[STEP] = 1e-3 * (next_stop(table, t_end, whole) - real[TIME])
     while whole[STATUS] == RUNNING:
         start = real[TIME]

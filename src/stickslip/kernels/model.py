@@ -9,6 +9,7 @@ from stickslip.kernels.tier import Vector
 __all__ = [
     "CAN_STICK",
     "HAS_BRISTLES",
+    "N_COORDINATES",
     "N_DRIVES",
     "N_GUARDS",
     "N_STATES",
@@ -26,6 +27,7 @@ __all__ = [
 ]
 
 N_STATES: int = 0
+N_COORDINATES: int = 0
 N_GUARDS: int = 0
 N_SWITCHES: int = 0
 N_DRIVES: int = 0

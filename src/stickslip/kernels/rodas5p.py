@@ -12,6 +12,7 @@ from stickslip.kernels.rodas5p_tableau import (
     SLOPES_RODAS,
     TIMES_RODAS,
 )
+from stickslip.kernels.sizes import size_of
 from stickslip.kernels.tier import Vector
 
 __all__ = ["RODAS_STAGES", "rodas_dense", "rodas_step"]
@@ -70,16 +71,16 @@ def rodas_step(
             k[s * n + i] = slope[i]
     for i in range(n):
         y1[i] += k[7 * n + i]
-    return rodas_error(y, y1, k, scale, rtol)
+    return rodas_error(h, y, y1, k, scale, rtol)
 
 
-def rodas_error(y: Vector, y1: Vector, k: Vector, scale: Vector, rtol: float) -> float:
+def rodas_error(h: float, y: Vector, y1: Vector, k: Vector, scale: Vector, rtol: float) -> float:
     """Return the last stage, which is the error estimate, over the tolerance."""
     n = N_STATES
     total = 0.0
     for i in range(n):
         error = k[7 * n + i]
-        size = rtol * max(scale[i], abs(y[i]), abs(y1[i]))
+        size = rtol * size_of(i, h, y, y1, scale)
         if error != 0.0:
             share = error / size if size > 0.0 else math.inf
             total += share * share

@@ -26,6 +26,7 @@ from stickslip.kernels import (
     rodas5p,
     rodas5p_tableau,
     roots,
+    sizes,
     state,
     stepping,
     switching,
@@ -37,6 +38,7 @@ __all__ = ["module_text"]
 AFTER_MODEL = (
     codes,
     dense,
+    sizes,
     dop853_tableau,
     dop853,
     lu,
