@@ -24,13 +24,23 @@ from stickslip.kernels.tier import Vector
 __all__ = ["add_work", "close_step", "record"]
 
 # Gauss-Legendre nodes and weights on 0 to 1, for the work done in a step
-NODES = (0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842, 0.953089922969332)
+NODES = (
+    0.0254460438286207,
+    0.12923440720030277,
+    0.2970774243113014,
+    0.5,
+    0.7029225756886985,
+    0.8707655927996972,
+    0.9745539561713793,
+)
 WEIGHTS = (
-    0.118463442528095,
-    0.239314335249683,
-    0.284444444444444,
-    0.239314335249683,
-    0.118463442528095,
+    0.06474248308443487,
+    0.13985269574463843,
+    0.19091502525255935,
+    0.20897959183673465,
+    0.19091502525255935,
+    0.13985269574463843,
+    0.06474248308443487,
 )
 
 
@@ -47,7 +57,7 @@ def add_work(
     values: Vector,
 ) -> None:
     """Add the work done in a share of a step."""
-    for node in range(5):
+    for node in range(len(NODES)):
         x = share * NODES[node]
         interpolate(y, dense, x, point)
         power(int(whole[MODE]), int(whole[FLAGS]), t + x * h, point, p, values)

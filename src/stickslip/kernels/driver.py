@@ -11,7 +11,6 @@ from stickslip.kernels.sizes import first_sizes
 from stickslip.kernels.state import (
     EVENT_COLUMNS,
     EVENTS,
-    FLAGS,
     ROW_COLUMNS,
     STATUS,
     STEP,
@@ -115,7 +114,7 @@ def run(
     events = vector(64 * EVENT_COLUMNS)
     enter_pieces(table, p, real, whole)
     initial_mode(real[TIME], y, p, whole)
-    first_sizes(real[TIME], t_end, y, p, int(whole[FLAGS]), work[3])
+    first_sizes(real[TIME], t_end, y, p, work[3])
     real[STEP] = 1e-3 * (next_stop(table, t_end, whole) - real[TIME])
     while whole[STATUS] == RUNNING:
         start = real[TIME]

@@ -12,10 +12,10 @@ from stickslip.kernels.tier import Vector
 
 __all__ = ["advance"]
 
-OVERSHOT = 0.5
-"""A step is taken again if the event lies in this first part of it."""
-BEYOND = 1.1
-"""Length of the new step over the time to the event."""
+OVERSHOT = 0.99
+"""A step is taken again if the event lies before this part of it."""
+BEYOND = 1.002
+"""Length of the new step over the time to the event, so that the event lies at its end."""
 
 
 def attempt(
@@ -114,8 +114,9 @@ def advance(
 
     On return ``buffers[1]`` holds the fraction of the step that holds and its length. A body that
     starts from rest towards a guard that would be violated at once gets shorter steps before that
-    is believed. A step that ends far beyond an event is taken again up to just beyond it: the
-    mode's equations, and so the error estimate, mean little where the mode does not hold.
+    is believed. A step that ends beyond an event is taken again up to just beyond it: the mode's
+    equations, and so the error estimate, mean little where the mode does not hold, and the dense
+    output is best where the step ends.
     """
     scale, dense = work[3], work[7]
     point, found, samples, values = buffers

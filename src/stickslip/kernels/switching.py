@@ -10,6 +10,7 @@ from stickslip.kernels.model import (
     contact,
     field,
     margins,
+    time_slope,
 )
 from stickslip.kernels.state import (
     EVENT_COLUMNS,
@@ -49,6 +50,8 @@ def mode_from_rest(t: float, flags: int, y: Vector, p: Vector, values: Vector) -
         if not HAS_BRISTLES:
             return 1 if values[2] > 0.0 else -1
     field(1, flags, t, y, p, values)
+    if values[SLIP] == 0.0:  # where a load begins to grow, its rate tells
+        time_slope(1, flags, t, y, p, values)
     return -1 if values[SLIP] < 0.0 else 1
 
 
