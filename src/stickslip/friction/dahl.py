@@ -11,6 +11,9 @@ from stickslip.quantities import Quantity
 
 __all__ = ["Dahl"]
 
+ROUNDED = 1e-12
+"""Square of the share of the friction level within which an exponent other than 1 is rounded."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -70,8 +73,8 @@ class Dahl(BristleLaw):
     ) -> tuple[Scalar, ...]:
         (z,) = bristles
         r = 1.0 - self.bristle_stiffness * z * sign(velocity) / self.kinetic_coefficient
-        # sgn(r) |r|^n without a sign to switch: r creeps towards 0, and rounding decides its side
-        return (velocity * r * power(r * r, 0.5 * (self.exponent - 1.0)),)
+        # sgn(r) |r|^n, rounded where rounding errors decide the side and n < 1 has no slope
+        return (velocity * r * power(r * r + ROUNDED, 0.5 * (self.exponent - 1.0)),)
 
     @override
     def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
