@@ -75,9 +75,10 @@ def one_law(name: str, law: type[FrictionLaw]) -> Iterator[str]:
 
 
 def bounds(quantity: Any) -> str:
-    """The allowed range, with the field that a value must not fall below."""
+    """The allowed range; the name of a field in it is code."""
     text: str = quantity.range
-    return f"{text}, and at least `{quantity.at_least}`" if quantity.at_least else text
+    name = quantity.at_least
+    return text.replace(f"at least {name}", f"at least `{name}`") if name else text
 
 
 def default(owner: type[Any], field: str) -> str:

@@ -43,6 +43,8 @@ class Quantity:
     --------
     >>> Quantity("v_s", "m/s", above=0).range
     'above 0 m/s'
+    >>> Quantity("mu_s", low=0, at_least="kinetic_coefficient").range
+    'at least 0 and at least kinetic_coefficient'
     """
 
     symbol: str
@@ -68,7 +70,10 @@ class Quantity:
             parts.append(f"at least {self.low:g}")
         if self.high < math.inf:
             parts.append(f"at most {self.high:g}")
-        return (" and ".join(parts) or "a finite number") + unit
+        text = " and ".join(parts) + unit if parts else ""
+        if self.at_least is not None:
+            text += (" and " if text else "") + f"at least {self.at_least}"
+        return text or "a finite number" + unit
 
     def check(self, owner: str, name: str, value: object) -> float:
         """Return `value` as a float, or raise `ParameterError` that says how to mend it."""

@@ -17,9 +17,13 @@ each_mechanism = pytest.mark.parametrize("name", MECHANISMS)
 each_law = pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
 
 
+# squares of speeds below 1e-100 m/s are subnormal, and have no 14 digits
+SPEEDS = st.floats(-10, 10).filter(lambda v: v == 0 or abs(v) > 1e-100)
+
+
 @each_mechanism
 @settings(max_examples=20)
-@given(data=st.data(), v=st.floats(-10, 10), x=st.floats(-10, 10))
+@given(data=st.data(), v=SPEEDS, x=st.floats(-10, 10))
 def test_kinetic_energy_is_positive_and_quadratic_in_the_rates(name, data, v, x):
     rig = data.draw(RIGS[name])
     places = dict.fromkeys((*rig.coordinates, "y"), x)

@@ -94,7 +94,7 @@ BAD = {
     "same name twice": (
         {"trials": (replace(ONE, name="a"), replace(ONE, name="a"))},
         InputError,
-        "Two trials are called 'a'",
+        "Trials 1 and 2 are called 'a'",
     ),
     "unequal lengths": (
         {"time": T, "position": X[:2]},

@@ -338,4 +338,8 @@ def _check_trials(whole: Measurement) -> None:
     names = Counter(trial.name for trial in whole.trials if trial.name)
     twice = [name for name, count in names.items() if count > 1]
     if twice:
-        raise InputError(f"Two trials are called {twice[0]!r}: give each its own name.")
+        which = [str(i) for i, trial in enumerate(whole.trials, 1) if trial.name == twice[0]]
+        raise InputError(
+            f"Trials {', '.join(which[:-1])} and {which[-1]} are called {twice[0]!r}: give each its"
+            " own name."
+        )

@@ -92,8 +92,11 @@ def _drop_nulls(node: Any) -> None:
     """Remove defaults and types that TOML cannot write."""
     if isinstance(node, Mapping):
         assert isinstance(node, dict)
-        if node.get("default", 0) is None:
+        default = node.get("default", 0)
+        if default is None:
             del node["default"]
+        elif isinstance(default, dict):
+            node["default"] = {key: value for key, value in default.items() if value is not None}
         if "anyOf" in node:
             node["anyOf"] = [option for option in node["anyOf"] if option != {"type": "null"}]
     for inner in (

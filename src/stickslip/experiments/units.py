@@ -33,10 +33,10 @@ def shown(value: object) -> str:
 
 def allowed(quantity: Quantity) -> str:
     """Return the allowed values in words."""
-    bounded = quantity.above is not None or quantity.low > -math.inf or quantity.high < math.inf
-    if bounded or quantity.unit == "1":
-        return quantity.range
-    return f"a finite number in {quantity.unit}"
+    text = quantity.range
+    if text.startswith("a finite number") and quantity.unit != "1":
+        return f"a finite number in {quantity.unit}"
+    return text
 
 
 def read_number(value: object, quantity: Quantity) -> float:

@@ -4,13 +4,15 @@ from stickslip.kernels.booking import add_work, close_step, record
 from stickslip.kernels.codes import AT_REST, END_TIME, RUNNING, STEP_LIMIT
 from stickslip.kernels.dense import TERMS
 from stickslip.kernels.dop853 import DOP853_STAGES
-from stickslip.kernels.model import N_GUARDS, N_STATES
+from stickslip.kernels.model import HAS_BRISTLES, N_GUARDS, N_STATES, SLIP
 from stickslip.kernels.pieces import enter_pieces, next_stop, rests_for_good
 from stickslip.kernels.roots import NO_GUARD, SAMPLES
 from stickslip.kernels.sizes import first_sizes
 from stickslip.kernels.state import (
     EVENT_COLUMNS,
     EVENTS,
+    FLAGS,
+    MODE,
     ROW_COLUMNS,
     STATUS,
     STEP,
@@ -19,7 +21,7 @@ from stickslip.kernels.state import (
     grown,
 )
 from stickslip.kernels.stepping import advance
-from stickslip.kernels.switching import handle_event, initial_mode
+from stickslip.kernels.switching import handle_event, initial_mode, mode_from_rest
 from stickslip.kernels.tier import Vector, vector
 
 __all__ = ["run"]
@@ -87,6 +89,8 @@ def finish_step(
         whole[STATUS] = END_TIME
     elif real[TIME] >= stop:
         enter_pieces(table, p, real, whole)
+        if HAS_BRISTLES and whole[MODE] != 0 and y[SLIP] == 0.0:
+            whole[MODE] = mode_from_rest(real[TIME], int(whole[FLAGS]), y, p, values)
 
 
 def run(

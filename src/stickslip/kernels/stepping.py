@@ -121,6 +121,7 @@ def advance(
     scale, dense = work[3], work[7]
     point, found, samples, values = buffers
     t = real[TIME]
+    before = real[STEP]
     while True:
         h = accepted_step(y, stop, real, whole, p, rtol, cap, work)
         if h == 0.0:
@@ -146,4 +147,6 @@ def advance(
         found[1] = h
         if guard == NO_GUARD:
             found[0] = 1.0
+        elif found[0] == 0.0:
+            real[STEP] = before  # the step was tried in a mode that does not hold
         return guard

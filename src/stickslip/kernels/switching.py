@@ -24,7 +24,7 @@ from stickslip.kernels.state import (
 )
 from stickslip.kernels.tier import Vector, vector
 
-__all__ = ["handle_event", "initial_mode", "set_flags"]
+__all__ = ["handle_event", "initial_mode", "mode_from_rest", "set_flags"]
 
 STALL_LIMIT = 100
 """Events in a row at one instant after which the run is given up as Zeno."""

@@ -1,47 +1,53 @@
-"""Figures: the only room that knows matplotlib."""
+"""Figures: the only room that knows matplotlib, which is loaded when a name is first asked for."""
 
-from stickslip.plots.svg import NARROW, WIDE, Draw, Size, inline_svg, save, standalone_svg
-from stickslip.plots.theme import (
-    C1,
-    C2,
-    C3,
-    C4,
-    DATA,
-    INK,
-    LINE,
-    MUTED,
-    SLIP_BACK,
-    STICK,
-    SURFACE,
-    VARIABLES,
-    label_at,
-    label_column,
-    shade,
-    spread,
-)
+import importlib
+from typing import Any
 
-__all__ = [
-    "C1",
-    "C2",
-    "C3",
-    "C4",
-    "DATA",
-    "INK",
-    "LINE",
-    "MUTED",
-    "NARROW",
-    "SLIP_BACK",
-    "STICK",
-    "SURFACE",
-    "VARIABLES",
-    "WIDE",
-    "Draw",
-    "Size",
-    "inline_svg",
-    "label_at",
-    "label_column",
-    "save",
-    "shade",
-    "spread",
-    "standalone_svg",
-]
+_HOME = {
+    "C1": "theme",
+    "C2": "theme",
+    "C3": "theme",
+    "C4": "theme",
+    "DATA": "theme",
+    "Draw": "svg",
+    "INK": "theme",
+    "LINE": "theme",
+    "MUTED": "theme",
+    "NARROW": "svg",
+    "SLIP_BACK": "theme",
+    "STICK": "theme",
+    "SURFACE": "theme",
+    "Size": "svg",
+    "VARIABLES": "theme",
+    "WIDE": "svg",
+    "draw_characteristics": "laws",
+    "draw_excitations": "excitations",
+    "draw_fixed_steps": "steps",
+    "draw_friction_velocity": "run",
+    "draw_motion": "motion",
+    "draw_presliding": "laws",
+    "draw_run": "run",
+    "draw_runs": "run",
+    "draw_separation": "separation",
+    "draw_sketch": "sketches",
+    "draw_travels": "compare",
+    "inline_svg": "svg",
+    "label_at": "theme",
+    "label_column": "theme",
+    "save": "svg",
+    "shade": "theme",
+    "spread": "theme",
+    "standalone_svg": "svg",
+}
+
+__all__ = sorted(_HOME)  # noqa: PLE0605  # read off the table above
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'stickslip.plots' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"stickslip.plots.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,13 +1,12 @@
 """What a figure of a run says about its modes and events."""
 
 from collections.abc import Sequence
-from typing import Final, Literal
+from typing import Final
 
 from matplotlib.axes import Axes
 
 from stickslip.plots.labels import LETTER
-from stickslip.plots.series import scale_of
-from stickslip.plots.theme import INK, MUTED, label_at
+from stickslip.plots.theme import INK, MUTED
 from stickslip.trajectory import Event, Trajectory
 
 __all__ = ["name_events", "name_modes", "within"]
@@ -41,23 +40,28 @@ def name_modes(axes: Axes, run: Trajectory, last: float) -> None:
             )
 
 
-def name_events(
-    axes: Axes, run: Trajectory, events: Sequence[Event], rate: str, narrow: bool
-) -> None:
-    """Say in words what each kind of event is, at the first of its kind."""
+def name_events(axes: Axes, events: Sequence[Event], narrow: bool) -> None:
+    """Say in words what each kind of event is, above the panel and at the first of its kind."""
     first = {event.reason: event for event in reversed(events)}
     if not first or len(first) > MOST_NAMED:
         return
-    factor, _ = scale_of(run[rate], run.units[rate])
     low, high = axes.get_xlim()
     letter = LETTER * (high - low) / (280 if narrow else 800)
     free_from = low
     for reason, event in sorted(first.items(), key=lambda item: item[1].t):
-        v = factor * float(run.at([event.t])[rate][0])
-        if event.t < free_from:
+        width = letter * (len(reason) + 2)
+        fits = event.t + width < high
+        start = event.t if fits else event.t - width
+        if start < free_from:
             continue
-        free_from = event.t + letter * (len(reason) + 2)
-        fits = event.t + letter * (len(reason) + 2) < high
-        side = 7 if fits else -7
-        align: Literal["left", "right"] = "left" if fits else "right"
-        label_at(axes, event.t, v, reason, INK, offset=(side, 9), align=align)
+        free_from = start + width
+        axes.axvline(event.t, color=MUTED, linewidth=0.8, linestyle=(0, (2, 2)), zorder=1)
+        axes.annotate(
+            reason,
+            (event.t, 1.03),
+            xycoords=axes.get_xaxis_transform(),
+            ha="left" if fits else "right",
+            va="bottom",
+            color=INK,
+            fontsize=11,
+        )

@@ -60,7 +60,7 @@ def draw_run(
         figure.align_ylabels()
         panels[-1].set_xlabel("time, s")
         name_modes(panels[0], run, last)
-        name_events(panels[1], run, events, rate, narrow)
+        name_events(panels[1], events, narrow)
 
     return draw
 

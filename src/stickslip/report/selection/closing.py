@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final, Literal
 
 from stickslip.friction import SOURCES
-from stickslip.plots import inline_svg
+from stickslip.plots.svg import inline_svg
 from stickslip.plots.separation import SEPARATION_SIZES, draw_separation
 from stickslip.quantities import fields_of
 from stickslip.report import numbers

@@ -4,7 +4,7 @@ import math
 from itertools import chain
 from typing import Final
 
-from stickslip.plots import inline_svg
+from stickslip.plots.svg import inline_svg
 from stickslip.plots.compare import TRAVEL_SIZES, draw_travels
 from stickslip.report import numbers
 from stickslip.report.blocks import Block, Figure

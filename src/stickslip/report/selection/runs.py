@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from stickslip.friction import BristleLaw, FrictionLaw
-from stickslip.plots import inline_svg
+from stickslip.plots.svg import inline_svg
 from stickslip.plots.laws import (
     characteristic_sizes,
     draw_characteristics,
