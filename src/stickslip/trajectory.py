@@ -186,7 +186,8 @@ class Trajectory:
         """Return the columns as a pandas DataFrame with the time in front."""
         import pandas as pd
 
-        return pd.DataFrame({"t": self.t, **{name: self[name] for name in self.names}})
+        # Adding 0 makes -0.0 a plain 0.
+        return pd.DataFrame({"t": self.t, **{name: self[name] for name in self.names}}) + 0
 
     def to_xarray(self) -> Any:
         """Return the columns as an xarray Dataset over time, with units."""

@@ -109,7 +109,7 @@ def _check_suffix(output: Path) -> None:
 
 def _export(trajectory: Trajectory, output: Path) -> None:
     """Write the run; the file appears whole or not at all."""
-    frame = trajectory.to_dataframe() + 0.0  # no column shows -0.0
+    frame = trajectory.to_dataframe()
     if output.suffix == ".csv":
         content = frame.to_csv(index=False).encode()
     else:
@@ -155,7 +155,9 @@ def _show(rig: Rig, law: FrictionLaw, run: Trajectory, settings: Settings) -> No
     if rows:
         show_table("", ["t, s", "event", "from", "to"], rows)
     ends = run.at(run.span)
-    final = ", ".join(f"{name} = {ends[name][1] + 0.0:.6g} {run.units[name]}" for name in run.names[:2])
+    final = ", ".join(
+        f"{name} = {ends[name][1] + 0.0:.6g} {run.units[name]}" for name in run.names[:2]
+    )
     console.print(f"At {run.span[1]:g} s: {final}", markup=False)
     trust = run.certificate
     checked = f"Energy mismatch {residue(trust.energy_error)}, "

@@ -9,6 +9,7 @@ from stickslip.identification import Fit, fit, starting_law
 from stickslip.identification.travel import Trial, trials_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
+from stickslip.selection.admissibility import mark_passed_over
 from stickslip.selection.criteria import criteria_of
 from stickslip.selection.scoring import held_out_errors, root_mean_square, simpler_within_doubt
 from stickslip.selection.separation import separations
@@ -76,10 +77,10 @@ def select(
     ]
     candidates, best = _ranked(candidates) if scored else (candidates, _plainest(candidates))
     fitted = {c.name: c.fit.law for c in candidates if c.fit and not c.dropped}
-    predictions = separations(trials[0].mechanism, fitted, t_end=t_end)
+    predictions = separations(mechanism, fitted, t_end=t_end, trials=trials)
     words = wording(trials, candidates, best, predictions, ranked=scored)
     return Verdict(
-        mechanism=trials[0].mechanism,
+        mechanism=mechanism,
         measurement=measurement,
         candidates=tuple(candidates),
         best=best,
@@ -165,12 +166,14 @@ def _size(candidate: Candidate) -> int:
 
 def _ranked(candidates: Sequence[Candidate]) -> tuple[list[Candidate], Candidate | None]:
     """Order by held-out score; take a simpler law that is no worse within doubt."""
-    scored = sorted((c for c in candidates if c.score is not None), key=lambda c: c.score or 0.0)
+    scored = mark_passed_over([c for c in candidates if c.score is not None])
+    scored.sort(key=lambda c: c.score or 0.0)
     rest = [c for c in candidates if c.score is None]
     if not scored:
         return rest, None
-    best = scored[0]
-    for other in sorted(scored, key=_size):
+    admissible = [c for c in scored if not c.passed_over]
+    best = admissible[0]
+    for other in sorted(admissible, key=_size):
         if other is best:
             break
         if simpler_within_doubt(other.held_out, best.held_out):

@@ -13,7 +13,7 @@ from stickslip.selection.criteria import Criteria
 from stickslip.selection.separation import Separation
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Candidate", "Verdict", "Wording"]
+__all__ = ["Candidate", "Verdict", "Wording", "plain"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,13 +25,13 @@ class Candidate:
     law: FrictionLaw
     """The law as given."""
     given: Criteria
-    """What the mechanism does with it."""
+    """What the mechanism does with it; in the first trial where there are several."""
     fit: Fit | None
     """The fit; None if no value explains the measurement."""
     run: Trajectory | None
-    """The fitted run of the first trial."""
+    """The fitted run; of the first trial where there are several."""
     criteria: Criteria | None
-    """What the fitted run does."""
+    """What the fitted run does; of the first trial too."""
     dropped: str
     """Why the law is out, empty if it is in."""
     score: float | None
@@ -42,6 +42,8 @@ class Candidate:
     """Held-out error of each trial [m]."""
     assumed: tuple[str, ...] = ()
     """Names of the parameters that were neither measured nor fitted."""
+    passed_over: str = ""
+    """Why the law is not taken whatever its score; empty if it may be."""
 
     @property
     def title(self) -> str:
@@ -54,6 +56,7 @@ class Candidate:
         return {
             "law": self.name,
             "dropped": self.dropped,
+            "passed_over": plain(self.passed_over),
             "score": self.score,
             "score_error": self.score_error,
             "held_out": list(self.held_out),
@@ -88,7 +91,7 @@ class Verdict:
     """Which law to use, how the others compare, and what the data cannot tell."""
 
     mechanism: Mechanism
-    """What was measured."""
+    """What was measured, as it was passed in; trials may have set it differently."""
     measurement: Measurement
     """The measurement."""
     candidates: tuple[Candidate, ...]
@@ -112,14 +115,14 @@ class Verdict:
     def to_dict(self) -> Mapping[str, Any]:
         """Return the verdict as plain numbers and strings, ready for JSON."""
         return {
-            "verdict": _plain(self.words.verdict),
-            "why": _plain(self.words.lede),
+            "verdict": plain(self.words.verdict),
+            "why": plain(self.words.lede),
             "best": self.best.name if self.best else None,
             "ranked": self.ranked,
             "no_score": self.words.no_score,
-            "settles": [_plain(line) for line in self.words.settles],
-            "cannot_tell": [_plain(line) for line in self.words.cannot_tell],
-            "measure_next": [_plain(line) for line in self.words.measure_next],
+            "settles": [plain(line) for line in self.words.settles],
+            "cannot_tell": [plain(line) for line in self.words.cannot_tell],
+            "measure_next": [plain(line) for line in self.words.measure_next],
             "candidates": [candidate.to_dict() for candidate in self.candidates],
             "next_measurements": [separation.to_dict() for separation in self.separations],
             "mechanism": {
@@ -129,6 +132,6 @@ class Verdict:
         }
 
 
-def _plain(text: str) -> str:
+def plain(text: str) -> str:
     """Return a text without the marks that reports typeset."""
     return text.replace("$", "")

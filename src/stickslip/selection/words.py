@@ -3,12 +3,13 @@
 Symbols stand between dollar signs, which reports typeset.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from stickslip.identification import Estimate
 from stickslip.identification.travel import Trial
 from stickslip.quantities import fields_of
-from stickslip.selection.separation import Separation
+from stickslip.selection.admissibility import doubts
+from stickslip.selection.separation import Separation, proposals
 from stickslip.selection.verdict import Candidate, Wording
 
 __all__ = ["estimate_text", "wording"]
@@ -31,8 +32,11 @@ ADVICE = {
 """Which measurement pays for a parameter that a travel does not fix, the most telling first."""
 
 
-MOVES = 0.05
-"""Share of the longest travel below which a setting is not worth a run."""
+DOUBT_NAMES = {
+    "rounding range": "rounding of the measurement",
+    "stated interval": "stated interval",
+}
+"""What a given value lies inside or outside of, where it is not an interval of so many per cent."""
 
 
 def wording(
@@ -45,6 +49,7 @@ def wording(
 ) -> Wording:
     """Put a selection into words."""
     explained = [c for c in candidates if not c.dropped]
+    unsettled = _unsettled(explained, best) if ranked else {}
     if best is None:
         verdict, lede = _nothing_fits(candidates)
     elif ranked:
@@ -55,8 +60,8 @@ def wording(
         verdict=verdict,
         lede=lede,
         settles=_settles(trials, best),
-        cannot_tell=_cannot_tell(explained, ranked=ranked),
-        measure_next=_measure_next(explained, best, predictions),
+        cannot_tell=_cannot_tell(explained, unsettled, ranked=ranked),
+        measure_next=_measure_next(trials, explained, best, predictions),
         no_score=_no_score(trials, ranked=ranked),
     )
 
@@ -77,9 +82,10 @@ def _short(value: float) -> str:
     return f"{value:.3g}"
 
 
-def _with_estimates(candidate: Candidate) -> str:
+def _with_estimates(candidate: Candidate, without: Collection[str] = ()) -> str:
     found = candidate.fit.estimates if candidate.fit else ()
-    return f"{candidate.title} friction with {' and '.join(estimate_text(e) for e in found)}"
+    said = [estimate_text(e) for e in found if e.path.rpartition(".")[2] not in without]
+    return f"{candidate.title} friction" + (f" with {' and '.join(said)}" if said else "")
 
 
 def _nothing_fits(candidates: Sequence[Candidate]) -> tuple[str, str]:
@@ -123,11 +129,23 @@ def _ranked(
         names = equals[0] if len(equals) == 1 else ", ".join(equals[:-1]) + f" and {equals[-1]}"
         doubt = f"; {names} {'is' if len(equals) == 1 else 'are'} as good on these trials"
     score, error = best.score or 0.0, best.score_error or 0.0
+    closer = [c for c in explained if c.passed_over and (c.score or 0.0) < score]
+    remark = f" {closer[0].title} misses by less, but {closer[0].passed_over}." if closer else ""
     return (
-        f"Use {_with_estimates(best)}{doubt}.",
+        f"Use {_with_estimates(best, doubts(best))}{doubt}.",
         f"Each of the {len(trials)} trials was predicted from the others. {best.title} misses by"
-        f" {1e3 * score:.2g} mm (root mean square, standard error {1e3 * error:.2g} mm).",
+        f" {1e3 * score:.2g} mm (root mean square, standard error {1e3 * error:.2g} mm).{remark}",
     )
+
+
+def _unsettled(explained: Sequence[Candidate], best: Candidate | None) -> dict[str, str]:
+    """Return by symbol what is in doubt of a fitted parameter, that of the best law first."""
+    found: dict[str, str] = {}
+    for c in sorted(explained, key=lambda c: c is not best):
+        for name, doubt in doubts(c).items():
+            whose = "" if c is best else f" of {c.title}"
+            found.setdefault(fields_of(type(c.law))[name].symbol, f"{whose}: {doubt}")
+    return found
 
 
 def _as_good(candidate: Candidate, best: Candidate) -> bool:
@@ -154,7 +172,8 @@ def _settles(trials: Sequence[Trial], best: Candidate | None) -> tuple[str, ...]
             f"Mean friction over the travel: {work:.3f} J / {_three(travel)} m"
             f" = {_three(_mean_force(best))} N."
         )
-    lines += [_range_line(estimate, best) for estimate in best.fit.estimates]
+    several = len(trials) > 1
+    lines += [_range_line(e, best) for e in best.fit.estimates if e.bounded or not several]
     return tuple(lines[:3])
 
 
@@ -165,16 +184,17 @@ def _range_line(estimate: Estimate, best: Candidate) -> str:
     if not estimate.bounded:
         return f"{symbol} only to one side: {estimate.reason}."
     inside = estimate.low <= given <= estimate.high
-    rounded = estimate.interval == "rounding range"
-    doubt = "rounding of the measurement" if rounded else f"{estimate.interval} interval"
+    doubt = DOUBT_NAMES.get(estimate.interval, f"{estimate.interval} interval")
     return (
         f"{symbol} lies between {_three(estimate.low)} and {_three(estimate.high)}; the given"
         f" {_short(given)} is {'inside' if inside else 'outside'} the {doubt}."
     )
 
 
-def _cannot_tell(explained: Sequence[Candidate], *, ranked: bool) -> tuple[str, ...]:
-    lines = []
+def _cannot_tell(
+    explained: Sequence[Candidate], unsettled: Mapping[str, str], *, ranked: bool
+) -> tuple[str, ...]:
+    lines = [f"${symbol}${doubt}." for symbol, doubt in unsettled.items()]
     if not ranked:
         lines.append("Which friction model: there is nothing left to judge by.")
     assumed = {name for c in explained for name in c.assumed}
@@ -198,29 +218,44 @@ def _symbols(explained: Sequence[Candidate], names: set[str]) -> str:
 
 
 def _measure_next(
-    explained: Sequence[Candidate], best: Candidate | None, predictions: Sequence[Separation]
+    trials: Sequence[Trial],
+    explained: Sequence[Candidate],
+    best: Candidate | None,
+    predictions: Sequence[Separation],
 ) -> tuple[str, ...]:
     lines = []
     if best is not None and len(explained) > 1 and predictions:
-        lines.append(_settings_line(explained, best, predictions))
+        lines.append(_settings_line(trials, explained, best, predictions))
     assumed = {name for c in explained for name in c.assumed}
     lines += [advice for name, advice in ADVICE.items() if name in assumed]
     return tuple(lines[:3])
 
 
 def _settings_line(
-    explained: Sequence[Candidate], best: Candidate, predictions: Sequence[Separation]
+    trials: Sequence[Trial],
+    explained: Sequence[Candidate],
+    best: Candidate,
+    predictions: Sequence[Separation],
 ) -> str:
-    """Name the outer settings and what the most different law predicts there."""
-    farthest = max(p.predicted[best.name] for p in predictions)
-    moving = [p for p in predictions if p.predicted[best.name] > MOVES * farthest]
-    low, high = moving[0], moving[-1]
-    rival = max((c for c in explained if c is not best), key=lambda c: high.gap(best.name, c.name))
+    """Name the outer new settings and what the most different law predicts there."""
+    rows = proposals(predictions, best.name)
+    rivals = [c for c in explained if c is not best]
+    gaps = {c.name: max((row.gap(best.name, c.name) for row in rows), default=0.0) for c in rivals}
+    rival = max(rivals, key=lambda c: gaps[c.name])
+    doubt = max(2.0 * max(trial.half_width for trial in trials), best.score or 0.0)
+    if gaps[rival.name] <= doubt:
+        symbol, outer = predictions[0].symbol, (predictions[0], predictions[-1])
+        return (
+            f"No setting of ${symbol}$ from {_setting(outer[0])} to {_setting(outer[1])} would tell"
+            f" the models apart: they differ by at most {1e3 * gaps[rival.name]:.2g} mm."
+        )
+    set_to = " and ".join(map(_setting, rows))
+    one, other = (
+        " and ".join(f"{row.predicted[c.name]:.3f}" for row in rows) for c in (best, rival)
+    )
     return (
-        f"Set ${low.symbol}$ to {_setting(low)} and {_setting(high)}, three runs each."
-        f" {best.title} predicts {low.predicted[best.name]:.3f} and"
-        f" {high.predicted[best.name]:.3f} m, {rival.title} {low.predicted[rival.name]:.3f} and"
-        f" {high.predicted[rival.name]:.3f} m."
+        f"Set ${rows[0].symbol}$ to {set_to}, three runs each. {best.title} predicts {one} m,"
+        f" {rival.title} {other} m."
     )
 
 

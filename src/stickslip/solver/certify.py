@@ -1,5 +1,6 @@
 """The certificate of a run: evidence that does not come from error control."""
 
+from collections.abc import Sequence
 from types import ModuleType
 
 import numpy as np
@@ -15,7 +16,11 @@ RESIDUAL_LIMIT = 1e-6
 
 
 def certify(
-    playback: Playback, module: ModuleType, real: list[float], whole: list[int], tolerance: float
+    playback: Playback,
+    module: ModuleType,
+    real: Sequence[float],
+    whole: Sequence[int],
+    tolerance: float,
 ) -> Certificate:
     """Check energy, guards, events and stick of a finished run."""
     books = _books(playback, module, real)
@@ -43,7 +48,7 @@ def certify(
     )
 
 
-def _books(playback: Playback, module: ModuleType, real: list[float]) -> dict[str, float]:
+def _books(playback: Playback, module: ModuleType, real: Sequence[float]) -> dict[str, float]:
     """Return energies and works, and their mismatch over the largest of them."""
     start, end = (_energy(playback, module, at) for at in (0, -1))
     supplied, taken = real[module.SUPPLIED], real[module.TAKEN]

@@ -2,12 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from types import ModuleType
 from typing import Annotated, final
 
 from typing_extensions import override
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, ParameterError
 from stickslip.formulation import Model, formulate
 from stickslip.friction import BristleLaw, FrictionLaw, PrintedForm
 from stickslip.kernels import codes
@@ -15,7 +14,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.solver.base import Solver, column_units
 from stickslip.solver.certify import certify
-from stickslip.solver.modules import load
+from stickslip.solver.execution import Record, Tier, execute
 from stickslip.solver.playback import Playback
 from stickslip.solver.tables import Inputs, gather
 from stickslip.trajectory import Event, Status, Trajectory
@@ -63,6 +62,18 @@ class EventDriven(Solver):
     """The same in modes with bristles."""
     max_steps: Annotated[float, Quantity("n", low=1)] = 1_000_000
     """Steps after which a run is given up."""
+    tier: Tier = "auto"
+    """``"python"`` runs at once; ``"compiled"`` waits some seconds for numba the first time and is
+    then a hundred times faster; ``"auto"`` takes what this process has compiled already."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the settings."""
+        super().__post_init__()
+        if self.tier not in ("auto", "python", "compiled"):
+            raise ParameterError(
+                f"EventDriven.tier must be 'auto', 'python' or 'compiled', got {self.tier!r}."
+            )
 
     @override
     def run(
@@ -80,47 +91,39 @@ class EventDriven(Solver):
                 f" corrected law {law.corrected.__name__}."
             )
         model = formulate(mechanism, law)
-        module = load(model)
         inputs = gather(mechanism, law, model)
         tolerance = self.stiff_tolerance if isinstance(law, BristleLaw) else self.tolerance
-        state = [0.0] * 6, [0] * 8
-        log, rows = module.run(
-            list(inputs.p),
-            inputs.table,
-            inputs.bounds,
-            list(y0),
-            t_end,
-            tolerance,
-            inputs.time_scale / 6.0,
-            int(self.max_steps),
-            *state,
+        record = execute(
+            model,
+            inputs,
+            y0,
+            t_end=t_end,
+            tolerance=tolerance,
+            limit=int(self.max_steps),
+            tier=self.tier,
         )
-        return _trajectory(mechanism, law, model, module, inputs, log, rows, state, tolerance)
+        return _trajectory(mechanism, law, model, inputs, record, tolerance)
 
 
 def _trajectory(
     mechanism: Mechanism,
     law: FrictionLaw,
     model: Model,
-    module: ModuleType,
     inputs: Inputs,
-    log: Sequence[float],
-    rows: Sequence[float],
-    state: tuple[list[float], list[int]],
+    record: Record,
     tolerance: float,
 ) -> Trajectory:
     """Wrap what the kernels recorded."""
-    real, whole = state
-    playback = Playback.from_log(model, module, inputs, log, whole[module.STEPS])
-    events = _events(mechanism, model, rows, whole[module.EVENTS])
+    module, whole = record.module, record.whole
+    playback = Playback.from_log(model, module, inputs, record.log, whole[module.STEPS])
     bristles = law.bristles if isinstance(law, BristleLaw) else ()
     return Trajectory(
         t=playback.times(),
         names=(*model.states, "friction", "normal_force", "mode"),
         units=column_units(mechanism, bristles),
-        events=events,
+        events=_events(mechanism, model, record.events, whole[module.EVENTS]),
         status=STATUS[whole[module.STATUS]],
-        certificate=certify(playback, module, real, whole, tolerance),
+        certificate=certify(playback, module, record.real, whole, tolerance),
         span=playback.span(),
         evaluate=playback,
     )

@@ -22,7 +22,7 @@ import platformdirs
 from stickslip.formulation import Model
 from stickslip.solver.texts import module_text
 
-__all__ = ["cache_directory", "load", "module_text"]
+__all__ = ["cache_directory", "is_loaded", "load", "module_text"]
 
 
 def cache_directory() -> Path:
@@ -44,10 +44,20 @@ def load(model: Model, *, compiled: bool = False) -> ModuleType:
         process that runs a model waits for it.
     """
     text = module_text(model, compiled=compiled)
-    name = "stickslip_" + hashlib.sha256(text.encode()).hexdigest()[:32]
+    name = _name(text)
     if name not in sys.modules:
         sys.modules[name] = _from_file(name, text, compiled=compiled)
     return sys.modules[name]
+
+
+def is_loaded(model: Model, *, compiled: bool = False) -> bool:
+    """Whether this process has the module of a model already."""
+    return _name(module_text(model, compiled=compiled)) in sys.modules
+
+
+@functools.lru_cache(maxsize=256)
+def _name(text: str) -> str:
+    return "stickslip_" + hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
 def _from_file(name: str, text: str, *, compiled: bool) -> ModuleType:

@@ -126,6 +126,7 @@ def _kernels() -> str:
     return "\n\n".join(_body(kernel) for kernel in AFTER_MODEL)
 
 
+@functools.lru_cache(maxsize=256)
 def module_text(model: Model, *, compiled: bool = False) -> str:
     """Return the whole text of the module of a model.
 

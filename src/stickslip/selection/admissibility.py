@@ -1,0 +1,73 @@
+"""Which fits may be taken: not those with a parameter that the data do not hold off its limit."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from stickslip.identification import Estimate
+from stickslip.quantities import fields_of
+from stickslip.selection.verdict import Candidate
+
+__all__ = ["doubts", "mark_passed_over"]
+
+
+def doubts(candidate: Candidate) -> dict[str, str]:
+    """Return why each fitted parameter that the data do not settle is in doubt, by field name."""
+    found = {}
+    for estimate in candidate.fit.estimates if candidate.fit else ():
+        name = estimate.path.rpartition(".")[2]
+        limit = _limit(candidate, name)
+        if not estimate.bounded:
+            found[name] = "not bounded by these trials"
+        elif estimate.low <= limit:
+            found[name] = _at(limit, estimate)
+    return found
+
+
+def _limit(candidate: Candidate, name: str) -> float:
+    """Return the lowest value that a parameter may have beside the others."""
+    assert candidate.fit is not None
+    law = candidate.fit.law
+    quantity = fields_of(type(law))[name]
+    limits = [quantity.low, quantity.above or 0.0]
+    if quantity.at_least is not None:
+        limits.append(getattr(law, quantity.at_least))
+    return float(max(limits))
+
+
+def _at(limit: float, estimate: Estimate) -> str:
+    value = "zero" if limit == 0.0 else f"its limit {limit:.3g}"
+    return f"{value} within its {estimate.interval} interval"
+
+
+def mark_passed_over(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Mark the scored candidates whose doubtful parameter another law does without.
+
+    That law must have no doubtful parameter itself, and a score within one standard error.
+    """
+    return [
+        replace(candidate, passed_over=reason) if reason else candidate
+        for candidate in candidates
+        for reason in [_reason(candidate, candidates)]
+    ]
+
+
+def _reason(candidate: Candidate, candidates: Sequence[Candidate]) -> str:
+    for name, doubt in doubts(candidate).items():
+        for other in candidates:
+            settled = name not in _fitted(other) and not doubts(other)
+            if settled and _within(other, candidate):
+                symbol = fields_of(type(candidate.law))[name].symbol
+                return f"${symbol}$ is {doubt}, and {other.title} does without it"
+    return ""
+
+
+def _fitted(candidate: Candidate) -> set[str]:
+    estimates = candidate.fit.estimates if candidate.fit else ()
+    return {estimate.path.rpartition(".")[2] for estimate in estimates}
+
+
+def _within(other: Candidate, candidate: Candidate) -> bool:
+    """Whether another score is no worse than one standard error."""
+    if other.score is None or candidate.score is None:
+        return False
+    return other.score <= candidate.score + (candidate.score_error or 0.0)
