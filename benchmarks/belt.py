@@ -2,8 +2,9 @@
 
 import math
 
-from benchmarks.measuring import REPEATS, Result, at_error, largest_error
 from scipy.integrate import solve_ivp
+
+from benchmarks.measuring import REPEATS, Result, at_error, largest_error
 from stickslip import Coulomb, EventDriven, TowedBlock, simulate
 
 M, K, SPEED, F_K, F_S = 1.0, 2.0, 0.1, 1.0, 1.5

@@ -2,8 +2,9 @@
 
 import math
 
-from benchmarks.measuring import REPEATS, Result, at_error, largest_error
 from scipy.integrate import solve_ivp
+
+from benchmarks.measuring import REPEATS, Result, at_error, largest_error
 from stickslip import Coulomb, EventDriven, SpringBlock, simulate
 
 M, K, X_0, MU, G = 1.0, 100.0, 0.08, 0.1, 9.81

@@ -3,8 +3,9 @@
 import math
 
 import numpy as np
-from benchmarks.measuring import REPEATS, Result, at_error
 from scipy.integrate import solve_ivp
+
+from benchmarks.measuring import REPEATS, Result, at_error
 from stickslip import EventDriven, LuGre, TowedBlock, simulate
 
 M, K, SPEED = 1.0, 2.0, 0.1

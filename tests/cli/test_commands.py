@@ -214,5 +214,3 @@ def test_an_interrupt_ends_with_130_and_one_line(run, monkeypatch):
     code, out, err = run("select", "--json")
     assert (code, out) == (130, "")
     assert "Cancelled" in err
-
-

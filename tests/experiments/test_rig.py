@@ -349,7 +349,10 @@ BAD_TEXT = {
     "set without a table": (f"{TRIAL}set = 5", "trial.0.set must be a table"),
     "initial state": (f"{TRIAL}initial = {{y = 1}}", "trial.0.initial: 'y'. Known: v, x, z"),
     "initial value": (f"{TRIAL}initial = {{x = '1 kg'}}", r"initial: x \(x\) must be in m"),
-    "same name": (f"{TRIAL}name='a'\n[[trial]]\ntravel=1\nname='a'", "Trials 1 and 2 are called 'a'"),
+    "same name": (
+        f"{TRIAL}name='a'\n[[trial]]\ntravel=1\nname='a'",
+        "Trials 1 and 2 are called 'a'",
+    ),
     "published law": (f"{MECHANISM}[[published]]\nlaw = 'coulom'", "'coulom'. .*'coulomb'"),
     "published error": (
         f"{MECHANISM}[[published]]\nlaw = 'dahl'\nrelative_error = '-1 %'",

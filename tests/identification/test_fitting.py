@@ -105,7 +105,7 @@ def test_more_parameters_than_travels_are_refused():
 
 
 def test_an_unknown_parameter_names_the_nearest_known_one():
-    with pytest.raises(UnknownNameError, match="friction.kinetic_coefficient"):
+    with pytest.raises(UnknownNameError, match=r"friction\.kinetic_coefficient"):
         fit(RIG, Coulomb, READING, free=["kinetic_coeficient"])
 
 

@@ -58,6 +58,17 @@ def test_the_unpublished_values_that_give_the_published_rows(found):
     assert needs["coulomb-viscous"].value is None
 
 
+def test_dahl_and_lugre_rows_by_stiffness(found):
+    travels = {(row.law, row.stiffness): row.criteria for row in found.bristles}
+    # checked values, to their printed digits
+    assert round(travels["dahl", 1e5].travel, 4) == 0.1559
+    assert round(travels["dahl", 1e4].travel, 4) == 0.1602
+    assert round(travels["dahl", 1e3].travel, 3) == 0.174
+    assert round(travels["dahl", 1e2].travel, 3) == 0.217
+    assert round(travels["lugre", 1e3].travel, 3) == 0.131
+    assert round(travels["lugre", 1e3].least_velocity, 3) == -0.027
+
+
 def test_stiff_bristle_laws_spring_back_without_a_hold(found):
     backs = {back.law.name: back.criteria.least_velocity for back in found.springbacks}
     assert STIFFNESS == 1e5

@@ -53,6 +53,19 @@ def _show(found: PaperAudit) -> None:
     rows = [_need(need) for need in found.requirements]
     stdout().print()
     show_table("What would give the published rows", ["row", "m", "needs", "range"], rows)
+    rows = [
+        [
+            row.law,
+            significant(row.stiffness, 1),
+            "held" if row.held else "free",
+            f"{row.criteria.travel:.4f}",
+            significant(1e3 * row.criteria.least_velocity, 2),
+        ]
+        for row in found.bristles
+    ]
+    heads = ["law", "bristles, N/m", "at the stop", "A push, m", "lowest velocity, mm/s"]
+    stdout().print()
+    show_table("Softer bristles in the same push", heads, rows)
 
 
 def _need(need: Requirement) -> list[str]:

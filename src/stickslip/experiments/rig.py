@@ -1,5 +1,6 @@
 """A rig: what moves, which friction values are known, and what was measured."""
 
+import html
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import final
@@ -115,6 +116,24 @@ class Rig:
         records = () if self.measurement is None else self.measurement.records()
         for index, record in enumerate(records):
             check_record(self.mechanism, record, f"trial {record.name or index}")
+
+    def _lines(self) -> tuple[str, ...]:
+        """Return what moves, which laws are known and what was measured, a line each."""
+        records = () if self.measurement is None else self.measurement.records()
+        what = "" if self.measurement is None else ", ".join(self.measurement.quantities())
+        measured = f"{len(records)} with {what}" if records else "none"
+        return (
+            f"Rig {self.title!r}",
+            f"mechanism: {self.mechanism}",
+            f"laws: {', '.join(self.laws) or 'none'}",
+            f"records: {measured}",
+        )
+
+    def __repr__(self) -> str:
+        return "<" + "\n ".join(self._lines()) + ">"
+
+    def _repr_html_(self) -> str:
+        return "<p>" + "<br>".join(html.escape(line) for line in self._lines()) + "</p>"
 
 
 def state_units(mechanism: Mechanism) -> dict[str, str]:

@@ -1,5 +1,6 @@
 """What a fit gives back."""
 
+import html
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -36,6 +37,31 @@ class Estimate:
         """Whether the data bound the parameter on both sides."""
         return math.isfinite(self.low) and math.isfinite(self.high)
 
+    @property
+    def range(self) -> str:
+        """The interval in words."""
+        if self.bounded:
+            return f"{_three(self.low)} to {_three(self.high)}"
+        if math.isfinite(self.low):
+            return f"{_three(self.low)} or more"
+        return f"{_three(self.high)} or less" if math.isfinite(self.high) else "not bounded"
+
+    def __str__(self) -> str:
+        """Return symbol, value and interval, such as ``mu_k = 0.255 (0.249 to 0.261)``."""
+        unit = "" if self.quantity.unit == "1" else f" {self.quantity.unit}"
+        return f"{self.quantity.symbol} = {_three(self.value)}{unit} ({self.range})"
+
+    def __repr__(self) -> str:
+        return f"<Estimate {self}, {self.interval}>"
+
+    def _repr_html_(self) -> str:
+        return f"<p>{html.escape(str(self))}, {html.escape(self.interval)}</p>"
+
+
+def _three(value: float) -> str:
+    """Return a number with three digits, zeros kept."""
+    return f"{value:#.3g}".rstrip(".")
+
 
 @dataclass(frozen=True, kw_only=True)
 class Fit:
@@ -47,8 +73,8 @@ class Fit:
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
     >>> result = fit(rig, Coulomb, reading)
-    >>> print(f"{result.estimates[0].value:.3f}")
-    0.255
+    >>> print(result.estimates[0])
+    mu_k = 0.255 (0.249 to 0.261)
     """
 
     law: FrictionLaw
@@ -63,6 +89,21 @@ class Fit:
     """Travels of the fitted law [m]."""
     runs: int
     """Simulations spent."""
+
+    def __str__(self) -> str:
+        """Return the law, its estimates and how far off it is, in one line."""
+        count = len(self.measured)
+        worst = 1e3 * max(abs(residual) for residual in self.residuals)
+        return (
+            f"{self.law.title} fitted to {count} travel{'s' if count > 1 else ''}:"
+            f" {', '.join(map(str, self.estimates))}; largest residual {worst:.2g} mm"
+        )
+
+    def __repr__(self) -> str:
+        return f"<Fit: {self}>"
+
+    def _repr_html_(self) -> str:
+        return f"<p>{html.escape(str(self))}</p>"
 
     def to_law(self) -> FrictionLaw:
         """Return the fitted law."""

@@ -7,6 +7,7 @@ from typing import Any
 
 from stickslip.experiments import Published, Rig, load_rig
 from stickslip.friction import FrictionLaw
+from stickslip.paper.bristles import BristleRow, bristle_rows
 from stickslip.paper.excitations import Excitation, excitations
 from stickslip.paper.misprints import Consequence, consequences
 from stickslip.paper.springback import Springback, springbacks
@@ -44,6 +45,8 @@ class PaperAudit:
     """What the printed equations do where they are wrong."""
     fixed_steps: tuple[FixedStepRow, ...]
     """The released spring with fixed steps and exactly."""
+    bristles: tuple[BristleRow, ...]
+    """Travels by the stiffness of the bristles."""
     springbacks: tuple[Springback, ...]
     """How bristle laws spring back where nothing holds the block."""
     verdict: Verdict
@@ -64,6 +67,7 @@ class PaperAudit:
             ],
             "unpublished_parameters": [asdict(r) for r in self.requirements],
             "misprints": [_consequence_dict(c) for c in self.consequences],
+            "bristles": [asdict(row) for row in self.bristles],
             "springbacks": [
                 {"law": back.law.name, **asdict(back.criteria)} for back in self.springbacks
             ],
@@ -128,6 +132,7 @@ def audit(
         requirements=requirements(values, travels, t_end=rig.t_end),
         consequences=consequences(values),
         fixed_steps=compare_fixed_steps(values.rig, rig.laws["coulomb"], t_end=1.0),
+        bristles=bristle_rows(values, t_end=rig.t_end),
         springbacks=springbacks(values),
         verdict=verdict,
     )

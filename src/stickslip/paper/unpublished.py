@@ -15,7 +15,7 @@ from stickslip.paper.excitations import rigs
 from stickslip.paper.values import PaperValues
 from stickslip.simulation import simulate
 
-__all__ = ["Requirement", "requirements"]
+__all__ = ["Requirement", "dahl_row", "lugre_row", "requirements"]
 
 ROUNDING = 0.005
 """Half of the last printed digit of Table II [m]."""
@@ -82,14 +82,14 @@ def _cases(values: PaperValues) -> dict[str, Case]:
             "sigma_0",
             "N/m",
             50.0,
-            lambda sigma: _dahl(values, sigma),
+            lambda sigma: dahl_row(values, sigma),
             "bristles that give way by centimetres, with the block held at its first stop",
         ),
         "lugre": (
             "sigma_0",
             "N/m",
             1e3,
-            lambda sigma: _lugre(values, sigma),
+            lambda sigma: lugre_row(values, sigma),
             "with the damping of LuGre 1995, the root of $sigma_0$, and no hold at rest",
         ),
         "stribeck": (
@@ -109,7 +109,8 @@ def _cases(values: PaperValues) -> dict[str, Case]:
     }
 
 
-def _dahl(values: PaperValues, sigma_0: float) -> FrictionLaw:
+def dahl_row(values: PaperValues, sigma_0: float) -> Dahl:
+    """Return Dahl friction with bristles of a stiffness [N/m], held at the first stop."""
     return Dahl.from_forces(
         load=values.load,
         kinetic_force=values.mu_k * values.load,
@@ -118,7 +119,7 @@ def _dahl(values: PaperValues, sigma_0: float) -> FrictionLaw:
     )
 
 
-def _lugre(values: PaperValues, sigma_0: float) -> FrictionLaw:
+def lugre_row(values: PaperValues, sigma_0: float) -> LuGre:
     """Return LuGre friction with the damping, viscosity and Stribeck velocity of LuGre 1995."""
     return LuGre.from_forces(
         load=values.load,

@@ -11,7 +11,7 @@ from stickslip.plots.labels import Curve, label_curves, label_ends
 from stickslip.plots.series import Array, Look, Sizes, grouped, looks, wrapped
 from stickslip.plots.svg import Draw
 from stickslip.plots.theme import INK, MUTED, STICK, SURFACE, label_at
-from stickslip.selection.separation import Separation
+from stickslip.selection.separation import Separation, proposals
 
 __all__ = ["SEPARATION_SIZES", "draw_separation"]
 
@@ -41,7 +41,7 @@ def draw_separation(
     Returns
     -------
     callable
-        Draws it, with a band at the settings that tell most.
+        Draws it, with a band at the outermost settings not measured yet.
     """
     rows = sorted(separations, key=lambda row: row.value)
     names = list(rows[0].predicted)
@@ -66,7 +66,8 @@ def draw_separation(
         axes.set_xticks(settings)
         axes.margins(x=0.03)
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-        _where_to_measure(axes, settings)
+        new = [row.value * (1e3 if in_mm else 1.0) for row in proposals(rows, chosen)]
+        _where_to_measure(axes, new[:1] + new[1:][-1:])
         shown = [(x * (1e3 if in_mm else 1.0), y) for x, y in measured]
         _measured(axes, [(x, y) for x, y in shown if settings[0] <= x <= settings[-1]])
         _name_laws(axes, settings, paths, look, titles, narrow)
@@ -103,16 +104,14 @@ def _short(names: Sequence[str], titles: Mapping[str, str]) -> str:
     return ", ".join(said) if len(said) < 3 else f"{said[0]} and {len(said) - 1} others"
 
 
-def _where_to_measure(axes: Axes, settings: Array) -> None:
+def _where_to_measure(axes: Axes, settings: Sequence[float]) -> None:
     low, high = axes.get_xlim()
     half = 0.008 * (high - low)
-    for at in (settings[0], settings[-1]):
+    for at in settings:
         axes.axvspan(at - half, at + half, facecolor=STICK, edgecolor="none", zorder=0)
     place = axes.get_xaxis_transform()
-    for at, height, text, side, align in (
-        (settings[0], 0.92, "measure here", 8, "left"),
-        (settings[-1], 0.06, "and here", -8, "right"),
-    ):
+    notes = ((0.92, "measure here", 8, "left"), (0.06, "and here", -8, "right"))
+    for at, (height, text, side, align) in zip(settings, notes, strict=False):
         axes.annotate(
             text, (at, height), xycoords=place, xytext=(side, 0), textcoords="offset points",
             ha=align, color=MUTED, fontsize=11,

@@ -150,15 +150,14 @@ def _share(mechanism: Mechanism, path: str, value: float, trial: Trial) -> float
 
 
 def proposals(rows: Sequence[Separation], name: str) -> tuple[Separation, ...]:
-    """Return the outermost settings that are not measured yet and at which a law still moves.
+    """Return the settings that are not measured yet and at which a law still moves the body.
 
     Parameters
     ----------
     rows : sequence of Separation
         In the order of the setting.
     name : str
-        The law that has to move.
+        The law.
     """
     farthest = max((abs(row.predicted[name]) for row in rows), default=0.0)
-    moving = [r for r in rows if not r.measured and abs(r.predicted[name]) > MOVES * farthest]
-    return tuple(moving[:1] + moving[1:][-1:])
+    return tuple(r for r in rows if not r.measured and abs(r.predicted[name]) > MOVES * farthest)

@@ -1,8 +1,9 @@
 """What a selection gives back."""
 
+import html
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
@@ -12,6 +13,9 @@ from stickslip.quantities import parameters
 from stickslip.selection.criteria import Criteria
 from stickslip.selection.separation import Separation
 from stickslip.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["Candidate", "Verdict", "Wording", "plain"]
 
@@ -49,6 +53,30 @@ class Candidate:
     def title(self) -> str:
         """Name of the law in running text."""
         return self.law.title
+
+    def __str__(self) -> str:
+        """Return the law, what was fitted and how well it predicts, in one line."""
+        if self.dropped or self.fit is None:
+            return f"{self.title}: dropped, {self.dropped}"
+        score = "" if self.score is None else f"; held-out error {1e3 * self.score:.2g} mm"
+        return f"{self.title}: {', '.join(map(str, self.fit.estimates))}{score}"
+
+    def __repr__(self) -> str:
+        return f"<Candidate {self}>"
+
+    def _repr_html_(self) -> str:
+        return f"<p>{html.escape(str(self))}</p>"
+
+    def to_row(self) -> Mapping[str, Any]:
+        """Return the candidate as a row of `Verdict.table`."""
+        found = self.fit.estimates if self.fit else ()
+        return {
+            "law": self.name,
+            "parameters": ", ".join(f"{e.quantity.symbol} = {e.value:.3g}" for e in found),
+            "range": ", ".join(estimate.range for estimate in found),
+            "travel": self.criteria.travel if self.criteria else None,
+            "score": self.score,
+        }
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the candidate as plain numbers and strings."""
@@ -112,10 +140,39 @@ class Verdict:
         """The candidates that reproduce the measurement."""
         return tuple(candidate for candidate in self.candidates if not candidate.dropped)
 
+    @property
+    def sentence(self) -> str:
+        """What to do, in one or two plain sentences."""
+        return plain(self.words.verdict)
+
+    def __repr__(self) -> str:
+        count, trials = len(self.candidates), len(self.measurement.records())
+        judged = "ranked by held-out error" if self.ranked else "not ranked"
+        return (
+            f"<Verdict: {self.sentence}\n"
+            f" {len(self.explained)} of {count} laws explain {trials}"
+            f" trial{'s' if trials > 1 else ''}; {judged}>"
+        )
+
+    def _repr_html_(self) -> str:
+        table = self.table().to_html(index=False, na_rep="", border=0)
+        return f"<p>{html.escape(self.sentence)}</p>{table}"
+
+    def table(self) -> "pd.DataFrame":
+        """Return the candidates as a pandas DataFrame.
+
+        Its columns are ``law``, ``parameters``, ``range``, ``travel`` [m] of the first trial as
+        fitted, and ``score`` [m], which is empty where nothing is ranked.
+        """
+        import pandas as pd
+
+        frame = pd.DataFrame([candidate.to_row() for candidate in self.candidates])
+        return frame.astype({"travel": float, "score": float})
+
     def to_dict(self) -> Mapping[str, Any]:
         """Return the verdict as plain numbers and strings, ready for JSON."""
         return {
-            "verdict": plain(self.words.verdict),
+            "verdict": self.sentence,
             "why": plain(self.words.lede),
             "best": self.best.name if self.best else None,
             "ranked": self.ranked,

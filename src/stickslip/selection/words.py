@@ -237,26 +237,38 @@ def _settings_line(
     best: Candidate,
     predictions: Sequence[Separation],
 ) -> str:
-    """Name the outer new settings and what the most different law predicts there."""
+    """Name new settings and what the most different law predicts there, or that none tells."""
     rows = proposals(predictions, best.name)
+    if not rows:
+        return f"No new setting of ${predictions[0].symbol}$ was found at which the body moves."
     rivals = [c for c in explained if c is not best]
-    gaps = {c.name: max((row.gap(best.name, c.name) for row in rows), default=0.0) for c in rivals}
-    rival = max(rivals, key=lambda c: gaps[c.name])
     doubt = max(2.0 * max(trial.half_width for trial in trials), best.score or 0.0)
-    if gaps[rival.name] <= doubt:
-        symbol, outer = predictions[0].symbol, (predictions[0], predictions[-1])
+    outer = rows[:1] + rows[1:][-1:]
+    inner = tuple(sorted(rows, key=lambda row: _gap([row], best, rivals)[0])[-1:])
+    told = [chosen for chosen in (outer, inner) if _gap(chosen, best, rivals)[0] > doubt]
+    if not told:
+        widest = 1e3 * _gap(rows, best, rivals)[0]
         return (
-            f"No setting of ${symbol}$ from {_setting(outer[0])} to {_setting(outer[1])} would tell"
-            f" the models apart: they differ by at most {1e3 * gaps[rival.name]:.2g} mm."
+            f"No setting of ${rows[0].symbol}$ from {_setting(rows[0])} to {_setting(rows[-1])}"
+            f" would tell the models apart: they differ by at most {widest:.2g} mm."
         )
-    set_to = " and ".join(map(_setting, rows))
+    _, rival = _gap(told[0], best, rivals)
+    set_to = " and ".join(_setting(row) for row in told[0])
     one, other = (
-        " and ".join(f"{row.predicted[c.name]:.3f}" for row in rows) for c in (best, rival)
+        " and ".join(f"{row.predicted[c.name]:.3f}" for row in told[0]) for c in (best, rival)
     )
     return (
         f"Set ${rows[0].symbol}$ to {set_to}, three runs each. {best.title} predicts {one} m,"
         f" {rival.title} {other} m."
     )
+
+
+def _gap(
+    rows: Sequence[Separation], best: Candidate, rivals: Sequence[Candidate]
+) -> tuple[float, Candidate]:
+    """Return the largest difference from the best law [m], and whose it is."""
+    gaps = [max(row.gap(best.name, c.name) for row in rows) for c in rivals]
+    return max(gaps), rivals[gaps.index(max(gaps))]
 
 
 def _setting(separation: Separation) -> str:

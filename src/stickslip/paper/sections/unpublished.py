@@ -36,6 +36,7 @@ def unpublished_section(found: PaperAudit) -> Section:
                 )
             ),
             Table(columns=columns, rows=rows),
+            _bristle_table(found),
             Caption(
                 text=(
                     "That a value gives the row does not show that it was used. To settle it would"
@@ -57,3 +58,36 @@ def _row(need: Requirement, title: str) -> Row:
         if need.low is not None and need.high is not None:
             limits = f"{significant(need.low, 3)} to {significant(need.high, 3)}"
     return Row(cells=(title, fixed(need.published, 2), value, limits, need.text))
+
+
+def _bristle_table(found: PaperAudit) -> Table:
+    """Show the travel of the bristle laws by their stiffness, in the same push."""
+    columns = (
+        Column(head="bristles"),
+        Column(head="Dahl, held\nm", numeric=True, phone="label", label="Dahl, held, m"),
+        Column(head="LuGre, free\nm", numeric=True, phone="label", label="LuGre, free, m"),
+        Column(
+            head="LuGre, lowest\nvelocity, mm/s",
+            numeric=True,
+            phone="label",
+            label="LuGre, lowest velocity, mm/s",
+        ),
+    )
+    dahl = [row for row in found.bristles if row.law == "dahl"]
+    lugre = [row for row in found.bristles if row.law == "lugre"]
+    rows = tuple(
+        Row(
+            cells=(
+                f"{significant(one.stiffness, 1)} N/m",
+                fixed(one.criteria.travel, 4),
+                fixed(other.criteria.travel, 4),
+                significant(1e3 * other.criteria.least_velocity, 2),
+            )
+        )
+        for one, other in zip(dahl, lugre, strict=True)
+    )
+    caption = (
+        "The same push with softer and softer bristles. Published: Dahl 0.25 m, LuGre 0.13 m with"
+        " a velocity that becomes negative."
+    )
+    return Table(columns=columns, rows=rows, caption=caption)

@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from typing import Final, Literal
 
 from stickslip.friction import SOURCES
-from stickslip.plots.svg import inline_svg
 from stickslip.plots.separation import SEPARATION_SIZES, draw_separation
+from stickslip.plots.svg import inline_svg
 from stickslip.quantities import fields_of
 from stickslip.report import numbers
 from stickslip.report.blocks import (
@@ -113,7 +113,10 @@ def _told_apart(verdict: Verdict, best: Candidate) -> list[str]:
     return [
         c.title
         for c in verdict.explained
-        if c is not best and any(row.gap(best.name, c.name) > limit for row in verdict.separations)
+        if c is not best
+        and any(
+            row.gap(best.name, c.name) > limit for row in verdict.separations if not row.measured
+        )
     ]
 
 

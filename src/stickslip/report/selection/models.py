@@ -4,8 +4,8 @@ import math
 from itertools import chain
 from typing import Final
 
-from stickslip.plots.svg import inline_svg
 from stickslip.plots.compare import TRAVEL_SIZES, draw_travels
+from stickslip.plots.svg import inline_svg
 from stickslip.report import numbers
 from stickslip.report.blocks import Block, Figure
 from stickslip.report.documents import Section
@@ -154,6 +154,7 @@ def _cells(verdict: Verdict, candidate: Candidate) -> list[Cell]:
         assumed += "; still moves at the end"
     fitted, ranges = ", ".join(values) or "nothing", ", ".join(map(estimate_range, estimates))
     assumed = f"dropped: {candidate.dropped}" if candidate.dropped else assumed
+    assumed += f"; not taken: {candidate.passed_over}" if candidate.passed_over else ""
     if verdict.ranked:
         return [name, Name(text=fitted, aside=ranges), assumed]
     cells = [name, fitted, ranges or NONE, assumed]

@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from stickslip.friction import BristleLaw, FrictionLaw
-from stickslip.plots.svg import inline_svg
 from stickslip.plots.laws import (
     characteristic_sizes,
     draw_characteristics,
@@ -14,6 +13,7 @@ from stickslip.plots.laws import (
 )
 from stickslip.plots.run import FRICTION_SIZES, RUN_SIZES, draw_friction_velocity, draw_run
 from stickslip.plots.steps import draw_fixed_steps, fixed_step_sizes
+from stickslip.plots.svg import inline_svg
 from stickslip.report import numbers
 from stickslip.report.blocks import Block, Figure
 from stickslip.report.documents import Section
