@@ -22,7 +22,7 @@ def rows_of(result: Result) -> list[list[str]]:
         [
             result.title if entry is result.entries[0] else "",
             entry.solver,
-            f"{entry.tolerance:.0e}",
+            f"{entry.tolerance:.1e}",
             f"{entry.error:.0e}",
             f"{1e3 * entry.first:.1f}",
             f"{1e3 * entry.median:.1f}",

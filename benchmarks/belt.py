@@ -27,7 +27,7 @@ def exact() -> list[float]:
 
 
 def by_stickslip(tolerance: float) -> object:
-    return simulate(BLOCK, LAW, t_end=T_END, solver=EventDriven(tolerance=tolerance))
+    return simulate(BLOCK, LAW, t_end=T_END, solver=EventDriven(tolerance=tolerance, tier="python"))
 
 
 def by_scipy(tolerance: float) -> list[float]:
@@ -63,7 +63,7 @@ def run(repeats: int = REPEATS) -> Result:
         error=ERROR,
         entries=(
             at_error(
-                "stickslip", by_stickslip,
+                "stickslip, plain Python", by_stickslip,
                 lambda found: largest_error([event.t for event in found.events], known),
                 ERROR, repeats,
             ),

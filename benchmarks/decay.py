@@ -22,7 +22,7 @@ def exact() -> list[float]:
 
 
 def by_stickslip(tolerance: float) -> object:
-    return simulate(RIG, LAW, t_end=T_END, solver=EventDriven(tolerance=tolerance))
+    return simulate(RIG, LAW, t_end=T_END, solver=EventDriven(tolerance=tolerance, tier="python"))
 
 
 def of_stickslip(run) -> list[float]:
@@ -62,7 +62,7 @@ def run(repeats: int = REPEATS) -> Result:
         error=ERROR,
         entries=(
             at_error(
-                "stickslip", by_stickslip,
+                "stickslip, plain Python", by_stickslip,
                 lambda found: largest_error(of_stickslip(found), known), ERROR, repeats,
             ),
             at_error(

@@ -52,7 +52,7 @@ def by_scipy(method: str, tolerance: float):
 
 
 def by_stickslip(tolerance: float):
-    solver = EventDriven(stiff_tolerance=tolerance)
+    solver = EventDriven(stiff_tolerance=tolerance, tier="python")
     return simulate(BLOCK, LAW, t_end=T_END, solver=solver).at(TIMES)["x"]
 
 
@@ -65,7 +65,7 @@ def run(repeats: int = REPEATS) -> Result:
         return float(np.abs(x - reference).max()) / largest
 
     solvers = {
-        "stickslip": by_stickslip,
+        "stickslip, plain Python": by_stickslip,
         "SciPy Radau, equations by hand": lambda tolerance: by_scipy("Radau", tolerance),
         "SciPy LSODA, equations by hand": lambda tolerance: by_scipy("LSODA", tolerance),
     }

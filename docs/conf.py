@@ -22,7 +22,7 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinxcontrib.bibtex",
 ]
-exclude_patterns = ["_build", "_ext", "_templates"]
+exclude_patterns = ["_build", "_ext", "_templates", "benchmarks.md"]
 templates_path = ["_templates"]
 default_role = "py:obj"
 

@@ -109,6 +109,8 @@ def test_errors_are_ours_and_the_built_in_one_would_expect():
         (Quantity("a", "N"), "a finite number N"),
         (Quantity("a", low=0), "at least 0"),
         (Quantity("a", "Hz", above=0, high=10), "above 0 and at most 10 Hz"),
+        (Quantity("a", at_least="b"), "at least b"),
+        (Quantity("a", "m", low=0, at_least="b"), "at least 0 m and at least b"),
     ],
 )
 def test_a_range_reads_as_words(quantity, words):

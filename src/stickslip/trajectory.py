@@ -102,7 +102,7 @@ class Trajectory:
     >>> [event.reason for event in run.events]
     ['block leaves the spring', 'stop']
     >>> run.at([0.1, 0.2])["x"].round(4)
-    array([0.0347, 0.1055])
+    array([0.0347, 0.1069])
     """
 
     t: "NDArray[np.float64]"

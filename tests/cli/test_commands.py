@@ -1,6 +1,7 @@
 """The command line: results, exit codes, one message for bad input, nothing half written."""
 
 import json
+import re
 
 import pandas as pd
 import pytest
@@ -54,6 +55,14 @@ def test_models_shows_one_law_with_ranges_and_sources(run):
     assert "Dahl. A solid friction model" in out
 
 
+def test_models_names_the_parameter_that_another_must_not_fall_below(run):
+    _, out, _ = run("models", "stribeck", "--json")
+    ranges = {name: about["range"] for name, about in json.loads(out)["parameters"].items()}
+    assert ranges["static_coefficient"] == "at least 0 and at least kinetic_coefficient"
+    _, out, _ = run("models", "stribeck")
+    assert "kinetic_coefficient" in out.partition("static_coefficient")[2]
+
+
 def test_models_published_names_defect_and_cure(run):
     _, out, _ = run("models", "--published")
     assert out.count("as printed") == 8
@@ -100,6 +109,26 @@ def test_a_fixed_step_run_is_shown_with_what_it_lacks(run):
     code, out, _ = run("simulate", "--fixed-step", "0.01", "--no-stick-rule", "--t-end", "1")
     assert code == 0
     assert "Not certified" in out
+
+
+def test_a_fixed_step_run_claims_no_check_that_was_not_made(run):
+    _, out, _ = run("simulate", "--fixed-step", "0.01", "--t-end", "1")
+    assert "Energy mismatch" in out
+    assert "guard violation" not in out
+    assert "stick drift" not in out
+    _, out, _ = run("simulate", "--fixed-step", "0.01", "--t-end", "1", "--json")
+    certificate = json.loads(out)["certificate"]
+    assert certificate["guard_violation"] is None
+    assert certificate["stick_drift"] is None
+    assert certificate["energy_error"] > 0
+
+
+def test_no_output_shows_a_negative_zero(run, tmp_path):
+    backwards = ("simulate", "--set", "mechanism.compression=-0.1")
+    _, out, _ = run(*backwards, "--json")
+    assert not re.search(r"-0\.0\b(?!\d)", out)
+    run(*backwards, "-o", "run.csv")
+    assert not re.search(r"(^|,)-0\.0(,|$)", (tmp_path / "run.csv").read_text(), re.MULTILINE)
 
 
 def test_enforced_criteria_fail_with_their_own_exit_code(run):

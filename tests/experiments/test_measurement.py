@@ -92,9 +92,9 @@ BAD = {
         "one kind, got scalars and series",
     ),
     "same name twice": (
-        {"trials": (replace(ONE, name="a"), replace(ONE, name="a"))},
+        {"trials": (replace(ONE, name="a"), replace(ONE, name="b"), replace(ONE, name="a"))},
         InputError,
-        "Trials 1 and 2 are called 'a'",
+        "Trials 1 and 3 are called 'a'",
     ),
     "unequal lengths": (
         {"time": T, "position": X[:2]},

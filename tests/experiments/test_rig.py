@@ -500,6 +500,14 @@ def test_the_schema_says_units_and_ranges():
     assert mass["anyOf"][0] == {"type": "number", "exclusiveMinimum": 0}
 
 
+def test_every_default_in_the_schema_can_be_written_in_a_file():
+    def nulls(node):
+        items = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+        return (node is None) + sum(map(nulls, items))
+
+    assert nulls(rig_schema()) == 0
+
+
 def test_the_schema_allows_no_other_keys():
     schema = rig_schema()
     assert schema["additionalProperties"] is False

@@ -1,5 +1,6 @@
 """Figures of runs and laws say what they show, and are the same each time."""
 
+import dataclasses
 import re
 from xml.etree import ElementTree
 
@@ -17,6 +18,7 @@ from stickslip import (
     Stribeck,
     TowedBlock,
     Viscous,
+    plots,
     simulate,
 )
 from stickslip.plots import inline_svg
@@ -168,6 +170,41 @@ def test_stick_and_slip_are_said_once(figures):
     draw, sizes, _ = figures["run"]
     words = texts_of(inline_svg(draw, alt="Run", prefix="r", **sizes), "fw")
     assert (words.count("stick"), words.count("slip")) == (1, 1)
+
+
+def test_names_of_events_stand_above_the_panel_and_not_on_its_curve():
+    block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
+    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    named = []
+
+    def draw(figure, narrow):
+        draw_run(simulate(block, law, t_end=30.0))(figure, narrow)
+        panel = figure.axes[1]
+        figure.draw_without_rendering()
+        top = panel.get_window_extent().y1
+        named.extend(text.get_text() for text in panel.texts)
+        assert all(text.get_window_extent().y0 >= top for text in panel.texts)
+
+    inline_svg(draw, alt="Run", prefix="r", **RUN_SIZES)
+    assert {"break-away", "stop"} <= set(named)
+
+
+@pytest.mark.parametrize("name", plots.__all__)
+def test_a_figure_can_be_imported_from_its_room(name):
+    assert getattr(plots, name) is not None
+
+
+def test_every_drawing_is_named_by_its_room():
+    drawn = {name for name in globals() if name.startswith("draw_")}
+    assert drawn <= set(plots.__all__)
+
+
+def test_measured_settings_are_not_where_to_measure():
+    rows = [dataclasses.replace(row, measured=row.value != 0.06) for row in ROWS]
+    draw = draw_separation(rows, "coulomb", [(0.1, 0.2)])
+    words = texts_of(inline_svg(draw, alt="Next", prefix="s", **SEPARATION_SIZES), "fw")
+    assert "measure here" in words
+    assert "and here" not in words
 
 
 def test_stick_slip_that_goes_on_is_shown_to_its_end():

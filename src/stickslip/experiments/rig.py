@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import final
 
+from typing_extensions import override
+
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.measurement import Measurement
 from stickslip.experiments.paths import PREFIX, quantity_at
@@ -129,6 +131,7 @@ class Rig:
             f"records: {measured}",
         )
 
+    @override
     def __repr__(self) -> str:
         return "<" + "\n ".join(self._lines()) + ">"
 

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from typing_extensions import override
+
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
@@ -46,11 +48,13 @@ class Estimate:
             return f"{_three(self.low)} or more"
         return f"{_three(self.high)} or less" if math.isfinite(self.high) else "not bounded"
 
+    @override
     def __str__(self) -> str:
         """Return symbol, value and interval, such as ``mu_k = 0.255 (0.249 to 0.261)``."""
         unit = "" if self.quantity.unit == "1" else f" {self.quantity.unit}"
         return f"{self.quantity.symbol} = {_three(self.value)}{unit} ({self.range})"
 
+    @override
     def __repr__(self) -> str:
         return f"<Estimate {self}, {self.interval}>"
 
@@ -90,6 +94,7 @@ class Fit:
     runs: int
     """Simulations spent."""
 
+    @override
     def __str__(self) -> str:
         """Return the law, its estimates and how far off it is, in one line."""
         count = len(self.measured)
@@ -99,6 +104,7 @@ class Fit:
             f" {', '.join(map(str, self.estimates))}; largest residual {worst:.2g} mm"
         )
 
+    @override
     def __repr__(self) -> str:
         return f"<Fit: {self}>"
 

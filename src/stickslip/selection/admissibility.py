@@ -7,7 +7,7 @@ from stickslip.identification import Estimate
 from stickslip.quantities import fields_of
 from stickslip.selection.verdict import Candidate
 
-__all__ = ["doubts", "mark_passed_over"]
+__all__ = ["as_good", "doubts", "mark_passed_over"]
 
 
 def doubts(candidate: Candidate) -> dict[str, str]:
@@ -42,7 +42,7 @@ def _at(limit: float, estimate: Estimate) -> str:
 def mark_passed_over(candidates: Sequence[Candidate]) -> list[Candidate]:
     """Mark the scored candidates whose doubtful parameter another law does without.
 
-    That law must have no doubtful parameter itself, and a score within one standard error.
+    That law must have no doubtful parameter itself, and be as good within the standard errors.
     """
     return [
         replace(candidate, passed_over=reason) if reason else candidate
@@ -55,7 +55,7 @@ def _reason(candidate: Candidate, candidates: Sequence[Candidate]) -> str:
     for name, doubt in doubts(candidate).items():
         for other in candidates:
             settled = name not in _fitted(other) and not doubts(other)
-            if settled and _within(other, candidate):
+            if settled and as_good(other, candidate):
                 symbol = fields_of(type(candidate.law))[name].symbol
                 return f"${symbol}$ is {doubt}, and {other.title} does without it"
     return ""
@@ -66,8 +66,9 @@ def _fitted(candidate: Candidate) -> set[str]:
     return {estimate.path.rpartition(".")[2] for estimate in estimates}
 
 
-def _within(other: Candidate, candidate: Candidate) -> bool:
-    """Whether another score is no worse than one standard error."""
-    if other.score is None or candidate.score is None:
+def as_good(candidate: Candidate, other: Candidate) -> bool:
+    """Whether a score is no worse than another within one standard error of each."""
+    if candidate.score is None or other.score is None:
         return False
-    return other.score <= candidate.score + (candidate.score_error or 0.0)
+    doubt = (candidate.score_error or 0.0) + (other.score_error or 0.0)
+    return candidate.score - other.score <= doubt

@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from typing_extensions import override
+
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Fit
@@ -54,6 +56,7 @@ class Candidate:
         """Name of the law in running text."""
         return self.law.title
 
+    @override
     def __str__(self) -> str:
         """Return the law, what was fitted and how well it predicts, in one line."""
         if self.dropped or self.fit is None:
@@ -61,6 +64,7 @@ class Candidate:
         score = "" if self.score is None else f"; held-out error {1e3 * self.score:.2g} mm"
         return f"{self.title}: {', '.join(map(str, self.fit.estimates))}{score}"
 
+    @override
     def __repr__(self) -> str:
         return f"<Candidate {self}>"
 
@@ -145,6 +149,7 @@ class Verdict:
         """What to do, in one or two plain sentences."""
         return plain(self.words.verdict)
 
+    @override
     def __repr__(self) -> str:
         count, trials = len(self.candidates), len(self.measurement.records())
         judged = "ranked by held-out error" if self.ranked else "not ranked"

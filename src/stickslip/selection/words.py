@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from stickslip.identification import Estimate
 from stickslip.identification.travel import Trial
 from stickslip.quantities import fields_of
-from stickslip.selection.admissibility import doubts
+from stickslip.selection.admissibility import as_good, doubts
 from stickslip.selection.separation import Separation, proposals
 from stickslip.selection.verdict import Candidate, Wording
 
@@ -123,7 +123,7 @@ def _tie(
 def _ranked(
     trials: Sequence[Trial], explained: Sequence[Candidate], best: Candidate
 ) -> tuple[str, str]:
-    equals = [c.title for c in explained if c is not best and _as_good(c, best)]
+    equals = [c.title for c in explained if c is not best and as_good(c, best)]
     doubt = ""
     if equals:
         names = equals[0] if len(equals) == 1 else ", ".join(equals[:-1]) + f" and {equals[-1]}"
@@ -146,13 +146,6 @@ def _unsettled(explained: Sequence[Candidate], best: Candidate | None) -> dict[s
             whose = "" if c is best else f" of {c.title}"
             found.setdefault(fields_of(type(c.law))[name].symbol, f"{whose}: {doubt}")
     return found
-
-
-def _as_good(candidate: Candidate, best: Candidate) -> bool:
-    if candidate.score is None or best.score is None:
-        return False
-    doubt = (candidate.score_error or 0.0) + (best.score_error or 0.0)
-    return candidate.score - best.score <= doubt
 
 
 def _mean_force(candidate: Candidate) -> float:
@@ -241,7 +234,8 @@ def _settings_line(
     rows = proposals(predictions, best.name)
     if not rows:
         return f"No new setting of ${predictions[0].symbol}$ was found at which the body moves."
-    rivals = [c for c in explained if c is not best]
+    others = [c for c in explained if c is not best]
+    rivals = [c for c in others if as_good(c, best)] or others
     doubt = max(2.0 * max(trial.half_width for trial in trials), best.score or 0.0)
     outer = rows[:1] + rows[1:][-1:]
     inner = tuple(sorted(rows, key=lambda row: _gap([row], best, rivals)[0])[-1:])
