@@ -133,7 +133,7 @@ def _text(
 
     def guard_row(mode: Mode) -> Case:
         guards = modes[mode].guards
-        return [closed(guards.get(i, se.Integer(1))) for i in range(SWITCH + len(switches))]
+        return [closed(guards.get(i, se.Integer(0))) for i in range(SWITCH + len(switches))]
 
     state = ("flags", "t", "y", "p")
     moving = ("mode", *state)

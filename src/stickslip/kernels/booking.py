@@ -93,14 +93,15 @@ def audit(
     scale: Vector,
     samples: Vector,
     values: Vector,
+    reached: Vector,
 ) -> None:
-    """Note how far guards are violated at the end of a step, relative to their size in it."""
+    """Note how far guards are violated at the end of a step, relative to their largest size yet."""
     guard_values(int(whole[MODE]), int(whole[FLAGS]), t, y, p, scale, values)
     for i in range(N_GUARDS):
-        # a step may be a rounding long, and the speed at its start no measure of anything
-        size = scale[SLIP] if i == STOP else 0.0
+        # a step may be a rounding long, and what it sees no measure of anything
         for s in range(SAMPLES + 1):
-            size = max(size, abs(samples[s * N_GUARDS + i]))
+            reached[i] = max(reached[i], abs(samples[s * N_GUARDS + i]))
+        size = max(reached[i], scale[SLIP]) if i == STOP else reached[i]
         if values[i] < 0.0 and size > 0.0:
             at = RESIDUAL if i == guard else VIOLATION
             real[at] = max(real[at], -values[i] / size)
@@ -118,7 +119,7 @@ def close_step(
 ) -> None:
     """Move time and state to the end of the step."""
     y1, scale, dense = work[1], work[3], work[7]
-    point, found, samples, values = buffers
+    point, found, samples, values, reached = buffers
     share, h = found[0], found[1]
     end = real[TIME] + share * h
     if guard == NO_GUARD:
@@ -133,4 +134,4 @@ def close_step(
         scale[i] = max(scale[i], abs(point[i]))
     real[TIME] = end
     if share > 0.0:
-        audit(guard, end, y, real, whole, p, scale, samples, values)
+        audit(guard, end, y, real, whole, p, scale, samples, values, reached)

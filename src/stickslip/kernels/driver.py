@@ -42,6 +42,17 @@ def workspace() -> tuple[Vector, ...]:
     )
 
 
+def scratch() -> tuple[Vector, ...]:
+    """Return a point, what was found, samples of the guards, values, the guards' largest sizes."""
+    return (
+        vector(N_STATES),
+        vector(2),
+        vector((SAMPLES + 1) * N_GUARDS),
+        vector(N_STATES + N_GUARDS + 4),
+        vector(N_GUARDS),
+    )
+
+
 def keep_start(y: Vector, real: Vector, whole: Vector, log: Vector) -> None:
     """Record the start where not one step could be taken: it is all there is."""
     if whole[STEPS] == 0:
@@ -75,7 +86,7 @@ def finish_step(
 ) -> None:
     """Book the step just taken and pass on to what follows it."""
     dense = work[7]
-    point, found, _, values = buffers
+    point, found, _, values, _ = buffers
     share, h = found[0], found[1]
     if share > 0.0:
         add_work(start, h, share, y, real, whole, p, dense, point, values)
@@ -110,10 +121,8 @@ def run(
     `table` has a row a piece: start, then value, slope and start of each drive. `bounds` has least
     and largest value of each drive from the start of each piece on.
     """
-    n = N_STATES
-    room = n + N_GUARDS + 4
     work = workspace()
-    buffers = (vector(n), vector(2), vector((SAMPLES + 1) * N_GUARDS), vector(room))
+    buffers = scratch()
     log = vector(64 * ROW_COLUMNS)
     events = vector(64 * EVENT_COLUMNS)
     enter_pieces(table, p, real, whole)

@@ -189,16 +189,14 @@ def first_violation(
     dense: Vector,
     p: Vector,
     scale: Vector,
-    samples: Vector,
-    point: Vector,
-    values: Vector,
-    found: Vector,
+    buffers: tuple[Vector, ...],
 ) -> int:
     """Find the first violated guard of a step.
 
     Returns its index with the fraction in ``found[0]``. ``found[1]`` is 1 where the guard was never
     armed, and the fraction then 0.
     """
+    point, found, samples, values, _ = buffers
     for s in range(SAMPLES + 1):
         interpolate(y0, dense, s / SAMPLES, point)
         guard_values(mode, flags, t + s / SAMPLES * h, point, p, scale, values)

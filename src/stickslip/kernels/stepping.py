@@ -118,8 +118,7 @@ def advance(
     equations, and so the error estimate, mean little where the mode does not hold, and the dense
     output is best where the step ends.
     """
-    scale, dense = work[3], work[7]
-    point, found, samples, values = buffers
+    found = buffers[1]
     t = real[TIME]
     before = real[STEP]
     while True:
@@ -127,18 +126,7 @@ def advance(
         if h == 0.0:
             return NO_GUARD
         guard = first_violation(
-            int(whole[MODE]),
-            int(whole[FLAGS]),
-            t,
-            h,
-            y,
-            dense,
-            p,
-            scale,
-            samples,
-            point,
-            values,
-            found,
+            int(whole[MODE]), int(whole[FLAGS]), t, h, y, work[7], p, work[3], buffers
         )
         shorter = retry_length(guard, t, h, stop, found)
         if shorter > 0.0:
