@@ -91,6 +91,8 @@ def _initial_state(
             if name not in names:
                 raise UnknownNameError("state in y0", name, names)
         y0 = [y0.get(name, 0.0) for name in names]
+    if not hasattr(y0, "__len__"):
+        raise InputError(f"y0 must be a mapping of names or a sequence, got {y0!r}.")
     if len(y0) != len(names):
         raise InputError(f"y0 must have {len(names)} values ({', '.join(names)}), got {len(y0)}.")
     return [

@@ -20,7 +20,6 @@ from stickslip.errors import ParameterError
 from stickslip.formulation import formulate
 from stickslip.solver.execution import prepare
 from stickslip.solver.modules import is_loaded
-from stickslip.solver.tables import gather
 
 PYTHON, COMPILED = EventDriven(tier="python"), EventDriven(tier="compiled")
 # one case for each stepper and each kind of drive; more would cost seconds of compiling apiece
@@ -59,7 +58,7 @@ def test_both_tiers_give_the_same_bits(case):
 def test_a_prepared_model_runs_compiled_from_then_on_whatever_its_parameters():
     rig, law = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1), Coulomb(kinetic_coefficient=0.2)
     model = formulate(rig, law)
-    prepare(model, gather(rig, law, model))
+    prepare(rig, law)
     other = formulate(TowedBlock(mass=3.0, stiffness=1.0, speed=0.2), law)
     assert is_loaded(model, compiled=True)
     assert is_loaded(other, compiled=True)

@@ -1,11 +1,14 @@
 """What a drive is: a quantity given as a function of time."""
 
 from abc import ABC, abstractmethod
+from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, final
 
 from typing_extensions import override
 
+from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
 from stickslip.quantities import Parametrised
 
@@ -63,11 +66,8 @@ class Drive(Parametrised, ABC):
         >>> push.value(0.05), push.value(0.1)
         (10.0, 0.0)
         """
-        linear = 0.0
-        for piece in self.pieces():
-            if t < piece.start:
-                break
-            linear = piece.value + piece.slope * (t - piece.start)
+        pieces = self.pieces()
+        linear, _ = _at(pieces, [piece.start for piece in pieces], t)
         return float(self.smooth(t) + linear)
 
     def __add__(self, other: "Drive") -> "Sum":
@@ -90,6 +90,14 @@ class Sum(Drive):
     """
 
     parts: tuple[Drive, ...]
+    """What is added, at least one drive."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check that there is something to add."""
+        super().__post_init__()
+        if not self.parts:
+            raise ParameterError("Sum.parts must hold at least one drive, got none.")
 
     @override
     def smooth(self, t: Scalar) -> Scalar:
@@ -98,11 +106,11 @@ class Sum(Drive):
     @override
     def pieces(self) -> tuple[Piece, ...]:
         tables = [part.pieces() for part in self.parts]
-        starts = sorted({float(piece.start) for table in tables for piece in table})
+        begins = [[float(piece.start) for piece in table] for table in tables]
         return tuple(
             Piece(start, sum(v for v, _ in at), sum(s for _, s in at))
-            for start in starts
-            for at in [[_at(table, start) for table in tables]]
+            for start in sorted({start for starts in begins for start in starts})
+            for at in [[_at(*part, start) for part in zip(tables, begins, strict=True)]]
         )
 
     @override
@@ -115,11 +123,12 @@ class Sum(Drive):
         return min(part.time_scale() for part in self.parts)
 
 
-def _at(table: tuple[Piece, ...], t: float) -> tuple[Scalar, Scalar]:
+def _at(
+    table: Sequence[Piece], starts: Sequence[float], t: float
+) -> tuple[Scalar, Scalar]:
     """Return value and slope of the piece that holds at `t`."""
-    value, slope = 0.0, 0.0
-    for piece in table:
-        if piece.start > t:
-            break
-        value, slope = piece.value + piece.slope * (t - piece.start), piece.slope
-    return value, slope
+    index = bisect_right(starts, t) - 1
+    if index < 0:
+        return 0.0, 0.0
+    piece = table[index]
+    return piece.value + piece.slope * (t - piece.start), piece.slope

@@ -8,7 +8,7 @@ the docstring says how it is read here.
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import copysign, exp
+from math import exp
 from types import MappingProxyType
 from typing import Annotated, ClassVar, final
 
@@ -20,14 +20,10 @@ from stickslip.friction.coulomb_viscous import CoulombViscous
 from stickslip.friction.dahl import Dahl
 from stickslip.friction.lugre import LuGre
 from stickslip.friction.stribeck import Stribeck
+from stickslip.maths import sign
 from stickslip.quantities import Parametrised, Quantity
 
 __all__ = ["PRINTED_FORMS", "PrintedForm"]
-
-
-def sign(x: float) -> float:
-    """Return the sign, 0 at 0."""
-    return copysign(1.0, x) if x else 0.0
 
 
 Mu = Annotated[float, Quantity("mu_k", low=0)]
@@ -110,7 +106,7 @@ class PrintedCoulomb(_Memoryless):
         self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
     ) -> float:
         mu_k = self.kinetic_coefficient
-        return mu_k * load * sign(velocity)
+        return float(mu_k * load * sign(velocity))
 
 
 @final
@@ -234,7 +230,7 @@ class PrintedCoulombSwitch(_Memoryless):
         self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
     ) -> float:
         mu_k = self.kinetic_coefficient
-        return applied if velocity == 0 else mu_k * load * sign(velocity)
+        return applied if velocity == 0 else float(mu_k * load * sign(velocity))
 
 
 @final
@@ -303,7 +299,7 @@ class PrintedLuGre(PrintedForm):
         (z,) = bristles
         (z_dot,) = self.bristle_rates(velocity, bristles, load)
         total = self.bristle_stiffness * z + self.bristle_damping * z_dot
-        return (total + self.viscous_coefficient * velocity) * sign(velocity)
+        return float((total + self.viscous_coefficient * velocity) * sign(velocity))
 
     @override
     def bristle_rates(
@@ -344,7 +340,7 @@ class PrintedStribeckSwitch(_Memoryless):
             return applied
         f_c, f_s = self.kinetic_coefficient * load, self.static_coefficient * load
         level = f_c + (f_s - f_c) * exp(-abs(velocity) / self.stribeck_velocity)
-        return (level + self.viscous_coefficient * velocity) * sign(velocity)
+        return float((level + self.viscous_coefficient * velocity) * sign(velocity))
 
 
 PRINTED_FORMS: Mapping[str, type[PrintedForm]] = MappingProxyType(

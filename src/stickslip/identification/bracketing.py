@@ -5,47 +5,69 @@ from collections.abc import Callable
 
 from scipy.optimize import brentq
 
-__all__ = ["positive_root"]
+from stickslip.errors import SimulationError
 
-DOUBLINGS = 12
-"""How far the search goes: a factor of 4096 to either side. Beyond it laws only get stiff."""
+__all__ = ["positive_root", "positive_roots"]
+
+STRIDE = 1.3
+"""Ratio of neighbouring points of the search; two roots closer than this are not told apart."""
+NEAR = 2.5
+"""How far from the start all roots are looked for, as a factor."""
+REACH = 4096.0
+"""How far the search for a first root goes, as a factor. Beyond it laws only get stiff."""
+
+Function = Callable[[float], float]
 
 
 def positive_root(
-    function: Callable[[float], float],
-    start: float,
-    *,
-    low: float = 0.0,
-    high: float = math.inf,
+    function: Function, start: float, *, low: float = 0.0, high: float = math.inf
 ) -> float | None:
-    """Return a root between `low` and `high` next to `start`, or None if no sign change is found.
-
-    The search doubles and halves outwards from `start`, so it needs no scale.
+    """Return the root between `low` and `high` that is nearest to `start`, or None.
 
     Examples
     --------
     >>> round(positive_root(lambda x: x * x - 2.0, 1.0), 9)
     1.414213562
     """
+    return next(iter(positive_roots(function, start, low=low, high=high)), None)
+
+
+def positive_roots(
+    function: Function, start: float, *, low: float = 0.0, high: float = math.inf
+) -> tuple[float, ...]:
+    """Return the roots near `start`, the nearest first; farther ones only if there is none near.
+
+    The search goes outwards from `start` by a factor, so it needs no scale. Points at which the
+    function cannot be evaluated are passed over.
+
+    Examples
+    --------
+    >>> [round(root, 6) for root in positive_roots(lambda x: (x - 1.0) * (x - 2.0), 1.1)]
+    [1.0, 2.0]
+    """
     start = min(max(start, low), high)
-    inner = function(start)
-    if inner == 0.0:
-        return start
-    below = above = start
-    f_below = f_above = inner
-    for _ in range(DOUBLINGS):
-        if above < high:
-            wider = min(2.0 * above, high)
-            f_wider = function(wider)
-            if f_wider * f_above <= 0.0:
-                return float(brentq(function, above, wider, rtol=1e-10, xtol=1e-300))
-            above, f_above = wider, f_wider
-        if below > low:
-            lower = max(0.5 * below, low)
-            f_lower = function(lower)
-            if f_lower * f_below <= 0.0:
-                return float(brentq(function, lower, below, rtol=1e-10, xtol=1e-300))
-            below, f_below = lower, f_lower
-        if above >= high and below <= max(low, start * 2.0**-DOUBLINGS):
-            break
-    return None
+    value = _value(function, start)
+    if value == 0.0:
+        return (start,)
+    found: list[float] = []
+    sides = {STRIDE: (start, value), 1.0 / STRIDE: (start, value)}
+    factor = 1.0
+    while factor < REACH and not (found and factor >= NEAR):
+        factor *= STRIDE
+        for step, (before, f_before) in list(sides.items()):
+            point = min(max(before * step, low), high)
+            if point == before:
+                continue
+            f_point = _value(function, point)
+            if f_before is not None and f_point is not None and f_before * f_point <= 0.0:
+                ends = sorted((before, point))
+                found.append(float(brentq(function, *ends, rtol=1e-10, xtol=1e-300)))
+            sides[step] = (point, f_point)
+    return tuple(sorted(found, key=lambda root: abs(math.log(root / start)) if root > 0 else 1e9))
+
+
+def _value(function: Function, point: float) -> float | None:
+    try:
+        return function(point)
+    except SimulationError:
+        return None

@@ -4,7 +4,7 @@ import math
 
 from stickslip.errors import ConvergenceError
 from stickslip.friction import FrictionLaw
-from stickslip.identification.bracketing import positive_root
+from stickslip.identification.bracketing import positive_roots
 from stickslip.identification.results import Estimate, Fit
 from stickslip.identification.travel import TravelModel, Trial
 from stickslip.quantities import Quantity, fields_of, parameters
@@ -16,37 +16,36 @@ INTERVALS = {"rounding": "rounding range", "interval": "stated interval", "stand
 NORMAL_95 = 1.959963984540054
 
 
-def fit_one(model: TravelModel, trial: Trial, kind: str) -> Fit:
+def fit_one(model: TravelModel, trial: Trial) -> Fit:
     """Find the value of the one free parameter that gives the travel, and those at its ends."""
     (path,) = model.free
-    values = {
-        known: (quantity, value) for known, quantity, value in parameters(model.law, "friction")
-    }
-    quantity, start = values[path]
+    known = {name: (quantity, value) for name, quantity, value in parameters(model.law, "friction")}
+    quantity, start = known[path]
     low, high = room_for(model.law, path.rpartition(".")[2])
 
-    def root(travel: float, begin: float) -> float | None:
-        return positive_root(
+    def roots(travel: float, begin: float) -> tuple[float, ...]:
+        return positive_roots(
             lambda value: model.travel(trial, [value]) - travel, begin, low=low, high=high
         )
 
-    best = root(trial.travel, start or 1.0)
-    if best is None:
+    found = roots(trial.travel, start or 1.0)
+    if not found:
         room = f"above {low:g}" if math.isinf(high) else f"between {low:g} and {high:g}"
         raise ConvergenceError(
             f"no value of {path} ({quantity.symbol}) {room} makes the travel"
             f" {trial.travel:g} m; with {start:g} it is {model.travel(trial, [start]):.4g} m."
         )
-    spread = trial.half_width * (NORMAL_95 if kind == "standard" else 1.0)
-    ends = [root(trial.travel + sign * spread, best) for sign in (-1.0, 1.0)] if spread else []
-    estimate = _estimate(path, quantity, best, ends, kind)
+    best, *others = found
+    spread = trial.half_width * (NORMAL_95 if trial.kind == "standard" else 1.0)
+    ends = [next(iter(roots(trial.travel + side * spread, best)), None) for side in (-1.0, 1.0)]
     return Fit(
         law=model.with_values([best]),
         mechanism=trial.mechanism,
-        estimates=(estimate,),
+        estimates=(_estimate(path, quantity, best, ends if spread else [], trial.kind),),
         measured=(trial.travel,),
         predicted=(model.travel(trial, [best]),),
         runs=model.runs,
+        others=tuple(others),
     )
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement
-from stickslip.friction import FrictionLaw
+from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.exact import fit_one
 from stickslip.identification.least_squares import fit_several
 from stickslip.identification.results import Fit
@@ -12,11 +12,12 @@ from stickslip.identification.starts import starting_law
 from stickslip.identification.travel import TravelModel, Trial, trials_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
+from stickslip.solver import prepare
 
 __all__ = ["fit", "fit_trials", "payable"]
 
-MOST_FREE = 2
-"""Travels tell a level and one slope with speed; what shapes the curve needs a velocity trace."""
+PAID_BY_TRAVEL = ("kinetic_coefficient", "viscous_coefficient")
+"""Travels tell a level and a slope with speed; what shapes the curve needs a velocity trace."""
 
 
 def fit(
@@ -69,20 +70,18 @@ def fit(
     """
     start = starting_law(law) if isinstance(law, type) else law
     trials = trials_of(mechanism, measurement)
-    kind = measurement.records()[0].uncertainty_kind
-    return fit_trials(start, trials, kind, free=free, t_end=t_end, watch=watch)
+    return fit_trials(start, trials, free=free, t_end=t_end, watch=watch)
 
 
 def fit_trials(
     law: FrictionLaw,
     trials: Sequence[Trial],
-    kind: str,
     *,
     free: Sequence[str] | None = None,
     t_end: float = 10.0,
     watch: Callable[[int], None] | None = None,
 ) -> Fit:
-    """Fit to trials as `fit` does to a measurement; `kind` is that of their uncertainty."""
+    """Fit to trials as `fit` does to a measurement."""
     names = payable(law, trials) if free is None else [_path(law, name) for name in free]
     if len(names) > len(trials):
         raise InputError(
@@ -91,15 +90,17 @@ def fit_trials(
         )
     model = TravelModel(law, names, t_end, watch)
     if len(trials) == 1:
-        return fit_one(model, trials[0], kind)
-    return fit_several(model, trials, kind)
+        return fit_one(model, trials[0])
+    if isinstance(law, BristleLaw):  # many slow runs: worth the seconds that compiling takes
+        prepare(trials[0].mechanism, law)
+    return fit_several(model, trials)
 
 
 def payable(law: FrictionLaw, trials: Sequence[Trial]) -> list[str]:
     """Return the paths of the parameters that the trials can pay for, one left over if possible."""
-    different = len({trial.mechanism for trial in trials})
-    count = max(1, min(different - 1, MOST_FREE, len(law.fit_order)))
-    return [f"friction.{name}" for name in law.fit_order[:count]]
+    different = len({trial.setting for trial in trials})
+    names = [name for name in law.fit_order if name in PAID_BY_TRAVEL] or [law.fit_order[0]]
+    return [f"friction.{name}" for name in names[: max(1, different - 1)]]
 
 
 def _path(law: FrictionLaw, name: str) -> str:

@@ -22,10 +22,10 @@ LEAST_UNCERTAINTY = 1e-3
 """Share of the mean travel taken as standard error where none is stated."""
 
 
-def fit_several(model: TravelModel, trials: Sequence[Trial], kind: str) -> Fit:
+def fit_several(model: TravelModel, trials: Sequence[Trial]) -> Fit:
     """Fit the free parameters to all trials."""
     measured = np.array([trial.travel for trial in trials])
-    errors = _standard_errors(trials, kind)
+    errors = _standard_errors(trials)
     known = {path: (quantity, value) for path, quantity, value in parameters(model.law, "friction")}
     unknowns = lmfit.Parameters()
     for i, path in enumerate(model.free):
@@ -58,12 +58,12 @@ def fit_several(model: TravelModel, trials: Sequence[Trial], kind: str) -> Fit:
     )
 
 
-def _standard_errors(trials: Sequence[Trial], kind: str) -> NDArray[np.float64]:
+def _standard_errors(trials: Sequence[Trial]) -> NDArray[np.float64]:
     """Return a standard error for each travel [m]."""
-    widths = np.array([trial.half_width for trial in trials])
+    rounded = math.sqrt(ROUNDING_VARIANCE)
+    widths = np.array([t.half_width * (rounded if t.kind == "rounding" else 1.0) for t in trials])
     least = LEAST_UNCERTAINTY * float(np.mean([abs(trial.travel) for trial in trials]))
-    factor = math.sqrt(ROUNDING_VARIANCE) if kind == "rounding" else 1.0
-    return np.where(widths > 0, widths * factor, least)
+    return np.where(widths > 0, widths, least)
 
 
 def _estimate(

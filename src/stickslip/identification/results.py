@@ -93,6 +93,8 @@ class Fit:
     """Travels of the fitted law [m]."""
     runs: int
     """Simulations spent."""
+    others: tuple[float, ...] = ()
+    """Further values of a single free parameter that give the same travel."""
 
     @override
     def __str__(self) -> str:
@@ -140,4 +142,5 @@ class Fit:
             "measured_travel": list(self.measured),
             "predicted_travel": list(self.predicted),
             "runs": self.runs,
+            "other_values": list(self.others),
         }

@@ -1,6 +1,6 @@
 """The route of scarce data: travels of a body that comes to rest."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from stickslip.errors import InputError
@@ -22,6 +22,13 @@ class Trial:
     travel: float
     half_width: float
     """Uncertainty of the travel [m]; 0 if none was given."""
+    kind: str = "standard"
+    """What the uncertainty is, as in `Measurement`."""
+
+    @property
+    def setting(self) -> Hashable:
+        """What the experimenter set: trials of one setting are repeats."""
+        return self.mechanism, frozenset(self.initial.items())
 
 
 def trials_of(mechanism: Mechanism, measurement: Measurement) -> tuple[Trial, ...]:
@@ -45,6 +52,7 @@ def trials_of(mechanism: Mechanism, measurement: Measurement) -> tuple[Trial, ..
                 initial=record.initial,
                 travel=float(record.travel),
                 half_width=float(record.uncertainty.get("travel", 0.0)),
+                kind=record.uncertainty_kind,
             )
         )
     return tuple(trials)

@@ -88,14 +88,21 @@ def excitations(
 
 
 def _closed_form(key: str, rig: SpringBlock, law: FrictionLaw) -> float | None:
-    """Return the travel of Coulomb friction: A by momentum, B by energy."""
+    """Return the travel of Coulomb friction: A by momentum, B by energy.
+
+    A holds if the push starts the block, B if the block gets as far as to leave the spring.
+    """
     mu_k = getattr(law, "kinetic_coefficient", None)
     if law.name != "coulomb" or mu_k is None:
         return None
     f = mu_k * rig.mass * rig.gravity
+    force = rig.stiffness * rig.compression
+    held = law.break_away(rig.mass * rig.gravity)
+    if f == 0.0 or held >= force:
+        return None
     if key == "A":
-        force = rig.stiffness * rig.compression
         return float((force - f) * PUSH_DURATION**2 * force / (2.0 * rig.mass * f))
-    if key == "B":
-        return float(rig.stiffness * rig.compression**2 / (2.0 * f))
+    energy = 0.5 * force * rig.compression
+    if key == "B" and f * rig.compression < energy:
+        return float(energy / f)
     return None

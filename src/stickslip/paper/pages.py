@@ -186,8 +186,7 @@ def _sentence(near: int, reached: int) -> str:
     """Return the finding, or the topic if the numbers do not bear it out."""
     if near >= 2 and reached >= 2:
         return (
-            "The ranking of Table II comes from the excitation and from unpublished values, not"
-            " from the friction models."
+            "The ranking of Table II can be produced by the excitation and by unpublished values."
         )
     return "Table II and the equations of the paper, recomputed."
 

@@ -1,7 +1,7 @@
 """What a fixed step makes of a run: chatter, drift and reverse motion that is not there."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from stickslip.friction import FrictionLaw
@@ -32,6 +32,7 @@ def compare_fixed_steps(
     law: FrictionLaw,
     *,
     t_end: float,
+    y0: Mapping[str, float] | None = None,
     steps: Sequence[float] = (0.01, 0.001),
     method: str = "euler",
 ) -> tuple[FixedStepRow, ...]:
@@ -52,7 +53,7 @@ def compare_fixed_steps(
         solver = None
         if dt is not None:
             solver = FixedStep(dt=dt, method=method, stick_rule=stick_rule)  # type: ignore[arg-type]
-        run = simulate(mechanism, law, t_end=t_end, solver=solver)
+        run = simulate(mechanism, law, t_end=t_end, y0=y0, solver=solver)
         slip = mechanism.contacts()[0].slip
         v = run[mechanism.rates[mechanism.coordinates.index(slip)]]
         signs = [1 if value > 0 else -1 for value in v if value != 0]

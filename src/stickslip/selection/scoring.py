@@ -16,7 +16,6 @@ FLOOR = 0.05
 def held_out_errors(
     law: FrictionLaw,
     trials: Sequence[Trial],
-    kind: str,
     *,
     free: Sequence[str],
     t_end: float,
@@ -26,7 +25,7 @@ def held_out_errors(
     errors = []
     for left_out, trial in enumerate(trials):
         others = [other for i, other in enumerate(trials) if i != left_out]
-        fitted = fit_trials(law, others, kind, free=free, t_end=t_end, watch=watch).law
+        fitted = fit_trials(law, others, free=free, t_end=t_end, watch=watch).law
         errors.append(trial.travel - TravelModel(fitted, (), t_end, watch).travel(trial, ()))
     return tuple(errors)
 

@@ -1,25 +1,22 @@
 """The verb `select`."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
-from stickslip.errors import ConvergenceError, InputError, SimulationError
+from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import LAWS, FrictionLaw
-from stickslip.identification import Fit, fit, starting_law
-from stickslip.identification.travel import Trial, trials_of
+from stickslip.identification import starting_law
+from stickslip.identification.travel import trials_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.selection.admissibility import mark_passed_over
-from stickslip.selection.criteria import criteria_of
-from stickslip.selection.scoring import held_out_errors, root_mean_square, simpler_within_doubt
+from stickslip.selection.candidates import Watch, try_law
+from stickslip.selection.scoring import simpler_within_doubt
 from stickslip.selection.separation import separations
 from stickslip.selection.verdict import Candidate, Verdict
 from stickslip.selection.words import wording
-from stickslip.simulation import simulate
 
 __all__ = ["select"]
-
-Watch = Callable[[str, int], None]
 
 
 def select(
@@ -66,13 +63,13 @@ def select(
     ('coulomb', False)
     """
     trials = trials_of(mechanism, measurement)
-    kind = measurement.records()[0].uncertainty_kind
     named = _named(laws)
     if not named:
         raise InputError("there is no friction law to try: give at least one in `laws`.")
-    scored = len({trial.mechanism for trial in trials}) > 1
+    scored = len({trial.setting for trial in trials}) > 1
+    ordinary = _ordinary(laws)
     candidates = [
-        _candidate(name, law, mechanism, measurement, trials, kind, t_end, scored, watch)
+        try_law(name, law, trials, t_end=t_end, ordinary=name in ordinary, watch=watch)
         for name, law in named.items()
     ]
     candidates, best = _ranked(candidates) if scored else (candidates, _plainest(candidates))
@@ -101,53 +98,14 @@ def _named(
     return {law.name: law for law in made}
 
 
-def _candidate(
-    name: str,
-    law: FrictionLaw,
-    mechanism: Mechanism,
-    measurement: Measurement,
-    trials: Sequence[Trial],
-    kind: str,
-    t_end: float,
-    scored: bool,
-    watch: Watch | None,
-) -> Candidate:
-    """Try one law: as given, fitted, and predicting each trial from the others."""
-    first = trials[0]
-    given = simulate(first.mechanism, law, t_end=t_end, y0=first.initial)
-    report = None if watch is None else (lambda runs: watch(name, runs))
-    result: Fit | None = None
-    dropped = ""
-    errors: tuple[float, ...] = ()
-    try:
-        result = fit(mechanism, law, measurement, t_end=t_end, watch=report)
-        if scored:
-            free = [estimate.path for estimate in result.estimates]
-            errors = held_out_errors(law, trials, kind, free=free, t_end=t_end, watch=report)
-    except (ConvergenceError, SimulationError) as reason:
-        dropped = str(reason)
-    run = simulate(first.mechanism, result.law, t_end=t_end, y0=first.initial) if result else None
-    score, score_error = root_mean_square(errors) if errors else (None, None)
-    return Candidate(
-        name=name,
-        law=law,
-        given=criteria_of(given, first.mechanism, first.travel),
-        fit=result,
-        run=run,
-        criteria=criteria_of(run, first.mechanism, first.travel) if run else None,
-        dropped=dropped,
-        score=score,
-        score_error=score_error,
-        held_out=errors,
-        assumed=_assumed(law, result),
-    )
-
-
-def _assumed(law: FrictionLaw, result: Fit | None) -> tuple[str, ...]:
-    """Return the names of the parameters that were taken as given."""
-    free = {estimate.path for estimate in result.estimates} if result else set()
-    paths = [path for path, _, _ in parameters(law, "friction")]
-    return tuple(path.rpartition(".")[2] for path in paths if path not in free)
+def _ordinary(
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None,
+) -> set[str]:
+    """Return the names of the laws whose values nobody gave."""
+    if isinstance(laws, Mapping):
+        return set()
+    chosen = list(LAWS.values()) if laws is None else list(laws)
+    return {law.name for law in chosen if isinstance(law, type)}
 
 
 def _plainest(candidates: Sequence[Candidate]) -> Candidate | None:

@@ -96,10 +96,11 @@ def separations(
     if knob is None or not laws:
         return ()
     path, symbol, unit, value = knob
+    initial = trials[0].initial if trials else {}
     found = []
     for setting, measured in _settings(mechanism, path, value, trials, factors):
         changed = vary(mechanism, "mechanism", {path: setting})
-        trial = Trial(mechanism=changed, initial={}, travel=0.0, half_width=0.0)
+        trial = Trial(mechanism=changed, initial=initial, travel=0.0, half_width=0.0)
         try:
             predicted = {
                 name: TravelModel(law, (), t_end).travel(trial, ()) for name, law in laws.items()

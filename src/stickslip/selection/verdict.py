@@ -2,7 +2,7 @@
 
 import html
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from typing_extensions import override
@@ -46,6 +46,10 @@ class Candidate:
     """Its standard error [m]."""
     held_out: tuple[float, ...] = ()
     """Held-out error of each trial [m]."""
+    ordinary: bool = False
+    """Whether the values of the law are ordinary start values that nobody gave."""
+    influence: Mapping[str, float] = field(default_factory=dict)
+    """How far each parameter taken as given moves the travel [m] when changed by half."""
     assumed: tuple[str, ...] = ()
     """Names of the parameters that were neither measured nor fitted."""
     passed_over: str = ""
@@ -93,7 +97,8 @@ class Candidate:
             "score_error": self.score_error,
             "held_out": list(self.held_out),
             "parameters": {path: value for path, _, value in parameters(law, "friction")},
-            "assumed": list(self.assumed),
+            "taken_as_given": list(self.assumed),
+            "influence_on_travel": dict(self.influence),
             "fit": self.fit.to_dict() if self.fit else None,
             "criteria_as_given": asdict(self.given),
             "criteria_fitted": asdict(self.criteria) if self.criteria else None,

@@ -60,7 +60,9 @@ def wording(
         verdict=verdict,
         lede=lede,
         settles=_settles(trials, best),
-        cannot_tell=_cannot_tell(explained, unsettled, ranked=ranked),
+        cannot_tell=_cannot_tell(
+            explained, best, unsettled, max(t.half_width for t in trials), ranked=ranked
+        ),
         measure_next=_measure_next(trials, explained, best, predictions),
         no_score=_no_score(trials, ranked=ranked),
     )
@@ -89,14 +91,25 @@ def _with_estimates(candidate: Candidate, without: Collection[str] = ()) -> str:
 
 
 def _nothing_fits(candidates: Sequence[Candidate]) -> tuple[str, str]:
-    closest = min(candidates, key=lambda c: abs(c.given.relative_error or 0.0))
-    error = 100.0 * abs(closest.given.relative_error or 0.0)
+    errors = {c.title: c.given.relative_error for c in candidates}
+    known = {title: abs(error) for title, error in errors.items() if error is not None}
+    if not known:
+        return (
+            "No candidate explains the measurement.",
+            f"{candidates[0].title}: {_why(candidates[0])}",
+        )
+    closest = min(candidates, key=lambda c: known.get(c.title, float("inf")))
     return (
         f"No candidate explains the measurement; the closest is {closest.title}.",
-        f"With the values given it is {error:.2g} % off, and no value of its first parameter gives"
-        " the measured travel. Check the rig: mass, stiffness, compression, and whether the body"
-        " leaves the spring.",
+        f"With the values it started from it is {100.0 * known[closest.title]:.2g} % off:"
+        f" {_why(closest)} Check the rig: mass, stiffness, compression, and whether the body leaves"
+        " the spring.",
     )
+
+
+def _why(candidate: Candidate) -> str:
+    """Return why a candidate is out, as a sentence."""
+    return candidate.dropped.rstrip(".") + "."
 
 
 def _tie(
@@ -108,10 +121,16 @@ def _tie(
     elif others == len(candidates) - 1:
         rest = "So does every other model."
     elif others:
-        rest = f"So do {others} of the {len(candidates) - 1} other models."
+        verb = "does" if others == 1 else "do"
+        rest = f"So {verb} {others} of the {len(candidates) - 1} other models."
     else:
         rest = "No other model does."
     force = _mean_force(best)
+    if not others:
+        return (
+            f"{_with_estimates(best)} explains the measurement. {rest}",
+            f"One travel fixes one number: the mean friction force, {_three(force)} N.",
+        )
     return (
         f"{_with_estimates(best)} explains the measurement. {rest}",
         f"One travel fixes one number: the mean friction force, {_three(force)} N. It cannot tell"
@@ -162,7 +181,7 @@ def _settles(trials: Sequence[Trial], best: Candidate | None) -> tuple[str, ...]
     if len(trials) == 1:
         work, travel = seen.work_friction, abs(seen.travel)
         lines.append(
-            f"Mean friction over the travel: {work:.3f} J / {_three(travel)} m"
+            f"Mean friction over the travel: {_three(work)} J / {_three(travel)} m"
             f" = {_three(_mean_force(best))} N."
         )
     several = len(trials) > 1
@@ -176,28 +195,51 @@ def _range_line(estimate: Estimate, best: Candidate) -> str:
     symbol = f"${estimate.quantity.symbol}$"
     if not estimate.bounded:
         return f"{symbol} only to one side: {estimate.reason}."
+    lies = f"{symbol} lies between {_three(estimate.low)} and {_three(estimate.high)}"
+    if best.ordinary:
+        return f"{lies}."
     inside = estimate.low <= given <= estimate.high
     doubt = DOUBT_NAMES.get(estimate.interval, f"{estimate.interval} interval")
-    return (
-        f"{symbol} lies between {_three(estimate.low)} and {_three(estimate.high)}; the given"
-        f" {_short(given)} is {'inside' if inside else 'outside'} the {doubt}."
-    )
+    return f"{lies}; the given {_short(given)} is {'inside' if inside else 'outside'} the {doubt}."
 
 
 def _cannot_tell(
-    explained: Sequence[Candidate], unsettled: Mapping[str, str], *, ranked: bool
+    explained: Sequence[Candidate],
+    best: Candidate | None,
+    unsettled: Mapping[str, str],
+    reading: float,
+    *,
+    ranked: bool,
 ) -> tuple[str, ...]:
     lines = [f"${symbol}${doubt}." for symbol, doubt in unsettled.items()]
     if not ranked:
         lines.append("Which friction model: there is nothing left to judge by.")
-    assumed = {name for c in explained for name in c.assumed}
-    if "static_coefficient" in assumed:
-        lines.append("$mu_s$: the body starts far above it, and nothing loads it after it stops.")
-        assumed.discard("static_coefficient")
-    symbols = _symbols(explained, assumed)
-    if symbols:
-        lines.append(f"{symbols}: taken as given; no travel depends on them enough.")
+    others = [value for c in explained if c is best and c.fit for value in c.fit.others]
+    if others:
+        said = " and ".join(_three(value) for value in others)
+        lines.insert(0, f"Which value: {said} gives the same travel.")
+    lines += _given_lines(explained, reading)
     return tuple(lines[:3]) or ("How friction behaves at speeds and loads that were not measured.",)
+
+
+def _given_lines(explained: Sequence[Candidate], reading: float) -> list[str]:
+    """Say which parameters taken as given the travel depends on, and on which it does not."""
+    moved: dict[str, float] = {}
+    for c in explained:
+        for name, change in c.influence.items():
+            moved[name] = max(moved.get(name, 0.0), change)
+    idle = _symbols(explained, {name for name, change in moved.items() if change <= reading})
+    busy = _symbols(explained, {name for name, change in moved.items() if change > reading})
+    lines = []
+    if idle:
+        lines.append(f"{idle}: half as much again moves the travel by less than the reading tells.")
+    if busy:
+        widest = 1e3 * max(moved.values())
+        lines.append(
+            f"{busy}: taken as given, and they count: half as much again moves the travel by up to"
+            f" {_short(widest)} mm, which the fitted level takes up."
+        )
+    return lines
 
 
 def _symbols(explained: Sequence[Candidate], names: set[str]) -> str:
@@ -220,7 +262,8 @@ def _measure_next(
     if best is not None and len(explained) > 1 and predictions:
         lines.append(_settings_line(trials, explained, best, predictions))
     assumed = {name for c in explained for name in c.assumed}
-    lines += [advice for name, advice in ADVICE.items() if name in assumed]
+    if best is not None and best.score is None:
+        lines += [advice for name, advice in ADVICE.items() if name in assumed]
     return tuple(lines[:3])
 
 
@@ -249,7 +292,7 @@ def _settings_line(
     _, rival = _gap(told[0], best, rivals)
     set_to = " and ".join(_setting(row) for row in told[0])
     one, other = (
-        " and ".join(f"{row.predicted[c.name]:.3f}" for row in told[0]) for c in (best, rival)
+        " and ".join(_three(row.predicted[c.name]) for row in told[0]) for c in (best, rival)
     )
     return (
         f"Set ${rows[0].symbol}$ to {set_to}, three runs each. {best.title} predicts {one} m,"

@@ -2,6 +2,7 @@
 
 from stickslip.solver.base import Solver
 from stickslip.solver.event_driven import EventDriven
+from stickslip.solver.execution import prepare
 from stickslip.solver.fixed_step import FixedStep
 
-__all__ = ["EventDriven", "FixedStep", "Solver"]
+__all__ = ["EventDriven", "FixedStep", "Solver", "prepare"]

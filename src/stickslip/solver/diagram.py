@@ -77,6 +77,8 @@ class Diagram:
         if isinstance(self.law, PrintedForm):
             _, z = self._split(y)
             return self.law.force(0.0, z, normal, needed) == needed
+        if isinstance(self.law, BristleLaw) and not self.law.static_switch:
+            return False
         return bool(abs(needed) <= self.law.break_away(normal))
 
     def rates(self, t: float, y: Sequence[float], held: bool) -> list[float]:

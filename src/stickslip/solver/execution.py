@@ -8,9 +8,11 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from stickslip.formulation import Model
+from stickslip.formulation import Model, formulate
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
 from stickslip.solver.modules import is_loaded, load
-from stickslip.solver.tables import Inputs
+from stickslip.solver.tables import Inputs, gather
 
 __all__ = ["Record", "Tier", "execute", "prepare"]
 
@@ -62,16 +64,19 @@ def execute(
     return Record(module, log, events, [float(x) for x in real], [int(x) for x in whole])
 
 
-def prepare(model: Model, inputs: Inputs) -> None:
-    """Compile a model, or load the machine code that an earlier process left.
+def prepare(mechanism: Mechanism, law: FrictionLaw) -> None:
+    """Compile the equations of a pair, or load the machine code that an earlier process left.
 
     Afterwards runs of the same equations in this process are compiled ones, whatever their
     parameters.
     """
+    model = formulate(mechanism, law)
+    if is_loaded(model, compiled=True):
+        return
     LOG.info("compiling the equations once; later processes load them")
     execute(
         model,
-        inputs,
+        gather(mechanism, law, model),
         [0.0] * len(model.states),
         t_end=1e-9,
         tolerance=1e-6,
