@@ -1,10 +1,13 @@
 """The command line: reads input, calls one public function, shows the result."""
 
+import contextlib
+import os
 import sys
 from collections.abc import Sequence
 
 __all__ = ["main"]
 
+BROKEN_PIPE = 1
 BAD_INPUT = 2
 NO_CONVERGENCE = 3
 CANCELLED = 130
@@ -17,16 +20,34 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         from stickslip.cli.app import app
 
-        app(args=arguments, prog_name="stickslip")
+        try:
+            app(args=arguments, prog_name="stickslip")
+        finally:
+            sys.stdout.flush()  # not at exit, where nobody could say that it failed
     except InputError as error:
         return _leave(str(error), BAD_INPUT)
     except StickslipError as error:
         return _leave(str(error), NO_CONVERGENCE)
+    except BrokenPipeError:  # whoever read the result has seen enough
+        _abandon_stdout()
+        sys.exit(BROKEN_PIPE)
+    except OSError as error:
+        _abandon_stdout()
+        what = f"{error.filename}: " if error.filename else "cannot write: "
+        return _leave(f"{what}{error.strerror or error}.", BAD_INPUT)
     except SystemExit as leaving:
         if leaving.code == CANCELLED:  # how typer passes an interrupt on
             return _leave("Cancelled; nothing was written.", CANCELLED)
         raise
     return 0
+
+
+def _abandon_stdout() -> None:
+    """Drop what could not be written, or the interpreter would try again at exit."""
+    with contextlib.suppress(OSError, ValueError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
 
 
 def _leave(message: str, code: int) -> int:

@@ -12,7 +12,8 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     help="Which friction model fits a mechanism, with which parameters, and how surely.",
-    epilog="Exit codes: 0 done, 2 bad input, 3 no convergence, 4 criteria failed, 130 cancelled.",
+    epilog="Exit codes: 0 done, 2 bad input, 3 no convergence or no law fits, 4 criteria failed,"
+    " 130 cancelled.",
 )
 
 Rig = Annotated[Path | None, typer.Argument(help="Rig file (TOML); the paper's rig if not given.")]

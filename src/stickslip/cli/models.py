@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from rich.text import Text
+
 from stickslip.cli.output import document, plain, print_json, show_table, stdout
 from stickslip.errors import UnknownNameError
 from stickslip.friction import PRINTED_FORMS, SOURCES, BristleLaw, FrictionLaw, PrintedForm, laws
@@ -42,17 +44,25 @@ def _printed(*, as_json: bool) -> None:
         forms = [_form(form) for form in PRINTED_FORMS.values()]
         print_json(document("models", {"printed": forms}))
         return
-    console = stdout()
     for form in PRINTED_FORMS.values():
-        console.print(f"[bold]eq. {form.equation} {form.title}[/bold] ({form.name})")
-        console.print(f"  as printed  {form.formula}", markup=False)
-        console.print(f"  defect      {form.defect}", markup=False)
-        console.print(f"  used here   {form.cure} ({form.corrected.name})\n", markup=False)
+        _show_form(form)
+
+
+def _show_form(form: type[PrintedForm]) -> None:
+    console = stdout()
+    console.print(Text.assemble((f"eq. {form.equation} {form.title}", "bold"), f" ({form.name})"))
+    console.print(f"  as printed  {form.formula}", markup=False)
+    console.print(f"  defect      {form.defect}", markup=False)
+    console.print(f"  used here   {form.cure} ({form.corrected.name})\n", markup=False)
 
 
 def _one(name: str, *, as_json: bool) -> None:
     if name in PRINTED_FORMS:
-        print_json(document("models", _form(PRINTED_FORMS[name])))
+        form = PRINTED_FORMS[name]
+        if as_json:
+            print_json(document("models", _form(form)))
+        else:
+            _show_form(form)
         return
     if name not in laws():
         raise UnknownNameError("friction law", name, [*laws(), *PRINTED_FORMS])
@@ -61,7 +71,8 @@ def _one(name: str, *, as_json: bool) -> None:
         print_json(document("models", _law(law)))
         return
     console = stdout()
-    console.print(f"[bold]{law.title}[/bold]\n{(law.__doc__ or '').splitlines()[0]}\n")
+    console.print(law.title, markup=False, style="bold")
+    console.print(f"{next(iter((law.__doc__ or '').splitlines()), '')}\n", markup=False)
     console.print(f"{law.formula}\n", markup=False)
     rows = [
         [field, quantity.symbol, quantity.unit, quantity.range, _default(law, field)]

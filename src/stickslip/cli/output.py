@@ -1,5 +1,6 @@
 """What commands share: consoles, JSON documents, folders that are written whole or not at all."""
 
+import contextlib
 import json
 import math
 import sys
@@ -10,6 +11,7 @@ from typing import Any
 
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from stickslip.errors import InputError
 
@@ -32,12 +34,12 @@ SCHEMA_VERSION = 1
 
 def stdout() -> Console:
     """Return the console for results."""
-    return Console(highlight=False, soft_wrap=True)
+    return Console(highlight=False, soft_wrap=True, emoji=False)
 
 
 def stderr() -> Console:
     """Return the console for progress and remarks."""
-    return Console(stderr=True, highlight=False)
+    return Console(stderr=True, highlight=False, emoji=False)
 
 
 def note(text: str) -> None:
@@ -46,13 +48,19 @@ def note(text: str) -> None:
 
 
 def show_table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Print a table."""
-    table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="dim")
+    """Print a table; what looks like markup of the console is text."""
+    table = Table(
+        title=Text(title) if title else None,
+        title_justify="left",
+        box=None,
+        pad_edge=False,
+        header_style="dim",
+    )
     for i, head in enumerate(heads):
         numeric = all(_is_number(row[i]) for row in rows)
-        table.add_column(head, justify="right" if numeric else "left", overflow="fold")
+        table.add_column(Text(head), justify="right" if numeric else "left", overflow="fold")
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*map(Text, row))
     stdout().print(table)
 
 
@@ -90,8 +98,8 @@ def json_text(content: Mapping[str, Any]) -> str:
 
 
 def plain(text: str) -> str:
-    """Return a text without the marks that reports typeset."""
-    return text.replace("$", "")
+    """Return a text without the marks and spaces that reports typeset."""
+    return text.replace("$", "").replace("\N{NO-BREAK SPACE}", " ")
 
 
 def overrides(changes: Sequence[str]) -> dict[str, str]:
@@ -107,33 +115,63 @@ def overrides(changes: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def refuse_overwriting(path: Path, *, force: bool) -> None:
-    """Refuse early what could not be written in the end."""
+def refuse_overwriting(path: Path, folder: Path, *, force: bool) -> None:
+    """Refuse early what could not be written into a folder in the end; leave no trace."""
     if path.exists() and not force:
         raise InputError(f"{path} is already there; give --force to replace it, or another -o.")
-    parent = next(
-        folder for folder in (path.absolute(), *path.absolute().parents) if folder.exists()
-    )
-    if parent != path.absolute() and not parent.is_dir():
-        raise InputError(f"{path} cannot be written: {parent} is not a folder.")
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} is a file, and a folder is needed: give another -o.")
+    new = [part for part in (folder, *folder.parents) if not part.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise InputError(f"{path} cannot be written: {error.strerror}.") from error
+    finally:
+        for part in new:
+            with contextlib.suppress(OSError):
+                part.rmdir()
 
 
 def write_folder(folder: Path, files: Mapping[str, str]) -> None:
     """Write text files into a folder; each appears whole, and all were made before the first."""
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder} is a file; a report needs a folder: give another -o.")
+    made: dict[Path, Path] = {}
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in files.items():
-            write_file(folder / name, text.encode("utf-8"))
+            made[folder / name] = _beside(folder / name, text.encode("utf-8"))
+        for path, temporary in made.items():
+            temporary.replace(path)
     except OSError as error:
         raise InputError(f"{folder} cannot be written: {error.strerror}.") from error
+    finally:
+        for temporary in made.values():
+            temporary.unlink(missing_ok=True)
 
 
 def write_file(path: Path, content: bytes) -> None:
     """Write a file so that it appears whole or not at all."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary = _beside(path, content)
+        try:
+            temporary.replace(path)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except OSError as error:
+        raise InputError(f"{path} cannot be written: {error.strerror}.") from error
+
+
+def _beside(path: Path, content: bytes) -> Path:
+    """Write a temporary file beside a path; leave none if that fails."""
     with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
-        file.write(content)
-    temporary = Path(file.name)
-    temporary.chmod(0o644)
-    temporary.replace(path)
+        temporary = Path(file.name)
+        try:
+            file.write(content)
+            file.flush()
+            temporary.chmod(0o644)
+        except BaseException:
+            temporary.unlink()
+            raise
+    return temporary

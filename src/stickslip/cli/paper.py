@@ -24,7 +24,7 @@ __all__ = ["run"]
 def run(output: Path, *, force: bool, as_json: bool) -> None:
     """Recompute the paper, write the page, print Table II."""
     if not as_json:
-        refuse_overwriting(output, force=force)
+        refuse_overwriting(output, output, force=force)
     with Watching(list(load_rig().laws), "Recomputing the paper:") as watch:
         found = audit(watch=watch)
     content = document("paper", found.to_dict())

@@ -18,7 +18,7 @@ class Watching:
     def __init__(self, names: Sequence[str], verb: str) -> None:
         self._names = list(names)
         self._progress = Progress(
-            TextColumn(f"{verb} {{task.fields[law]}}"),
+            TextColumn(f"{verb} {{task.fields[law]}}", markup=False),
             BarColumn(),
             MofNCompleteColumn(),
             TextColumn("{task.fields[runs]} runs"),

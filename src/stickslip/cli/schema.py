@@ -1,11 +1,11 @@
 """``stickslip schema``."""
 
-from stickslip.cli.output import print_json
+from stickslip.cli.output import document, print_json
 from stickslip.experiments import rig_schema
 
 __all__ = ["run"]
 
 
 def run() -> None:
-    """Print the schema of rig files."""
-    print_json(rig_schema())
+    """Print the schema of rig files, with the head that all documents have."""
+    print_json(document("rig-schema", rig_schema()))

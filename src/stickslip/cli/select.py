@@ -25,11 +25,12 @@ from stickslip.friction import FrictionLaw
 from stickslip.friction import laws as known_laws
 from stickslip.identification import starting_law
 from stickslip.paper import rig_report
-from stickslip.report.numbers import interval, significant
+from stickslip.report.numbers import interval, length, significant
 from stickslip.selection import Candidate, Verdict, select
 
 __all__ = ["run"]
 
+NO_LAW = 3
 CRITERIA_FAILED = 4
 
 
@@ -46,7 +47,7 @@ def run(
 ) -> None:
     """Select, write the report, print the verdict."""
     if not as_json:
-        refuse_overwriting(output, force=force)
+        refuse_overwriting(output, output, force=force)
     rig = load_rig(path, overrides=overrides(changes))
     measurement = _measurement(rig, data)
     chosen = _chosen(rig, laws)
@@ -62,6 +63,9 @@ def run(
         write_folder(output, {"index.html": page, "verdict.json": json_text(content)})
         _show(verdict)
         stdout().print(f"\nReport: {output / 'index.html'}", markup=False)
+    if verdict.best is None:
+        note("No law explains the measurement; the report says why.")
+        raise typer.Exit(NO_LAW)
     if enforce and not _criteria_hold(verdict.best):
         note("A criterion of the paper fails for the law that is named; the report says which.")
         raise typer.Exit(CRITERIA_FAILED)
@@ -98,16 +102,17 @@ def _show(verdict: Verdict) -> None:
     """Print the verdict and the comparison."""
     words = verdict.words
     console = stdout()
-    console.print(f"\n[bold]{plain(words.verdict)}[/bold]")
+    console.print(f"\n{plain(words.verdict)}", markup=False, style="bold")
     console.print(plain(words.lede), markup=False)
     if words.no_score:
         console.print(words.no_score, markup=False, style="dim")
-    heads = ["law", "fitted", "range", "travel, m", "velocity never < 0"]
+    heads = ["law", "fitted", "range", "travel", "velocity never < 0"]
     heads += ["held-out error, mm"] if verdict.ranked else []
     console.print()
     show_table("", heads, [_row(c, ranked=verdict.ranked) for c in verdict.candidates])
     for title, lines in (("Cannot tell", words.cannot_tell), ("Measure next", words.measure_next)):
-        console.print(f"\n[bold]{title}[/bold]")
+        if lines:
+            console.print(f"\n{title}", markup=False, style="bold")
         for line in lines:
             console.print(f"  {plain(line)}", markup=False)
 
@@ -120,7 +125,7 @@ def _row(candidate: Candidate, *, ranked: bool) -> list[str]:
         candidate.title,
         ", ".join(f"{e.quantity.symbol} = {significant(e.value, 3)}" for e in found),
         ", ".join(interval(e.low, e.high) for e in found),
-        f"{candidate.criteria.travel:.3f}",
+        plain(length(candidate.criteria.travel)),
         "yes" if candidate.criteria.velocity_never_negative else "no",
     ]
     return cells + ([f"{1e3 * (candidate.score or 0.0):.3g}"] if ranked else [])

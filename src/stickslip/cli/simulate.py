@@ -1,12 +1,13 @@
 """``stickslip simulate``."""
 
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import typer
+from rich.text import Text
 
 from stickslip.cli.output import (
     document,
@@ -20,7 +21,7 @@ from stickslip.cli.output import (
 )
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Rig, load_rig
-from stickslip.friction import PRINTED_FORMS, FrictionLaw, PrintedForm, laws
+from stickslip.friction import PRINTED_FORMS, BristleLaw, FrictionLaw, PrintedForm, laws
 from stickslip.identification import starting_law
 from stickslip.report.numbers import residue
 from stickslip.selection import criteria_of
@@ -61,11 +62,12 @@ def run(
     """Simulate, export, show."""
     if output is not None:
         _check_suffix(output)
-        refuse_overwriting(output, force=force)
+        refuse_overwriting(output, output.parent, force=force)
     rig = load_rig(path, overrides=overrides(changes))
     law = _law(rig, settings.law)
     t_end = rig.t_end if settings.t_end is None else settings.t_end
-    trajectory = simulate(rig.mechanism, law, t_end=t_end, solver=_solver(settings))
+    start = _start(rig, law)
+    trajectory = simulate(rig.mechanism, law, t_end=t_end, y0=start, solver=_solver(settings))
     seen = criteria_of(trajectory, rig.mechanism)
     if output is not None:
         _export(trajectory.sampled(settings.samples), output)
@@ -92,6 +94,16 @@ def _law(rig: Rig, name: str) -> FrictionLaw:
     return rig.laws.get(name) or starting_law(laws()[name])
 
 
+def _start(rig: Rig, law: FrictionLaw) -> Mapping[str, float]:
+    """Return how the first trial begins; bristles that the law does not have are left out."""
+    if rig.measurement is None:
+        return {}
+    bristles = law.bristles if isinstance(law, BristleLaw) else ()
+    known = (*rig.mechanism.coordinates, *rig.mechanism.rates, *bristles)
+    initial = rig.measurement.records()[0].initial
+    return {name: value for name, value in initial.items() if name in known}
+
+
 def _solver(settings: Settings) -> Solver | None:
     if settings.fixed_step is None:
         return None
@@ -116,11 +128,7 @@ def _export(trajectory: Trajectory, output: Path) -> None:
         buffer = io.BytesIO()
         frame.to_parquet(buffer, index=False)
         content = buffer.getvalue()
-    try:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        write_file(output, content)
-    except OSError as error:
-        raise InputError(f"{output} cannot be written: {error.strerror}.") from error
+    write_file(output, content)
 
 
 def _content(
@@ -146,7 +154,7 @@ def _content(
 
 def _show(rig: Rig, law: FrictionLaw, run: Trajectory, settings: Settings) -> None:
     console = stdout()
-    console.print(f"[bold]{rig.title}[/bold], {law.title} friction", highlight=False)
+    console.print(Text.assemble((rig.title, "bold"), f", {law.title} friction"))
     console.print(run.status.value, markup=False)
     rows = [
         [f"{event.t:.6f}", event.reason, MODES[event.from_mode], MODES[event.to_mode]]

@@ -123,9 +123,7 @@ class Sum(Drive):
         return min(part.time_scale() for part in self.parts)
 
 
-def _at(
-    table: Sequence[Piece], starts: Sequence[float], t: float
-) -> tuple[Scalar, Scalar]:
+def _at(table: Sequence[Piece], starts: Sequence[float], t: float) -> tuple[Scalar, Scalar]:
     """Return value and slope of the piece that holds at `t`."""
     index = bisect_right(starts, t) - 1
     if index < 0:

@@ -141,7 +141,7 @@ class PrintedSigned(_Memoryless):
         if velocity == 0:
             return mu_k * load
         mu = mu_k * sign(velocity)
-        return mu * load * sign(velocity) + sigma_2 * velocity
+        return float(mu * load * sign(velocity) + sigma_2 * velocity)
 
 
 @final
@@ -197,7 +197,7 @@ class PrintedDahl(PrintedForm):
     ) -> float:
         (z,) = bristles
         sigma_0 = self.bristle_stiffness
-        return applied if velocity == 0 else sigma_0 * z * sign(velocity)
+        return applied if velocity == 0 else float(sigma_0 * z * sign(velocity))
 
     @override
     def bristle_rates(
@@ -257,7 +257,9 @@ class PrintedCoulombViscousSwitch(_Memoryless):
         self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
     ) -> float:
         mu_k, sigma_2 = self.kinetic_coefficient, self.viscous_coefficient
-        return applied if velocity == 0 else (mu_k * load + sigma_2 * velocity) * sign(velocity)
+        if velocity == 0:
+            return applied
+        return float((mu_k * load + sigma_2 * velocity) * sign(velocity))
 
 
 @final

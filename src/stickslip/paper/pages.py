@@ -1,11 +1,13 @@
 """The pages: the audit of the paper, and the selection report of a rig."""
 
+import math
 import platform
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 
-from stickslip.experiments import Rig
+from stickslip.experiments import Rig, load_rig
 from stickslip.friction import SOURCES
+from stickslip.identification import trials_of
 from stickslip.paper.audit import PaperAudit, audit
 from stickslip.paper.sections import (
     equation_section,
@@ -28,6 +30,7 @@ from stickslip.report import (
 )
 from stickslip.report.numbers import fixed, percent
 from stickslip.report.selection import selection_page
+from stickslip.report.selection.texts import step_text
 from stickslip.selection import FixedStepRow, Verdict, compare_fixed_steps
 from stickslip.simulation import simulate
 from stickslip.solver import FixedStep
@@ -35,6 +38,8 @@ from stickslip.trajectory import Trajectory
 
 __all__ = ["paper_report", "rig_report"]
 
+STEPS = (50.0, 500.0)
+"""Fixed steps from the start to the stop, in the two runs that are compared."""
 LIBRARIES = ("stickslip", "numpy", "scipy", "symengine")
 
 
@@ -60,12 +65,12 @@ def rig_report(rig: Rig, verdict: Verdict, *, command: str = "stickslip select")
     lead: Sequence[Section] = ()
     extra: Sequence[Section] = ()
     remark = ""
-    if rig.source == "paper" and rig.path == "paper_rig.toml" and not verdict.ranked:
+    if _bundled(rig, verdict):
         found = audit(verdict=verdict)
         lead = (excitation_section(found), table_section(found))
         extra = (equation_section(found),)
         remark = _remark(found)
-    steps, runs = _fixed_steps(verdict, t_end=min(rig.t_end, 1.0))
+    steps, runs = _fixed_steps(verdict, t_end=rig.t_end)
     page = selection_page(
         verdict,
         subject=rig.subject,
@@ -82,6 +87,16 @@ def rig_report(rig: Rig, verdict: Verdict, *, command: str = "stickslip select")
     return render(page)
 
 
+def _bundled(rig: Rig, verdict: Verdict) -> bool:
+    """Whether a verdict is on the rig of the paper as it comes with the package."""
+    paper = load_rig()
+    return (
+        rig.digest == paper.digest
+        and verdict.mechanism == rig.mechanism
+        and verdict.measurement is rig.measurement
+    )
+
+
 def _fixed_steps(
     verdict: Verdict, *, t_end: float
 ) -> tuple[Sequence[FixedStepRow], Mapping[str, Trajectory]]:
@@ -89,14 +104,35 @@ def _fixed_steps(
     best = verdict.best
     if best is None or best.fit is None:
         return (), {}
-    law, mechanism = best.fit.law, verdict.mechanism
+    law, trial = best.fit.law, trials_of(verdict.mechanism, verdict.measurement)[0]
+    stop = best.criteria.stop_time if best.criteria else None
+    last = min(2.0 * stop, t_end) if stop else t_end
+    steps = tuple(nice(stop / parts if stop else 50.0 * t_end / parts / 1e3) for parts in STEPS)
     runs = {
-        f"10 ms, {'stick rule' if rule else 'no stick rule'}": simulate(
-            mechanism, law, t_end=t_end, solver=FixedStep(dt=0.01, stick_rule=rule)
+        f"{step_text(steps[0])}, {'stick rule' if rule else 'no stick rule'}": simulate(
+            trial.mechanism,
+            law,
+            t_end=last,
+            y0=trial.initial,
+            solver=FixedStep(dt=steps[0], stick_rule=rule),
         )
         for rule in (False, True)
     }
-    return compare_fixed_steps(mechanism, law, t_end=t_end), runs
+    rows = compare_fixed_steps(trial.mechanism, law, t_end=last, y0=trial.initial, steps=steps)
+    return rows, runs
+
+
+def nice(value: float) -> float:
+    """Return the number of the series 1, 2, 5, 10, ... that is nearest as a ratio.
+
+    Examples
+    --------
+    >>> nice(0.0095), nice(0.0031), nice(40.0)
+    (0.01, 0.002, 50.0)
+    """
+    power = math.floor(math.log10(value))
+    series = [float(f"{digit}e{power}") for digit in (1, 2, 5, 10)]
+    return min(series, key=lambda step: abs(math.log(step / value)))
 
 
 def _remark(found: PaperAudit) -> str:

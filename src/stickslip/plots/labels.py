@@ -64,12 +64,14 @@ def label_curves(axes: Axes, curves: Sequence[Curve], *, places: int = 36) -> No
     figure.draw_without_rendering()  # the layout decides how many pixels a unit has
     pixel = 72 / figure.dpi
     frame = _Box(*(float(edge) * pixel for edge in axes.get_window_extent().extents))
-    paths = [_in_pixels(axes, curve, pixel) for curve in curves]
+    drawn = [(curve, _in_pixels(axes, curve, pixel)) for curve in curves]
+    drawn = [(curve, path) for curve, path in drawn if len(path)]  # others hide nothing
+    paths = [path for _, path in drawn]
     taken = [
         _Box(*(float(edge) * pixel for edge in text.get_window_extent().extents))
         for text in axes.texts
     ]
-    for index, curve in enumerate(curves):
+    for index, (curve, _) in enumerate(drawn):
         if not curve.text:
             continue
         half = LETTER * len(curve.text) / 2

@@ -71,7 +71,7 @@ def draw_fixed_steps(
 def _panel(
     axes: Axes, exact: Trajectory, run: Trajectory, stop: float, rate: str, *, named: bool
 ) -> None:
-    step = float(np.median(np.diff(run.t)))
+    step = float(np.median(np.diff(run.t))) if len(run.t) > 1 else exact.span[1] - stop
     first = max(stop - STEPS_SHOWN * step, exact.span[0])
     last = min(stop + 2 * STEPS_SHOWN * step, exact.span[1])
     inside = (run.t >= first) & (run.t <= last)

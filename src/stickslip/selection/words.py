@@ -217,7 +217,8 @@ def _cannot_tell(
     others = [value for c in explained if c is best and c.fit for value in c.fit.others]
     if others:
         said = " and ".join(_three(value) for value in others)
-        lines.insert(0, f"Which value: {said} gives the same travel.")
+        verb = "gives" if len(others) == 1 else "give"
+        lines.insert(0, f"Which value: {said} {verb} the same travel.")
     lines += _given_lines(explained, reading)
     return tuple(lines[:3]) or ("How friction behaves at speeds and loads that were not measured.",)
 

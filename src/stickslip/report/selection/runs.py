@@ -17,7 +17,7 @@ from stickslip.plots.svg import inline_svg
 from stickslip.report import numbers
 from stickslip.report.blocks import Block, Figure
 from stickslip.report.documents import Section
-from stickslip.report.selection.texts import joined, slip_and_rate
+from stickslip.report.selection.texts import joined, slip_and_rate, step_text
 from stickslip.report.tables import Column, Row, Table
 from stickslip.selection import FixedStepRow, Verdict
 from stickslip.trajectory import Trajectory
@@ -152,16 +152,14 @@ def fixed_steps_section(
 
 def _steps_heading(rows: Sequence[FixedStepRow]) -> str:
     worst = max(rows, key=lambda row: row.reversals)
-    exact = next((row for row in rows if row.dt is None), None)
-    if worst.dt is None or worst.reversals == 0 or (exact and exact.reversals):
+    exact = next((row.reversals for row in rows if row.dt is None), 0)
+    extra = worst.reversals - exact
+    if worst.dt is None or extra == 0:
         return "Fixed steps beside the exact run"
-    times = "once" if worst.reversals == 1 else f"{worst.reversals:,} times"
+    times = "once" if extra == 1 else f"{extra:,} times"
     rule = "" if worst.stick_rule else " without a stick rule"
-    return f"A fixed step of {_milliseconds(worst.dt)}{rule} reverses the body {times}"
-
-
-def _milliseconds(dt: float) -> str:
-    return numbers.with_unit(f"{1e3 * dt:g}", "ms")
+    more = " more than it turns" if exact else ""
+    return f"A fixed step of {step_text(worst.dt)}{rule} reverses the body {times}{more}"
 
 
 def _steps_table(rows: Sequence[FixedStepRow]) -> Table:
@@ -181,7 +179,7 @@ def _steps_table(rows: Sequence[FixedStepRow]) -> Table:
         out.append(
             Row(
                 cells=(
-                    "exact, event-driven" if row.dt is None else _milliseconds(row.dt),
+                    "exact, event-driven" if row.dt is None else step_text(row.dt),
                     "located events" if row.dt is None else "yes" if row.stick_rule else "no",
                     numbers.fixed(row.criteria.travel, 4),
                     "—" if gap is None else numbers.significant(1e3 * gap, 2),

@@ -21,6 +21,7 @@ __all__ = [
     "measured_band",
     "quantity_value",
     "slip_and_rate",
+    "step_text",
     "travels",
 ]
 
@@ -102,6 +103,21 @@ def assumptions(candidate: Candidate) -> str:
     ]
     switch = ["held at its first stop"] if getattr(law, "static_switch", False) else []
     return ", ".join([*parts, *switch]) or "nothing"
+
+
+def step_text(dt: float) -> str:
+    r"""Return a time step with a unit in which it has few zeros.
+
+    Examples
+    --------
+    >>> step_text(0.01), step_text(2e-6), step_text(0.5)
+    ('10\xa0ms', '2\xa0µs', '500\xa0ms')
+    """
+    factor, unit = next(
+        ((factor, unit) for factor, unit in ((1.0, "s"), (1e3, "ms")) if dt * factor >= 0.999),
+        (1e6, "µs"),
+    )
+    return numbers.with_unit(f"{dt * factor:g}", unit)
 
 
 def slip_and_rate(verdict: Verdict) -> tuple[str, str]:
