@@ -1,12 +1,17 @@
 """The command line: results, exit codes, one message for bad input, nothing half written."""
 
 import json
+import os
 import re
+import subprocess
+import sys
+from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from stickslip.cli import main
+from stickslip.errors import InputError
 
 
 @pytest.fixture
@@ -243,3 +248,163 @@ def test_an_interrupt_ends_with_130_and_one_line(run, monkeypatch):
     code, out, err = run("select", "--json")
     assert (code, out) == (130, "")
     assert "Cancelled" in err
+
+
+RIG = """
+title = "[/b] :smile: x"
+[mechanism]
+type = "spring-block"
+mass = 1.0
+stiffness = {stiffness}
+compression = {compression}
+[friction]
+kinetic_coefficient = 0.25
+[[trial]]
+travel = {travel}
+uncertainty = {uncertainty}
+initial = {{ v = "{v} m/s" }}
+"""
+
+
+@pytest.fixture
+def rig(tmp_path):
+    """Write a rig file and return its name."""
+    ordinary = {"stiffness": 100.0, "compression": 0.1, "travel": 0.2, "uncertainty": 0.01, "v": 0}
+
+    def write(**changes):
+        (tmp_path / "rig.toml").write_text(RIG.format(**(ordinary | changes)))
+        return "rig.toml"
+
+    return write
+
+
+def test_a_title_that_looks_like_markup_is_printed_as_it_is(run, rig):
+    code, out, _ = run("simulate", rig())
+    assert code == 0
+    assert "[/b] :smile: x, Coulomb friction" in out
+
+
+def test_a_reason_that_looks_like_markup_is_printed_as_it_is(capsys):
+    from stickslip.cli.output import note, show_table
+
+    show_table("[/b] title", ["[/i] head"], [["[/b] cell"]])
+    note("[/b] reason")
+    seen = capsys.readouterr()
+    assert "[/b] title" in seen.out
+    assert "[/i] head" in seen.out
+    assert "[/b] cell" in seen.out
+    assert seen.err == "[/b] reason\n"
+
+
+def test_one_printed_equation_is_shown_as_text_like_the_others(run):
+    _, out, _ = run("models", "printed-1")
+    assert out.startswith("eq. (1) Coulomb (printed-1)")
+    assert "sgn 0 = 0" in out
+    _, out, _ = run("models", "printed-1", "--json")
+    assert json.loads(out)["name"] == "printed-1"
+
+
+def test_the_schema_has_the_head_of_every_document(run):
+    content = json.loads(run("schema")[1])
+    assert content["schema"] == "stickslip/rig-schema/1"
+    assert content["stickslip"]
+    assert content["$schema"].startswith("https://json-schema.org/")
+
+
+def test_where_no_law_fits_the_report_is_written_and_the_exit_code_is_3(run, rig, tmp_path):
+    code, out, err = run("select", rig(travel=5.0), "--laws", "coulomb", "-o", "report")
+    assert code == 3
+    assert "No law explains the measurement" in err
+    assert (tmp_path / "report" / "index.html").is_file()
+    assert "0.204 m" not in out  # there is no fitted travel
+    assert run("select", "rig.toml", "--laws", "coulomb", "--json")[0] == 3
+
+
+def test_simulate_starts_as_the_first_trial_does(run, rig):
+    thrown = rig(stiffness=0.0, compression=0.0, v=3)
+    content = json.loads(run("simulate", thrown, "--json", "--t-end", "3")[1])
+    # v^2 / (2 mu g)
+    assert content["final"]["x"] == pytest.approx(9.0 / (2 * 0.25 * 9.81), rel=1e-9)
+
+
+def test_a_travel_of_micrometres_is_not_printed_as_zero(run, rig):
+    # the travel of Coulomb friction is v^2 / (2 mu g)
+    slow = rig(stiffness=0.0, compression=0.0, v=6.2642e-3, travel=8e-6, uncertainty=1e-7)
+    code, out, _ = run("select", slow, "--laws", "coulomb")
+    assert code == 0
+    assert "0.00800 mm" in out
+
+
+def test_nothing_to_measure_next_has_no_heading(run):
+    _, out, _ = run("select", "--laws", "coulomb")
+    assert "Cannot tell" in out
+    assert not out.partition("Measure next\n")[1] or out.partition("Measure next\n")[2].strip()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
+@pytest.mark.parametrize("command", [["simulate"], ["schema"], ["--version"]])
+def test_a_full_device_is_one_message_and_exit_code_2(command):
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-c", "from stickslip.cli import main; main()", *command],
+            stdout=full, stderr=subprocess.PIPE, text=True, check=False,
+        )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr == "stickslip: cannot write: No space left on device.\n"
+
+
+def test_a_reader_that_leaves_early_is_no_error():
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(
+        [sys.executable, "-c", "from stickslip.cli import main; main()", "schema"],
+        stdout=write, stderr=subprocess.PIPE, text=True, check=False,
+    )  # fmt: skip
+    os.close(write)
+    assert done.stderr == ""
+
+
+UNWRITABLE = ["taken/report", *(["/proc/report"] if Path("/proc/self").exists() else [])]
+
+
+@pytest.mark.parametrize("output", UNWRITABLE)
+@pytest.mark.parametrize("command", ["select", "paper"])
+def test_an_output_that_cannot_be_written_is_refused_before_the_work(
+    run, tmp_path, monkeypatch, command, output
+):
+    import stickslip.cli.paper
+    import stickslip.cli.select
+
+    def never(*_arguments, **_options):
+        raise AssertionError("the work began")
+
+    monkeypatch.setattr(stickslip.cli.select, "select", never)
+    monkeypatch.setattr(stickslip.cli.paper, "audit", never)
+    (tmp_path / "taken").write_text("mine")
+    assert "cannot be written" in complaint(run, command, "-o", output)
+    assert "cannot be written" in complaint(run, "simulate", "-o", f"{output}/run.csv")
+    assert [path.name for path in tmp_path.iterdir()] == ["taken"]
+
+
+def test_trying_a_folder_leaves_nothing_behind(tmp_path):
+    from stickslip.cli.output import refuse_overwriting
+
+    new = tmp_path / "one" / "two"
+    refuse_overwriting(new, new, force=False)
+    assert list(tmp_path.iterdir()) == []
+    new.mkdir(parents=True)
+    refuse_overwriting(new, new, force=True)
+    assert list(new.iterdir()) == []
+
+
+def test_a_write_that_fails_leaves_no_temporary_file_and_replaces_nothing(tmp_path):
+    from stickslip.cli.output import write_file, write_folder
+
+    (tmp_path / "a.txt").write_text("old")
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(InputError, match="cannot be written"):
+        write_file(tmp_path / "folder", b"new")
+    with pytest.raises(InputError, match="cannot be written"):
+        write_folder(tmp_path, {"a.txt": "new", "missing/b.txt": "new"})
+    assert (tmp_path / "a.txt").read_text() == "old"
+    assert {path.name for path in tmp_path.iterdir()} == {"a.txt", "folder"}

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from tests.support import broken_lines, pulses
 
 from stickslip import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
-from stickslip.drives import Piece
+from stickslip.drives import Piece, Sum
 from stickslip.drives.base import BEGINNING
 from stickslip.errors import ParameterError
 
@@ -165,3 +165,17 @@ def test_bad_numbers_are_refused_in_words(kind, values, words):
 def test_only_drives_can_be_added():
     with pytest.raises((TypeError, ParameterError)):
         Pulse(level=1.0, duration=1.0) + 2.0
+
+
+def test_a_sum_of_no_drives_is_refused():
+    with pytest.raises(ParameterError, match="at least one drive"):
+        Sum(parts=())
+
+
+def test_the_pieces_of_a_sum_of_long_signals_are_found_by_bisection():
+    count = 20_000  # by a search from the beginning these would be 4e8 comparisons
+    signal = Sampled(times=range(count), values=[t % 7 for t in range(count)])
+    shifted = Sampled(times=[t + 0.5 for t in range(count)], values=[t % 5 for t in range(count)])
+    pieces = (signal + shifted).pieces()
+    assert len(pieces) == 2 * count - 1
+    assert pieces[-1].value == (count - 1) % 7 + (count - 1) % 5

@@ -131,3 +131,67 @@ def test_a_function_without_a_sign_change_has_no_root():
     assert positive_root(lambda x: 1.0 + x, 1.0) is None
     assert positive_root(lambda x: x - 5.0, 1.0, high=2.0) is None
     assert math.isclose(positive_root(lambda x: x - 1.0, 1.0) or 0.0, 1.0)
+
+
+def test_a_travel_that_several_values_give_names_them_all():
+    attached = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, attached=True)
+    given = Coulomb(kinetic_coefficient=0.25)
+    travel = float(simulate(attached, given, t_end=10.0).at(10.0)["x"][0])
+    result = fit(attached, given, Measurement(travel=travel, uncertainty=0.0005))
+    # the start gives the travel itself; weaker friction lets the block swing once more to there
+    assert result.law.kinetic_coefficient == pytest.approx(0.25, rel=1e-9)
+    assert result.others
+    for other in result.others:
+        law = Coulomb(kinetic_coefficient=other)
+        again = float(simulate(attached, law, t_end=10.0).at(10.0)["x"][0])
+        assert again == pytest.approx(travel, rel=1e-6)
+
+
+def test_a_stop_at_the_very_instant_of_leaving_the_spring_does_not_end_a_fit():
+    # doubling the answer lands on k x0 / (2 m g), where stop and leaving coincide
+    result = fit(RIG, Coulomb, Measurement(travel=0.20, uncertainty=0.005))
+    assert result.law.kinetic_coefficient == pytest.approx(energy_balance(0.20), rel=1e-9)
+
+
+def test_bristle_stiffness_is_not_fitted_to_travels():
+    soft = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e3, static_switch=True)
+    result = fit(RIG, soft, trials(Coulomb(kinetic_coefficient=0.25), (0.06, 0.1, 0.15), digits=4))
+    assert [estimate.path for estimate in result.estimates] == ["friction.kinetic_coefficient"]
+
+
+def test_each_trial_keeps_the_kind_of_its_own_uncertainty():
+    truth = Coulomb(kinetic_coefficient=0.25)
+    readings = trials(truth, (0.08, 0.12), digits=3).records()
+    mixed = Measurement(
+        trials=(
+            readings[0],
+            Measurement(
+                travel=readings[1].travel,
+                uncertainty=0.0005,
+                overrides=readings[1].overrides,
+                name="stated as a standard error",
+            ),
+        )
+    )
+    (rounded,) = fit(RIG, Coulomb, Measurement(trials=readings)).estimates
+    (stated,) = fit(RIG, Coulomb, mixed).estimates
+    # half a last digit is 1.7 standard errors of a uniform distribution
+    assert stated.high - stated.low > rounded.high - rounded.low
+
+
+def test_trials_that_differ_in_their_start_are_different_settings():
+    free = SpringBlock(mass=1.0)
+    law = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.8)
+    readings = tuple(
+        Measurement(
+            travel=float(simulate(free, law, t_end=10.0, y0={"v": v}).at(10.0)["x"][0]),
+            uncertainty=1e-6,
+            initial={"v": v},
+            name=f"{v:g} m/s",
+        )
+        for v in (0.5, 1.0, 2.0)
+    )
+    result = fit(free, CoulombViscous, Measurement(trials=readings))
+    # exact travels; the fit stops at 1e-8 of them
+    assert result.law.kinetic_coefficient == pytest.approx(0.25, rel=1e-5)
+    assert result.law.viscous_coefficient == pytest.approx(0.8, rel=1e-5)

@@ -119,3 +119,9 @@ def test_the_page_is_one_complete_file(found):
         assert f"Fig. {number}." in page
     assert "0.1538736" in page
     assert ">nan<" not in page.lower()
+
+
+def test_the_headline_claims_no_more_than_was_shown(found):
+    page = paper_report(found)
+    assert "can be produced by the excitation and by unpublished values" in page
+    assert "not from the friction models" not in page

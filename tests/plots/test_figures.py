@@ -290,3 +290,29 @@ def test_names_of_curves_keep_clear_of_curves_and_of_each_other():
 
     inline_svg(draw, alt="Levels", prefix="l")
     assert len(boxes) == 2
+
+
+def test_a_curve_of_which_nothing_is_drawn_costs_nothing():
+    named = []
+
+    def draw(figure, narrow):
+        axes = figure.add_subplot()
+        x, nothing = np.linspace(0, 1, 50), np.zeros(0)
+        axes.plot(x, x)
+        curves = [Curve(nothing, nothing, "left", C1), Curve(x, x, "here", C1)]
+        label_curves(axes, [*curves, Curve(x, np.nan * x, "lost", C1)])
+        named.append([text.get_text() for text in axes.texts])
+
+    inline_svg(draw, alt="Curves", prefix="c")
+    assert named == [["here"], ["here"]]
+
+
+def test_a_fixed_step_run_that_ends_before_the_exact_stop_is_drawn_empty(runs):
+    fixed = simulate(RIG, COULOMB, t_end=0.1, solver=FixedStep(dt=0.001))
+    svg = inline_svg(
+        draw_fixed_steps(runs["Coulomb"], {"1 ms": fixed}),
+        alt="Steps",
+        prefix="e",
+        **fixed_step_sizes(1),
+    )
+    assert "exact" in texts_of(svg, "fw")

@@ -257,6 +257,43 @@ def test_fixed_steps_are_reported_with_how_often_they_reverse_the_body(alone):
     assert "Velocity around the stop, exact and with fixed steps" in reader.labels
 
 
+def test_only_reversals_beyond_those_of_the_exact_run_are_counted(alone):
+    law = alone.best.fit.law
+    exact, held, chattering = compare_fixed_steps(RIG, law, t_end=1.0, steps=(0.01,))
+    assert (exact.reversals, held.reversals) == (0, 0)
+    turning = [
+        dataclasses.replace(row, reversals=row.reversals + 2) for row in (exact, held, chattering)
+    ]
+    heading = read(page_of(alone, fixed_steps=turning)).headings["steps"]
+    assert heading.endswith(
+        f"reverses the body {chattering.reversals} times more than the exact run"
+    )
+    plain = read(page_of(alone, fixed_steps=turning[:2])).headings["steps"]
+    assert plain == "Fixed steps beside the exact run"
+
+
+def test_a_spring_that_stays_attached_is_not_called_elastic_deflection():
+    rig = dataclasses.replace(RIG, attached=True)
+    reading = Measurement(travel=0.1, uncertainty=0.005, uncertainty_kind="rounding")
+    reader = read(page_of(select(rig, reading, [Coulomb, Dahl], t_end=1.5)))
+    assert "That is physics" not in reader.text
+    assert "The mechanism pulls the body back" in reader.text
+
+
+def test_a_law_alone_is_compared_with_a_contact_that_does_not_deflect():
+    rig = dataclasses.replace(RIG, attached=True)
+    reading = Measurement(travel=0.1, uncertainty=0.005, uncertainty_kind="rounding")
+    reader = read(page_of(select(rig, reading, [Dahl], t_end=1.5)))
+    assert "That is physics" not in reader.text
+    assert "The mechanism pulls the body back" in reader.text
+
+
+def test_fitted_rows_that_agree_in_every_column_are_one_sentence():
+    reader = read(page_of(select(RIG, READING, [Coulomb, CoulombViscous], t_end=1.5)))
+    assert "the two models agree in every column" in reader.text.replace("all two", "the two")
+    assert "travel 0.200 m, least velocity 0 mm/s, largest return 0 mm" in reader.text
+
+
 def test_sections_of_ones_own_stand_after_the_verdict_and_before_what_to_measure(tie):
     lead, extra = (
         Section(id=name, nav=name, heading=name, blocks=(Paragraph(text=name),))

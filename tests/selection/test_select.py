@@ -175,3 +175,33 @@ def test_the_root_mean_square_has_a_standard_error_from_the_spread():
 def test_a_simpler_law_must_be_within_doubt_and_within_the_floor():
     assert simpler_within_doubt([1.0, 1.02], [1.02, 1.0])
     assert not simpler_within_doubt([2.0, 2.0], [1.0, 1.0])
+
+
+def test_the_verdict_says_which_given_parameters_the_travel_depends_on():
+    verdict = select(RIG, READING, FAST)
+    plain = verdict.best
+    assert plain.name == "coulomb"
+    # the block is pushed with 10 N from the start and by nothing after its stop
+    assert plain.influence["static_coefficient"] == 0
+    viscous = next(c for c in verdict.candidates if c.name == "coulomb-viscous")
+    # half as much viscosity again shortens the travel by more than the 5 mm of the reading
+    assert viscous.influence["viscous_coefficient"] > 0.005
+    said = " ".join(verdict.words.cannot_tell)
+    assert "they count" in said
+    assert "$sigma_2$" in said
+
+
+def test_a_rig_the_other_way_round_gets_the_same_verdict():
+    mirrored = dataclasses.replace(RIG, compression=-0.1)
+    back = Measurement(travel=-0.20, uncertainty=0.005, uncertainty_kind="rounding")
+    ours, theirs = (
+        select(rig, reading, FAST[:2]) for rig, reading in ((RIG, READING), (mirrored, back))
+    )
+    assert theirs.words.verdict == ours.words.verdict
+    assert theirs.best.fit.estimates[0].value == ours.best.fit.estimates[0].value
+
+
+def test_values_that_nobody_gave_are_not_called_given():
+    verdict = select(RIG, READING, [Coulomb])
+    assert not any("the given" in line for line in verdict.words.settles)
+    assert any("the given 0.25" in line for line in select(RIG, READING, FAST[:1]).words.settles)

@@ -197,3 +197,17 @@ def test_a_complete_run_covers_all_the_time_asked_for_whatever_the_step():
     run = simulate(RELEASED, LAW, t_end=1.0, solver=FixedStep(dt=0.3))
     assert run.status.complete
     assert run.span == (0.0, 1.0)
+
+
+def test_a_bristle_law_is_held_only_with_its_static_switch():
+    held, free = (
+        simulate(
+            SpringBlock(mass=1.0, drive=Pulse(level=1.0, duration=10.0)),
+            Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e3, static_switch=switch),
+            t_end=0.1,
+            solver=FixedStep(dt=1e-4),
+        )
+        for switch in (True, False)
+    )
+    assert np.abs(held["x"]).max() == 0
+    assert np.abs(free["x"]).max() > 0

@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from stickslip.errors import SimulationError
 
-__all__ = ["positive_root", "positive_roots"]
+__all__ = ["NEAR", "REACH", "positive_root", "positive_roots"]
 
 STRIDE = 1.3
 """Ratio of neighbouring points of the search; two roots closer than this are not told apart."""
@@ -33,7 +33,12 @@ def positive_root(
 
 
 def positive_roots(
-    function: Function, start: float, *, low: float = 0.0, high: float = math.inf
+    function: Function,
+    start: float,
+    *,
+    low: float = 0.0,
+    high: float = math.inf,
+    reach: float = REACH,
 ) -> tuple[float, ...]:
     """Return the roots near `start`, the nearest first; farther ones only if there is none near.
 
@@ -47,12 +52,11 @@ def positive_roots(
     """
     start = min(max(start, low), high)
     value = _value(function, start)
-    if value == 0.0:
-        return (start,)
-    found: list[float] = []
+    found = [start] if value == 0.0 else []
+    value = value or None  # a root at the start brackets nothing
     sides = {STRIDE: (start, value), 1.0 / STRIDE: (start, value)}
     factor = 1.0
-    while factor < REACH and not (found and factor >= NEAR):
+    while factor < reach and not (found and factor >= NEAR):
         factor *= STRIDE
         for step, (before, f_before) in list(sides.items()):
             point = min(max(before * step, low), high)

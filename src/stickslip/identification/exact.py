@@ -4,7 +4,7 @@ import math
 
 from stickslip.errors import ConvergenceError
 from stickslip.friction import FrictionLaw
-from stickslip.identification.bracketing import positive_roots
+from stickslip.identification.bracketing import NEAR, REACH, positive_roots
 from stickslip.identification.results import Estimate, Fit
 from stickslip.identification.travel import TravelModel, Trial
 from stickslip.quantities import Quantity, fields_of, parameters
@@ -23,12 +23,16 @@ def fit_one(model: TravelModel, trial: Trial) -> Fit:
     quantity, start = known[path]
     low, high = room_for(model.law, path.rpartition(".")[2])
 
-    def roots(travel: float, begin: float) -> tuple[float, ...]:
+    def roots(travel: float, begin: float, reach: float) -> tuple[float, ...]:
         return positive_roots(
-            lambda value: model.travel(trial, [value]) - travel, begin, low=low, high=high
+            lambda value: model.travel(trial, [value]) - travel,
+            begin,
+            low=low,
+            high=high,
+            reach=reach,
         )
 
-    found = roots(trial.travel, start or 1.0)
+    found = roots(trial.travel, start or 1.0, REACH)
     if not found:
         room = f"above {low:g}" if math.isinf(high) else f"between {low:g} and {high:g}"
         raise ConvergenceError(
@@ -37,7 +41,9 @@ def fit_one(model: TravelModel, trial: Trial) -> Fit:
         )
     best, *others = found
     spread = trial.half_width * (NORMAL_95 if trial.kind == "standard" else 1.0)
-    ends = [next(iter(roots(trial.travel + side * spread, best)), None) for side in (-1.0, 1.0)]
+    ends = [
+        next(iter(roots(trial.travel + side * spread, best, NEAR)), None) for side in (-1.0, 1.0)
+    ]
     return Fit(
         law=model.with_values([best]),
         mechanism=trial.mechanism,

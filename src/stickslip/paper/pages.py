@@ -7,7 +7,7 @@ from importlib.metadata import version
 
 from stickslip.experiments import Rig, load_rig
 from stickslip.friction import SOURCES
-from stickslip.identification import trials_of
+from stickslip.identification.travel import trials_of
 from stickslip.paper.audit import PaperAudit, audit
 from stickslip.paper.sections import (
     equation_section,
@@ -107,7 +107,7 @@ def _fixed_steps(
     law, trial = best.fit.law, trials_of(verdict.mechanism, verdict.measurement)[0]
     stop = best.criteria.stop_time if best.criteria else None
     last = min(2.0 * stop, t_end) if stop else t_end
-    steps = tuple(nice(stop / parts if stop else 50.0 * t_end / parts / 1e3) for parts in STEPS)
+    steps = tuple(nice((stop or t_end / 20.0) / parts) for parts in STEPS)
     runs = {
         f"{step_text(steps[0])}, {'stick rule' if rule else 'no stick rule'}": simulate(
             trial.mechanism,

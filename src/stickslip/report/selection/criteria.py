@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from stickslip.friction import BristleLaw
 from stickslip.report import numbers
-from stickslip.report.blocks import Block, Note, Subheading
+from stickslip.report.blocks import Block, Note, Paragraph, Subheading
 from stickslip.report.documents import Section
+from stickslip.report.selection.returns import elastic_returns
 from stickslip.report.selection.texts import counted, joined
 from stickslip.report.tables import Cell, Column, Row, Table
 from stickslip.selection import Candidate, Criteria, Verdict
@@ -22,10 +22,15 @@ def criteria_section(verdict: Verdict) -> Section:
         _table(verdict, given, with_error=True),
     ]
     if fitted:
-        blocks += [Subheading(text="With the fitted values"), _table(verdict, fitted)]
-    springs = _spring_back(given + fitted)
+        text = _agreement(given, fitted)
+        again = Paragraph(text=text) if text else _table(verdict, fitted)
+        blocks += [Subheading(text="With the fitted values"), again]
+    springs = elastic_returns(verdict)
     if springs:
         blocks.append(_note(given + fitted, springs))
+    pulled = [name for name in _failing(given + fitted) if name not in springs]
+    if pulled:
+        blocks.append(_pulled(pulled))
     return Section(
         id="criteria",
         nav="Criteria",
@@ -38,20 +43,28 @@ def _passes(seen: Criteria) -> bool:
     return seen.velocity_never_negative and seen.displacement_never_decreases
 
 
-def _spring_back(rows: Sequence[tuple[Candidate, Criteria]]) -> list[str]:
-    """Return the laws that spring back because their contact is elastic."""
-    names = [
-        c.title
-        for c, seen in rows
-        if isinstance(c.law, BristleLaw)
-        and not c.law.static_switch
-        and not seen.velocity_never_negative
-    ]
-    return list(dict.fromkeys(names))
+def _failing(rows: Sequence[tuple[Candidate, Criteria]]) -> list[str]:
+    return list(dict.fromkeys(c.title for c, seen in rows if not _passes(seen)))
+
+
+def _agreement(
+    given: Sequence[tuple[Candidate, Criteria]], fitted: Sequence[tuple[Candidate, Criteria]]
+) -> str:
+    """Return the sentence for fitted rows without anything to compare, else nothing."""
+    shown = [_cells(seen) for _, seen in fitted]
+    if len(shown) < 2 or any(cells != shown[0] for cells in shown):
+        return ""
+    travel, least, back, put_in, taken, left = shown[0]
+    which = "all" if len(fitted) == len(given) else "the"
+    return (
+        f"With the fitted values {which} {counted(len(fitted))} models agree in every column:"
+        f" travel {travel} m, least velocity {least} mm/s, largest return {back} mm; of {put_in} J"
+        f" put in, friction takes {taken} J and {left} J is left."
+    )
 
 
 def _heading(rows: Sequence[tuple[Candidate, Criteria]], springs: Sequence[str]) -> str:
-    failing = list(dict.fromkeys(c.title for c, seen in rows if not _passes(seen)))
+    failing = _failing(rows)
     count = len({c.name for c, _ in rows})
     if not failing:
         return (
@@ -82,6 +95,16 @@ def _note(rows: Sequence[tuple[Candidate, Criteria]], springs: Sequence[str]) ->
     )
 
 
+def _pulled(names: Sequence[str]) -> Note:
+    return Note(
+        title="The mechanism pulls the body back.",
+        text=f"With {joined(names)} friction the body moves back under the force of the"
+        " mechanism, its spring or its drive, and not by the elastic deflection of the contact."
+        " The criterion says nothing about these models.",
+        kind="info",
+    )
+
+
 def _table(
     verdict: Verdict,
     rows: Sequence[tuple[Candidate, Criteria]],
@@ -104,15 +127,14 @@ def _table(
         if with_error:
             known = seen.relative_error
             error = ["not measured" if known is None else numbers.signed_percent(known)]
+        travel, least, back, *energies = _cells(seen)
         cells: tuple[Cell, ...] = (
             candidate.title,
-            numbers.fixed(seen.travel, 3),
+            travel,
             *error,
-            _marked(_mm(seen.least_velocity), seen.velocity_never_negative),
-            _marked(_mm(seen.largest_return), seen.displacement_never_decreases),
-            numbers.fixed(seen.work_in, 4),
-            numbers.fixed(seen.work_friction, 4),
-            _energy(seen.work_left, seen.work_in),
+            _marked(least, seen.velocity_never_negative),
+            _marked(back, seen.displacement_never_decreases),
+            *energies,
         )
         out.append(
             Row(cells=cells, chosen=candidate is verdict.best, muted=bool(candidate.dropped))
@@ -122,6 +144,18 @@ def _table(
         " work put in is taken by friction, or still in the mechanism at the end."
     )
     return Table(columns=tuple(columns), rows=tuple(out), caption=caption)
+
+
+def _cells(seen: Criteria) -> tuple[str, str, str, str, str, str]:
+    """Return travel, least velocity, largest return, and work put in, taken and left."""
+    return (
+        numbers.fixed(seen.travel, 3),
+        _mm(seen.least_velocity),
+        _mm(seen.largest_return),
+        numbers.fixed(seen.work_in, 4),
+        numbers.fixed(seen.work_friction, 4),
+        _energy(seen.work_left, seen.work_in),
+    )
 
 
 def _marked(text: str, passes: bool) -> str:

@@ -158,7 +158,7 @@ def _steps_heading(rows: Sequence[FixedStepRow]) -> str:
         return "Fixed steps beside the exact run"
     times = "once" if extra == 1 else f"{extra:,} times"
     rule = "" if worst.stick_rule else " without a stick rule"
-    more = " more than it turns" if exact else ""
+    more = " more than the exact run" if exact else ""
     return f"A fixed step of {step_text(worst.dt)}{rule} reverses the body {times}{more}"
 
 

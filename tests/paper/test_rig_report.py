@@ -1,0 +1,87 @@
+"""The report of a rig: sections of the paper for its own rig alone, fixed steps that fit the run."""
+
+import re
+
+import pytest
+
+from stickslip import load_rig, select
+from stickslip.paper import rig_report
+from stickslip.paper.pages import nice
+
+TEXT = """
+title = "Thrown"
+[run]
+t_end = 2.0
+[mechanism]
+type = "spring-block"
+mass = {mass}
+stiffness = 100.0
+compression = {compression}
+[friction]
+kinetic_coefficient = 0.25
+[[trial]]
+travel = {travel}
+uncertainty = 0.01
+initial = {{ v = "{v} m/s" }}
+"""
+
+
+def report(rig, laws=("coulomb",)):
+    verdict = select(
+        rig.mechanism, rig.measurement, {n: rig.laws[n] for n in laws}, t_end=rig.t_end
+    )
+    return rig_report(rig, verdict), verdict
+
+
+def ids(page):
+    return re.findall(r'<section[^>]* id="([^"]+)"', page)
+
+
+def test_the_bundled_rig_is_reported_beside_its_paper():
+    page, _ = report(load_rig())
+    assert {"excitation", "table2", "equations"} <= set(ids(page))
+
+
+def test_a_changed_rig_is_not_mixed_with_the_rig_of_the_paper():
+    page, _ = report(load_rig(overrides={"mechanism.mass": "2"}))
+    assert "verdict" in ids(page)
+    assert "excitation" not in ids(page)
+    assert "Table II" not in page
+
+
+def test_another_measurement_on_the_bundled_rig_is_not_mixed_with_the_paper():
+    rig = load_rig()
+    other = load_rig(overrides={"mechanism.mass": "2"}).measurement
+    verdict = select(rig.mechanism, other, {"coulomb": rig.laws["coulomb"]}, t_end=rig.t_end)
+    assert "excitation" not in ids(rig_report(rig, verdict))
+
+
+@pytest.mark.parametrize(("v", "compression", "travel"), [(3, 0.1, 1.8), (0, -0.1, -0.2)])
+def test_a_rig_that_is_thrown_or_shot_backwards_has_a_report(tmp_path, v, compression, travel):
+    path = tmp_path / "rig.toml"
+    path.write_text(TEXT.format(mass=1.0, v=v, compression=compression, travel=travel))
+    page, verdict = report(load_rig(path))
+    assert page.startswith("<!doctype html>")
+    assert verdict.best is None or "steps" in ids(page)
+
+
+def test_fixed_steps_follow_the_time_that_the_body_takes_to_stop(tmp_path):
+    # without a spring a thrown body stops at v / (mu g), here scaled by its speed
+    seen = {}
+    for v in (0.03, 3.0):
+        path = tmp_path / "rig.toml"
+        text = TEXT.format(mass=1.0, v=v, compression=0.0, travel=v**2 / 5.0)
+        path.write_text(text.replace("uncertainty = 0.01", ""))
+        page, verdict = report(load_rig(path))
+        seen[v] = verdict.best.criteria.stop_time
+        step = nice(seen[v] / 50.0)
+        assert f">{1e3 * step:g}\N{NO-BREAK SPACE}ms" in page
+    assert seen[3.0] > 50.0 * seen[0.03]
+
+
+@pytest.mark.parametrize(
+    ("value", "step"),
+    [(0.0095, 0.01), (0.95, 1.0), (3.1, 2.0), (3.3, 5.0), (1e-6, 1e-6), (7.9e3, 1e4)],
+)
+def test_a_nice_step_is_the_nearest_of_one_two_five(value, step):
+    assert nice(value) == step
