@@ -158,8 +158,8 @@ class PiecewiseLinear(_Pieces):
 
     Examples
     --------
-    >>> PiecewiseLinear(times=(0.0, 10.0), values=(0.0, 1.425)).value(5.0)
-    0.7125
+    >>> PiecewiseLinear(times=(0.0, 10.0), values=(0.0, 1.5)).value(5.0)
+    0.75
     """
 
     times: tuple[float, ...]

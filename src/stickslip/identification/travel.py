@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.friction import FrictionLaw
+from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.simulation import simulate
@@ -24,6 +24,12 @@ class Trial:
     """Uncertainty of the travel [m]; 0 if none was given."""
     kind: str = "standard"
     """What the uncertainty is, as in `Measurement`."""
+
+    def start(self, law: FrictionLaw) -> Mapping[str, float]:
+        """Return the initial states that a mechanism with a law has."""
+        known = {*self.mechanism.coordinates, *self.mechanism.rates}
+        known.update(law.bristles if isinstance(law, BristleLaw) else ())
+        return {name: value for name, value in self.initial.items() if name in known}
 
     @property
     def setting(self) -> Hashable:
@@ -79,7 +85,7 @@ class TravelModel:
         if self.watch is not None:
             self.watch(self.runs)
         law = self.with_values(values)
-        run = simulate(trial.mechanism, law, t_end=self.t_end, y0=trial.initial)
+        run = simulate(trial.mechanism, law, t_end=self.t_end, y0=trial.start(law))
         (coordinate,) = (contact.slip for contact in trial.mechanism.contacts())
         ends = run.at(run.span)[coordinate]
         return float(ends[1] - ends[0])

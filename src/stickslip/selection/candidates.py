@@ -62,7 +62,7 @@ def try_law(
 def _seen(
     trial: Trial, law: FrictionLaw, t_end: float, *, throw: bool = False
 ) -> tuple[Trajectory, Criteria]:
-    run = simulate(trial.mechanism, law, t_end=t_end, y0=trial.initial, throw=throw)
+    run = simulate(trial.mechanism, law, t_end=t_end, y0=trial.start(law), throw=throw)
     return run, criteria_of(run, trial.mechanism, trial.travel)
 
 

@@ -55,9 +55,9 @@ def _agreement(
     if len(shown) < 2 or any(cells != shown[0] for cells in shown):
         return ""
     travel, least, back, put_in, taken, left = shown[0]
-    which = "all" if len(fitted) == len(given) else "the"
+    which = "All" if len(fitted) == len(given) > 2 else "The"
     return (
-        f"With the fitted values {which} {counted(len(fitted))} models agree in every column:"
+        f"{which} {counted(len(fitted))} models agree in every column:"
         f" travel {travel} m, least velocity {least} mm/s, largest return {back} mm; of {put_in} J"
         f" put in, friction takes {taken} J and {left} J is left."
     )
@@ -100,7 +100,7 @@ def _pulled(names: Sequence[str]) -> Note:
         title="The mechanism pulls the body back.",
         text=f"With {joined(names)} friction the body moves back under the force of the"
         " mechanism, its spring or its drive, and not by the elastic deflection of the contact."
-        " The criterion says nothing about these models.",
+        " The criterion speaks neither for nor against these models.",
         kind="info",
     )
 
