@@ -187,7 +187,7 @@ def test_the_verdict_says_which_given_parameters_the_travel_depends_on():
     # half as much viscosity again shortens the travel by more than the 5 mm of the reading
     assert viscous.influence["viscous_coefficient"] > 0.005
     said = " ".join(verdict.words.cannot_tell)
-    assert "they count" in said
+    assert "which the fitted level takes up" in said
     assert "$sigma_2$" in said
 
 

@@ -237,7 +237,7 @@ def _given_lines(explained: Sequence[Candidate], reading: float) -> list[str]:
     if busy:
         widest = 1e3 * max(moved.values())
         lines.append(
-            f"{busy}: taken as given, and they count: half as much again moves the travel by up to"
+            f"{busy}: taken as given. Half as much again moves the travel by up to"
             f" {_short(widest)} mm, which the fitted level takes up."
         )
     return lines
