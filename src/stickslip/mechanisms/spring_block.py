@@ -22,7 +22,8 @@ class SpringBlock(Mechanism):
 
     The state `x` is the travel from the start, where the block is at rest. The spring pushes with
     ``stiffness * (compression - x)``; unless it is attached it only pushes, and the block leaves it
-    at its natural length. A negative compression is a spring on the other side.
+    at its natural length. A negative compression is a spring on the other side; a spring that is
+    neither compressed nor attached is not touched.
 
     Examples
     --------

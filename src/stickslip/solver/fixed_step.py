@@ -20,6 +20,9 @@ from stickslip.trajectory import Certificate, Status, Trajectory
 
 __all__ = ["FixedStep"]
 
+MOST_STEPS = 1e7
+"""Steps that a run may take: each keeps its state, and this many take some minutes."""
+
 Tableau: TypeAlias = tuple[tuple[tuple[float, ...], ...], tuple[float, ...]]
 
 TABLEAUS: dict[str, Tableau] = {
@@ -81,6 +84,11 @@ class FixedStep(Solver):
         if self.dt > t_end:
             raise ParameterError(
                 f"FixedStep.dt (dt) must be at most t_end = {t_end:g} s, got {self.dt:g}."
+            )
+        if t_end > MOST_STEPS * self.dt:
+            raise ParameterError(
+                f"FixedStep.dt (dt) must be at least {t_end / MOST_STEPS:g} s for t_end ="
+                f" {t_end:g} s, got {self.dt:g}: more than {MOST_STEPS:g} steps."
             )
         times = self._times(t_end)
         y = list(y0)
