@@ -19,9 +19,9 @@ from stickslip.cli.output import (
     write_folder,
 )
 from stickslip.cli.progress import Watching
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError
 from stickslip.experiments import Measurement, Rig, load_measurement, load_rig
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, law_type
 from stickslip.friction import laws as known_laws
 from stickslip.identification import starting_law
 from stickslip.paper import rig_report
@@ -87,9 +87,8 @@ def _chosen(rig: Rig, names: str | None) -> Mapping[str, FrictionLaw]:
         return rig.laws or {name: starting_law(law) for name, law in known_laws().items()}
     chosen = {}
     for name in (part.strip() for part in names.split(",")):
-        if name not in known_laws():
-            raise UnknownNameError("friction law", name, known_laws())
-        chosen[name] = rig.laws.get(name) or starting_law(known_laws()[name])
+        kind = law_type(name)
+        chosen[name] = rig.laws.get(name) or starting_law(kind)
     return chosen
 
 

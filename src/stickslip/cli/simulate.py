@@ -19,9 +19,9 @@ from stickslip.cli.output import (
     stdout,
     write_file,
 )
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig
-from stickslip.friction import PRINTED_FORMS, BristleLaw, FrictionLaw, PrintedForm, laws
+from stickslip.friction import PRINTED_FORMS, BristleLaw, FrictionLaw, PrintedForm, law_type
 from stickslip.identification import starting_law
 from stickslip.report.numbers import residue
 from stickslip.selection import criteria_of
@@ -89,9 +89,8 @@ def _law(rig: Rig, name: str) -> FrictionLaw:
             f"{name} is an equation as printed; `stickslip paper` runs those. Its corrected law is"
             f" {PRINTED_FORMS[name].corrected.name}."
         )
-    if name not in laws():
-        raise UnknownNameError("friction law", name, laws())
-    return rig.laws.get(name) or starting_law(laws()[name])
+    kind = law_type(name)
+    return rig.laws.get(name) or starting_law(kind)
 
 
 def _start(rig: Rig, law: FrictionLaw) -> Mapping[str, float]:

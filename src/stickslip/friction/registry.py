@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from importlib.metadata import entry_points
 from types import MappingProxyType
 
-from stickslip.errors import StickslipError, UnknownNameError
+from stickslip.errors import StickslipError
 from stickslip.friction.base import FrictionLaw
 from stickslip.friction.coulomb import Coulomb
 from stickslip.friction.coulomb_viscous import CoulombViscous
@@ -13,6 +13,7 @@ from stickslip.friction.dahl import Dahl
 from stickslip.friction.lugre import LuGre
 from stickslip.friction.stribeck import Stribeck
 from stickslip.friction.viscous import Viscous
+from stickslip.quantities import named
 
 __all__ = ["LAWS", "law_type", "laws"]
 
@@ -48,6 +49,5 @@ def law_type(name: str) -> type[FrictionLaw]:
     >>> law_type("lugre").title
     'LuGre'
     """
-    if name not in laws():
-        raise UnknownNameError("friction law", name, laws())
-    return laws()[name]
+    law: type[FrictionLaw] = named(laws(), name, "friction law")
+    return law
