@@ -175,3 +175,19 @@ def test_a_push_just_above_the_break_away_level_moves_it():
     law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
     run = simulate(Axis(inertia=1.0, drive=Pulse(level=level, duration=2.0)), law, t_end=2.0)
     assert math.isclose(run["x"][-1], 0.5 * 0.5 * 2.0**2, rel_tol=EXACT)
+
+
+def test_a_body_leaves_rest_where_friction_falls_with_infinite_slope():
+    law = Stribeck(
+        kinetic_coefficient=0.1,
+        static_coefficient=0.2,
+        stribeck_velocity=0.1,
+        viscous_coefficient=1.0,
+        exponent=0.7,
+    )
+    block = TowedBlock(mass=0.1, stiffness=100.0, speed=0.001307)
+    run = simulate(block, law, t_end=3.0)
+    # the spring must first be stretched by mu_s m g / k
+    assert run.events[0].t == pytest.approx(0.2 * 0.1 * 9.81 / 100.0 / 0.001307, rel=1e-9)
+    assert run.events[0].reason == "break-away"
+    assert run["v"].max() > 0.001307
