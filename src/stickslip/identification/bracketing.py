@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from stickslip.errors import SimulationError
 
-__all__ = ["NEAR", "REACH", "positive_root", "positive_roots"]
+__all__ = ["NEAR", "positive_root", "positive_roots"]
 
 STRIDE = 1.3
 """Ratio of neighbouring points of the search; two roots closer than this are not told apart."""
@@ -20,7 +20,12 @@ Function = Callable[[float], float]
 
 
 def positive_root(
-    function: Function, start: float, *, low: float = 0.0, high: float = math.inf
+    function: Function,
+    start: float,
+    *,
+    low: float = 0.0,
+    high: float = math.inf,
+    reach: float = REACH,
 ) -> float | None:
     """Return the root between `low` and `high` that is nearest to `start`, or None.
 
@@ -29,7 +34,8 @@ def positive_root(
     >>> round(positive_root(lambda x: x * x - 2.0, 1.0), 9)
     1.414213562
     """
-    return next(iter(positive_roots(function, start, low=low, high=high)), None)
+    found = _search(function, start, low, high, reach, enough=1.0)
+    return found[0] if found else None
 
 
 def positive_roots(
@@ -38,7 +44,6 @@ def positive_roots(
     *,
     low: float = 0.0,
     high: float = math.inf,
-    reach: float = REACH,
 ) -> tuple[float, ...]:
     """Return the roots near `start`, the nearest first; farther ones only if there is none near.
 
@@ -50,13 +55,20 @@ def positive_roots(
     >>> [round(root, 6) for root in positive_roots(lambda x: (x - 1.0) * (x - 2.0), 1.1)]
     [1.0, 2.0]
     """
+    return _search(function, start, low, high, REACH, enough=NEAR)
+
+
+def _search(
+    function: Function, start: float, low: float, high: float, reach: float, *, enough: float
+) -> tuple[float, ...]:
+    """Return the roots found up to a factor of `enough`, and on to `reach` while there is none."""
     start = min(max(start, low), high)
     value = _value(function, start)
     found = [start] if value == 0.0 else []
     value = value or None  # a root at the start brackets nothing
     sides = {STRIDE: (start, value), 1.0 / STRIDE: (start, value)}
     factor = 1.0
-    while factor < reach and not (found and factor >= NEAR):
+    while factor < reach and not (found and factor >= enough):
         factor *= STRIDE
         for step, (before, f_before) in list(sides.items()):
             point = min(max(before * step, low), high)

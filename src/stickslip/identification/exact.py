@@ -1,10 +1,11 @@
 """One travel fixes one number: the value that gives exactly that travel, and its range."""
 
 import math
+from collections.abc import Callable
 
 from stickslip.errors import ConvergenceError
 from stickslip.friction import FrictionLaw
-from stickslip.identification.bracketing import NEAR, REACH, positive_roots
+from stickslip.identification.bracketing import NEAR, positive_root, positive_roots
 from stickslip.identification.results import Estimate, Fit
 from stickslip.identification.travel import TravelModel, Trial
 from stickslip.quantities import Quantity, fields_of, parameters
@@ -23,16 +24,10 @@ def fit_one(model: TravelModel, trial: Trial) -> Fit:
     quantity, start = known[path]
     low, high = room_for(model.law, path.rpartition(".")[2])
 
-    def roots(travel: float, begin: float, reach: float) -> tuple[float, ...]:
-        return positive_roots(
-            lambda value: model.travel(trial, [value]) - travel,
-            begin,
-            low=low,
-            high=high,
-            reach=reach,
-        )
+    def miss(travel: float) -> Callable[[float], float]:
+        return lambda value: model.travel(trial, [value]) - travel
 
-    found = roots(trial.travel, start or 1.0, REACH)
+    found = positive_roots(miss(trial.travel), start or 1.0, low=low, high=high)
     if not found:
         room = f"above {low:g}" if math.isinf(high) else f"between {low:g} and {high:g}"
         raise ConvergenceError(
@@ -42,7 +37,8 @@ def fit_one(model: TravelModel, trial: Trial) -> Fit:
     best, *others = found
     spread = trial.half_width * (NORMAL_95 if trial.kind == "standard" else 1.0)
     ends = [
-        next(iter(roots(trial.travel + side * spread, best, NEAR)), None) for side in (-1.0, 1.0)
+        positive_root(miss(trial.travel + side * spread), best, low=low, high=high, reach=NEAR)
+        for side in (-1.0, 1.0)
     ]
     return Fit(
         law=model.with_values([best]),

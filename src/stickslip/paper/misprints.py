@@ -23,7 +23,7 @@ from stickslip.trajectory import Status
 
 __all__ = ["Consequence", "consequences"]
 
-STEP = 1e-4
+STEP = 5e-4
 """Fine enough that what is seen is the equation and not the step [s]."""
 BACKWARD = -0.5
 """Initial velocity of the test in which a body coasts backwards [m/s]."""

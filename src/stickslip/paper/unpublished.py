@@ -154,7 +154,8 @@ def _require(
         return positive_root(lambda value: travel(value) - target, start, low=least, high=most)
 
     best = root(published, first)
-    ends = [root(published + sign * ROUNDING, best or first) for sign in (-1.0, 1.0)]
+    sides = (-1.0, 1.0) if best is not None else ()
+    ends = [root(published + side * ROUNDING, best or first) for side in sides]
     found = sorted(end for end in ends if end is not None)
     return Requirement(
         law=name,
