@@ -118,6 +118,8 @@ def test_the_page_is_one_complete_file(found):
     for number in (3, 4, 6, 7, 8, 9, 10):
         assert f"Fig. {number}." in page
     assert "0.1538736" in page
+    assert "<i>A solid friction model.</i>" in page
+    assert ".." not in page[page.index("Reproduce and cite</h2>") :]
     assert ">nan<" not in page.lower()
 
 

@@ -23,13 +23,13 @@ from stickslip.report import (
     Opening,
     Page,
     Paragraph,
-    Reference,
     References,
     Section,
     render,
 )
 from stickslip.report.numbers import fixed, percent
 from stickslip.report.selection import selection_page
+from stickslip.report.selection.closing import law_references
 from stickslip.report.selection.texts import step_text
 from stickslip.selection import FixedStepRow, Verdict, compare_fixed_steps
 from stickslip.simulation import simulate
@@ -228,7 +228,6 @@ def _sentence(near: int, reached: int) -> str:
 
 
 def _closing(found: PaperAudit, command: str) -> Section:
-    keys = dict.fromkeys(["paper", *[key for row in found.table for key in row.law.sources]])
     used = ", ".join(f"{name} {number}" for name, number in versions().items())
     return Section(
         id="again",
@@ -237,6 +236,6 @@ def _closing(found: PaperAudit, command: str) -> Section:
         blocks=(
             Code(text=f"$ {command}"),
             Paragraph(text=f"Versions: {used}. Rig: sha256 `{found.rig.digest[:16]}`."),
-            References(items=tuple(Reference(title=SOURCES[key]) for key in keys)),
+            References(items=law_references((row.law for row in found.table), {"paper": ["rig"]})),
         ),
     )

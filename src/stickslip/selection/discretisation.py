@@ -8,7 +8,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.criteria import Criteria, criteria_of
 from stickslip.simulation import simulate
-from stickslip.solver import FixedStep
+from stickslip.solver import FixedStep, Method
 
 __all__ = ["FixedStepRow", "compare_fixed_steps"]
 
@@ -34,7 +34,7 @@ def compare_fixed_steps(
     t_end: float,
     y0: Mapping[str, float] | None = None,
     steps: Sequence[float] = (0.01, 0.001),
-    method: str = "euler",
+    method: Method = "euler",
 ) -> tuple[FixedStepRow, ...]:
     """Run a mechanism event-driven, and as a block diagram with each step.
 
@@ -52,7 +52,7 @@ def compare_fixed_steps(
     for dt, stick_rule in settings:
         solver = None
         if dt is not None:
-            solver = FixedStep(dt=dt, method=method, stick_rule=stick_rule)  # type: ignore[arg-type]
+            solver = FixedStep(dt=dt, method=method, stick_rule=stick_rule)
         run = simulate(mechanism, law, t_end=t_end, y0=y0, solver=solver)
         slip = mechanism.contacts()[0].slip
         v = run[mechanism.rates[mechanism.coordinates.index(slip)]]

@@ -3,6 +3,6 @@
 from stickslip.solver.base import Solver
 from stickslip.solver.event_driven import EventDriven
 from stickslip.solver.execution import prepare
-from stickslip.solver.fixed_step import FixedStep
+from stickslip.solver.fixed_step import FixedStep, Method
 
-__all__ = ["EventDriven", "FixedStep", "Solver", "prepare"]
+__all__ = ["EventDriven", "FixedStep", "Method", "Solver", "prepare"]

@@ -18,7 +18,10 @@ from stickslip.solver.base import Solver, column_units
 from stickslip.solver.diagram import Diagram
 from stickslip.trajectory import Certificate, Status, Trajectory
 
-__all__ = ["FixedStep"]
+__all__ = ["FixedStep", "Method"]
+
+Method: TypeAlias = Literal["euler", "heun", "rk4"]
+"""Integrators of a fixed step."""
 
 MOST_STEPS = 1e7
 """Steps that a run may take: each keeps its state, and this many take some minutes."""
@@ -57,7 +60,7 @@ class FixedStep(Solver):
 
     dt: Annotated[float, Quantity("dt", "s", above=0)]
     """Step."""
-    method: Literal["euler", "heun", "rk4"] = "euler"
+    method: Method = "euler"
     """Integrator: forward Euler, Heun, or the classical Runge-Kutta of order 4."""
     stick_rule: bool = True
     """Hold the body when its velocity changes sign within a step and break-away is not exceeded."""

@@ -1,10 +1,10 @@
 """The end of the report: what to measure next, parameters, certificate, and how to reproduce it."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Final, Literal
 
-from stickslip.friction import SOURCES
+from stickslip.friction import SOURCES, FrictionLaw
 from stickslip.plots.separation import SEPARATION_SIZES, draw_separation
 from stickslip.plots.svg import inline_svg
 from stickslip.quantities import fields_of
@@ -32,7 +32,13 @@ from stickslip.report.tables import Column, Row, Table
 from stickslip.selection import Candidate, Verdict
 from stickslip.trajectory import Trajectory
 
-__all__ = ["certificate_section", "next_section", "parameters_section", "reproduce_section"]
+__all__ = [
+    "certificate_section",
+    "law_references",
+    "next_section",
+    "parameters_section",
+    "reproduce_section",
+]
 
 TELLING: Final = 0.05
 """Share of the travel by which a prediction must differ to be measured with ease."""
@@ -264,10 +270,18 @@ def reproduce_section(
 
 
 def _references(verdict: Verdict) -> tuple[Reference, ...]:
-    used: dict[str, list[str]] = {"paper": ["criteria"]}
-    for candidate in verdict.candidates:
-        for key in candidate.law.sources:
-            used.setdefault(key, []).append(candidate.title)
+    laws = [candidate.law for candidate in verdict.candidates]
+    return law_references(laws, {"paper": ["criteria"]})
+
+
+def law_references(
+    laws: Iterable[FrictionLaw], first: Mapping[str, Sequence[str]]
+) -> tuple[Reference, ...]:
+    """Return the sources of laws with the laws they are for, after those given by key."""
+    used = {key: list(who) for key, who in first.items()}
+    for law in laws:
+        for key in law.sources:
+            used.setdefault(key, []).append(law.title)
     return tuple(
         _reference(SOURCES[key], joined(who)) for key, who in used.items() if key in SOURCES
     )
