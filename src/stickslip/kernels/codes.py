@@ -5,11 +5,14 @@ __all__ = [
     "BREAK_BACKWARD",
     "BREAK_FORWARD",
     "END_TIME",
+    "EXACT",
     "LIFTED_OFF",
     "LIFT_OFF",
     "RUNNING",
+    "SMOOTH",
     "STEP_LIMIT",
     "STEP_TOO_SMALL",
+    "STIFF",
     "STOP",
     "SWITCH",
     "ZENO",
@@ -21,6 +24,11 @@ BREAK_FORWARD = 1
 BREAK_BACKWARD = 2
 LIFT_OFF = 3
 SWITCH = 4
+
+# How a mode is stepped: DOP853, Rodas5P, series.
+SMOOTH = 0
+STIFF = 1
+EXACT = 2
 
 # How a run ended.
 RUNNING = 0

@@ -1,148 +1,125 @@
 """The run: steps, events, pieces of the drives, rest."""
 
+import math
+
 from stickslip.kernels.booking import add_work, close_step, record
+from stickslip.kernels.choosing import choose_stepper
 from stickslip.kernels.codes import AT_REST, END_TIME, RUNNING, STEP_LIMIT
-from stickslip.kernels.dense import TERMS
-from stickslip.kernels.dop853 import DOP853_STAGES
-from stickslip.kernels.model import HAS_BRISTLES, N_GUARDS, N_STATES, SLIP
-from stickslip.kernels.pieces import enter_pieces, next_stop, rests_for_good
-from stickslip.kernels.roots import NO_GUARD, SAMPLES
-from stickslip.kernels.sizes import first_sizes
-from stickslip.kernels.state import (
+from stickslip.kernels.layout import (
+    BOOKS,
+    DENSE,
+    DENSE_SIZE,
     EVENT_COLUMNS,
     EVENTS,
     FLAGS,
+    FRACTION,
+    LENGTH,
     MODE,
     ROW_COLUMNS,
     STATUS,
     STEP,
     STEPS,
+    STRIDE,
     TIME,
-    grown,
+    Y,
+    longer,
 )
+from stickslip.kernels.model import HAS_BRISTLES, N_STATES, SLIP
+from stickslip.kernels.pieces import enter_pieces, next_stop, rests_for_good
+from stickslip.kernels.roots import NO_GUARD
+from stickslip.kernels.sizes import first_sizes
 from stickslip.kernels.stepping import advance
 from stickslip.kernels.switching import handle_event, initial_mode, mode_from_rest
-from stickslip.kernels.tier import Vector, vector
+from stickslip.kernels.tier import Vector
 
 __all__ = ["run"]
 
 
-def workspace() -> tuple[Vector, ...]:
-    """Return stages, new state, slope, scale, matrix, pivots, df/dt and dense output."""
-    n = N_STATES
-    return (
-        vector(DOP853_STAGES * n),
-        vector(n),
-        vector(n + N_GUARDS + 4),
-        vector(n),
-        vector(n * n),
-        vector(n),
-        vector(n),
-        vector(TERMS * n),
-    )
-
-
-def scratch() -> tuple[Vector, ...]:
-    """Return a point, what was found, samples of the guards, values, the guards' largest sizes."""
-    return (
-        vector(N_STATES),
-        vector(2),
-        vector((SAMPLES + 1) * N_GUARDS),
-        vector(N_STATES + N_GUARDS + 4),
-        vector(N_GUARDS),
-    )
-
-
-def keep_start(y: Vector, real: Vector, whole: Vector, log: Vector) -> None:
-    """Record the start where not one step could be taken: it is all there is."""
-    if whole[STEPS] == 0:
-        record(log, real[TIME], real[TIME], 1.0, y, vector(TERMS * N_STATES), whole)
-
-
-def final_rest(
-    y: Vector, t_end: float, real: Vector, whole: Vector, log: Vector, dense: Vector
-) -> None:
-    """Record a body that stays where it is up to the end."""
-    for i in range(TERMS * N_STATES):
-        dense[i] = 0.0
-    record(log, real[TIME], t_end, t_end - real[TIME], y, dense, whole)
-    whole[STATUS] = AT_REST
+def stay(end: float, w: Vector, whole: Vector, log: Vector) -> None:
+    """Record a body that stays where it is up to a time."""
+    for i in range(DENSE_SIZE):
+        w[DENSE + i] = 0.0
+    for i in range(N_STATES):
+        w[DENSE + 1 + i] = w[Y + i]
+    w[LENGTH] = end - w[TIME] if end > w[TIME] else 1.0
+    record(log, end, w, whole)
 
 
 def finish_step(
     guard: int,
-    start: float,
     stop: float,
     t_end: float,
-    y: Vector,
-    real: Vector,
+    w: Vector,
     whole: Vector,
-    p: Vector,
     table: Vector,
-    work: tuple[Vector, ...],
-    buffers: tuple[Vector, ...],
     log: Vector,
     events: Vector,
 ) -> None:
     """Book the step just taken and pass on to what follows it."""
-    dense = work[7]
-    point, found, _, values, _ = buffers
-    share, h = found[0], found[1]
-    if share > 0.0:
-        add_work(start, h, share, y, real, whole, p, dense, point, values)
-        record(log, start, start + share * h, h, y, dense, whole)
-    close_step(guard, stop, y, real, whole, p, work, buffers)
-    if share > 0.0:
-        log[(int(whole[STEPS]) - 1) * ROW_COLUMNS + 1] = real[TIME]
+    start = w[TIME]
+    if w[FRACTION] > 0.0:
+        if whole[BOOKS]:
+            add_work(w, whole)
+        record(log, start, w, whole)
+    close_step(guard, stop, w, whole)
+    if w[FRACTION] > 0.0:
+        log[(int(whole[STEPS]) - 1) * ROW_COLUMNS + 1] = w[TIME]
     if guard != NO_GUARD:
-        handle_event(guard, start, y, real, whole, p, values, events)
-    if whole[STATUS] == RUNNING and real[TIME] >= t_end:
+        handle_event(guard, start, w, whole, events)
+    if whole[STATUS] == RUNNING and w[TIME] >= t_end:
         whole[STATUS] = END_TIME
-    elif real[TIME] >= stop:
-        enter_pieces(table, p, real, whole)
-        if HAS_BRISTLES and whole[MODE] != 0 and y[SLIP] == 0.0:
-            whole[MODE] = mode_from_rest(real[TIME], int(whole[FLAGS]), y, p, values)
+    elif w[TIME] >= stop:
+        enter_pieces(table, w, whole)
+        if HAS_BRISTLES and whole[MODE] != 0 and w[Y + SLIP] == 0.0:
+            whole[MODE] = mode_from_rest(int(whole[FLAGS]), w)
+    if guard != NO_GUARD or w[TIME] >= stop:
+        choose_stepper(next_stop(table, t_end, whole), w, whole)
+
+
+def begin(table: Vector, t_end: float, w: Vector, whole: Vector) -> None:
+    """Set what follows from the start: piece, mode, sizes, stepper."""
+    enter_pieces(table, w, whole)
+    initial_mode(w, whole)
+    first_sizes(w[TIME], t_end, w)
+    w[STEP] = 0.0
+    w[STRIDE] = math.inf
+    choose_stepper(next_stop(table, t_end, whole), w, whole)
 
 
 def run(
-    p: Vector,
+    w: Vector,
+    whole: Vector,
     table: Vector,
     bounds: Vector,
-    y: Vector,
     t_end: float,
     rtol: float,
     cap: float,
     limit: int,
-    real: Vector,
-    whole: Vector,
+    log: Vector,
+    events: Vector,
 ) -> tuple[Vector, Vector]:
-    """Integrate from ``real[TIME]`` to `t_end`; return the rows of steps and of events.
+    """Integrate from the time and the state in `w` to `t_end`.
 
-    `table` has a row a piece: start, then value, slope and start of each drive. `bounds` has least
-    and largest value of each drive from the start of each piece on.
+    `table` has a row a piece: start, then value, slope and start of each drive; `bounds` has least
+    and largest value of each drive from the start of each piece on. Returns the rows of steps and
+    of events, in the vectors given or in longer ones.
     """
-    work = workspace()
-    buffers = scratch()
-    log = vector(64 * ROW_COLUMNS)
-    events = vector(64 * EVENT_COLUMNS)
-    enter_pieces(table, p, real, whole)
-    initial_mode(real[TIME], y, p, whole)
-    first_sizes(real[TIME], t_end, y, p, work[3])
-    real[STEP] = 1e-3 * (next_stop(table, t_end, whole) - real[TIME])
+    begin(table, t_end, w, whole)
     while whole[STATUS] == RUNNING:
-        start = real[TIME]
-        log = grown(log, (int(whole[STEPS]) + 1) * ROW_COLUMNS)
-        events = grown(events, (int(whole[EVENTS]) + 1) * EVENT_COLUMNS)
-        if rests_for_good(start, y, p, whole, bounds, buffers[3]):
-            final_rest(y, t_end, real, whole, log, work[7])
+        if (int(whole[STEPS]) + 1) * ROW_COLUMNS > len(log):
+            log = longer(log)
+        if (int(whole[EVENTS]) + 1) * EVENT_COLUMNS > len(events):
+            events = longer(events)
+        if rests_for_good(w, whole, bounds):
+            stay(t_end, w, whole, log)
+            whole[STATUS] = AT_REST
             break
         stop = next_stop(table, t_end, whole)
-        guard = advance(y, stop, real, whole, p, rtol, cap, work, buffers)
+        guard = advance(stop, w, whole, rtol, cap)
         if whole[STATUS] == RUNNING:
-            finish_step(
-                guard, start, stop, t_end, y, real, whole, p, table, work, buffers, log, events
-            )
+            finish_step(guard, stop, t_end, w, whole, table, log, events)
         if whole[STEPS] >= limit and whole[STATUS] == RUNNING:
             whole[STATUS] = STEP_LIMIT
-    keep_start(y, real, whole, log)
+    if whole[STEPS] == 0:  # where not one step could be taken, the start is all there is
+        stay(w[TIME], w, whole, log)
     return log, events

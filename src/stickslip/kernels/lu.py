@@ -5,39 +5,39 @@ from stickslip.kernels.tier import Vector
 __all__ = ["lu_factor", "lu_solve"]
 
 
-def lu_factor(a: Vector, n: int, pivots: Vector) -> bool:
-    """Factorise the n x n matrix `a`, rows one after the other; False if it is singular."""
+def lu_factor(w: Vector, a: int, n: int, pivots: int) -> bool:
+    """Factorise the n x n matrix at `a`, rows one after the other; False if it is singular."""
     for k in range(n):
         best = k
         for i in range(k + 1, n):
-            if abs(a[i * n + k]) > abs(a[best * n + k]):
+            if abs(w[a + i * n + k]) > abs(w[a + best * n + k]):
                 best = i
-        pivots[k] = best
-        if not abs(a[best * n + k]) > 0.0:
+        w[pivots + k] = best
+        if not abs(w[a + best * n + k]) > 0.0:
             return False
         if best != k:
             for j in range(n):
-                swap = a[k * n + j]
-                a[k * n + j] = a[best * n + j]
-                a[best * n + j] = swap
+                swap = w[a + k * n + j]
+                w[a + k * n + j] = w[a + best * n + j]
+                w[a + best * n + j] = swap
         for i in range(k + 1, n):
-            a[i * n + k] /= a[k * n + k]
+            w[a + i * n + k] /= w[a + k * n + k]
             for j in range(k + 1, n):
-                a[i * n + j] -= a[i * n + k] * a[k * n + j]
+                w[a + i * n + j] -= w[a + i * n + k] * w[a + k * n + j]
     return True
 
 
-def lu_solve(a: Vector, n: int, pivots: Vector, b: Vector) -> None:
-    """Solve with a factorised matrix; the solution replaces `b`."""
+def lu_solve(w: Vector, a: int, n: int, pivots: int, b: int) -> None:
+    """Solve with a factorised matrix; the solution replaces the right-hand side at `b`."""
     for k in range(n):
-        best = int(pivots[k])
-        swap = b[k]
-        b[k] = b[best]
-        b[best] = swap
+        best = int(w[pivots + k])
+        swap = w[b + k]
+        w[b + k] = w[b + best]
+        w[b + best] = swap
     for i in range(n):
         for j in range(i):
-            b[i] -= a[i * n + j] * b[j]
+            w[b + i] -= w[a + i * n + j] * w[b + j]
     for i in range(n - 1, -1, -1):
         for j in range(i + 1, n):
-            b[i] -= a[i * n + j] * b[j]
-        b[i] /= a[i * n + i]
+            w[b + i] -= w[a + i * n + j] * w[b + j]
+        w[b + i] /= w[a + i * n + i]

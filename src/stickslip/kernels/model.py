@@ -1,7 +1,8 @@
 """Typed stand-ins for what exists only in a generated module: one mechanism with one law.
 
 Kernels import these names so that they can be linted, typed and read; the generated module drops
-the import and defines them. All functions write to `out`.
+the import and defines them. All functions read the vector of a run: parameters from its beginning,
+the state from the place `at` on. They write to the place `to` and after it.
 """
 
 from stickslip.kernels.tier import Vector
@@ -14,12 +15,15 @@ __all__ = [
     "N_GUARDS",
     "N_STATES",
     "N_SWITCHES",
+    "PARAMETER_ROOM",
     "REST_IS_FINAL",
     "SLIP",
     "contact",
     "field",
+    "guard_slopes",
     "guards",
     "jacobian",
+    "linear",
     "margins",
     "power",
     "rest",
@@ -32,38 +36,47 @@ N_GUARDS: int = 0
 N_SWITCHES: int = 0
 N_DRIVES: int = 0
 SLIP: int = 0
+PARAMETER_ROOM: int = 0
 CAN_STICK: bool = False
 HAS_BRISTLES: bool = False
 REST_IS_FINAL: bool = False
 
 
-def field(mode: int, flags: int, t: float, y: Vector, p: Vector, out: Vector) -> None:
+def field(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
     """Time derivatives of the states."""
 
 
-def jacobian(mode: int, flags: int, t: float, y: Vector, p: Vector, out: Vector) -> None:
+def jacobian(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
     """Derivatives of the field with respect to the states, row by row."""
 
 
-def time_slope(mode: int, flags: int, t: float, y: Vector, p: Vector, out: Vector) -> None:
+def time_slope(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
     """Derivatives of the field with respect to time."""
 
 
-def guards(mode: int, flags: int, t: float, y: Vector, p: Vector, out: Vector) -> None:
+def guards(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
     """Quantities that are not negative while the mode lasts, by the indices of `codes`."""
 
 
-def contact(mode: int, flags: int, t: float, y: Vector, p: Vector, out: Vector) -> None:
+def guard_slopes(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+    """Derivatives of each guard with respect to the states and then to time."""
+
+
+def linear(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+    """Whether field and guards are affine in state and time together: 1 or 0."""
+
+
+def contact(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
     """Friction force, normal force, needed friction, break-away level."""
 
 
-def power(mode: int, flags: int, t: float, y: Vector, p: Vector, out: Vector) -> None:
+def power(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
     """Power supplied, power taken by friction."""
 
 
-def margins(flags: int, t: float, y: Vector, p: Vector, out: Vector) -> None:
-    """Margins of the switches, positive where their condition holds."""
+def margins(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+    """Margins of the switches, positive where their condition holds; the same in all modes."""
 
 
-def rest(flags: int, t: float, y: Vector, p: Vector, d: Vector, out: Vector) -> None:
-    """Needed friction and break-away level of a held body for given drive values."""
+def rest(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+    """Needed friction and break-away level of a held body for the given values of the drives."""

@@ -1,17 +1,16 @@
 """Where inside a step a guard is first violated."""
 
-import math
-
 from stickslip.kernels.codes import STOP
 from stickslip.kernels.dense import interpolate
+from stickslip.kernels.itp import itp_limit, itp_point
+from stickslip.kernels.layout import FRACTION, POINT, REACHED, SAMPLED, SAMPLES, SCALE, VALUES
 from stickslip.kernels.model import HAS_BRISTLES, N_GUARDS, SLIP, guards
-from stickslip.kernels.tier import Vector, vector
+from stickslip.kernels.tier import Vector
 
-__all__ = ["NOT_ARMED", "NO_GUARD", "SAMPLES", "first_violation", "guard_values"]
+__all__ = ["NO_GUARD", "first_violation", "guard_values", "note_sizes"]
 
 NO_GUARD = -1
 NOT_ARMED = -2
-SAMPLES = 8
 QUIET = 1e-12
 """Share of the largest speed so far below which a reversal of a bristle law is left unnoticed.
 
@@ -19,72 +18,37 @@ The fields of both directions agree there to rounding, and a body that creeps to
 reverse with every rounding error.
 """
 GOLDEN = 0.6180339887498949
-TINY = 2.220446049250313e-16
+EPSILON_STEP = 2.220446049250313e-16
 
 
-def guard_values(
-    mode: int, flags: int, t: float, y: Vector, p: Vector, scale: Vector, out: Vector
-) -> None:
+def guard_values(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
     """Evaluate the guards, with the quiet zone of bristle laws."""
-    guards(mode, flags, t, y, p, out)
+    guards(mode, flags, t, w, at, to)
     if HAS_BRISTLES and mode != 0:
-        out[STOP] += QUIET * scale[SLIP]
+        w[to + STOP] += QUIET * w[SCALE + SLIP]
 
 
-def guard_at(
-    guard: int,
-    x: float,
-    mode: int,
-    flags: int,
-    t: float,
-    h: float,
-    y0: Vector,
-    dense: Vector,
-    p: Vector,
-    scale: Vector,
-    point: Vector,
-    values: Vector,
-) -> float:
+def guard_at(guard: int, x: float, mode: int, flags: int, t: float, h: float, w: Vector) -> float:
     """Return one guard at a fraction of the step."""
-    interpolate(y0, dense, x, point)
-    guard_values(mode, flags, t + x * h, point, p, scale, values)
-    return values[guard]
+    interpolate(w, x, POINT)
+    guard_values(mode, flags, t + x * h, w, POINT, VALUES)
+    return w[VALUES + guard]
 
 
 def bisect(
-    guard: int,
-    low: float,
-    high: float,
-    mode: int,
-    flags: int,
-    t: float,
-    h: float,
-    y0: Vector,
-    dense: Vector,
-    p: Vector,
-    scale: Vector,
-    point: Vector,
-    values: Vector,
+    guard: int, low: float, high: float, mode: int, flags: int, t: float, h: float, w: Vector
 ) -> float:
-    """Return the fraction just past a sign change, by the ITP method (Oliveira, Takahashi 2021)."""
-    f_low = guard_at(guard, low, mode, flags, t, h, y0, dense, p, scale, point, values)
-    f_high = guard_at(guard, high, mode, flags, t, h, y0, dense, p, scale, point, values)
-    epsilon = max(TINY, TINY * abs(t) / abs(h))
+    """Return the fraction just past a sign change."""
+    f_low = guard_at(guard, low, mode, flags, t, h, w)
+    f_high = guard_at(guard, high, mode, flags, t, h, w)
+    epsilon = max(EPSILON_STEP, EPSILON_STEP * abs(t) / abs(h))
     width = high - low
-    limit = math.ceil(math.log2(max(width / epsilon, 1.0))) + 1
+    limit = itp_limit(width, epsilon)
     for trial in range(limit + 1):
-        middle = 0.5 * (low + high)
         if high - low <= 2.0 * epsilon:
             break
-        radius = max(epsilon * 2.0 ** (limit - trial) - 0.5 * (high - low), 0.0)
-        secant = (f_high * low - f_low * high) / (f_high - f_low)
-        side = 1.0 if middle > secant else -1.0
-        push = 0.2 / width * (high - low) ** 2
-        x = middle if push > abs(middle - secant) else secant + side * push
-        if abs(x - middle) > radius:
-            x = middle - side * radius
-        x = min(max(x, low + 0.5 * epsilon), high - 0.5 * epsilon)
-        value = guard_at(guard, x, mode, flags, t, h, y0, dense, p, scale, point, values)
+        x = itp_point(limit - trial, width, epsilon, low, high, f_low, f_high)
+        value = guard_at(guard, x, mode, flags, t, h, w)
         if value < 0.0:
             high = x
             f_high = value
@@ -95,25 +59,13 @@ def bisect(
 
 
 def dip(
-    guard: int,
-    low: float,
-    high: float,
-    mode: int,
-    flags: int,
-    t: float,
-    h: float,
-    y0: Vector,
-    dense: Vector,
-    p: Vector,
-    scale: Vector,
-    point: Vector,
-    values: Vector,
+    guard: int, low: float, high: float, mode: int, flags: int, t: float, h: float, w: Vector
 ) -> float:
     """Return a fraction between where the guard is negative, or -1 if its minimum is not."""
     a = high - GOLDEN * (high - low)
     b = low + GOLDEN * (high - low)
-    f_a = guard_at(guard, a, mode, flags, t, h, y0, dense, p, scale, point, values)
-    f_b = guard_at(guard, b, mode, flags, t, h, y0, dense, p, scale, point, values)
+    f_a = guard_at(guard, a, mode, flags, t, h, w)
+    f_b = guard_at(guard, b, mode, flags, t, h, w)
     for _ in range(40):
         if f_a < 0.0:
             return a
@@ -124,101 +76,70 @@ def dip(
             b = a
             f_b = f_a
             a = high - GOLDEN * (high - low)
-            f_a = guard_at(guard, a, mode, flags, t, h, y0, dense, p, scale, point, values)
+            f_a = guard_at(guard, a, mode, flags, t, h, w)
         else:
             low = a
             a = b
             f_a = f_b
             b = low + GOLDEN * (high - low)
-            f_b = guard_at(guard, b, mode, flags, t, h, y0, dense, p, scale, point, values)
+            f_b = guard_at(guard, b, mode, flags, t, h, w)
     return -1.0
 
 
-def bracket(
-    guard: int,
-    mode: int,
-    flags: int,
-    t: float,
-    h: float,
-    y0: Vector,
-    dense: Vector,
-    p: Vector,
-    scale: Vector,
-    samples: Vector,
-    point: Vector,
-    values: Vector,
-    ends: Vector,
-) -> int:
-    """Look for a first sign change of one guard among the samples.
+def first_sign(
+    guard: int, first: float, mode: int, flags: int, t: float, h: float, w: Vector
+) -> float:
+    """Return the first point just past a fall of one guard among the samples.
 
-    Returns the guard with its bracket in `ends`, NO_GUARD, or NOT_ARMED for a guard that starts at
-    zero and never becomes positive although it ends negative.
+    That is `first` if the guard holds up to there, and -1 for a guard that starts at zero and never
+    becomes positive although it ends negative.
     """
-    armed = samples[guard] > 0.0
+    at = SAMPLED + guard
+    armed = w[at] > 0.0
     for s in range(1, SAMPLES + 1):
-        value = samples[s * N_GUARDS + guard]
-        before = samples[(s - 1) * N_GUARDS + guard]
+        low = (s - 1) / SAMPLES
+        if armed and low >= first:
+            return first
+        value = w[at + s * N_GUARDS]
+        before = w[at + (s - 1) * N_GUARDS]
         if armed and value < 0.0:
-            ends[0] = (s - 1) / SAMPLES
-            ends[1] = s / SAMPLES
-            return guard
+            return min(first, bisect(guard, low, s / SAMPLES, mode, flags, t, h, w))
         if armed and s > 1:
-            earlier = samples[(s - 2) * N_GUARDS + guard]
+            earlier = w[at + (s - 2) * N_GUARDS]
             # a minimum lies near `before`, and it is low enough to matter
             if before <= value and before < earlier and 4.0 * before < earlier + value:
                 low = (s - 2) / SAMPLES
-                x = dip(
-                    guard, low, s / SAMPLES, mode, flags, t, h, y0, dense, p, scale, point, values
-                )
+                x = dip(guard, low, s / SAMPLES, mode, flags, t, h, w)
                 if x >= 0.0:
-                    ends[0] = low
-                    ends[1] = x
-                    return guard
+                    return min(first, bisect(guard, low, x, mode, flags, t, h, w))
         armed = armed or value > 0.0
-    if not armed and samples[SAMPLES * N_GUARDS + guard] < 0.0:
-        return NOT_ARMED
-    return NO_GUARD
+    return -1.0 if not armed and w[at + SAMPLES * N_GUARDS] < 0.0 else first
 
 
-def first_violation(
-    mode: int,
-    flags: int,
-    t: float,
-    h: float,
-    y0: Vector,
-    dense: Vector,
-    p: Vector,
-    scale: Vector,
-    buffers: tuple[Vector, ...],
-) -> int:
-    """Find the first violated guard of a step.
+def first_violation(mode: int, flags: int, t: float, h: float, w: Vector) -> int:
+    """Find the first violated guard of a step, with its fraction in FRACTION.
 
-    Returns its index with the fraction in ``found[0]``. ``found[1]`` is 1 where the guard was never
-    armed, and the fraction then 0.
+    The fraction is 0 where a guard was never armed: it starts at zero and falls.
     """
-    point, found, samples, values, _ = buffers
     for s in range(SAMPLES + 1):
-        interpolate(y0, dense, s / SAMPLES, point)
-        guard_values(mode, flags, t + s / SAMPLES * h, point, p, scale, values)
-        for guard in range(N_GUARDS):
-            samples[s * N_GUARDS + guard] = values[guard]
+        interpolate(w, s / SAMPLES, POINT)
+        guard_values(mode, flags, t + s / SAMPLES * h, w, POINT, SAMPLED + s * N_GUARDS)
     best = NO_GUARD
-    found[0] = 1.0
-    found[1] = 0.0
-    ends = vector(2)
+    w[FRACTION] = 2.0
     for guard in range(N_GUARDS):
-        outcome = bracket(
-            guard, mode, flags, t, h, y0, dense, p, scale, samples, point, values, ends
-        )
-        if outcome == NOT_ARMED:
-            found[0] = 0.0
-            found[1] = 1.0
+        x = first_sign(guard, w[FRACTION], mode, flags, t, h, w)
+        if x < 0.0:
+            w[FRACTION] = 0.0
             return guard
-        if outcome >= 0 and ends[0] < found[0]:
-            x = bisect(
-                guard, ends[0], ends[1], mode, flags, t, h, y0, dense, p, scale, point, values
-            )
-            if x < found[0] or best == NO_GUARD:
-                found[0] = x
-                best = guard
+        if x < w[FRACTION]:
+            w[FRACTION] = x
+            best = guard
+    w[FRACTION] = min(w[FRACTION], 1.0)
     return best
+
+
+def note_sizes(w: Vector) -> None:
+    """Note the largest size of each guard among the samples of a step."""
+    for guard in range(N_GUARDS):
+        for s in range(SAMPLES + 1):
+            w[REACHED + guard] = max(w[REACHED + guard], abs(w[SAMPLED + s * N_GUARDS + guard]))

@@ -2,12 +2,29 @@
 
 import math
 
-from stickslip.kernels.codes import STEP_TOO_SMALL, STOP
+from stickslip.kernels.choosing import watch_stiffness
+from stickslip.kernels.codes import EXACT, STEP_TOO_SMALL, STIFF, STOP
+from stickslip.kernels.crossings import first_crossing
 from stickslip.kernels.dop853 import dop853_dense, dop853_step
-from stickslip.kernels.model import HAS_BRISTLES, N_STATES, field
+from stickslip.kernels.layout import (
+    FLAGS,
+    FRACTION,
+    LENGTH,
+    MATRIX,
+    MODE,
+    REJECTED,
+    SERIES,
+    STATUS,
+    STEP,
+    STEPPER,
+    STRIDE,
+    TIME,
+    Y,
+)
+from stickslip.kernels.model import HAS_BRISTLES, jacobian
 from stickslip.kernels.rodas5p import rodas_dense, rodas_step
-from stickslip.kernels.roots import NO_GUARD, first_violation
-from stickslip.kernels.state import FLAGS, MODE, REJECTED, STATUS, STEP, TIME
+from stickslip.kernels.roots import NO_GUARD, first_violation, note_sizes
+from stickslip.kernels.series import series_step
 from stickslip.kernels.tier import Vector
 
 __all__ = ["advance"]
@@ -18,59 +35,46 @@ BEYOND = 1.002
 """Length of the new step over the time to the event, so that the event lies at its end."""
 
 
-def attempt(
-    mode: int,
-    flags: int,
-    t: float,
-    y: Vector,
-    h: float,
-    p: Vector,
-    rtol: float,
-    work: tuple[Vector, ...],
-) -> float:
+def attempt(h: float, w: Vector, whole: Vector, rtol: float) -> float:
     """Try a step with the mode's stepper, fill its dense output if it is good enough."""
-    k, y1, slope, scale, matrix, pivots, drift, dense = work
-    if HAS_BRISTLES and mode != 0:
-        error = rodas_step(
-            mode, flags, t, y, h, p, k, y1, slope, scale, rtol, matrix, pivots, drift
-        )
+    mode = int(whole[MODE])
+    flags = int(whole[FLAGS])
+    t = w[TIME]
+    if whole[STEPPER] == EXACT:
+        return series_step(mode, flags, t, h, w, Y)
+    if whole[STEPPER] == STIFF:
+        error = rodas_step(mode, flags, t, h, w, rtol)
         if error <= 1.0:
-            rodas_dense(y, y1, k, dense)
+            rodas_dense(w)
         return error
-    field(mode, flags, t, y, p, slope)
-    for i in range(N_STATES):
-        k[i] = slope[i]
-    error = dop853_step(mode, flags, t, y, h, p, k, y1, slope, scale, rtol)
+    error = dop853_step(mode, flags, t, h, w, rtol)
     if error <= 1.0:
-        dop853_dense(mode, flags, t, y, h, p, k, y1, slope, dense)
+        dop853_dense(mode, flags, t, h, w)
+        jacobian(mode, flags, t, w, Y, MATRIX)
     return error
 
 
-def resized(h: float, error: float, mode: int) -> float:
+def resized(h: float, error: float, stepper: int) -> float:
     """Return the next step length for an error over the tolerance."""
+    if stepper == EXACT:
+        if error == 0.0:
+            return math.inf
+        return h * (0.95 * math.pow(error, -1.0 / SERIES) if error < 1e60 else 1e-3)
     if error == 0.0:
         return 10.0 * h
     if not error < 1e30:
         return 0.1 * h
-    order = 5.0 if HAS_BRISTLES and mode != 0 else 8.0
+    order = 5.0 if stepper == STIFF else 8.0
     return h * min(10.0, max(0.2, 0.9 * math.pow(error, -1.0 / order)))
 
 
 def accepted_step(
-    y: Vector,
-    stop: float,
-    real: Vector,
-    whole: Vector,
-    p: Vector,
-    rtol: float,
-    cap: float,
-    work: tuple[Vector, ...],
+    stop: float, w: Vector, whole: Vector, rtol: float, cap: float, slot: int
 ) -> float:
     """Shorten the step until it is accurate; return its length, 0 if there is none."""
-    mode = int(whole[MODE])
-    flags = int(whole[FLAGS])
-    t = real[TIME]
-    h = min(real[STEP], cap)
+    stepper = int(whole[STEPPER])
+    t = w[TIME]
+    h = min(w[slot], cap)
     while True:
         last = t + 1.01 * h >= stop
         if last:
@@ -80,61 +84,57 @@ def accepted_step(
         if not t + h > t:
             whole[STATUS] = STEP_TOO_SMALL
             return 0.0
-        error = attempt(mode, flags, t, y, h, p, rtol, work)
-        proposed = resized(h, error, mode)
+        error = attempt(h, w, whole, rtol)
+        proposed = resized(h, error, stepper)
         if error <= 1.0:
-            real[STEP] = max(proposed, real[STEP]) if last else proposed
+            w[slot] = max(proposed, w[slot]) if last else proposed
+            if stepper != STIFF:
+                watch_stiffness(h, w, whole)
             return h
         whole[REJECTED] += 1
         h = proposed
 
 
-def retry_length(guard: int, t: float, h: float, stop: float, found: Vector) -> float:
+def retry_length(guard: int, h: float, stop: float, w: Vector) -> float:
     """Return the length with which a step should be taken again, 0 if it stands."""
-    never_armed = found[1] > 0.0
-    if guard == STOP and never_armed and not HAS_BRISTLES:
+    t = w[TIME]
+    fraction = w[FRACTION]
+    if guard == STOP and fraction == 0.0 and not HAS_BRISTLES:
         return h / 8.0 if t + h / 64.0 > t and h > 1e-9 * (stop - t) else 0.0
-    if guard != NO_GUARD and 0.0 < found[0] < OVERSHOT and t + found[0] * h > t:
-        return BEYOND * found[0] * h
+    if guard != NO_GUARD and 0.0 < fraction < OVERSHOT and t + fraction * h > t:
+        return BEYOND * fraction * h
     return 0.0
 
 
-def advance(
-    y: Vector,
-    stop: float,
-    real: Vector,
-    whole: Vector,
-    p: Vector,
-    rtol: float,
-    cap: float,
-    work: tuple[Vector, ...],
-    buffers: tuple[Vector, ...],
-) -> int:
+def advance(stop: float, w: Vector, whole: Vector, rtol: float, cap: float) -> int:
     """Take one step up to the first event; return the guard that ended it, or NO_GUARD.
 
-    On return ``buffers[1]`` holds the fraction of the step that holds and its length. A body that
-    starts from rest towards a guard that would be violated at once gets shorter steps before that
-    is believed. A step that ends beyond an event is taken again up to just beyond it: the mode's
-    equations, and so the error estimate, mean little where the mode does not hold, and the dense
-    output is best where the step ends.
+    On return FRACTION and LENGTH hold the fraction of the step that holds and its length. A body
+    that starts from rest towards a guard that would be violated at once gets shorter steps before
+    that is believed. A step that ends beyond an event is taken again up to just beyond it: the
+    mode's equations, and so the error estimate, mean little where the mode does not hold, and the
+    dense output is best where the step ends. Neither concerns the series of a linear mode.
     """
-    found = buffers[1]
-    t = real[TIME]
-    before = real[STEP]
     while True:
-        h = accepted_step(y, stop, real, whole, p, rtol, cap, work)
+        exact = whole[STEPPER] == EXACT
+        slot = STRIDE if exact else STEP
+        before = w[slot]
+        h = accepted_step(stop, w, whole, rtol, cap, slot)
         if h == 0.0:
             return NO_GUARD
-        guard = first_violation(
-            int(whole[MODE]), int(whole[FLAGS]), t, h, y, work[7], p, work[3], buffers
-        )
-        shorter = retry_length(guard, t, h, stop, found)
-        if shorter > 0.0:
-            real[STEP] = shorter
-            continue
-        found[1] = h
-        if guard == NO_GUARD:
-            found[0] = 1.0
-        elif found[0] == 0.0:
-            real[STEP] = before  # the step was tried in a mode that does not hold
+        mode = int(whole[MODE])
+        flags = int(whole[FLAGS])
+        if exact:
+            guard = first_crossing(mode, flags, w[TIME], h, w)
+        else:
+            guard = first_violation(mode, flags, w[TIME], h, w)
+            shorter = retry_length(guard, h, stop, w)
+            if shorter > 0.0:
+                w[slot] = shorter
+                continue
+            if w[FRACTION] > 0.0:
+                note_sizes(w)
+        w[LENGTH] = h
+        if guard != NO_GUARD and w[FRACTION] == 0.0:
+            w[slot] = before  # the step was tried in a mode that does not hold
         return guard

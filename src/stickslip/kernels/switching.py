@@ -1,18 +1,7 @@
 """Modes and switches: what holds at a state, and what follows an event."""
 
 from stickslip.kernels.codes import BREAK_FORWARD, LIFT_OFF, LIFTED_OFF, STOP, SWITCH, ZENO
-from stickslip.kernels.model import (
-    CAN_STICK,
-    HAS_BRISTLES,
-    N_STATES,
-    N_SWITCHES,
-    SLIP,
-    contact,
-    field,
-    margins,
-    time_slope,
-)
-from stickslip.kernels.state import (
+from stickslip.kernels.layout import (
     EVENT_COLUMNS,
     EVENTS,
     FLAGS,
@@ -21,8 +10,20 @@ from stickslip.kernels.state import (
     STALLS,
     STATUS,
     TIME,
+    VALUES,
+    Y,
 )
-from stickslip.kernels.tier import Vector, vector
+from stickslip.kernels.model import (
+    CAN_STICK,
+    HAS_BRISTLES,
+    N_SWITCHES,
+    SLIP,
+    contact,
+    field,
+    margins,
+    time_slope,
+)
+from stickslip.kernels.tier import Vector
 
 __all__ = ["handle_event", "initial_mode", "mode_from_rest", "set_flags"]
 
@@ -30,46 +31,47 @@ STALL_LIMIT = 100
 """Events in a row at one instant after which the run is given up as Zeno."""
 
 
-def set_flags(t: float, y: Vector, p: Vector, flags: int, values: Vector) -> int:
+def set_flags(t: float, w: Vector, at: int, flags: int) -> int:
     """Return the flags that the margins of the switches ask for, nested ones included."""
     for _ in range(N_SWITCHES):
-        margins(flags, t, y, p, values)
+        margins(0, flags, t, w, at, VALUES)
         flags = 0
         for j in range(N_SWITCHES):
-            if values[j] > 0.0:
+            if w[VALUES + j] > 0.0:
                 flags |= 1 << j
     return flags
 
 
-def mode_from_rest(t: float, flags: int, y: Vector, p: Vector, values: Vector) -> int:
+def mode_from_rest(flags: int, w: Vector) -> int:
     """Return the mode of a body whose slip velocity is zero."""
+    t = w[TIME]
     if CAN_STICK:
-        contact(0, flags, t, y, p, values)
-        if abs(values[2]) <= values[3]:
+        contact(0, flags, t, w, Y, VALUES)
+        if abs(w[VALUES + 2]) <= w[VALUES + 3]:
             return 0
         if not HAS_BRISTLES:
-            return 1 if values[2] > 0.0 else -1
-    field(1, flags, t, y, p, values)
-    if values[SLIP] == 0.0:  # where a load begins to grow, its rate tells
-        time_slope(1, flags, t, y, p, values)
-    return -1 if values[SLIP] < 0.0 else 1
+            return 1 if w[VALUES + 2] > 0.0 else -1
+    field(1, flags, t, w, Y, VALUES)
+    if w[VALUES + SLIP] == 0.0:  # where a load begins to grow, its rate tells
+        time_slope(1, flags, t, w, Y, VALUES)
+    return -1 if w[VALUES + SLIP] < 0.0 else 1
 
 
-def initial_mode(t: float, y: Vector, p: Vector, whole: Vector) -> None:
+def initial_mode(w: Vector, whole: Vector) -> None:
     """Set mode and flags for a state."""
-    values = vector(N_STATES + N_SWITCHES + 4)
-    flags = set_flags(t, y, p, 0, values)
+    flags = set_flags(w[TIME], w, Y, 0)
     whole[FLAGS] = flags
-    if y[SLIP] > 0.0:
+    if w[Y + SLIP] > 0.0:
         whole[MODE] = 1
-    elif y[SLIP] < 0.0:
+    elif w[Y + SLIP] < 0.0:
         whole[MODE] = -1
     else:
-        whole[MODE] = mode_from_rest(t, flags, y, p, values)
+        whole[MODE] = mode_from_rest(flags, w)
 
 
-def transition(guard: int, t: float, y: Vector, p: Vector, whole: Vector, values: Vector) -> float:
+def transition(guard: int, w: Vector, whole: Vector) -> float:
     """Change mode or flags for a violated guard; return the margin of the decision."""
+    t = w[TIME]
     mode = int(whole[MODE])
     flags = int(whole[FLAGS])
     if guard >= SWITCH:
@@ -81,34 +83,25 @@ def transition(guard: int, t: float, y: Vector, p: Vector, whole: Vector, values
     if guard == STOP and HAS_BRISTLES and not CAN_STICK:
         whole[MODE] = -mode
     elif guard == STOP:
-        y[SLIP] = 0.0
-        whole[MODE] = mode_from_rest(t, flags, y, p, values)
+        w[Y + SLIP] = 0.0
+        whole[MODE] = mode_from_rest(flags, w)
     elif HAS_BRISTLES:
-        field(1, flags, t, y, p, values)
-        whole[MODE] = -1 if values[SLIP] < 0.0 else 1
+        field(1, flags, t, w, Y, VALUES)
+        whole[MODE] = -1 if w[VALUES + SLIP] < 0.0 else 1
     else:
         whole[MODE] = 1 if guard == BREAK_FORWARD else -1
-    whole[FLAGS] = set_flags(t, y, p, flags, values)
+    whole[FLAGS] = set_flags(t, w, Y, flags)
     if guard == STOP and CAN_STICK:
-        contact(0, int(whole[FLAGS]), t, y, p, values)
-        return values[3] - abs(values[2])
+        contact(0, int(whole[FLAGS]), t, w, Y, VALUES)
+        return w[VALUES + 3] - abs(w[VALUES + 2])
     return 0.0
 
 
-def handle_event(
-    guard: int,
-    start: float,
-    y: Vector,
-    real: Vector,
-    whole: Vector,
-    p: Vector,
-    values: Vector,
-    events: Vector,
-) -> None:
+def handle_event(guard: int, start: float, w: Vector, whole: Vector, events: Vector) -> None:
     """Make the transition of a guard and write it to the rows of events."""
-    t = real[TIME]
+    t = w[TIME]
     mode = whole[MODE]
-    margin = transition(guard, t, y, p, whole, values)
+    margin = transition(guard, w, whole)
     at = int(whole[EVENTS]) * EVENT_COLUMNS
     events[at] = t
     events[at + 1] = mode

@@ -1,10 +1,10 @@
 """The certificate of a run: evidence that does not come from error control."""
 
 from collections.abc import Sequence
-from types import ModuleType
 
 import numpy as np
 
+from stickslip.solver.equations import Equations
 from stickslip.solver.playback import Playback
 from stickslip.trajectory import Certificate
 
@@ -18,17 +18,14 @@ RESIDUAL_LIMIT = 1e-6
 
 
 def certify(
-    playback: Playback,
-    module: ModuleType,
-    real: Sequence[float],
-    whole: Sequence[int],
-    tolerance: float,
+    playback: Playback, w: Sequence[float], whole: Sequence[int], tolerance: float
 ) -> Certificate:
     """Check energy, guards, events and stick of a finished run."""
-    books = _books(playback, module, real)
+    module = playback.module
+    books = _books(playback, w)
     energy_error = books["energy_error"]
-    violation, residual = real[module.VIOLATION], real[module.RESIDUAL]
-    drift = _stick_drift(playback, module)
+    violation, residual = float(w[module.VIOLATION]), float(w[module.RESIDUAL])
+    drift = _stick_drift(playback)
     energy_limit = max(ENERGY_LIMIT, 1e3 * tolerance)
     problems = []
     if not energy_error <= energy_limit:
@@ -50,10 +47,10 @@ def certify(
     )
 
 
-def _books(playback: Playback, module: ModuleType, real: Sequence[float]) -> dict[str, float]:
+def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     """Return energies and works, and their mismatch over the largest of them."""
-    start, end = (_energy(playback, module, at) for at in (0, -1))
-    supplied, taken = real[module.SUPPLIED], real[module.TAKEN]
+    start, end = (_energy(playback, at) for at in (0, -1))
+    supplied, taken = float(w[playback.module.SUPPLIED]), float(w[playback.module.TAKEN])
     size = max(abs(start), abs(end), abs(supplied), abs(taken))
     mismatch = abs(end - start - supplied + taken)
     return {
@@ -65,22 +62,22 @@ def _books(playback: Playback, module: ModuleType, real: Sequence[float]) -> dic
     }
 
 
-def _energy(playback: Playback, module: ModuleType, at: int) -> float:
+def _energy(playback: Playback, at: int) -> float:
     """Return the energy at the start of the first row or the end of the last."""
     row = playback.rows[at]
-    t = row[0] if at == 0 else row[1]
-    index = np.array([at % len(playback.rows)])
-    state = playback.states(np.array([t]), index)[0].tolist()
-    out = [0.0]
-    module.energy(int(row[4]), float(t), state, playback.parameters(int(row[5])), out)
-    return out[0]
+    t = playback.span()[at]
+    states, _, _ = playback.played(np.array([t]))
+    equations = Equations(playback.model, playback.inputs)
+    equations.load(int(row[5]))
+    (energy,) = equations("energy", 0, int(row[4]), t, states[0].tolist())
+    return float(energy)
 
 
-def _stick_drift(playback: Playback, module: ModuleType) -> float:
+def _stick_drift(playback: Playback) -> float:
     """Return the largest change of the slip coordinate within a row of sticking."""
-    rows = playback.rows
-    stuck = rows[rows[:, 3] == 0]
+    rows, module = playback.rows, playback.module
+    end, _, _ = playback.played(rows[-1:, 1])
     coordinate = module.SLIP - module.N_COORDINATES
-    n = module.N_STATES
-    places = [module.DENSE_AT + term * n + coordinate for term in range(module.TERMS)]
-    return float(np.abs(stuck[:, places]).max()) if len(stuck) else 0.0
+    places = np.append(rows[:, module.ROW_DENSE + 1 + coordinate], end[0, coordinate])
+    moved = np.abs(np.diff(places))[rows[:, 3] == 0]
+    return float(moved.max(initial=0.0))

@@ -1,6 +1,5 @@
 """A mechanism and its friction as blocks of a diagram, evaluated literally."""
 
-import bisect
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
@@ -9,8 +8,8 @@ from typing import Self
 from stickslip.formulation import formulate
 from stickslip.friction import BristleLaw, Coulomb, FrictionLaw, PrintedForm, SetValuedLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.solver.modules import load
-from stickslip.solver.tables import Inputs, gather
+from stickslip.solver.equations import Equations
+from stickslip.solver.tables import gather
 
 __all__ = ["Diagram"]
 
@@ -19,8 +18,7 @@ __all__ = ["Diagram"]
 class Diagram:
     """Evaluates forces and rates at a time and a state, as often as asked and nothing else."""
 
-    module: ModuleType
-    inputs: Inputs
+    equations: Equations
     law: FrictionLaw | PrintedForm
     bristles: tuple[str, ...]
     slip: int
@@ -31,29 +29,20 @@ class Diagram:
         """Take the mechanism's own equations; any law serves to formulate them."""
         stand_in = Coulomb(kinetic_coefficient=0.0)
         model = formulate(mechanism, stand_in)
-        module = load(model)
+        equations = Equations(model, gather(mechanism, stand_in, model))
         bristles = () if isinstance(law, SetValuedLaw) else _bristles(law)
-        return cls(module, gather(mechanism, stand_in, model), law, bristles, module.SLIP)
+        return cls(equations, law, bristles, equations.module.SLIP)
 
-    def _loaded(self, t: float) -> list[float]:
-        """Return the parameters with the drives' piece at a time."""
-        p, table = self.inputs.p, self.inputs.table
-        width = 1 + 3 * self.module.N_DRIVES
-        row = bisect.bisect_right(range(len(table) // width), t, key=lambda i: table[i * width]) - 1
-        self.module.load_piece(table, max(row, 0), p)
-        return p
+    @property
+    def module(self) -> ModuleType:
+        """The module of the mechanism's own equations."""
+        return self.equations.module
 
     def _free(self, t: float, y: Sequence[float], friction: float) -> list[float]:
         """Return accelerations, normal force and needed friction for a friction force."""
-        p = self._loaded(t)
-        flags = self._flags(t, y, p)
-        out = [0.0] * (self.module.N_COORDINATES + 2)
-        self.module.diagram(flags, t, y, p, [friction], out)
-        return out
-
-    def _flags(self, t: float, y: Sequence[float], p: list[float]) -> int:
-        room = [0.0] * (self.module.N_SWITCHES + 1)
-        return int(self.module.set_flags(t, y, p, 0, room))
+        self.equations.load_at(t)
+        flags = self.equations.flags(t, y)
+        return self.equations("diagram", 0, flags, t, y, given=[friction])
 
     def _split(self, y: Sequence[float]) -> tuple[float, tuple[float, ...]]:
         return y[self.slip], tuple(y[self.module.N_STATES :][: len(self.bristles)])
@@ -102,18 +91,16 @@ class Diagram:
 
     def energy(self, t: float, y: Sequence[float]) -> float:
         """Return the mechanical energy [J]."""
-        p = self._loaded(t)
-        out = [0.0]
-        self.module.energy(self._flags(t, y, p), t, y, p, out)
-        return out[0]
+        self.equations.load_at(t)
+        (energy,) = self.equations("energy", 0, self.equations.flags(t, y), t, y)
+        return float(energy)
 
     def power(self, t: float, row: Sequence[float]) -> tuple[float, float]:
         """Return the power supplied and that taken by friction [W], for a state and its forces."""
-        p = self._loaded(t)
-        out = [0.0] * 2
-        self.module.power(1, self._flags(t, row, p), t, row, p, out)
+        self.equations.load_at(t)
+        supplied, _ = self.equations("power", 1, self.equations.flags(t, row), t, row)
         friction = row[-3]
-        return out[0], friction * row[self.slip]
+        return supplied, friction * row[self.slip]
 
 
 def _bristles(law: FrictionLaw | PrintedForm) -> tuple[str, ...]:

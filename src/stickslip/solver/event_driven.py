@@ -114,8 +114,8 @@ def _trajectory(
     tolerance: float,
 ) -> Trajectory:
     """Wrap what the kernels recorded."""
-    module, whole = record.module, record.whole
-    playback = Playback.from_log(model, module, inputs, record.log, whole[module.STEPS])
+    module, whole = record.runner.module, record.whole
+    playback = Playback.from_log(model, record.runner, inputs, record.log, whole[module.STEPS])
     bristles = law.bristles if isinstance(law, BristleLaw) else ()
     return Trajectory(
         t=playback.times(),
@@ -123,7 +123,7 @@ def _trajectory(
         units=column_units(mechanism, bristles),
         events=_events(mechanism, model, record.events, whole[module.EVENTS]),
         status=STATUS[whole[module.STATUS]],
-        certificate=certify(playback, module, record.real, whole, tolerance),
+        certificate=certify(playback, record.w, whole, tolerance),
         span=playback.span(),
         evaluate=playback,
     )

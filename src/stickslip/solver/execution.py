@@ -3,21 +3,21 @@
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
-from types import ModuleType
-from typing import Any, Literal, TypeAlias
-
-import numpy as np
+from typing import Literal, TypeAlias
 
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.solver.modules import is_loaded, load
+from stickslip.solver.modules import is_loaded
+from stickslip.solver.runner import Runner, runner_of
 from stickslip.solver.tables import Inputs, gather
 
 __all__ = ["Record", "Tier", "execute", "prepare"]
 
 Tier: TypeAlias = Literal["auto", "python", "compiled"]
 
+FIRST_ROWS = 64
+"""Rows of steps and of events that a run begins with room for."""
 LOG = logging.getLogger("stickslip")
 
 
@@ -25,11 +25,12 @@ LOG = logging.getLogger("stickslip")
 class Record:
     """What the kernels wrote down of a run."""
 
-    module: ModuleType
-    """The plain module, for what is asked of the run later."""
+    runner: Runner
+    """What ran it, for what is asked of the run later."""
     log: Sequence[float]
     events: Sequence[float]
-    real: Sequence[float]
+    w: Sequence[float]
+    """The vector of the run at its end."""
     whole: Sequence[int]
 
 
@@ -44,24 +45,25 @@ def execute(
     tier: Tier,
 ) -> Record:
     """Run a model from time 0 to `t_end`."""
-    module = load(model)
-    compiled = tier == "compiled" or (tier == "auto" and is_loaded(model, compiled=True))
-    runner = load(model, compiled=True) if compiled else module
-    vector: Any = np.array if compiled else list
-    real, whole = vector([0.0] * 6), vector([0] * 8)
-    log, events = runner.run(
-        vector([float(number) for number in inputs.p]),
+    runner = runner_of(model, compiled=tier == "compiled" or (tier == "auto" and is_loaded(model)))
+    module, vector = runner.module, runner.vector
+    w, whole = runner.working(inputs), runner.whole()
+    for i, value in enumerate(y0, module.Y):
+        w[i] = float(value)
+    whole[module.BOOKS] = 1
+    log, events = module.enter_run(
+        w,
+        whole,
         vector(inputs.table),
-        vector(inputs.bounds) if inputs.bounds else vector([0.0]),
-        vector([float(number) for number in y0]),
+        vector(inputs.bounds or [0.0]),
         t_end,
         tolerance,
         inputs.time_scale / 6.0,
         limit,
-        real,
-        whole,
+        runner.zeros(FIRST_ROWS * module.ROW_COLUMNS),
+        runner.zeros(FIRST_ROWS * module.EVENT_COLUMNS),
     )
-    return Record(module, log, events, [float(x) for x in real], [int(x) for x in whole])
+    return Record(runner, log, events, w, [int(x) for x in whole])
 
 
 def prepare(mechanism: Mechanism, law: FrictionLaw) -> None:
@@ -71,7 +73,7 @@ def prepare(mechanism: Mechanism, law: FrictionLaw) -> None:
     parameters.
     """
     model = formulate(mechanism, law)
-    if is_loaded(model, compiled=True):
+    if is_loaded(model):
         return
     LOG.info("compiling the equations once; later processes load them")
     execute(

@@ -14,15 +14,16 @@ import shutil
 import sys
 import tempfile
 import warnings
+from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
 import platformdirs
 
 from stickslip.formulation import Model
-from stickslip.solver.texts import module_text
+from stickslip.solver.texts import equations_text, kernels_text, module_text
 
-__all__ = ["cache_directory", "is_loaded", "load", "module_text"]
+__all__ = ["Compiled", "cache_directory", "is_loaded", "load", "load_compiled"]
 
 
 def cache_directory() -> Path:
@@ -31,28 +32,44 @@ def cache_directory() -> Path:
     return Path(named) if named else Path(platformdirs.user_cache_dir("stickslip")) / "modules"
 
 
+@dataclass(frozen=True)
+class Compiled:
+    """The compiled tier of a model."""
+
+    kernels: ModuleType
+    """The kernels of its shape."""
+    address: int
+    """Where its equations are in memory."""
+
+
 @functools.lru_cache(maxsize=256)
-def load(model: Model, *, compiled: bool = False) -> ModuleType:
-    """Return the module of a model, from memory, from its file, or new.
+def load(model: Model) -> ModuleType:
+    """Return the plain module of a model, from memory, from its file, or new."""
+    return _module(module_text(model))
 
-    Parameters
-    ----------
-    model : Model
-        What `stickslip.formulation.formulate` gave.
-    compiled : bool
-        Take the tier that numba compiles. The machine code lies beside the file, so only the first
-        process that runs a model waits for it.
+
+@functools.lru_cache(maxsize=256)
+def load_compiled(model: Model) -> Compiled:
+    """Return the compiled tier of a model; machine code lies beside the files of its modules.
+
+    Only the first process that runs a model waits for its equations, and only the first that runs
+    any of its shape for the kernels.
     """
-    text = module_text(model, compiled=compiled)
+    equations = _module(equations_text(model), compiled=True)
+    kernels = _module(kernels_text(model.shape), compiled=True)
+    return Compiled(kernels, int(equations.equations.address))
+
+
+def is_loaded(model: Model) -> bool:
+    """Whether this process has the compiled tier of a model already."""
+    texts = equations_text(model), kernels_text(model.shape)
+    return all(_name(text) in sys.modules for text in texts)
+
+
+def _module(text: str, *, compiled: bool = False) -> ModuleType:
+    """Return the module of a text, from memory, from its file, or new."""
     name = _name(text)
-    if name not in sys.modules:
-        sys.modules[name] = _from_file(name, text, compiled=compiled)
-    return sys.modules[name]
-
-
-def is_loaded(model: Model, *, compiled: bool = False) -> bool:
-    """Whether this process has the module of a model already."""
-    return _name(module_text(model, compiled=compiled)) in sys.modules
+    return sys.modules[name] if name in sys.modules else _from_file(name, text, compiled=compiled)
 
 
 @functools.lru_cache(maxsize=256)
@@ -91,7 +108,12 @@ def _executed(name: str, path: Path) -> ModuleType:
     if spec is None or spec.loader is None:
         raise OSError(f"cannot load {path}")
     module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    sys.modules[name] = module  # before it runs: what is compiled then must find it by its name
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
     return module
 
 

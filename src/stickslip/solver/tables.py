@@ -19,7 +19,9 @@ class Inputs:
     """The vectors that kernels take, as lists."""
 
     p: list[float]
-    """Parameters, then value, slope and start of the present piece of each drive."""
+    """Parameters."""
+    first: int
+    """Place of the first parameter in the vector of a run."""
     table: list[float]
     """A row a piece: start, then value, slope and start of each drive."""
     bounds: list[float]
@@ -42,9 +44,9 @@ def gather(mechanism: Mechanism, law: FrictionLaw, model: Model) -> Inputs:
     table = [
         number for start, row in zip(starts, rows, strict=True) for number in (start, *sum(row, ()))
     ]
-    p = [values[path] for path in model.parameter_paths]
     return Inputs(
-        p=p + [0.0] * (3 * len(drives)),
+        p=[float(values[path]) for path in model.parameter_paths],
+        first=model.first_parameter,
         table=table,
         bounds=_bounds(drives, starts, rows),
         time_scale=min((drive.time_scale() for drive in drives), default=math.inf),

@@ -1,0 +1,79 @@
+"""Which modes are linear with constant coefficients, and so have solutions in closed form."""
+
+from collections.abc import Mapping, Sequence
+
+import symengine as se
+
+from stickslip.formulation.trace import has_switch
+
+__all__ = ["linear_where"]
+
+MOST_SWITCHES = 4
+"""A mode that depends on more switches than this is not examined."""
+LONGEST = 2000
+"""Characters of an expression beyond which it is not expanded to look for cancellations."""
+
+
+def linear_where(
+    expressions: Sequence[se.Expr], variables: Sequence[se.Symbol], switches: Sequence[se.Symbol]
+) -> se.Expr:
+    """Return 1 where all expressions are affine in the variables together, else 0.
+
+    Parameters
+    ----------
+    expressions : sequence of Expr
+        Rates and guards of a mode.
+    variables : sequence of Symbol
+        States and time.
+    switches : sequence of Symbol
+        Symbols of the switches; the answer is a choice between numbers where it depends on them.
+    """
+    names = {str(s) for e in expressions for s in e.free_symbols}
+    used = [switch for switch in switches if str(switch) in names]
+    if len(used) > MOST_SWITCHES:
+        return se.Integer(0)
+    return _decide(list(expressions), list(variables), used, {})
+
+
+def _decide(
+    expressions: list[se.Expr],
+    variables: list[se.Symbol],
+    pending: list[se.Symbol],
+    fixed: Mapping[str, bool],
+) -> se.Expr:
+    if not pending:
+        affine = all(_affine(_chosen(e, fixed), variables) for e in expressions)
+        return se.Integer(int(affine))
+    first, *others = pending
+    yes, no = (
+        _decide(expressions, variables, others, {**fixed, str(first): value})
+        for value in (True, False)
+    )
+    return yes if yes == no else se.Piecewise((yes, first > 0), (no, True))
+
+
+def _chosen(e: se.Expr, fixed: Mapping[str, bool]) -> se.Expr:
+    """Return an expression with the branches that hold for given switches."""
+    if not e.args or not has_switch(e):
+        return e
+    if isinstance(e, se.Piecewise):
+        yes, condition, no, _ = e.args
+        name = str(condition.args[1])
+        if name in fixed:
+            return _chosen(yes if fixed[name] else no, fixed)
+        return e
+    return e.func(*[_chosen(part, fixed) for part in e.args])
+
+
+def _affine(e: se.Expr, variables: list[se.Symbol]) -> bool:
+    """Whether no slope of the expression depends on a variable."""
+    names = {str(variable) for variable in variables}
+    return all(_free_of(e.diff(variable), names) for variable in variables)
+
+
+def _free_of(e: se.Expr, names: set[str]) -> bool:
+    if not names & {str(s) for s in e.free_symbols}:
+        return True
+    if len(str(e)) > LONGEST:
+        return False
+    return not names & {str(s) for s in se.expand(e).free_symbols}

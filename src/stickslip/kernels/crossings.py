@@ -1,0 +1,51 @@
+"""Where a step of a linear mode first violates a guard: guards are polynomials there."""
+
+from stickslip.kernels.layout import DENSE, FRACTION, POLYNOMIAL, REACHED, SLOPES, VALUES, Y
+from stickslip.kernels.model import N_GUARDS, N_STATES, guard_slopes, guards
+from stickslip.kernels.polynomials import FALLS_AT_ONCE, first_fall
+from stickslip.kernels.roots import NO_GUARD
+from stickslip.kernels.tier import Vector
+
+__all__ = ["first_crossing"]
+
+
+def guard_polynomial(guard: int, h: float, w: Vector) -> int:
+    """Write the coefficients of one guard in the fraction of the step; return the degree."""
+    n = N_STATES
+    row = SLOPES + guard * (n + 1)
+    w[POLYNOMIAL] = w[VALUES + guard]
+    last = w[VALUES + guard]
+    degree = 0
+    for k in range(1, int(w[DENSE]) + 1):
+        total = h * w[row + n] if k == 1 else 0.0
+        for i in range(n):
+            total += w[row + i] * w[DENSE + 1 + k * n + i]
+        w[POLYNOMIAL + k] = total
+        last += total
+        if total != 0.0:
+            degree = k
+    w[REACHED + guard] = max(w[REACHED + guard], abs(w[VALUES + guard]), abs(last))
+    return degree
+
+
+def first_crossing(mode: int, flags: int, t: float, h: float, w: Vector) -> int:
+    """Find the first violated guard of a step, with its fraction in FRACTION.
+
+    The fraction is 0 where a guard that starts at zero falls below it at once.
+    """
+    guards(mode, flags, t, w, Y, VALUES)
+    guard_slopes(mode, flags, t, w, Y, SLOPES)
+    best = NO_GUARD
+    w[FRACTION] = 1.0
+    for guard in range(N_GUARDS):
+        degree = guard_polynomial(guard, h, w)
+        if degree == 0 and w[POLYNOMIAL] >= 0.0:
+            continue
+        x = first_fall(w, degree)
+        if x == FALLS_AT_ONCE:
+            w[FRACTION] = 0.0
+            return guard
+        if x < w[FRACTION] or (x == 1.0 and best == NO_GUARD):
+            w[FRACTION] = x
+            best = guard
+    return best

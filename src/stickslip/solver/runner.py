@@ -1,0 +1,54 @@
+"""The kernels of a tier, and the vectors they take."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from stickslip.formulation import Model
+from stickslip.solver.modules import load, load_compiled
+from stickslip.solver.tables import Inputs
+
+__all__ = ["Runner", "runner_of"]
+
+
+@dataclass(frozen=True)
+class Runner:
+    """Calls the kernels of one tier for one model."""
+
+    module: ModuleType
+    address: int
+    """Where the compiled equations are; 0 in the plain tier, whose module holds them."""
+
+    def vector(self, numbers: Iterable[float]) -> Any:
+        """Return numbers as the tier takes them: a list, or an array."""
+        values = [float(number) for number in numbers]
+        return np.array(values) if self.address else values
+
+    def zeros(self, size: int) -> Any:
+        """Return a vector of zeros."""
+        return np.zeros(size) if self.address else [0.0] * size
+
+    def whole(self) -> Any:
+        """Return the whole-numbered state of a run that begins."""
+        size = self.module.WHOLES
+        return np.zeros(size, dtype=np.int64) if self.address else [0] * size
+
+    def working(self, inputs: Inputs) -> Any:
+        """Return the vector of a run, with the parameters in it."""
+        w = self.zeros(self.module.SIZE)
+        for i, number in enumerate(inputs.p, inputs.first):
+            w[i] = number
+        if self.address:
+            w[self.module.ADDRESS :].view(np.int64)[0] = self.address
+        return w
+
+
+def runner_of(model: Model, *, compiled: bool) -> Runner:
+    """Return the runner of a tier; the compiled one compiles what is not there yet."""
+    if not compiled:
+        return Runner(load(model), 0)
+    machine = load_compiled(model)
+    return Runner(machine.kernels, machine.address)
