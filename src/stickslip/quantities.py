@@ -10,12 +10,21 @@ import math
 import numbers
 import types
 import typing
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from typing import Any, TypeVar
 
 from stickslip.errors import ParameterError, UnknownNameError
 
-__all__ = ["Parametrised", "Quantity", "fields_of", "named", "parameters", "shadow", "vary"]
+__all__ = [
+    "Parametrised",
+    "Quantity",
+    "fields_of",
+    "named",
+    "parameters",
+    "shadow",
+    "structure",
+    "vary",
+]
 
 T = TypeVar("T", bound="Parametrised")
 
@@ -199,6 +208,36 @@ def shadow(root: T, prefix: str, symbol: Callable[[str], Any]) -> T:
             )
         object.__setattr__(twin, field.name, value)
     return twin
+
+
+def structure(root: Parametrised) -> tuple[Hashable, ...]:
+    """Return what shapes the equations of an object: its class, and all but its parameters.
+
+    Two objects of the same structure differ in numbers only.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> one, other = (Coulomb(kinetic_coefficient=mu) for mu in (0.2, 0.3))
+    >>> structure(one) == structure(other)
+    True
+    """
+    quantities = fields_of(type(root))
+    parts: list[Any] = [type(root)]
+    for field in dataclasses.fields(root):
+        value = getattr(root, field.name)
+        if field.name in quantities and quantities[field.name].stands_in_equations(value):
+            continue
+        parts.append((field.name, _structure_of(value)))
+    return tuple(parts)
+
+
+def _structure_of(value: Any) -> Any:
+    if isinstance(value, Parametrised):
+        return structure(value)
+    if isinstance(value, tuple):
+        return tuple(map(_structure_of, value))
+    return value
 
 
 def vary(root: T, prefix: str, changes: Mapping[str, float | None]) -> T:

@@ -1,7 +1,8 @@
 """A law and a mechanism joined: the text of their equations, and what its numbers mean."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 
 import symengine as se
@@ -14,7 +15,7 @@ from stickslip.formulation.trace import Switch, Switchboard, Traced, expression
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.kernels.codes import SWITCH
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import parameters, shadow
+from stickslip.quantities import parameters, shadow, structure
 
 __all__ = ["Model", "formulate"]
 
@@ -67,8 +68,15 @@ class _Symbols:
         return [*self.coordinates, *self.rates, *self.bristles]
 
 
+_MODELS: OrderedDict[Hashable, Model] = OrderedDict()
+"""Models by the structure of their mechanism and law, those last asked for at the end."""
+MOST_MODELS = 256
+
+
 def formulate(mechanism: Mechanism, law: FrictionLaw) -> Model:
     """Trace a law and a mechanism and derive what the solver needs.
+
+    Equations of the same structure are traced once in a process.
 
     Examples
     --------
@@ -77,6 +85,22 @@ def formulate(mechanism: Mechanism, law: FrictionLaw) -> Model:
     >>> model.states
     ('x', 'v')
     """
+    key = structure(mechanism), structure(law)
+    try:
+        if key in _MODELS:
+            _MODELS.move_to_end(key)
+            return _MODELS[key]
+    except TypeError:  # a field of the user's that cannot be looked up
+        return _formulated(mechanism, law)
+    model = _formulated(mechanism, law)
+    _MODELS[key] = model
+    while len(_MODELS) > MOST_MODELS:
+        _MODELS.popitem(last=False)
+    return model
+
+
+def _formulated(mechanism: Mechanism, law: FrictionLaw) -> Model:
+    """Trace and derive."""
     board = Switchboard()
     # value, slope and start of each drive come first, then what may be given in their place
     first = 4 * len(mechanism.drives()) + 1
@@ -217,11 +241,11 @@ def _diagram(
 
 
 def _rest(symbols: _Symbols, modes: Mapping[Mode, ModeEquations]) -> list[se.Expr]:
-    """Return needed friction and break-away level at rest for given drive values."""
+    """Return needed friction, break-away level and normal force for given drive values."""
     if Mode.STICK not in modes:
-        return [se.Integer(0), se.Integer(0)]
-    _, _, needed, level = modes[Mode.STICK].contact
-    return [e.subs(symbols.given) for e in (needed, level)]
+        return [se.Integer(0)] * 3
+    _, normal, needed, level = modes[Mode.STICK].contact
+    return [e.subs(symbols.given) for e in (needed, level, normal)]
 
 
 def _rest_is_final(symbols: _Symbols, modes: Mapping[Mode, ModeEquations]) -> bool:

@@ -6,6 +6,7 @@ from stickslip.kernels.layout import (
     DENSE,
     FLAGS,
     FRACTION,
+    GROSS,
     LENGTH,
     MODE,
     PIECE,
@@ -61,8 +62,10 @@ def add_work(w: Vector, whole: Vector) -> None:
         x = share * NODES[node]
         interpolate(w, x, POINT)
         power(int(whole[MODE]), int(whole[FLAGS]), w[TIME] + x * h, w, POINT, VALUES)
-        w[SUPPLIED] += share * h * WEIGHTS[node] * w[VALUES]
-        w[TAKEN] += share * h * WEIGHTS[node] * w[VALUES + 1]
+        weight = share * h * WEIGHTS[node]
+        w[SUPPLIED] += weight * w[VALUES]
+        w[TAKEN] += weight * w[VALUES + 1]
+        w[GROSS] += weight * (abs(w[VALUES]) + abs(w[VALUES + 1]))
 
 
 def record(log: Vector, end: float, w: Vector, whole: Vector) -> None:

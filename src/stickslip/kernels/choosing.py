@@ -1,8 +1,21 @@
 """Which stepper a mode takes: its exact series, DOP853, or Rodas5P where it is stiff."""
 
 from stickslip.kernels.codes import EXACT, SMOOTH, STIFF
-from stickslip.kernels.layout import FLAGS, MATRIX, MODE, SLOW, STEP, STEPPER, TIME, VALUES, Y1, Y
-from stickslip.kernels.model import HAS_BRISTLES, N_STATES, linear
+from stickslip.kernels.layout import (
+    FLAGS,
+    MATRIX,
+    MODE,
+    SCALE,
+    SLOW,
+    STEP,
+    STEPPER,
+    TIME,
+    VALUES,
+    Y1,
+    Y,
+)
+from stickslip.kernels.model import HAS_BRISTLES, N_STATES, SLIP, linear
+from stickslip.kernels.rodas5p import rodas_step
 from stickslip.kernels.sizes import size_of
 from stickslip.kernels.tier import Vector
 
@@ -10,6 +23,12 @@ __all__ = ["choose_stepper", "watch_stiffness"]
 
 FIRST_SHARE = 1e-3
 """First step of a run over the time to its first stop, before errors tell."""
+PROBE = 1e-3
+"""Stretch of time, over that to the next stop, that tells the sizes of states at rest."""
+PROBES = 8
+"""Stretches that are tried, each shorter by the same factor."""
+PROBED = 1e-9
+"""Size of a state over its change in that stretch."""
 SLOW_CHANGE = 0.01
 """Change of every state in a step, over its size, that is slow."""
 SLOW_STEPS = 15
@@ -25,8 +44,31 @@ def choose_stepper(stop: float, w: Vector, whole: Vector) -> None:
     else:
         linear(mode, int(whole[FLAGS]), w[TIME], w, Y, VALUES)
         whole[STEPPER] = EXACT if w[VALUES] > 0.0 else SMOOTH
-    if w[STEP] == 0.0 and whole[STEPPER] != EXACT:
-        w[STEP] = FIRST_SHARE * (stop - w[TIME])
+    if whole[STEPPER] != EXACT:
+        probe_sizes(stop, w, whole)
+        if w[STEP] == 0.0:
+            w[STEP] = FIRST_SHARE * (stop - w[TIME])
+
+
+def probe_sizes(stop: float, w: Vector, whole: Vector) -> None:
+    """Give a size to states that have none yet: a small part of what a first stretch brings.
+
+    What is at rest begins as a power of time, which no relative error control gets started.
+    """
+    mode = int(whole[MODE])
+    missing = False
+    for i in range(N_STATES):
+        missing = missing or w[SCALE + i] == 0.0
+    h = PROBE * (stop - w[TIME])
+    for _ in range(PROBES):
+        if not missing or not w[TIME] + h > w[TIME]:
+            return
+        error = rodas_step(mode, int(whole[FLAGS]), w[TIME], h, w, 1.0)
+        if error <= 1.0 and w[Y1 + SLIP] * mode >= 0.0:
+            for i in range(N_STATES):
+                w[SCALE + i] = max(w[SCALE + i], PROBED * abs(w[Y1 + i] - w[Y + i]))
+            return
+        h *= PROBE
 
 
 def watch_stiffness(h: float, w: Vector, whole: Vector) -> None:

@@ -11,10 +11,8 @@ from stickslip.kernels.layout import (
     DENSE_SIZE,
     EVENT_COLUMNS,
     EVENTS,
-    FLAGS,
     FRACTION,
     LENGTH,
-    MODE,
     ROW_COLUMNS,
     STATUS,
     STEP,
@@ -24,12 +22,12 @@ from stickslip.kernels.layout import (
     Y,
     longer,
 )
-from stickslip.kernels.model import HAS_BRISTLES, N_STATES, SLIP
+from stickslip.kernels.model import N_STATES
 from stickslip.kernels.pieces import enter_pieces, next_stop, rests_for_good
 from stickslip.kernels.roots import NO_GUARD
 from stickslip.kernels.sizes import first_sizes
 from stickslip.kernels.stepping import advance
-from stickslip.kernels.switching import handle_event, initial_mode, mode_from_rest
+from stickslip.kernels.switching import handle_event, initial_mode, settle
 from stickslip.kernels.tier import Vector
 
 __all__ = ["run"]
@@ -70,16 +68,16 @@ def finish_step(
         whole[STATUS] = END_TIME
     elif w[TIME] >= stop:
         enter_pieces(table, w, whole)
-        if HAS_BRISTLES and whole[MODE] != 0 and w[Y + SLIP] == 0.0:
-            whole[MODE] = mode_from_rest(int(whole[FLAGS]), w)
+        settle(w, whole, events)
     if guard != NO_GUARD or w[TIME] >= stop:
         choose_stepper(next_stop(table, t_end, whole), w, whole)
 
 
-def begin(table: Vector, t_end: float, w: Vector, whole: Vector) -> None:
+def begin(table: Vector, t_end: float, w: Vector, whole: Vector, events: Vector) -> None:
     """Set what follows from the start: piece, mode, sizes, stepper."""
     enter_pieces(table, w, whole)
     initial_mode(w, whole)
+    settle(w, whole, events)
     first_sizes(w[TIME], t_end, w)
     w[STEP] = 0.0
     w[STRIDE] = math.inf
@@ -104,11 +102,11 @@ def run(
     and largest value of each drive from the start of each piece on. Returns the rows of steps and
     of events, in the vectors given or in longer ones.
     """
-    begin(table, t_end, w, whole)
+    begin(table, t_end, w, whole, events)
     while whole[STATUS] == RUNNING:
         if (int(whole[STEPS]) + 1) * ROW_COLUMNS > len(log):
             log = longer(log)
-        if (int(whole[EVENTS]) + 1) * EVENT_COLUMNS > len(events):
+        if (int(whole[EVENTS]) + 2) * EVENT_COLUMNS > len(events):  # one of the step, one of a jump
             events = longer(events)
         if rests_for_good(w, whole, bounds):
             stay(t_end, w, whole, log)

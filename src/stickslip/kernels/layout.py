@@ -19,9 +19,9 @@ __all__ = [
     "EVENTS",
     "EVENT_COLUMNS",
     "FLAGS",
-    "FLOOR",
     "FRACTION",
     "GIVEN",
+    "GROSS",
     "INTERVAL",
     "LENGTH",
     "MATRIX",
@@ -81,7 +81,8 @@ GIVEN = 3 * N_DRIVES  # values of the drives given from outside
 ADDRESS = PARAMETER_ROOM - 1  # where the compiled equations are, as an address
 
 # Present time, steps to try (of a stepper, of a series), work supplied and taken by friction,
-# largest guard violation and event residual, fraction of a step that holds, and its length.
+# largest guard violation and event residual, fraction of a step that holds, and its length, work
+# of either sign.
 TIME = PARAMETER_ROOM
 STEP = TIME + 1
 STRIDE = TIME + 2
@@ -91,7 +92,7 @@ VIOLATION = TIME + 5
 RESIDUAL = TIME + 6
 FRACTION = TIME + 7
 LENGTH = TIME + 8
-FLOOR = TIME + 9
+GROSS = TIME + 9
 
 # State, new state, its slope, sizes reached, a point inside a step, room for values of functions.
 Y = TIME + 10

@@ -79,4 +79,4 @@ def margins(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> Non
 
 
 def rest(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Needed friction and break-away level of a held body for the given values of the drives."""
+    """Needed friction, break-away level and normal force of a held body for given drive values."""

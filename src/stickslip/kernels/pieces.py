@@ -47,6 +47,6 @@ def rests_for_good(w: Vector, whole: Vector, bounds: Vector) -> bool:
             if not abs(bounds[at]) < math.inf:
                 return False
         rest(0, int(whole[FLAGS]), w[TIME], w, Y, VALUES)
-        if abs(w[VALUES]) > w[VALUES + 1]:
+        if abs(w[VALUES]) > w[VALUES + 1] or w[VALUES + 2] < 0.0:
             return False
     return True

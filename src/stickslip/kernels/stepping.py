@@ -75,12 +75,13 @@ def accepted_step(
     stepper = int(whole[STEPPER])
     t = w[TIME]
     h = min(w[slot], cap)
+    left = stop - t
     while True:
-        last = t + 1.01 * h >= stop
+        last = 1.01 * h >= left
         if last:
-            h = stop - t
-        elif t + 2.0 * h > stop:
-            h = 0.5 * (stop - t)
+            h = left
+        elif 2.0 * h > left:
+            h = 0.5 * left
         if not t + h > t:
             whole[STATUS] = STEP_TOO_SMALL
             return 0.0
@@ -95,13 +96,13 @@ def accepted_step(
         h = proposed
 
 
-def retry_length(guard: int, h: float, stop: float, w: Vector) -> float:
+def retry_length(guard: int, h: float, w: Vector) -> float:
     """Return the length with which a step should be taken again, 0 if it stands."""
     t = w[TIME]
     fraction = w[FRACTION]
     if guard == STOP and fraction == 0.0 and not HAS_BRISTLES:
-        return h / 8.0 if t + h / 64.0 > t and h > 1e-9 * (stop - t) else 0.0
-    if guard != NO_GUARD and 0.0 < fraction < OVERSHOT and t + fraction * h > t:
+        return h / 8.0 if t + h / 64.0 > t else 0.0
+    if guard != NO_GUARD and 0.0 < fraction < OVERSHOT and t + 0.25 * fraction * h > t:
         return BEYOND * fraction * h
     return 0.0
 
@@ -128,7 +129,7 @@ def advance(stop: float, w: Vector, whole: Vector, rtol: float, cap: float) -> i
             guard = first_crossing(mode, flags, w[TIME], h, w)
         else:
             guard = first_violation(mode, flags, w[TIME], h, w)
-            shorter = retry_length(guard, h, stop, w)
+            shorter = retry_length(guard, h, w)
             if shorter > 0.0:
                 w[slot] = shorter
                 continue

@@ -1,6 +1,14 @@
 """Modes and switches: what holds at a state, and what follows an event."""
 
-from stickslip.kernels.codes import BREAK_FORWARD, LIFT_OFF, LIFTED_OFF, STOP, SWITCH, ZENO
+from stickslip.kernels.codes import (
+    BREAK_BACKWARD,
+    BREAK_FORWARD,
+    LIFT_OFF,
+    LIFTED_OFF,
+    STOP,
+    SWITCH,
+    ZENO,
+)
 from stickslip.kernels.layout import (
     EVENT_COLUMNS,
     EVENTS,
@@ -20,12 +28,13 @@ from stickslip.kernels.model import (
     SLIP,
     contact,
     field,
+    guards,
     margins,
     time_slope,
 )
 from stickslip.kernels.tier import Vector
 
-__all__ = ["handle_event", "initial_mode", "mode_from_rest", "set_flags"]
+__all__ = ["handle_event", "initial_mode", "mode_from_rest", "set_flags", "settle"]
 
 STALL_LIMIT = 100
 """Events in a row at one instant after which the run is given up as Zeno."""
@@ -44,16 +53,20 @@ def set_flags(t: float, w: Vector, at: int, flags: int) -> int:
 
 def mode_from_rest(flags: int, w: Vector) -> int:
     """Return the mode of a body whose slip velocity is zero."""
-    t = w[TIME]
     if CAN_STICK:
-        contact(0, flags, t, w, Y, VALUES)
+        contact(0, flags, w[TIME], w, Y, VALUES)
         if abs(w[VALUES + 2]) <= w[VALUES + 3]:
             return 0
         if not HAS_BRISTLES:
             return 1 if w[VALUES + 2] > 0.0 else -1
-    field(1, flags, t, w, Y, VALUES)
+    return direction(flags, w)
+
+
+def direction(flags: int, w: Vector) -> int:
+    """Return the direction in which a bristle law's body leaves rest."""
+    field(1, flags, w[TIME], w, Y, VALUES)
     if w[VALUES + SLIP] == 0.0:  # where a load begins to grow, its rate tells
-        time_slope(1, flags, t, w, Y, VALUES)
+        time_slope(1, flags, w[TIME], w, Y, VALUES)
     return -1 if w[VALUES + SLIP] < 0.0 else 1
 
 
@@ -86,8 +99,7 @@ def transition(guard: int, w: Vector, whole: Vector) -> float:
         w[Y + SLIP] = 0.0
         whole[MODE] = mode_from_rest(flags, w)
     elif HAS_BRISTLES:
-        field(1, flags, t, w, Y, VALUES)
-        whole[MODE] = -1 if w[VALUES + SLIP] < 0.0 else 1
+        whole[MODE] = direction(flags, w)
     else:
         whole[MODE] = 1 if guard == BREAK_FORWARD else -1
     whole[FLAGS] = set_flags(t, w, Y, flags)
@@ -95,6 +107,24 @@ def transition(guard: int, w: Vector, whole: Vector) -> float:
         contact(0, int(whole[FLAGS]), t, w, Y, VALUES)
         return w[VALUES + 3] - abs(w[VALUES + 2])
     return 0.0
+
+
+def settle(w: Vector, whole: Vector, events: Vector) -> None:
+    """Make the transitions that follow from a jump of the drives, and from the start."""
+    t = w[TIME]
+    mode = int(whole[MODE])
+    flags = int(whole[FLAGS])
+    if HAS_BRISTLES and mode != 0 and w[Y + SLIP] == 0.0:
+        if mode_from_rest(flags, w) != mode:
+            handle_event(STOP, t, w, whole, events)
+        return
+    guards(mode, flags, t, w, Y, VALUES)
+    if w[VALUES + LIFT_OFF] < 0.0:
+        handle_event(LIFT_OFF, t, w, whole, events)
+    elif mode == 0 and w[VALUES + BREAK_FORWARD] < 0.0:
+        handle_event(BREAK_FORWARD, t, w, whole, events)
+    elif mode == 0 and w[VALUES + BREAK_BACKWARD] < 0.0:
+        handle_event(BREAK_BACKWARD, t, w, whole, events)
 
 
 def handle_event(guard: int, start: float, w: Vector, whole: Vector, events: Vector) -> None:

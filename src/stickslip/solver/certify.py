@@ -48,10 +48,10 @@ def certify(
 
 
 def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
-    """Return energies and works, and their mismatch over the largest of them."""
+    """Return energies and works, and their mismatch over the energies and all work done."""
     start, end = (_energy(playback, at) for at in (0, -1))
     supplied, taken = float(w[playback.module.SUPPLIED]), float(w[playback.module.TAKEN])
-    size = max(abs(start), abs(end), abs(supplied), abs(taken))
+    size = max(abs(start), abs(end), float(w[playback.module.GROSS]))
     mismatch = abs(end - start - supplied + taken)
     return {
         "energy_error": mismatch / size if size > 0 else 0.0,

@@ -29,7 +29,7 @@ class Equations:
             "linear": 1,
             "margins": module.N_SWITCHES,
             "power": 2,
-            "rest": 2,
+            "rest": 3,
         }
         self.w: list[Any] = [*runner.working(inputs), *[0.0] * max(self.sizes.values())]
         self.load(0)

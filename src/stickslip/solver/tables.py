@@ -1,6 +1,7 @@
 """Numbers that a run starts from: parameters, pieces of the drives, their bounds."""
 
 import bisect
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -12,6 +13,9 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
 __all__ = ["Inputs", "gather"]
+
+SHORTEST = 8
+"""Units in the last place of the time that a piece must last."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +43,7 @@ def gather(mechanism: Mechanism, law: FrictionLaw, model: Model) -> Inputs:
     }
     drives = list(mechanism.drives().values())
     tables = [_pieces(drive) for drive in drives]
-    starts = sorted({piece.start for table in tables for piece in table} | {BEGINNING})
+    starts = _apart(sorted({piece.start for table in tables for piece in table} | {BEGINNING}))
     rows = [[_piece_at(table, start) for table in tables] for start in starts]
     table = [
         number for start, row in zip(starts, rows, strict=True) for number in (start, *sum(row, ()))
@@ -51,6 +55,15 @@ def gather(mechanism: Mechanism, law: FrictionLaw, model: Model) -> Inputs:
         bounds=_bounds(drives, starts, rows),
         time_scale=min((drive.time_scale() for drive in drives), default=math.inf),
     )
+
+
+def _apart(starts: list[float]) -> list[float]:
+    """Drop pieces that last no longer than roundings of the time: what they do is a jump."""
+    return [
+        start
+        for start, following in itertools.pairwise([*starts, math.inf])
+        if following == math.inf or following - start > SHORTEST * math.ulp(following)
+    ]
 
 
 def _pieces(drive: Drive) -> list[Piece]:

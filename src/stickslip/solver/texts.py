@@ -109,7 +109,7 @@ power = fenced(power, 2)
 energy = fenced(energy, 1)
 margins = fenced(margins, N_SWITCHES)
 diagram = fenced(diagram, N_COORDINATES + 2)
-rest = fenced(rest, 2)
+rest = fenced(rest, 3)
 '''
 PLAIN_ENTRIES = """
 enter_run = run

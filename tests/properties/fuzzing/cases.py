@@ -1,0 +1,206 @@
+"""Random cases: any mechanism with any law, filled with numbers of many decades.
+
+What a parameter is, is read off its declaration, so that a law or a mechanism that is added to a
+registry is met here without a change.
+"""
+
+import dataclasses
+import math
+import typing
+from collections.abc import Mapping
+from dataclasses import dataclass
+from random import Random
+from typing import Any
+
+from tests.properties.fuzzing.drawing import Sizes, around, draw_drive, sizes
+from tests.properties.fuzzing.rigs import OWN, PendulumCart
+
+from stickslip import LAWS, MECHANISMS, EventDriven, Trajectory, simulate
+from stickslip.drives import Drive
+from stickslip.drives.registry import DRIVES
+from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import fields_of
+
+__all__ = ["Case", "Structure", "draw_case", "draw_structure", "level_of", "run_case"]
+
+Kinds = tuple[type[Drive], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Structure:
+    """What shapes the equations of a case; its numbers do not."""
+
+    mechanism: type[Mechanism]
+    law: type[FrictionLaw]
+    flags: Mapping[str, bool]
+    """Fields that are true or false."""
+    given: Mapping[str, bool]
+    """Whether a field that may be None has a value."""
+    exponent: float | None
+    """A whole exponent, or None for any other."""
+    drives: Mapping[str, Kinds]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """One call of `simulate`."""
+
+    mechanism: Mechanism
+    law: FrictionLaw
+    t_end: float
+    y0: Mapping[str, float]
+
+    @property
+    def title(self) -> str:
+        """Mechanism and law in words, and whether rigid bodies with friction can jam."""
+        words = f"{self.mechanism.name} {self.law.name}"
+        return words + " paradox" if self.may_jam else words
+
+    @property
+    def may_jam(self) -> bool:
+        """Whether somewhere the cart's M + m s^2 - mu s c m, s and c of its angle, is not positive.
+
+        This is the paradox of Painleve: no acceleration, or more than one, belongs to such a state.
+        """
+        if not isinstance(self.mechanism, PendulumCart):
+            return False
+        M, m = self.mechanism.mass, self.mechanism.ball
+        bristles = isinstance(self.law, BristleLaw)
+        return bristles or level_of(self.law, 1.0) * m >= 2.0 * math.sqrt(M * (M + m))
+
+
+def _fields(kind: type) -> dict[str, Any]:
+    hints = typing.get_type_hints(kind)
+    return {field.name: hints[field.name] for field in dataclasses.fields(kind)}
+
+
+def _is_drive(hint: Any) -> bool:
+    return Drive in (hint, *typing.get_args(hint))
+
+
+def draw_structure(rng: Random) -> Structure:
+    """Return what shapes the equations of a case."""
+    mechanism = rng.choice([*MECHANISMS.values(), *OWN.values()])
+    law = rng.choice(list(LAWS.values()))
+    flags, given, drives = {}, {}, {}
+    for kind in (mechanism, law):
+        for name, hint in _fields(kind).items():
+            if hint is bool:
+                flags[name] = rng.random() < 0.3
+            elif _is_drive(hint):
+                count = rng.choice((0, 1, 1, 1, 1, 2))
+                drives[name] = tuple(rng.choice(list(DRIVES.values())) for _ in range(count))
+            elif type(None) in typing.get_args(hint):
+                given[name] = rng.random() < 0.5
+    return Structure(
+        mechanism=mechanism,
+        law=law,
+        flags=flags,
+        given=given,
+        exponent=rng.choice((1.0, 2.0, None)),
+        drives=drives,
+    )
+
+
+MAY_VANISH = ("N/m", "N s/m", "s/m", "1", "N", "m")
+"""Units whose numbers are sometimes 0 where their range allows it."""
+
+
+def _number(rng: Random, name: str, kind: type, size: Sizes, known: Mapping[str, Any]) -> float:
+    """Return a value for a declared quantity."""
+    quantity = fields_of(kind)[name]
+    if quantity.unit == "m/s^2":
+        return 9.81
+    value = size.draw(rng, quantity.unit, 3.0 if quantity.unit in ("m/s", "1/m", "s/m") else 0.7)
+    can_vanish = quantity.above is None and quantity.low <= 0 and quantity.unit in MAY_VANISH
+    can_vanish = can_vanish and quantity.at_least is None
+    if can_vanish and rng.random() < (0.4 if quantity.unit in ("N s/m", "m") else 0.1):
+        return 0.0
+    if quantity.unit == "N" and quantity.low == 0:
+        return size.load
+    if quantity.low == -math.inf and quantity.above is None:
+        value *= rng.choice((-1.0, 1.0))
+    if quantity.at_least is not None:
+        value = known[quantity.at_least] + rng.choice((0.0, 0.1, 1.0)) * value
+    return value
+
+
+def _law(rng: Random, structure: Structure, size: Sizes) -> FrictionLaw:
+    values: dict[str, Any] = {}
+    for name in _fields(structure.law):
+        quantity = fields_of(structure.law).get(name)
+        if quantity is None:
+            values[name] = structure.flags[name]
+        elif quantity.structural:
+            fraction = rng.choice((0.5, 0.7, 1.5, rng.uniform(0.2, 4.0)))
+            values[name] = fraction if structure.exponent is None else structure.exponent
+        elif structure.given.get(name, True):
+            values[name] = _number(rng, name, structure.law, size, values)
+    return structure.law(**values)
+
+
+def _mechanism(rng: Random, structure: Structure, size: Sizes, force: float, t_end: float) -> Any:
+    kind = structure.mechanism
+    values: dict[str, Any] = {}
+    for name in _fields(kind):
+        if name in structure.drives:
+            torque = size.length if name == "torque" else 1.0
+            kinds = structure.drives[name]
+            values[name] = draw_drive(rng, kinds, force * torque, size.time, t_end)
+        elif name in structure.flags:
+            values[name] = structure.flags[name]
+        elif structure.given.get(name, True):
+            values[name] = _number(rng, name, kind, size, values)
+    if "compression" in values:  # a spring that pushes or lies loose, but is there
+        values["compression"] *= 10.0 ** rng.uniform(0.0, 1.0)
+        values["stiffness"] = values["stiffness"] or size.stiffness
+    return kind(**values)
+
+
+def level_of(law: FrictionLaw, load: float) -> float:
+    """Return the break-away level [N]."""
+    return float(law.break_away(load))
+
+
+def _start(rng: Random, mechanism: Mechanism, law: FrictionLaw, size: Sizes) -> dict[str, float]:
+    """Return an initial state: rest, tiny, usual, large, or exactly on a guard."""
+    how = rng.choice(("rest", "rest", "rest", "tiny", "usual", "usual", "large", "guard"))
+    if how == "rest":
+        return {}
+    factor = {"tiny": rng.choice((1e-9, 1e-15, 1e-150)), "usual": 3.0, "large": 1e3, "guard": 1.0}
+    speed, slip = size.of("m/s"), mechanism.rates[0]
+    start: dict[str, float] = {}
+    if how == "guard":
+        start["x"] = getattr(mechanism, "compression", size.length)
+        layer = getattr(law, "stribeck_velocity", None)
+        if layer is not None and rng.random() < 0.5:
+            start[slip] = layer * 36.0 ** (1.0 / law.exponent)
+    else:
+        for name, unit in zip(mechanism.coordinates, mechanism.units, strict=True):
+            start[name] = rng.choice((0.0, rng.uniform(-1, 1) * factor[how] * size.of(unit)))
+        for name, unit in zip(mechanism.rates, mechanism.units, strict=True):
+            rate = speed if unit == "m" else 1.0 / size.time
+            start[name] = rng.choice((0.0, 1.0, 1.0)) * rng.uniform(-1, 1) * factor[how] * rate
+    if isinstance(law, BristleLaw):
+        full = law.kinetic_coefficient / law.bristle_stiffness
+        for name in law.bristles:
+            start[name] = full * rng.choice((0.0, 1.0, -1.0, rng.uniform(-1, 1)))
+    return start
+
+
+def draw_case(rng: Random, structure: Structure) -> Case:
+    """Return a case of a structure."""
+    size = sizes(rng)
+    law = _law(rng, structure, size)
+    t_end = min(max(around(rng, 10.0 * size.time, 1.0, 0.7), 1e-4), 1e4)
+    force = level_of(law, size.load) or size.force
+    mechanism = _mechanism(rng, structure, size, force, t_end)
+    return Case(mechanism=mechanism, law=law, t_end=t_end, y0=_start(rng, mechanism, law, size))
+
+
+def run_case(case: Case, solver: EventDriven) -> Trajectory:
+    """Simulate a case, whatever comes of it."""
+    return simulate(
+        case.mechanism, case.law, t_end=case.t_end, y0=case.y0, solver=solver, throw=False
+    )

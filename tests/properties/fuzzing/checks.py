@@ -1,0 +1,349 @@
+"""What must hold for every run, whatever was simulated: each check yields what is wrong."""
+
+import itertools
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from tests.properties.fuzzing.cases import Case, level_of, run_case
+from tests.properties.fuzzing.rigs import PendulumCart
+
+from stickslip import EventDriven, SetValuedLaw, Status, Trajectory
+from stickslip.drives import Drive
+
+__all__ = ["CHECKS", "Evidence", "agrees_with_a_coarser_run", "violations"]
+
+ROUNDED = 1e-9
+"""What the certificate allows of a guard while a mode lasts, relative to its size in the run."""
+LOCATED = 1e-6
+"""What it allows of a guard where its event was located, also relative to its size."""
+LEAST = 1e-280
+"""Where squares are below the least number that has all its digits, nothing can be compared."""
+Found = Iterator[str]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """A case, its run, and the run at the times at which it is looked at."""
+
+    case: Case
+    run: Trajectory
+    solver: EventDriven
+
+    @cached_property
+    def drives(self) -> dict[str, Drive]:
+        """The drives of the mechanism."""
+        return dict(self.case.mechanism.drives())
+
+    @cached_property
+    def changes(self) -> list[float]:
+        """Times at which a drive changes, all of them."""
+        return [float(p.start) for d in self.drives.values() for p in d.pieces()]
+
+    @cached_property
+    def times(self) -> np.ndarray:
+        """Evenly spaced times, step ends and middles, and both sides of all that happens."""
+        first, last = self.run.span
+        ends = self.run.t[:: max(1, len(self.run.t) // 100)]
+        special = np.array([*(e.t for e in self.run.events[:100]), *self.changes[:200]])
+        sides = [special, np.nextafter(special, -np.inf), np.nextafter(special, np.inf)]
+        every = [np.linspace(first, last, 101), ends, 0.5 * (ends[1:] + ends[:-1]), *sides]
+        times = np.unique(np.concatenate(every))
+        return times[(times >= first) & (times <= last)]
+
+    @cached_property
+    def seen(self) -> Trajectory:
+        """The run at those times."""
+        return self.run.at(self.times)
+
+    @cached_property
+    def slip(self) -> np.ndarray:
+        """Slip velocity."""
+        return self.seen[self.case.mechanism.rates[0]]
+
+    @cached_property
+    def mode(self) -> np.ndarray:
+        """Contact mode."""
+        return self.seen["mode"].astype(int)
+
+    @cached_property
+    def level(self) -> np.ndarray:
+        """Break-away level."""
+        return np.array([level_of(self.case.law, load) for load in self.seen["normal_force"]])
+
+    @cached_property
+    def speed(self) -> float:
+        """Largest slip speed."""
+        return float(np.abs(self.slip).max())
+
+    @cached_property
+    def before_lift_off(self) -> np.ndarray:
+        """Where the body is on the ground; a drive that jumps may have taken it off at the end."""
+        return (self.times < self.run.span[1]) | (self.run.status is not Status.LIFT_OFF)
+
+    @cached_property
+    def force(self) -> float:
+        """Largest friction force or level."""
+        return float(max(np.abs(self.seen["friction"]).max(), np.abs(self.level).max()))
+
+    def first(self, wrong: np.ndarray) -> str:
+        """Say when something is wrong first, and how often."""
+        at = int(np.argmax(wrong))
+        states = ", ".join(f"{n} = {self.seen[n][at]:.3g}" for n in self.run.names)
+        return f"at t = {self.times[at]!r} ({wrong.sum()} of {len(wrong)}): {states}"
+
+
+def is_finite(e: Evidence) -> Found:
+    """States and forces are numbers."""
+    for name in e.run.names:
+        if not np.isfinite(e.seen[name]).all() and e.run.status is not Status.NOT_FINITE:
+            yield f"{name} {e.first(~np.isfinite(e.seen[name]))}"
+
+
+def has_its_span(e: Evidence) -> Found:
+    """A complete run covers the time asked for, and no step runs backward."""
+    first, last = e.run.span
+    if first != 0.0 or (e.run.status.complete and last != e.case.t_end):
+        yield f"span {e.run.span}, asked {e.case.t_end!r}"
+    if last > e.case.t_end:
+        yield f"ends at {last!r}, after {e.case.t_end!r}"
+    backward = ~(np.diff(e.run.t) >= 0)
+    if backward.any():
+        at = int(np.argmax(backward))
+        yield f"step {at} runs from {e.run.t[at]!r} to {e.run.t[at + 1]!r}"
+
+
+def has_a_chain_of_events(e: Evidence) -> Found:
+    """Events come in order, each from the mode that the one before led to."""
+    events = e.run.events
+    for before, after in itertools.pairwise(events):
+        if after.t < before.t:
+            yield f"{after.reason} at {after.t!r} comes after {before.reason} at {before.t!r}"
+        if after.from_mode != before.to_mode:
+            yield f"{before} leads to another mode than {after} leaves"
+    if events and not (e.run.span[0] <= events[0].t and events[-1].t <= e.run.span[1]):
+        yield f"events outside the span {e.run.span}"
+    if not math.isfinite(sum(event.margin + event.t for event in events)):
+        yield "an event has a margin or time that is no number"
+
+
+def has_the_modes_of_its_events(e: Evidence) -> Found:
+    """Between events the mode is the one that the last event led to."""
+    if not e.run.events:
+        if len(set(e.mode)) > 1:
+            yield f"the mode changes without an event, {e.first(e.mode != e.mode[0])}"
+        return
+    starts = np.array([event.t for event in e.run.events])
+    modes = np.array([e.run.events[0].from_mode, *(event.to_mode for event in e.run.events)])
+    expected = modes[np.searchsorted(starts, e.times, side="right")]
+    near = np.abs(e.times[:, None] - starts[None, :]).min(axis=1) <= 1e-15 * np.abs(e.times)
+    wrong = (e.mode != expected) & ~near
+    if wrong.any():
+        yield f"mode {e.mode[np.argmax(wrong)]}, by events {expected[np.argmax(wrong)]},"
+        yield e.first(wrong)
+
+
+def does_not_move_while_stuck(e: Evidence) -> Found:
+    """A stuck body has no speed and keeps its place."""
+    if e.run.certificate.stick_drift != 0:
+        yield f"drift {e.run.certificate.stick_drift!r}"
+    wrong = (e.mode == 0) & (e.slip != 0)
+    if wrong.any():
+        yield f"moves while stuck, {e.first(wrong)}"
+    place = e.seen[e.case.mechanism.coordinates[0]]
+    stuck = (e.mode[1:] == 0) & (e.mode[:-1] == 0)
+    spans = np.array([start for start, _ in e.run.stick_spans()])
+    same = np.searchsorted(spans, e.times[1:], "right") == np.searchsorted(
+        spans, e.times[:-1], "right"
+    )
+    wrong = np.append(False, stuck & same & (np.diff(place) != 0))
+    if wrong.any():
+        yield f"is elsewhere while stuck, {e.first(wrong)}"
+
+
+def holds_no_more_than_break_away(e: Evidence) -> Found:
+    """While stuck, friction stays within the level."""
+    excess = np.abs(e.seen["friction"]) - e.level
+    wrong = (e.mode == 0) & (excess > ROUNDED * e.force) & e.before_lift_off
+    if wrong.any():
+        yield f"held beyond its level by {excess[wrong].max() / e.force:.1e}, {e.first(wrong)}"
+
+
+def takes_energy_while_sliding(e: Evidence) -> Found:
+    """Friction of a set-valued law never drives."""
+    if not isinstance(e.case.law, SetValuedLaw):
+        return
+    wrong = e.seen["friction"] * e.slip < -LOCATED * e.speed * e.force
+    wrong &= (e.mode != 0) & e.before_lift_off
+    if wrong.any():
+        yield f"friction drives, {e.first(wrong)}"
+
+
+def moves_as_its_mode_says(e: Evidence) -> Found:
+    """Mode and velocity have one sign, where the rigid equations have one solution at all."""
+    if e.case.may_jam:
+        return
+    wrong = e.mode * e.slip < -LOCATED * e.speed
+    if wrong.any():
+        yield f"moves against its mode, {e.first(wrong)}"
+
+
+def has_the_friction_of_its_law(e: Evidence) -> Found:
+    """While sliding, friction is what the law says, evaluated as plain numbers."""
+    loads, friction = e.seen["normal_force"], e.seen["friction"]
+    wrong = np.zeros(len(friction), dtype=bool)
+    for i in np.flatnonzero(e.mode * e.slip > 0):
+        v, load = float(e.slip[i]), float(loads[i])
+        rounded = ((1, 1), (1 - 1e-15, 1), (1 + 1e-15, 1), (1, 1 - 1e-15), (1, 1 + 1e-15))
+        expected = [_by_law(e, i, v * f, load, share) for f, share in rounded]
+        rounding = 10.0 * (max(expected) - min(expected))  # of a damping times a speed, say
+        wrong[i] = abs(friction[i] - expected[0]) > ROUNDED * e.force + rounding
+    if wrong.any():
+        yield f"friction is not that of the law, {e.first(wrong)}"
+
+
+def _by_law(e: Evidence, at: int, v: float, load: float, share: float) -> float:
+    law = e.case.law
+    if isinstance(law, SetValuedLaw):
+        return law.force(v, load)
+    return law.force(v, tuple(float(e.seen[name][at]) * share for name in law.bristles), load)
+
+
+def presses_on_the_ground(e: Evidence) -> Found:
+    """The normal force is positive before the end, and gone where the body lifts off."""
+    load = e.seen["normal_force"]
+    size = np.abs(load).max()
+    wrong = (load < -ROUNDED * size) & e.before_lift_off
+    if wrong.any():
+        yield f"pulls at the ground, {e.first(wrong)}"
+    lifts_off = e.run.status is Status.LIFT_OFF and not e.case.may_jam
+    if lifts_off and load[-1] > 1e-6 * size:
+        yield f"lifts off with {load[-1]!r} N"
+
+
+def keeps_its_books(e: Evidence) -> Found:
+    """Energies are those of the mechanism; the balance is within its limit or a problem."""
+    trust = e.run.certificate
+    for t, noted in ((0.0, trust.energy_start), (e.run.span[1], trust.energy_end)):
+        expected, size = _energy(e.case, e.run.at(t))
+        if abs(noted - expected) > ROUNDED * size and size > LEAST:
+            yield f"energy {noted!r} at {t!r}, by the mechanism {expected!r}"
+    mismatch = trust.energy_end - trust.energy_start - trust.work_supplied + trust.work_friction
+    works = (trust.energy_end, trust.energy_start, trust.work_supplied, trust.work_friction)
+    size = max(abs(work) for work in works)
+    if trust.certified and not abs(mismatch) <= 1.1e-5 * size:
+        yield f"certified with a mismatch of {mismatch!r} J of {size!r} J"
+    taken = trust.work_friction
+    if isinstance(e.case.law, SetValuedLaw) and not taken >= -ROUNDED * size:
+        yield f"friction has put in {-taken!r} J of {size!r} J"
+
+
+def _energy(case: Case, at: Trajectory) -> tuple[float, float]:
+    """Return the energy by the mechanism's own equations, and the size of its parts."""
+    mechanism = case.mechanism
+    held = {contact.normal: 0.0 for contact in mechanism.contacts() if contact.normal}
+    q = {name: float(at[name][0]) for name in mechanism.coordinates} | held
+    names = zip(mechanism.coordinates, mechanism.rates, strict=True)
+    q_dot = {name: float(at[rate][0]) for name, rate in names} | held
+    kinetic = float(mechanism.kinetic_energy(q, q_dot))
+    potential = float(mechanism.potential_energy(float(at.t[0]), q))
+    return kinetic + potential, abs(kinetic) + abs(potential)
+
+
+def follows_its_drive_while_stuck(e: Evidence) -> Found:
+    """While stuck, friction less a drive along the slip does not change."""
+    if e.drives.keys() != {"drive"} or len(e.case.mechanism.coordinates) > 1:
+        return
+    drive = e.drives["drive"]
+    rest = e.seen["friction"] - np.array([drive.value(float(t)) for t in e.times])
+    size = e.force + float(np.abs(rest).max())
+    for start, end in e.run.stick_spans():
+        inside = (e.times >= start) & (e.times < end) & (e.mode == 0)
+        if inside.any() and np.ptp(rest[inside]) > ROUNDED * size:
+            yield f"friction does not follow the drive, {e.first(inside)}"
+            return
+
+
+def rests_for_good(e: Evidence) -> Found:
+    """What is said to rest for good is held against all that its drive still does."""
+    if e.run.status is not Status.AT_REST:
+        return
+    if e.mode[-1] != 0:
+        yield f"rests in mode {e.mode[-1]}"
+    if e.drives.keys() != {"drive"} or len(e.case.mechanism.coordinates) > 1:
+        return
+    drive, last = e.drives["drive"], e.run.span[1]
+    begin = last if e.changes == [] else max(last, *e.changes)
+    later = [last * (1 + 0.01 * i) for i in range(300)] + [begin * (1 + i) for i in range(10)]
+    later += [t for t in e.changes if t > last]
+    change = np.array([drive.value(t) for t in later]) - drive.value(last)
+    needed = np.abs(e.seen["friction"][-1] + change)
+    if needed.max() > e.level[-1] + ROUNDED * e.force:
+        yield f"at rest for good, but needs {needed.max()!r} N of {e.level[-1]!r} N later"
+
+
+def says_how_it_ended(e: Evidence) -> Found:
+    """The status agrees with what was recorded."""
+    run, limit = e.run, e.solver.max_steps
+    if (run.status is Status.LIFT_OFF) != any(x.reason == "lift-off" for x in run.events):
+        yield f"{run.status.name} with {[x.reason for x in run.events][-3:]}"
+    if run.certificate.steps > limit + 1:
+        yield f"{run.certificate.steps} steps, allowed {limit:g}"
+    numbers = (run.certificate.energy_error, run.certificate.guard_violation)
+    if run.certificate.certified and not all(map(math.isfinite, numbers)):
+        yield f"certified with {numbers}"
+
+
+def agrees_with_a_coarser_run(e: Evidence) -> Found:
+    """A certified run is met by one with coarser steps, coarsely, unless it may fall over."""
+    if isinstance(e.case.mechanism, PendulumCart):  # upside down: errors grow beyond all bounds
+        return
+    coarse = EventDriven(
+        tolerance=1e-9, stiff_tolerance=1e-6, max_steps=e.solver.max_steps, tier=e.solver.tier
+    )
+    other = run_case(e.case, coarse)
+    both = e.run.certificate.certified and other.certificate.certified
+    if not (both and e.run.status.complete and other.status.complete):
+        return
+    times = np.linspace(*e.run.span, 41)
+    a, b = e.run.at(times), other.at(times)
+    for name in e.case.mechanism.coordinates:
+        size = np.abs(a[name]).max() + np.abs(b[name]).max()
+        error = np.abs(a[name] - b[name]).max()
+        if error > 1e-2 * size:
+            yield f"{name} differs by {error / size:.1e} of its size from a coarser run"
+
+
+CHECKS: dict[str, Callable[[Evidence], Found]] = {
+    check.__name__.replace("_", " "): check
+    for check in (
+        is_finite,
+        has_its_span,
+        has_a_chain_of_events,
+        has_the_modes_of_its_events,
+        does_not_move_while_stuck,
+        holds_no_more_than_break_away,
+        takes_energy_while_sliding,
+        moves_as_its_mode_says,
+        has_the_friction_of_its_law,
+        presses_on_the_ground,
+        keeps_its_books,
+        follows_its_drive_while_stuck,
+        rests_for_good,
+        says_how_it_ended,
+    )
+}
+"""The checks by what they ask for."""
+
+
+def violations(evidence: Evidence, checks: Any = CHECKS) -> list[tuple[str, str]]:
+    """Return the name of each violated check, with what it found."""
+    found = []
+    for name, check in checks.items():
+        words = " ".join(check(evidence))
+        if words:
+            found.append((name, words))
+    return found
