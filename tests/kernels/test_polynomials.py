@@ -127,3 +127,230 @@ def assert_right_but_for(coefficients, doubt, x):
     x = max(x, 0.0)
     assert exact_fall([first - shift, *others]) - 2 * EPSILON <= x
     assert x <= exact_fall([first + shift, *others]) + 2 * EPSILON
+
+
+def test_the_judge_finds_falls_that_can_be_read_off():
+    half, third = Fraction(1, 2), Fraction(1, 3)
+    assert abs(exact_fall([half, -1]) - half) < EPSILON
+    assert abs(exact_fall(product([-third, 1], [-half, 1])) - third) < EPSILON
+    assert exact_fall(product([-half, 1], [-half, 1])) == NEVER_FALLS
+    assert exact_fall([1, -1]) == NEVER_FALLS  # zero at the end is not below it
+    assert exact_fall([0, -1]) == 0
+    assert exact_fall([0, 1]) == NEVER_FALLS
+
+
+# Random polynomials
+
+insides = st.fractions(0, 1, max_denominator=10**9)
+gaps = st.integers(1, 10).map(lambda power: Fraction(1, 10**power))
+
+
+def pair_of(root, gap):
+    return product([-root, 1], [-root - gap, 1])
+
+
+def complex_pair(real, imaginary):
+    return [real * real + imaginary * imaginary, -2 * real, 1]
+
+
+factors = st.one_of(
+    insides.map(lambda root: [-root, 1]),
+    st.fractions(-3, 4, max_denominator=10**9).map(lambda root: [-root, 1]),
+    insides.map(lambda root: pair_of(root, 0)),
+    st.builds(pair_of, insides, gaps),
+    st.builds(complex_pair, insides, gaps),
+    st.sampled_from([[0, 1], [-1, 1]]),
+)
+
+
+@st.composite
+def polynomials(draw, most=SERIES):
+    """Draw coefficients of a polynomial with roots where they are awkward."""
+    p = [Fraction(draw(st.sampled_from([1, -1])))]
+    for factor in draw(st.lists(factors, min_size=1, max_size=most)):
+        if len(p) + len(factor) - 2 <= most:
+            p = product(p, factor)
+    return [float(c) for c in p]
+
+
+DOUBT = 2e-14
+"""First coefficients below 4e-15 of all count as zero, some in a row now and then; the Bernstein
+coefficients of degree 20 carry twenty roundings and one more for each halving."""
+
+
+@MANY
+@given(coefficients=polynomials())
+@example(coefficients=[0.25, -1.25, 1.0])  # falls, and is zero again at the very end
+def test_the_first_fall_is_that_of_a_polynomial_within_rounding(coefficients):
+    assert_right_but_for(coefficients, DOUBT, found(coefficients))
+
+
+@pytest.mark.parametrize("factor", [[0, 1], [0, 0, 1]])
+@given(coefficients=polynomials(most=SERIES - 2))
+def test_a_guard_that_starts_at_zero_falls_where_its_rest_does(factor, coefficients):
+    assume(abs(coefficients[0]) > DOUBT * sum(map(abs, coefficients)))
+    shifted = [0.0] * (len(factor) - 1) + coefficients
+    assert found(shifted) == found(coefficients)
+
+
+@given(coefficients=polynomials(), doublings=st.integers(-200, 200))
+def test_the_size_of_a_guard_does_not_matter(coefficients, doublings):
+    scaled = [math.ldexp(c, doublings) for c in coefficients]
+    assume(all(c == 0 or abs(c) > 1e-290 for c in scaled))  # no subnormal numbers on the way
+    assert found(scaled) == found(coefficients)
+
+
+outsides = st.fractions(2, 5, max_denominator=1000) | st.fractions(-4, -1, max_denominator=1000)
+
+
+@MANY
+@given(
+    root=st.fractions(Fraction(1, 100), 1, max_denominator=10**6),
+    others=st.lists(outsides, max_size=SERIES - 1),
+)
+def test_a_single_root_is_found_to_the_last_digits_that_it_has(root, others):
+    p = [root, Fraction(-1)]
+    for other in others:
+        p = product(p, [1, -1 / other])
+    coefficients = [float(c) for c in p]
+    exact = exact_fall(coefficients)
+    assume(exact <= 1)
+    slope = abs(float(sum(k * Fraction(c) * exact ** (k - 1) for k, c in enumerate(coefficients))))
+    size = float(sum(abs(c) * exact**k for k, c in enumerate(map(Fraction, coefficients))))
+    # Horner's rule errs by up to two half units in the last place per degree; then the bracket
+    doubt = (len(p) - 1) * EPSILON * size / slope + 2 * EPSILON
+    assert abs(found(coefficients) - float(exact)) <= doubt
+
+
+@given(root=insides, others=st.lists(outsides, max_size=8))
+def test_the_point_found_lies_past_the_fall_and_no_later_than_needed(root, others):
+    assume(0.01 < root < 0.99)
+    p = [root, Fraction(-1)]
+    for other in others:
+        p = product(p, [1, -1 / other])
+    x = found(p)
+    coefficients = [Fraction(float(c)) for c in p]
+    level = 1e-15 * float(total(coefficients))  # some roundings: that of each term at most
+    assert -4 * level < float(sum(c * Fraction(x) ** k for k, c in enumerate(coefficients))) < level
+
+
+# Short dips and touches
+
+
+@MANY
+@given(
+    root=st.fractions(Fraction(1, 50), Fraction(49, 50), max_denominator=10**9),
+    rest=st.lists(st.integers(0, 3), max_size=SERIES - 2),
+)
+def test_a_dip_of_a_millionth_of_the_step_is_not_missed(root, rest):
+    width = Fraction(1, 10**6)
+    p = product(pair_of(root, width), [1, *[Fraction(c, 10) for c in rest]])
+    assert p[0] > 0
+    assert sum(p) > 0
+    x = found(p)
+    # the slope is the width at least: its millionth part of the digits are left
+    doubt = 1e6 * EPSILON * float(total(p)) * 4
+    assert doubt < 1e-7
+    assert abs(x - root) <= doubt
+
+
+@pytest.mark.parametrize("power", range(4, 8))
+@pytest.mark.parametrize("place", [1 / 3, 0.1, 0.5, 0.96875, 0.0078125])
+def test_a_dip_is_found_as_long_as_it_is_deeper_than_rounding(place, power):
+    width = Fraction(1, 10**power)  # its depth is a quarter of the square
+    x = found(pair_of(Fraction(place), width))
+    assert place - width / 100 <= x <= place + width / 2
+
+
+@given(
+    places=st.lists(st.integers(1, 255), min_size=1, max_size=3),
+    rest=st.lists(st.integers(0, 15), max_size=6),
+)
+def test_double_roots_are_touched_and_at_most_taken_for_falls_of_no_depth(places, rest):
+    p = [Fraction(1), *map(Fraction, rest)]
+    for place in places:
+        p = product(p, pair_of(Fraction(place, 256), 0))
+    assume(all(Fraction(float(c)) == c for c in p))
+    assert exact_fall(p) == NEVER_FALLS
+    assert_right_but_for(p, DOUBT, found(p))
+
+
+@pytest.mark.parametrize("place", [0.5, 0.25, 0.375, 0.0625, 0.8125])
+def test_a_touch_in_whole_digits_is_no_fall_at_all(place):
+    assert found(pair_of(Fraction(place), 0)) == NEVER_FALLS
+
+
+@pytest.mark.parametrize("place", [0.5, 0.3, 0.75])
+def test_a_fall_after_a_touch_is_found(place):
+    x = found(product(pair_of(Fraction(1, 4), 0), [Fraction(place), -1]))
+    # where it touches it is zero within rounding, a fall of no depth; it ends at the true one
+    assert x == pytest.approx(0.25, abs=1e-7) or x == pytest.approx(place, rel=1e-13)
+
+
+@pytest.mark.parametrize("place", [0.1, 0.3, 0.5, 0.75, 0.999])
+def test_a_triple_root_is_a_fall(place):
+    root = Fraction(place)
+    x = found([-c for c in product(pair_of(root, 0), [-root, 1])])
+    assert abs(x - place) <= 1e-4  # the third root of rounding, some units of it
+
+
+# Ends
+
+
+@pytest.mark.parametrize("factor", [[0.75, -1.0], [0.3, -1.0], [0.037447314, -1.0]])
+def test_a_fall_counts_although_the_guard_is_back_at_zero_at_the_end(factor):
+    x = found(product([Fraction(c) for c in factor], [1, -1]))
+    assert x == pytest.approx(factor[0], rel=4 * EPSILON)
+
+
+@pytest.mark.parametrize("dip", [(0.3, 0.5), (0.3, 0.25 + 0.125), (0.55, 0.75)])
+def test_a_fall_counts_although_the_guard_is_back_at_zero_where_intervals_are_halved(dip):
+    first, second = map(Fraction, dip)
+    p = product(product([-first, 1], [-second, 1]), complex_pair(Fraction(4, 5), Fraction(1, 50)))
+    assert abs(found(p) - dip[0]) <= 1e-13  # as conditioned: slopes of 1e-2
+
+
+@pytest.mark.parametrize(
+    "coefficients",
+    [
+        [0.0],
+        [0.0, 0.0, 0.0],
+        [1.0],
+        [1.0, 2.0],
+        [0.0, 1.0],
+        [0.0, 0.0, 0.0, 1e-300],
+        [1.0, -0.5, -0.4],
+        [1.0, -1.0],  # zero at the end is not below it
+        [0.0, 1.0, -1.0],
+        [-1e-16, 1.0],  # an event was left there by rounding
+        [1e-16, -1e-16, 1.0],
+        [0.0, -4e-16, 1.0],
+        [-0.0, 0.0, 1.0],
+        [1.0, -3.0, 2.5],
+    ],
+)
+def test_a_guard_that_never_falls_is_known(coefficients):
+    assert found(coefficients) == NEVER_FALLS
+
+
+@pytest.mark.parametrize(
+    "coefficients",
+    [
+        [-1.0],
+        [-1.0, 3.0],
+        [0.0, -1.0],
+        [0.0, 0.0, -1e-300],
+        [1e-16, -1.0],  # an event was left there by rounding
+        [-1e-14, 1.0],
+        [0.0, 1e-17, -1.0, 5.0],
+        [-1e-16, 1e-17, -1.0, 0.5],
+    ],
+)
+def test_a_guard_that_falls_at_once_is_known(coefficients):
+    assert found(coefficients) == FALLS_AT_ONCE
+
+
+def test_a_root_at_the_very_end_is_not_looked_for_before_it():
+    for degree in range(1, SERIES + 1):
+        x = found([1.0, *[0.0] * (degree - 1), -1.0 - 4 * EPSILON])
+        assert 1.0 - 8 * EPSILON <= x <= 1.0  # the root: 1 less four units over the degree

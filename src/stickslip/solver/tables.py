@@ -1,96 +1,192 @@
-"""Numbers that a run starts from: parameters, pieces of the drives, their bounds."""
+"""Numbers that runs start from: parameters, pieces of the drives, their bounds.
 
-import bisect
-import itertools
+Everything is made for many runs at once, whose parameters are arrays; one run is a case of that.
+"""
+
 import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from stickslip.drives import Drive, Piece
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.drives import Drive, Piece, Sum
 from stickslip.drives.base import BEGINNING
 from stickslip.formulation import Model
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import parameters
+from stickslip.quantities import parameters, shadow
 
-__all__ = ["Inputs", "gather"]
+__all__ = ["Inputs", "Schedule", "gather", "schedule", "values_of"]
 
 SHORTEST = 8
-"""Units in the last place of the time that a piece must last."""
+"""Units in the last place of the time that a piece must last; what a shorter one does is a jump."""
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """What the drives of runs do, and when."""
+
+    table: Array
+    """A row a run: for each piece start, then value, slope and start of each drive."""
+    bounds: Array
+    """A row a run: for each piece, least and largest value of each drive from its start on."""
+    time_scale: Array
+    """Shortest time in which a drive changes much, for each run."""
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """The vectors that kernels take, as lists."""
+    """The numbers of one run."""
 
     p: list[float]
     """Parameters."""
     first: int
     """Place of the first parameter in the vector of a run."""
     table: list[float]
-    """A row a piece: start, then value, slope and start of each drive."""
     bounds: list[float]
-    """For each row, least and largest value of each drive from its start on."""
     time_scale: float
-    """Shortest time in which a drive changes much."""
+
+
+def values_of(mechanism: Mechanism, law: FrictionLaw) -> dict[str, float]:
+    """Return the parameters of a mechanism and a law by path."""
+    roots = ((mechanism, "mechanism"), (law, "friction"))
+    return {path: value for root, prefix in roots for path, _, value in parameters(root, prefix)}
 
 
 def gather(mechanism: Mechanism, law: FrictionLaw, model: Model) -> Inputs:
     """Collect the numbers of a mechanism and a law in the order of the model."""
-    values = {
-        path: value
-        for root, prefix in ((mechanism, "mechanism"), (law, "friction"))
-        for path, _, value in parameters(root, prefix)
-    }
-    drives = list(mechanism.drives().values())
-    tables = [_pieces(drive) for drive in drives]
-    starts = _apart(sorted({piece.start for table in tables for piece in table} | {BEGINNING}))
-    rows = [[_piece_at(table, start) for table in tables] for start in starts]
-    table = [
-        number for start, row in zip(starts, rows, strict=True) for number in (start, *sum(row, ()))
-    ]
+    values = values_of(mechanism, law)
+    plan = schedule(mechanism, {}, 1)
     return Inputs(
         p=[float(values[path]) for path in model.parameter_paths],
         first=model.first_parameter,
-        table=table,
-        bounds=_bounds(drives, starts, rows),
-        time_scale=min((drive.time_scale() for drive in drives), default=math.inf),
+        table=plan.table[0].tolist(),
+        bounds=plan.bounds[0].tolist(),
+        time_scale=float(plan.time_scale[0]),
     )
 
 
-def _apart(starts: list[float]) -> list[float]:
-    """Drop pieces that last no longer than roundings of the time: what they do is a jump."""
-    return [
-        start
-        for start, following in itertools.pairwise([*starts, math.inf])
-        if following == math.inf or following - start > SHORTEST * math.ulp(following)
-    ]
+def schedule(mechanism: Mechanism, columns: Mapping[str, Array], count: int) -> Schedule:
+    """Return what the drives do in a number of runs.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What is driven.
+    columns : mapping
+        Parameters that are not the mechanism's own, an array (count,) by full path.
+    count : int
+        Number of runs.
+    """
+    values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    twin = shadow(mechanism, "mechanism", lambda path: columns.get(path, values[path]))
+    drives = list(twin.drives().values())
+    tables = [[_columns(part.pieces(), count) for part in _parts(drive)] for drive in drives]
+    starts = _starts([table[0] for parts in tables for table in parts], count)
+    rows = [_merged(parts, starts) for parts in tables]
+    return Schedule(
+        table=np.concatenate([starts[:, :, None], *rows], axis=2).reshape(count, -1),
+        bounds=_bounds(drives, starts, rows),
+        time_scale=_time_scale(drives, count),
+    )
 
 
-def _pieces(drive: Drive) -> list[Piece]:
-    return [Piece(*(float(number) for number in piece)) for piece in drive.pieces()]
+def _parts(drive: Drive) -> Iterator[Drive]:
+    """Yield the drives of which a sum is made."""
+    if isinstance(drive, Sum):
+        for part in drive.parts:
+            yield from _parts(part)
+    else:
+        yield drive
 
 
-def _piece_at(table: list[Piece], t: float) -> tuple[float, ...]:
-    """Return value, slope and start of the piece that holds at a time."""
-    index = bisect.bisect_right(table, t, key=lambda piece: piece.start) - 1
-    if index < 0:
-        return 0.0, 0.0, 0.0
-    return table[index].value, table[index].slope, table[index].start
+def _columns(pieces: Sequence[Piece], count: int) -> Array:
+    """Return starts, values and slopes (3, 1 or count, pieces); one row where all are the same."""
+    varied = any(np.ndim(number) for piece in pieces for number in piece)
+    rows = count if varied else 1
+    if not varied:
+        return np.array(pieces, dtype=np.float64).reshape(1, -1, 3).transpose(2, 0, 1)
+    columns = [[np.broadcast_to(number, rows) for number in piece] for piece in pieces]
+    return np.array(columns, dtype=np.float64).transpose(1, 2, 0)
 
 
-def _bounds(
-    drives: list[Drive], starts: list[float], rows: list[list[tuple[float, ...]]]
-) -> list[float]:
-    """Return least and largest value of each drive from each row's start on, row by row."""
-    bounds = [[(0.0, 0.0)] * len(drives) for _ in rows]
-    for k, drive in enumerate(drives):
-        low_smooth, high_smooth = (float(bound) for bound in drive.smooth_bound())
-        low, high = math.inf, -math.inf
-        for r in range(len(rows) - 1, -1, -1):
-            value, slope, origin = rows[r][k]
-            end = starts[r + 1] if r + 1 < len(rows) else math.inf
-            last = value if slope == 0 else value + slope * (end - origin)
-            first = value if slope == 0 else value + slope * (starts[r] - origin)
-            low, high = min(low, first, last), max(high, first, last)
-            bounds[r][k] = (low + low_smooth, high + high_smooth)
-    return [number for row in bounds for pair in row for number in pair]
+def _starts(tables: Sequence[Array], count: int) -> Array:
+    """Return the starts of all pieces (count, pieces), sorted; those too short begin later."""
+    beginning = np.full((count, 1), BEGINNING)
+    if not tables:
+        return beginning
+    if all(len(table) == 1 for table in tables):
+        one = np.unique(np.concatenate([BEGINNING + np.zeros(1), *[t[0] for t in tables]]))
+        starts = np.broadcast_to(one, (count, len(one))).copy()
+    else:
+        each = [np.broadcast_to(table, (count, table.shape[1])) for table in tables]
+        starts = np.sort(np.concatenate([beginning, *each], axis=1), axis=1)
+    for i in range(starts.shape[1] - 2, -1, -1) if _too_short(starts).any() else ():
+        short = starts[:, i + 1] - starts[:, i] <= SHORTEST * np.spacing(np.abs(starts[:, i + 1]))
+        starts[short, i] = starts[short, i + 1]
+    return starts
+
+
+def _too_short(starts: Array) -> NDArray[np.bool_]:
+    return np.asarray(np.diff(starts, axis=1) <= SHORTEST * np.spacing(np.abs(starts[:, 1:])))
+
+
+def _merged(tables: Sequence[Array], starts: Array) -> Array:
+    """Return value, slope and start (count, pieces, 3) of a drive from each of the starts on."""
+    value = np.zeros_like(starts)
+    slope = np.zeros_like(starts)
+    for begins, values, slopes in tables:
+        if begins.shape[1] == 0:
+            continue
+        index = _index(begins, starts)
+        held = index >= 0
+        index = np.maximum(index, 0)
+        own = _taken(slopes, index) * held
+        since = np.where(own != 0.0, starts - _taken(begins, index), 0.0)
+        value += _taken(values, index) * held + own * since
+        slope += own
+    return np.stack([value, slope, starts], axis=2)
+
+
+def _index(begins: Array, starts: Array) -> NDArray[np.intp]:
+    """Return the piece of a table that holds at each of the starts, -1 before the first."""
+    if len(begins) == 1:
+        return np.searchsorted(begins[0], starts, side="right") - 1
+    return np.asarray((begins[:, None, :] <= starts[:, :, None]).sum(axis=2) - 1)
+
+
+def _taken(table: Array, index: NDArray[np.intp]) -> Array:
+    return np.take_along_axis(np.broadcast_to(table, (len(index), table.shape[1])), index, axis=1)
+
+
+def _bounds(drives: Sequence[Drive], starts: Array, rows: Sequence[Array]) -> Array:
+    """Return least and largest value of each drive from each start on (count, all)."""
+    count, pieces = starts.shape
+    bounds = np.zeros((count, pieces, len(drives), 2))
+    ends = np.concatenate([starts[:, 1:], np.full((count, 1), math.inf)], axis=1)
+    for k, (drive, row) in enumerate(zip(drives, rows, strict=True)):
+        value, slope = row[:, :, 0], row[:, :, 1]
+        last = np.where(slope == 0.0, value, value + slope * np.where(slope == 0, 0, ends - starts))
+        smooth = [_smooth_bound(drive, side, count) for side in (0, 1)]
+        for side, best in enumerate((np.minimum, np.maximum)):
+            reached = best.accumulate(best(value, last)[:, ::-1], axis=1)[:, ::-1]
+            bounds[:, :, k, side] = reached + smooth[side][:, None]
+    return bounds.reshape(count, -1)
+
+
+def _smooth_bound(drive: Drive, side: int, count: int) -> Array:
+    return sum(
+        (np.broadcast_to(part.smooth_bound()[side], count) for part in _parts(drive)),
+        np.zeros(count),
+    )
+
+
+def _time_scale(drives: Sequence[Drive], count: int) -> Array:
+    scale = np.full(count, math.inf)
+    for drive in drives:
+        for part in _parts(drive):
+            scale = np.minimum(scale, np.asarray(part.time_scale(), dtype=np.float64))
+    return scale

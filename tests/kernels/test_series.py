@@ -1,0 +1,281 @@
+"""Steps by Taylor series against matrix exponentials, and which modes may take them."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.linalg import expm
+from tests.support import Generated, decade, nearly
+
+from stickslip import (
+    Axis,
+    Coulomb,
+    CoulombViscous,
+    PiecewiseLinear,
+    Pulse,
+    Sampled,
+    Sine,
+    SpringBlock,
+    Stribeck,
+    TowedBlock,
+    Viscous,
+)
+
+MANY = settings(max_examples=100)
+SERIES = 20
+ROUNDING = 1e-14
+"""Each of twenty terms adds a few roundings, and the exponential it is compared with some more."""
+
+# What is propagated: m x'' = force + growth t - c x' - k x, put down by hand
+
+directions = st.sampled_from([1, -1])
+laws = st.builds(
+    CoulombViscous,
+    kinetic_coefficient=decade(-2, 0),
+    viscous_coefficient=st.just(0.0) | decade(-2, 3),
+)
+lines = st.builds(
+    lambda a, b: PiecewiseLinear(times=(0.0, 8.0), values=(a, b)), nearly(-20, 20), nearly(-20, 20)
+)
+axes = st.builds(
+    Axis,
+    inertia=decade(-2, 2),
+    drive=lines,
+    stiffness=st.just(0.0) | decade(-1, 4),
+    damping=st.just(0.0) | decade(-2, 3),
+    load=decade(-1, 2),
+    offset=nearly(-1, 1),
+)
+spring_blocks = st.builds(
+    SpringBlock,
+    mass=decade(-2, 2),
+    stiffness=decade(0, 4),
+    compression=nearly(0.01, 0.2),
+    attached=st.booleans(),
+    drive=lines,
+)
+towed_blocks = st.builds(
+    TowedBlock,
+    mass=decade(-2, 2),
+    stiffness=decade(-1, 4),
+    speed=nearly(-0.5, 0.5),
+    damping=st.just(0.0) | decade(-2, 3),
+)
+
+
+def line(drive):
+    first, last = drive.values
+    return first, (last - first) / 8.0
+
+
+def coefficients(rig, law, sign, touching):
+    """Return m, c, k, force at time 0 and its growth for a sliding body."""
+    mu, sigma = law.kinetic_coefficient, law.viscous_coefficient
+    if isinstance(rig, Axis):
+        force, growth = line(rig.drive)
+        force -= rig.offset + sign * mu * rig.load
+        return rig.inertia, rig.damping + sigma, rig.stiffness, force, growth
+    friction = sign * mu * rig.mass * rig.gravity
+    if isinstance(rig, SpringBlock):
+        force, growth = line(rig.drive)
+        k = rig.stiffness if touching else 0.0
+        return rig.mass, sigma, k, force - friction + k * rig.compression, growth
+    c, k = rig.damping, rig.stiffness
+    return rig.mass, c + sigma, k, c * rig.speed - friction, k * rig.speed
+
+
+def scaled_step(numbers, t, h, x, v):
+    """Return the size of the state in a step, and exact position and h times velocity over it."""
+    m, c, k, force, growth = numbers
+    speed = abs(v) + h * (abs(force) + abs(growth) * (t + h) + c * abs(v) + k * abs(x)) / m
+    size = abs(x) + h * speed
+    A = np.zeros((4, 4))  # of position, h times velocity, a constant, the share of the step
+    A[0, 1] = 1.0
+    A[1] = -h * h * k / m, -h * c / m, h * h / m * (force + growth * t), h * h / m * growth * h
+    A[1, 2:] /= size
+    A[3, 2] = 1.0
+    return size, expm(A) @ np.array([x / size, h * v / size, 1.0, 0.0])
+
+
+class Stepper:
+    """Takes series steps of one rig in one mode."""
+
+    def __init__(self, rig, law, sign, x, v):
+        generated = Generated(rig, law)
+        self.module, self.w = generated.module, generated.equations.w
+        self.sign, self.flags = sign, generated.flags([x, v])
+        generated.equations.load_at(0.0)
+        self.y = [x, v]
+
+    def step(self, t, h):
+        """Return the tail over what is allowed, and the new state."""
+        m, w = self.module, self.w
+        w[m.Y : m.Y + 2] = self.y
+        w[m.SCALE : m.SCALE + 2] = [0.0, 0.0]
+        tail = m.series_step(self.sign, self.flags, t, h, w, m.Y)
+        return tail, w[m.Y1 : m.Y1 + 2]
+
+    def accepted(self, t, h):
+        """Return the first length that is accepted, and the new state."""
+        for _ in range(60):
+            tail, y = self.step(t, h)
+            if tail <= 1.0:
+                return h, y
+            h *= 0.95 * tail ** (-1.0 / SERIES) if tail < 1e60 else 1e-3
+        raise AssertionError("no step is short enough")
+
+
+@pytest.mark.parametrize("rigs", [axes, spring_blocks, towed_blocks], ids=["axis", "block", "tow"])
+@MANY
+@given(
+    data=st.data(),
+    law=laws,
+    sign=directions,
+    t=st.just(0.0) | nearly(0, 8),
+    x=nearly(-0.5, 0.5),
+    speed=decade(-3, 1),
+    length=decade(-4, 2),
+)
+def test_a_step_is_that_of_the_matrix_exponential(rigs, data, law, sign, t, x, speed, length):
+    rig = data.draw(rigs)
+    v = sign * speed
+    stepper = Stepper(rig, law, sign, x, v)
+    touching = getattr(rig, "attached", True) or rig.compression > x
+    h, (x1, v1) = stepper.accepted(t, length)
+    numbers = coefficients(rig, law, sign, touching)
+    size, exact = scaled_step(numbers, t, h, x, v)
+    assert abs(x1 / size - exact[0]) <= ROUNDING
+    assert abs(h * v1 / size - exact[1]) <= ROUNDING
+
+
+# Length of steps
+
+
+@pytest.mark.parametrize("frequency", [1e-3, 1.0, 1e6])
+def test_a_step_covers_more_than_a_radian_of_an_oscillation(frequency):
+    axis = Axis(inertia=1.0, stiffness=frequency**2)
+    stepper = Stepper(axis, Coulomb(kinetic_coefficient=0.0), 1, 0.3, 0.1 * frequency)
+    h, (x, v) = stepper.accepted(0.0, 50.0 / frequency)
+    angle = h * frequency
+    assert 1.0 < angle < 1.5
+    exact = 0.3 * math.cos(angle) + 0.1 * math.sin(angle)
+    assert math.isclose(x, exact, abs_tol=2e-16)  # a unit in the last place of the amplitude
+    slope = (0.1 * math.cos(angle) - 0.3 * math.sin(angle)) * frequency
+    assert math.isclose(v, slope, abs_tol=2e-16 * frequency)
+
+
+def test_the_tail_is_that_of_the_last_two_terms_over_the_last_digit_of_the_state():
+    stepper = Stepper(Axis(inertia=1.0, stiffness=1.0), Coulomb(kinetic_coefficient=0.0), 1, 1.0, 0)
+    h = 1.3
+    tail, (x, v) = stepper.step(0.0, h)
+    term = h**20 / math.factorial(20)
+    before = h**19 / math.factorial(19)
+    # cosine in the position has term 20, sine in the velocity term 19
+    assert math.isclose(tail, max(term / 1.0, before / abs(v)) / 1e-16, rel_tol=1e-12)
+
+
+@pytest.mark.parametrize("length", [10.0, 1e3, 1e15, 1e200, 1e308])
+def test_a_step_that_is_far_too_long_is_refused_and_its_remedy_ends(length):
+    stepper = Stepper(
+        Axis(inertia=1.0, stiffness=1.0), Coulomb(kinetic_coefficient=0.1), 1, 1.0, 0.5
+    )
+    assert stepper.step(0.0, length)[0] > 1.0
+    h, _ = stepper.accepted(0.0, length) if length < 1e100 else stepper.accepted(0.0, 1e100)
+    assert 0.5 < h < 1.5
+
+
+@pytest.mark.parametrize("length", [1e-6, 1.0, 1e8])
+def test_uniform_acceleration_is_one_step_however_long(length):
+    axis = Axis(inertia=2.0, drive=PiecewiseLinear(times=(0.0,), values=(5.0,)))
+    stepper = Stepper(axis, Coulomb(kinetic_coefficient=1.0), 1, 0.25, 0.5)
+    tail, (x, v) = stepper.step(0.0, length)
+    assert tail == 0.0
+    assert stepper.w[stepper.module.DENSE] == 2.0  # terms after the first
+    # three terms, each with a rounding or two
+    assert math.isclose(x, 0.25 + 0.5 * length + length**2, rel_tol=5e-16)
+    assert math.isclose(v, 0.5 + 2.0 * length, rel_tol=5e-16)
+
+
+def test_a_state_of_zero_that_stays_zero_ends_its_series():
+    stepper = Stepper(Axis(inertia=1.0, stiffness=4.0), Coulomb(kinetic_coefficient=0.0), 1, 0.0, 0)
+    assert stepper.step(0.0, 100.0) == (0.0, [0.0, 0.0])
+
+
+# Which modes are linear
+
+SINE = Sine(amplitude=1.0, frequency=2.0)
+SAMPLES = Sampled(times=(0.0, 0.1, 0.2), values=(1.0, 3.0, 2.0))
+STEADY = {
+    "none": None,
+    "pulse": Pulse(level=2.0, duration=0.1),
+    "line": PiecewiseLinear(times=(0.0, 1.0), values=(0.0, 2.0)),
+    "held samples": SAMPLES,
+    "joined samples": Sampled(times=SAMPLES.times, values=SAMPLES.values, hold="first"),
+    "sum": Pulse(level=2.0, duration=0.1) + SAMPLES,
+}
+LINEAR_LAWS = [
+    Coulomb(kinetic_coefficient=0.2),
+    Coulomb(kinetic_coefficient=0.2, static_coefficient=0.3),
+    Viscous(viscous_coefficient=0.4),
+    CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=0.4),
+]
+each_linear_law = pytest.mark.parametrize("law", LINEAR_LAWS, ids=lambda law: law.name)
+STRIBECK = Stribeck(
+    kinetic_coefficient=0.2,
+    static_coefficient=0.3,
+    stribeck_velocity=0.01,
+    viscous_coefficient=0.5,
+)
+
+
+def rigs_with(drive):
+    return [
+        Axis(inertia=2.0, drive=drive, stiffness=3.0, damping=0.2, offset=0.1),
+        SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, drive=drive),
+        SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, attached=True, drive=drive),
+        SpringBlock(mass=1.0, drive=drive),
+    ]
+
+
+def linear(rig, law, mode, y):
+    return Generated(rig, law).moving("linear", mode, y)[0]
+
+
+@each_linear_law
+@pytest.mark.parametrize("drive", STEADY.values(), ids=STEADY)
+@pytest.mark.parametrize("mode", [-1, 0, 1])
+def test_modes_without_curves_are_linear(law, drive, mode):
+    for rig in (*rigs_with(drive), TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, damping=0.3)):
+        for x in (0.0, 0.2):  # on the spring, and free
+            assert linear(rig, law, mode, [x, 0.1 * mode]) == 1.0
+
+
+@each_linear_law
+@pytest.mark.parametrize("drive", [SINE, SINE + Pulse(level=1.0, duration=0.1)])
+@pytest.mark.parametrize("mode", [-1, 0, 1])
+def test_modes_under_a_sine_are_not_linear(law, drive, mode):
+    for rig in rigs_with(drive):
+        assert linear(rig, law, mode, [0.0, 0.1 * mode]) == 0.0
+
+
+@pytest.mark.parametrize("mode", [-1, 1])
+def test_the_law_of_stribeck_is_linear_outside_its_layer_only(mode):
+    layer = 0.01 * math.sqrt(36.0)
+    for rig in (*rigs_with(None), TowedBlock(mass=1.0, stiffness=2.0, speed=0.1)):
+        for x in (0.0, 0.2):
+            assert linear(rig, STRIBECK, mode, [x, 0.999 * layer * mode]) == 0.0
+            assert linear(rig, STRIBECK, mode, [x, 1e-6 * mode]) == 0.0
+            assert linear(rig, STRIBECK, mode, [x, 1.001 * layer * mode]) == 1.0
+
+
+def test_a_body_held_by_the_law_of_stribeck_is_linear():
+    for rig in (*rigs_with(None), TowedBlock(mass=1.0, stiffness=2.0, speed=0.1)):
+        assert linear(rig, STRIBECK, 0, [0.0, 0.0]) == 1.0
+
+
+@pytest.mark.parametrize("mode", [-1, 1])
+def test_the_law_of_stribeck_under_a_sine_is_linear_nowhere(mode):
+    for rig in rigs_with(SINE):
+        assert linear(rig, STRIBECK, mode, [0.0, 1.0 * mode]) == 0.0
