@@ -1,15 +1,24 @@
 """Joins a mechanism, a law and a solver."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import BristleLaw, FrictionLaw, PrintedForm
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
-from stickslip.solver import EventDriven, Solver
-from stickslip.trajectory import Trajectory
+from stickslip.solver import EventDriven, Output, Solver
+from stickslip.solver.ensembles import run_ensemble
+from stickslip.trajectory import Ensemble, Trajectory
 
-__all__ = ["simulate"]
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from numpy.typing import ArrayLike
+
+__all__ = ["ensemble", "simulate"]
+
+END = Quantity("T", "s", above=0)
 
 
 def simulate(
@@ -59,12 +68,9 @@ def simulate(
     >>> round(float(run["x"][-1]), 7)
     0.1538736
     """
-    if not isinstance(mechanism, Mechanism):
-        raise InputError(f"mechanism must be a Mechanism such as SpringBlock, got {mechanism!r}.")
-    if not isinstance(law, (FrictionLaw, PrintedForm)):
-        raise InputError(f"law must be a friction law such as Coulomb, got {law!r}.")
-    last = Quantity("T", "s", above=0).check("simulate", "t_end", t_end)
-    start = _initial_state(mechanism, law, y0)
+    _check(mechanism, law)
+    last = END.check("simulate", "t_end", t_end)
+    start = _initial_state("simulate", mechanism, law, y0)
     solver = EventDriven() if solver is None else solver
     if not isinstance(solver, Solver):
         raise InputError(f"solver must be an EventDriven(...) or FixedStep(...), got {solver!r}.")
@@ -76,7 +82,104 @@ def simulate(
     return run
 
 
+def ensemble(
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    parameters: Mapping[str, "ArrayLike"],
+    *,
+    t_end: float,
+    outputs: Sequence[str] | Mapping[str, Output] | None = None,
+    y0: Mapping[str, float] | Sequence[float] | None = None,
+    solver: EventDriven | None = None,
+    executor: "Executor | None" = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> Ensemble:
+    """Simulate a mechanism with a friction law many times, with other numbers each time.
+
+    The runs are compiled (a first call waits for that) and spread over all cores. They are the
+    runs that `simulate` makes, and do not depend on the number of threads.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        What holds it back.
+    parameters : mapping
+        What varies: arrays (n,), or numbers for all runs, by path, such as
+        ``"friction.kinetic_coefficient"``, ``"mechanism.drive.level"`` or ``"initial.x"``; the last
+        name alone will do where only one has it.
+    t_end : float
+        Last time of every run [s].
+    outputs : sequence of str or mapping, optional
+        States whose final values are kept, or `Final`, `Max`, `Min`, `Mean`, `Samples`,
+        `EventTimes` and `EventCount` by name. The final values of all states if not given.
+    y0 : mapping or sequence, optional
+        Initial states that do not vary, as in `simulate`.
+    solver : EventDriven, optional
+        Tolerances, limits and tier; compiled if not given.
+    executor : concurrent.futures.Executor, optional
+        Where chunks of runs are executed; threads for all cores if not given. Anything with its
+        ``submit`` will do whose futures are those of `concurrent.futures`.
+    progress : callable, optional
+        Called with the number of runs done and of all runs after each chunk. If it returns False,
+        no further chunks begin; runs that were not made are `Status.CANCELLED`.
+
+    Returns
+    -------
+    Ensemble
+        Outputs, status and certificate of each run.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used. A run that ends early raises nothing: see its status.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import Coulomb, EventTimes, Max, Pulse, SpringBlock
+    >>> block = SpringBlock(mass=1.0, drive=Pulse(level=10.0, duration=0.1))
+    >>> runs = ensemble(
+    ...     block,
+    ...     Coulomb(kinetic_coefficient=0.25),
+    ...     {"mechanism.drive.level": np.linspace(5.0, 10.0, 3)},
+    ...     t_end=2.0,
+    ...     outputs={"fastest": Max("v"), "rest": EventTimes("stop")},
+    ... )
+    >>> runs["fastest"].round(3), runs["rest"][:, 0].round(3)
+    (array([0.255, 0.505, 0.755]), array([0.204, 0.306, 0.408]))
+    """
+    _check(mechanism, law)
+    if not isinstance(law, FrictionLaw):
+        raise InputError(f"ensembles run with EventDriven, which does not take {law!r}.")
+    solver = EventDriven(tier="compiled") if solver is None else solver
+    if not isinstance(solver, EventDriven):
+        raise InputError(f"solver must be an EventDriven(...), got {solver!r}.")
+    last = END.check("ensemble", "t_end", t_end)
+    start = _initial_state("ensemble", mechanism, law, y0)
+    return run_ensemble(
+        mechanism,
+        law,
+        parameters,
+        y0=start,
+        t_end=last,
+        outputs=outputs,
+        solver=solver,
+        executor=executor,
+        progress=progress,
+    )
+
+
+def _check(mechanism: object, law: object) -> None:
+    if not isinstance(mechanism, Mechanism):
+        raise InputError(f"mechanism must be a Mechanism such as SpringBlock, got {mechanism!r}.")
+    if not isinstance(law, (FrictionLaw, PrintedForm)):
+        raise InputError(f"law must be a friction law such as Coulomb, got {law!r}.")
+
+
 def _initial_state(
+    owner: str,
     mechanism: Mechanism,
     law: FrictionLaw | PrintedForm,
     y0: Mapping[str, float] | Sequence[float] | None,
@@ -96,6 +199,6 @@ def _initial_state(
     if len(y0) != len(names):
         raise InputError(f"y0 must have {len(names)} values ({', '.join(names)}), got {len(y0)}.")
     return [
-        Quantity(name).check("simulate", f"y0[{name!r}]", value)
+        Quantity(name).check(owner, f"y0[{name!r}]", value)
         for name, value in zip(names, y0, strict=True)
     ]

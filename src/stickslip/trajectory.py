@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Certificate", "Event", "Status", "Trajectory"]
+__all__ = ["Certificate", "Ensemble", "Event", "Status", "Trajectory"]
 
 
 class Status(enum.Enum):
@@ -27,6 +27,7 @@ class Status(enum.Enum):
     STEP_TOO_SMALL = "The step fell below rounding: the equations are singular here."
     NOT_FINITE = "The state grew beyond all numbers."
     ZENO = "Events follow each other without end: the state cannot be continued."
+    CANCELLED = "Was cancelled before it began."
 
     @property
     def complete(self) -> bool:
@@ -209,5 +210,72 @@ class Trajectory:
             ("energy error", f"{self.certificate.energy_error:.1e}"),
             ("certified", "yes" if self.certificate.certified else "no"),
         )
+        cells = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in rows)
+        return f"<table>{cells}</table>"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ensemble:
+    """Many runs of one mechanism with one law: outputs, status and certificate, a row a run.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import Coulomb, SpringBlock, ensemble
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> law = Coulomb(kinetic_coefficient=0.25)
+    >>> levels = {"kinetic_coefficient": np.array([0.2, 0.25, 0.3])}
+    >>> runs = ensemble(rig, law, levels, t_end=1.0)
+    >>> runs["x"].round(4)
+    array([0.2548, 0.2039, 0.1699])
+    >>> runs.status[0].value
+    'Came to rest: no drive can move the body any more.'
+    """
+
+    outputs: Mapping[str, "NDArray[np.float64]"]
+    """Numbers kept of each run: (n,), or (n, m) where an output has several."""
+    parameters: Mapping[str, "NDArray[np.float64]"]
+    """What was varied, an array (n,) by full path."""
+    status: "NDArray[np.object_]"
+    """How each run ended, a `Status` each (n,)."""
+    certified: "NDArray[np.bool_]"
+    """Whether each run passed every check of its certificate (n,)."""
+    energy_error: "NDArray[np.float64]"
+    """Mismatch of energy and work (n,), as in `Certificate`."""
+    guard_violation: "NDArray[np.float64]"
+    """Largest violation of a mode's conditions (n,)."""
+    event_residual: "NDArray[np.float64]"
+    """Largest distance from its condition at which an event was located (n,)."""
+    steps: "NDArray[np.int64]"
+    """Accepted steps (n,)."""
+
+    def __len__(self) -> int:
+        """Return the number of runs."""
+        return len(self.status)
+
+    def __getitem__(self, name: str) -> "NDArray[np.float64]":
+        """Return an output (n,) or (n, m)."""
+        if name not in self.outputs:
+            raise UnknownNameError("output", name, self.outputs)
+        return self.outputs[name]
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return parameters, outputs, status and certificate, a row a run."""
+        import pandas as pd
+
+        columns: dict[str, Any] = dict(self.parameters)
+        for name, values in self.outputs.items():
+            if values.ndim == 1:
+                columns[name] = values
+            else:
+                columns |= {f"{name}.{i}": values[:, i] for i in range(values.shape[1])}
+        columns["status"] = [status.name for status in self.status]
+        return pd.DataFrame(columns | {"certified": self.certified})
+
+    def _repr_html_(self) -> str:
+        counts = {s: int((self.status == s).sum()) for s in Status}
+        rows = [("runs", str(len(self))), ("outputs", ", ".join(self.outputs))]
+        rows += [(status.value, str(count)) for status, count in counts.items() if count]
+        rows.append(("certified", str(int(self.certified.sum()))))
         cells = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in rows)
         return f"<table>{cells}</table>"

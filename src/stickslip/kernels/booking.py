@@ -28,30 +28,11 @@ from stickslip.kernels.layout import (
     Y,
 )
 from stickslip.kernels.model import N_GUARDS, N_STATES, SLIP, power
+from stickslip.kernels.nodes import NODES, WEIGHTS
 from stickslip.kernels.roots import NO_GUARD, guard_values
 from stickslip.kernels.tier import Vector
 
 __all__ = ["add_work", "close_step", "record"]
-
-# Gauss-Legendre nodes and weights on 0 to 1, for the work done in a step
-NODES = (
-    0.0254460438286207,
-    0.12923440720030277,
-    0.2970774243113014,
-    0.5,
-    0.7029225756886985,
-    0.8707655927996972,
-    0.9745539561713793,
-)
-WEIGHTS = (
-    0.06474248308443487,
-    0.13985269574463843,
-    0.19091502525255935,
-    0.20897959183673465,
-    0.19091502525255935,
-    0.13985269574463843,
-    0.06474248308443487,
-)
 
 
 def add_work(w: Vector, whole: Vector) -> None:

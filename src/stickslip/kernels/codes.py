@@ -1,20 +1,32 @@
 """Whole numbers that pass between generated modules, kernels and their readers."""
 
 __all__ = [
+    "AT",
     "AT_REST",
     "BREAK_BACKWARD",
     "BREAK_FORWARD",
+    "BROKE_AWAY",
     "END_TIME",
+    "EVENT_COUNT",
+    "EVENT_TIME",
     "EXACT",
+    "FINAL",
+    "GREATEST",
+    "LEFT_GROUND",
     "LIFTED_OFF",
     "LIFT_OFF",
+    "MEAN",
+    "REVERSED",
     "RUNNING",
+    "SMALLEST",
     "SMOOTH",
     "STEP_LIMIT",
     "STEP_TOO_SMALL",
     "STIFF",
     "STOP",
+    "STOPPED",
     "SWITCH",
+    "SWITCHED",
     "ZENO",
 ]
 
@@ -24,6 +36,22 @@ BREAK_FORWARD = 1
 BREAK_BACKWARD = 2
 LIFT_OFF = 3
 SWITCH = 4
+
+# What is kept of a run in an ensemble.
+FINAL = 0
+AT = 1
+GREATEST = 2
+SMALLEST = 3
+MEAN = 4
+EVENT_TIME = 5
+EVENT_COUNT = 6
+
+# What happened, in the records of events; switch j gives SWITCHED + 2 j, one more where it ceases.
+STOPPED = 0
+REVERSED = 1
+BROKE_AWAY = 2
+LEFT_GROUND = 3
+SWITCHED = 4
 
 # How a mode is stepped: DOP853, Rodas5P, series.
 SMOOTH = 0

@@ -16,6 +16,7 @@ __all__ = [
     "DENSE_SIZE",
     "DOP853_STAGES",
     "DRIFT",
+    "END",
     "EVENTS",
     "EVENT_COLUMNS",
     "FLAGS",
@@ -94,12 +95,14 @@ FRACTION = TIME + 7
 LENGTH = TIME + 8
 GROSS = TIME + 9
 
-# State, new state, its slope, sizes reached, a point inside a step, room for values of functions.
+# State, new state, its slope, sizes reached, state at the end of a run, a point inside a step,
+# room for values of functions.
 Y = TIME + 10
 Y1 = Y + N_STATES
 SLOPE = Y1 + N_STATES
 SCALE = SLOPE + N_STATES
-POINT = SCALE + N_STATES
+END = SCALE + N_STATES
+POINT = END + N_STATES
 VALUES = POINT + N_STATES
 
 # Stages, matrix, its pivots, df/dt, dense output.

@@ -19,6 +19,7 @@ __all__ = [
     "REST_IS_FINAL",
     "SLIP",
     "contact",
+    "energy",
     "field",
     "guard_slopes",
     "guards",
@@ -68,6 +69,10 @@ def linear(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None
 
 def contact(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
     """Friction force, normal force, needed friction, break-away level."""
+
+
+def energy(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+    """Mechanical energy; the same in all modes."""
 
 
 def power(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:

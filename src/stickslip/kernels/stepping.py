@@ -100,7 +100,7 @@ def retry_length(guard: int, h: float, w: Vector) -> float:
     """Return the length with which a step should be taken again, 0 if it stands."""
     t = w[TIME]
     fraction = w[FRACTION]
-    if guard == STOP and fraction == 0.0 and not HAS_BRISTLES:
+    if guard != NO_GUARD and fraction == 0.0 and not (guard == STOP and HAS_BRISTLES):
         return h / 8.0 if t + h / 64.0 > t else 0.0
     if guard != NO_GUARD and 0.0 < fraction < OVERSHOT and t + 0.25 * fraction * h > t:
         return BEYOND * fraction * h

@@ -4,5 +4,29 @@ from stickslip.solver.base import Solver
 from stickslip.solver.event_driven import EventDriven
 from stickslip.solver.execution import prepare
 from stickslip.solver.fixed_step import FixedStep, Method
+from stickslip.solver.outputs import (
+    EventCount,
+    EventTimes,
+    Final,
+    Max,
+    Mean,
+    Min,
+    Output,
+    Samples,
+)
 
-__all__ = ["EventDriven", "FixedStep", "Method", "Solver", "prepare"]
+__all__ = [
+    "EventCount",
+    "EventDriven",
+    "EventTimes",
+    "Final",
+    "FixedStep",
+    "Max",
+    "Mean",
+    "Method",
+    "Min",
+    "Output",
+    "Samples",
+    "Solver",
+    "prepare",
+]

@@ -3,18 +3,30 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.solver.equations import Equations
 from stickslip.solver.playback import Playback
 from stickslip.trajectory import Certificate
 
-__all__ = ["certify"]
+__all__ = ["certify", "passes"]
 
 VIOLATION_LIMIT = 1e-9
 ENERGY_LIMIT = 1e-8
 """Steps of relative error 1e-12 add up over a long run, and rounding over a longer one."""
 RESIDUAL_LIMIT = 1e-6
 """Events are located to rounding of the time; a steep guard at a late time leaves this much."""
+
+
+def energy_limit_at(tolerance: float) -> float:
+    """Return the energy error that a run with a tolerance may have."""
+    return max(ENERGY_LIMIT, 1e3 * tolerance)
+
+
+def passes(evidence: NDArray[np.float64], tolerance: float) -> NDArray[np.bool_]:
+    """Return whether each run of a batch (n,) passes, from its evidence (n, 3 or more)."""
+    limits = np.array([energy_limit_at(tolerance), VIOLATION_LIMIT, RESIDUAL_LIMIT])
+    return np.asarray((evidence[:, :3] <= limits).all(axis=1))
 
 
 def certify(
@@ -26,7 +38,7 @@ def certify(
     energy_error = books["energy_error"]
     violation, residual = float(w[module.VIOLATION]), float(w[module.RESIDUAL])
     drift = _stick_drift(playback)
-    energy_limit = max(ENERGY_LIMIT, 1e3 * tolerance)
+    energy_limit = energy_limit_at(tolerance)
     problems = []
     if not energy_error <= energy_limit:
         problems.append(f"energy does not balance: {energy_error:.1e}, allowed {energy_limit:.0e}")

@@ -31,7 +31,10 @@ class Equations:
             "power": 2,
             "rest": 3,
         }
-        self.w: list[Any] = [*runner.working(inputs), *[0.0] * max(self.sizes.values())]
+        self.w: list[Any] = [
+            *runner.working(inputs.p, inputs.first),
+            *[0.0] * max(self.sizes.values()),
+        ]
         self.load(0)
 
     def load(self, piece: int) -> None:

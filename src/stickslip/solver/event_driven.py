@@ -1,6 +1,6 @@
 """The event-driven solver: exact switching between stick and slip."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, final
 
@@ -15,6 +15,7 @@ from stickslip.quantities import Quantity
 from stickslip.solver.base import Solver, column_units
 from stickslip.solver.certify import certify
 from stickslip.solver.execution import Record, Tier, execute
+from stickslip.solver.outputs import reasons
 from stickslip.solver.playback import Playback
 from stickslip.solver.tables import Inputs, gather
 from stickslip.trajectory import Event, Status, Trajectory
@@ -28,12 +29,6 @@ STATUS = {
     codes.STEP_LIMIT: Status.STEP_LIMIT,
     codes.STEP_TOO_SMALL: Status.STEP_TOO_SMALL,
     codes.ZENO: Status.ZENO,
-}
-REASONS = {
-    codes.STOP: "stop",
-    codes.BREAK_FORWARD: "break-away",
-    codes.BREAK_BACKWARD: "break-away",
-    codes.LIFT_OFF: "lift-off",
 }
 
 
@@ -75,6 +70,10 @@ class EventDriven(Solver):
                 f"EventDriven.tier must be 'auto', 'python' or 'compiled', got {self.tier!r}."
             )
 
+    def tolerance_for(self, law: FrictionLaw) -> float:
+        """Return the tolerance that holds for a law."""
+        return self.stiff_tolerance if isinstance(law, BristleLaw) else self.tolerance
+
     @override
     def run(
         self,
@@ -92,7 +91,7 @@ class EventDriven(Solver):
             )
         model = formulate(mechanism, law)
         inputs = gather(mechanism, law, model)
-        tolerance = self.stiff_tolerance if isinstance(law, BristleLaw) else self.tolerance
+        tolerance = self.tolerance_for(law)
         record = execute(
             model,
             inputs,
@@ -121,7 +120,7 @@ def _trajectory(
         t=playback.times(),
         names=(*model.states, "friction", "normal_force", "mode"),
         units=column_units(mechanism, bristles),
-        events=_events(mechanism, model, record.events, whole[module.EVENTS]),
+        events=_events(mechanism, model, record.events, whole[module.EVENTS], module.happened),
         status=STATUS[whole[module.STATUS]],
         certificate=certify(playback, record.w, whole, tolerance),
         span=playback.span(),
@@ -130,32 +129,27 @@ def _trajectory(
 
 
 def _events(
-    mechanism: Mechanism, model: Model, rows: Sequence[float], count: int
+    mechanism: Mechanism,
+    model: Model,
+    rows: Sequence[float],
+    count: int,
+    happened: Callable[[Sequence[float], int], int],
 ) -> tuple[Event, ...]:
     """Translate the recorded events; switches without a name stay inside."""
     (contact,) = mechanism.contacts()
+    names = reasons(model)
     events = []
     for i in range(count):
-        t, before, after, guard, flags, margin = rows[6 * i : 6 * i + 6]
-        reason = _reason(model, int(guard), int(flags), int(after))
+        t, before, after, _, _, margin = rows[6 * i : 6 * i + 6]
+        reason = names[happened(rows, i)]
         if reason is not None:
             event = Event(
-                t=t,
+                t=float(t),
                 contact=contact.name,
                 from_mode=int(before),
                 to_mode=int(after),
                 reason=reason,
-                margin=margin,
+                margin=float(margin),
             )
             events.append(event)
     return tuple(events)
-
-
-def _reason(model: Model, guard: int, flags: int, after: int) -> str | None:
-    if guard == codes.STOP and after != 0:
-        return "reversal"
-    if guard < codes.SWITCH:
-        return REASONS[guard]
-    names = model.switch_events[guard - codes.SWITCH]
-    holds = flags >> (guard - codes.SWITCH) & 1
-    return None if names is None else names[0 if holds else 1]

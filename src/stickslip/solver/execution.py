@@ -47,7 +47,7 @@ def execute(
     """Run a model from time 0 to `t_end`."""
     runner = runner_of(model, compiled=tier == "compiled" or (tier == "auto" and is_loaded(model)))
     module, vector = runner.module, runner.vector
-    w, whole = runner.working(inputs), runner.whole()
+    w, whole = runner.working(inputs.p, inputs.first), runner.whole()
     for i, value in enumerate(y0, module.Y):
         w[i] = float(value)
     whole[module.BOOKS] = 1

@@ -63,7 +63,7 @@ class Playback:
             len(self.rows),
             vector(t),
             vector(self.inputs.table),
-            self.runner.working(self.inputs),
+            self.runner.working(self.inputs.p, self.inputs.first),
             states,
             forces,
             rows,

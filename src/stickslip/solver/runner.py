@@ -1,15 +1,15 @@
 """The kernels of a tier, and the vectors they take."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stickslip.formulation import Model
 from stickslip.solver.modules import load, load_compiled
-from stickslip.solver.tables import Inputs
 
 __all__ = ["Runner", "runner_of"]
 
@@ -27,6 +27,11 @@ class Runner:
         values = [float(number) for number in numbers]
         return np.array(values) if self.address else values
 
+    def flat(self, numbers: ArrayLike) -> Any:
+        """Return an array's numbers one after the other, as the tier takes them."""
+        values = np.ascontiguousarray(numbers, dtype=np.float64).ravel()
+        return values if self.address else values.tolist()
+
     def zeros(self, size: int) -> Any:
         """Return a vector of zeros."""
         return np.zeros(size) if self.address else [0.0] * size
@@ -36,10 +41,10 @@ class Runner:
         size = self.module.WHOLES
         return np.zeros(size, dtype=np.int64) if self.address else [0] * size
 
-    def working(self, inputs: Inputs) -> Any:
-        """Return the vector of a run, with the parameters in it."""
+    def working(self, numbers: Sequence[float], first: int) -> Any:
+        """Return the vector of a run, with the parameters in it from a place on."""
         w = self.zeros(self.module.SIZE)
-        for i, number in enumerate(inputs.p, inputs.first):
+        for i, number in enumerate(numbers, first):
             w[i] = number
         if self.address:
             w[self.module.ADDRESS :].view(np.int64)[0] = self.address

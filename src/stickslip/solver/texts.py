@@ -17,6 +17,7 @@ from typing import Any
 
 from stickslip.formulation import Model
 from stickslip.kernels import (
+    batch,
     booking,
     choosing,
     codes,
@@ -28,9 +29,11 @@ from stickslip.kernels import (
     itp,
     layout,
     lu,
+    nodes,
     pieces,
     playback,
     polynomials,
+    reducing,
     rodas5p,
     rodas5p_tableau,
     roots,
@@ -62,9 +65,12 @@ AFTER_MODEL = (
     pieces,
     choosing,
     stepping,
+    nodes,
     booking,
     driver,
     playback,
+    reducing,
+    batch,
 )
 CALLED = (
     "field",
@@ -77,6 +83,7 @@ CALLED = (
     "power",
     "margins",
     "rest",
+    "energy",
 )
 """Functions of the equations that the kernels call."""
 PLAIN = """
@@ -114,6 +121,7 @@ rest = fenced(rest, 3)
 PLAIN_ENTRIES = """
 enter_run = run
 enter_play = play
+enter_batch = batch
 """
 ENTRIES = """
 @jit
@@ -124,6 +132,17 @@ def enter_run(w, whole, table, bounds, t_end, rtol, cap, limit, log, events):
 @jit
 def enter_play(log, count, times, table, w, states, forces, rows):
     play(log, count, times, table, pointer(w), states, forces, rows)
+
+
+@jit
+def enter_batch(
+    count, columns, places, base, tables, bounds, caps, outputs, arguments, t_end, rtol, limit,
+    w, whole, log, events, results, statuses, evidence
+):
+    batch(
+        count, columns, places, base, tables, bounds, caps, outputs, arguments, t_end, rtol, limit,
+        pointer(w), pointer(whole), log, events, results, statuses, evidence
+    )
 """
 EQUATIONS = """
 from numba import cfunc, njit, types

@@ -1,0 +1,173 @@
+"""Runs many rows in chunks: the work of an ensemble, cut so that it fits any executor."""
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.formulation import formulate
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.solver.event_driven import EventDriven
+from stickslip.solver.execution import FIRST_ROWS, prepare
+from stickslip.solver.modules import is_loaded
+from stickslip.solver.outputs import Output, asked
+from stickslip.solver.runner import Runner, runner_of
+from stickslip.solver.tables import schedule, values_of
+
+__all__ = ["Chunk", "Job", "run_chunks"]
+
+Array = NDArray[np.float64]
+MOST_ROWS = 4096
+"""Runs in a chunk: some ten milliseconds of work, and memory that does not grow with the whole."""
+MOST_NUMBERS = 1 << 21
+"""Numbers that the drives' tables of a chunk may have."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """What all chunks have in common; can be sent to another process."""
+
+    mechanism: Mechanism
+    law: FrictionLaw
+    y0: tuple[float, ...]
+    t_end: float
+    outputs: Mapping[str, Output]
+    solver: EventDriven
+    count: int
+    """Number of runs."""
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Some rows of an ensemble, or what came of them."""
+
+    start: int
+    results: Array
+    """(rows, columns)."""
+    statuses: NDArray[np.int8]
+    evidence: Array
+    """(rows, 5): energy error, guard violation, event residual, steps, rejected steps."""
+
+
+def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
+    """Run some rows, whose parameters stand in `columns`, an array (rows,) by path."""
+    model = formulate(job.mechanism, job.law)
+    runner = _runner(job)
+    module = runner.module
+    rows = len(next(iter(columns.values())))
+    kinds, arguments, _ = asked(job.outputs, model, job.t_end, job.count)
+    own = arguments[start : start + rows] if len(arguments) > 1 else arguments
+    driven = {path: column for path, column in columns.items() if path.count(".") > 1}
+    plan = schedule(job.mechanism, driven, rows if driven else 1)
+    width = len(kinds) // 2
+    results, evidence = runner.zeros(rows * width), runner.zeros(rows * module.EVIDENCE)
+    statuses, vector = runner.zeros(rows), runner.flat
+    whole = runner.whole()
+    whole[module.BOOKS] = 1
+    module.enter_batch(
+        rows,
+        vector(np.column_stack(list(columns.values()))),
+        vector(_places(job, module, columns)),
+        _base(job, runner),
+        vector(plan.table),
+        vector(plan.bounds if plan.bounds.size else np.zeros((len(plan.table), 1))),
+        vector(plan.time_scale / 6.0),
+        vector(kinds),
+        vector(own),
+        job.t_end,
+        job.solver.tolerance_for(job.law),
+        int(job.solver.max_steps),
+        runner.zeros(module.SIZE),
+        whole,
+        runner.zeros(FIRST_ROWS * module.ROW_COLUMNS),
+        runner.zeros(FIRST_ROWS * module.EVENT_COLUMNS),
+        results,
+        statuses,
+        evidence,
+    )
+    return Chunk(
+        start,
+        np.reshape(results, (rows, width)),
+        np.asarray(statuses, dtype=np.int8),
+        np.reshape(evidence, (rows, -1)),
+    )
+
+
+def _runner(job: Job) -> Runner:
+    return runner_of(formulate(job.mechanism, job.law), compiled=job.solver.tier != "python")
+
+
+def _places(job: Job, module: Any, columns: Mapping[str, Array]) -> list[float]:
+    """Return where in the vector of a run each column goes."""
+    model = formulate(job.mechanism, job.law)
+    paths = {path: model.first_parameter + i for i, path in enumerate(model.parameter_paths)}
+    paths |= {f"initial.{state}": module.Y + i for i, state in enumerate(model.states)}
+    return [float(paths[path]) for path in columns]
+
+
+def _base(job: Job, runner: Runner) -> Any:
+    """Return the vector of a run with the numbers that all rows share."""
+    model = formulate(job.mechanism, job.law)
+    values = values_of(job.mechanism, job.law)
+    numbers = [float(values[path]) for path in model.parameter_paths]
+    base = runner.working(numbers, model.first_parameter)
+    for i, value in enumerate(job.y0, runner.module.Y):
+        base[i] = value
+    return base
+
+
+def _cuts(job: Job, columns: Mapping[str, Array]) -> Iterator[tuple[int, Mapping[str, Array]]]:
+    """Yield first row and columns of each chunk."""
+    pieces = schedule(job.mechanism, {}, 1).table.size + 1
+    rows = max(1, min(MOST_ROWS, MOST_NUMBERS // pieces))
+    for start in range(0, job.count, rows):
+        yield start, {path: column[start : start + rows] for path, column in columns.items()}
+
+
+def run_chunks(
+    job: Job,
+    columns: Mapping[str, Array],
+    executor: Executor | None,
+    keep: Callable[[Chunk], bool],
+) -> None:
+    """Run all rows and hand over each chunk as it comes; `keep` says whether to go on."""
+    if job.solver.tier != "python" and not is_loaded(formulate(job.mechanism, job.law)):
+        prepare(job.mechanism, job.law)
+    own = ThreadPoolExecutor(os.cpu_count() or 1) if executor is None else None
+    pool = executor or own
+    assert pool is not None
+    cuts = _cuts(job, columns)
+    most = 2 * (os.cpu_count() or 1) + 2
+    pending: set[Future[Chunk]] = set()
+    try:
+        for start, part in cuts:
+            pending.add(pool.submit(run_chunk, job, start, part))
+            while len(pending) >= most:
+                pending, going = _collect(pending, keep)
+                if not going:
+                    return
+        while pending:
+            pending, going = _collect(pending, keep)
+            if not going:
+                return
+    finally:
+        for future in pending:
+            future.cancel()
+        if own is not None:
+            own.shutdown(cancel_futures=True)
+
+
+def _collect(
+    pending: set[Future[Chunk]], keep: Callable[[Chunk], bool]
+) -> tuple[set[Future[Chunk]], bool]:
+    """Wait for the next chunks; return what is still pending, and whether to go on."""
+    done, waiting = wait(pending, return_when=FIRST_COMPLETED)
+    going = True
+    for future in done:
+        going = keep(future.result()) and going
+    return waiting, going

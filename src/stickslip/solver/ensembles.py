@@ -1,0 +1,176 @@
+"""Ensembles: parameters as arrays in, arrays of outputs out."""
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.formulation import Model, formulate
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity, parameters, vary
+from stickslip.solver.batch import Chunk, Job, run_chunks
+from stickslip.solver.certify import passes
+from stickslip.solver.event_driven import STATUS, EventDriven
+from stickslip.solver.outputs import Final, Output, asked, value_of
+from stickslip.trajectory import Ensemble, Status
+
+__all__ = ["run_ensemble"]
+
+Array = NDArray[np.float64]
+
+
+def run_ensemble(
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    varied: Mapping[str, ArrayLike],
+    *,
+    y0: Sequence[float],
+    t_end: float,
+    outputs: Sequence[str] | Mapping[str, Output] | None,
+    solver: EventDriven,
+    executor: Executor | None,
+    progress: Callable[[int, int], object] | None,
+) -> Ensemble:
+    """Run an ensemble; see `stickslip.ensemble`."""
+    model = formulate(mechanism, law)
+    columns, count = _columns(mechanism, law, model, varied)
+    wanted = _outputs(model, outputs)
+    job = Job(mechanism, law, tuple(y0), t_end, wanted, solver, count)
+    kinds, _, places = asked(wanted, model, t_end, count)
+    results = np.full((count, len(kinds) // 2), np.nan)
+    codes = np.zeros(count, dtype=np.int8)
+    evidence = np.full((count, 5), np.nan)
+    done = 0
+
+    def keep(chunk: Chunk) -> bool:
+        nonlocal done
+        rows = slice(chunk.start, chunk.start + len(chunk.statuses))
+        results[rows], codes[rows], evidence[rows] = chunk.results, chunk.statuses, chunk.evidence
+        done += len(chunk.statuses)
+        return progress is None or progress(done, count) is not False
+
+    run_chunks(job, columns, executor, keep)
+    table = np.array([STATUS.get(code, Status.CANCELLED) for code in range(max(STATUS) + 1)])
+    return Ensemble(
+        outputs={name: value_of(results, places[name], wanted[name]) for name in wanted},
+        parameters=columns,
+        status=table[codes],
+        certified=passes(evidence, solver.tolerance_for(law)),
+        energy_error=evidence[:, 0],
+        guard_violation=evidence[:, 1],
+        event_residual=evidence[:, 2],
+        steps=np.nan_to_num(evidence[:, 3]).astype(np.int64),
+    )
+
+
+def _outputs(
+    model: Model, outputs: Sequence[str] | Mapping[str, Output] | None
+) -> Mapping[str, Output]:
+    if isinstance(outputs, str):
+        raise InputError(f"outputs must be a sequence of names or a mapping, got {outputs!r}.")
+    if outputs is None or not isinstance(outputs, Mapping):
+        return {name: Final(name) for name in (model.states if outputs is None else outputs)}
+    for name, output in outputs.items():
+        if not isinstance(output, Output):
+            raise InputError(
+                f"outputs[{name!r}] must be Final, Max, Min, Mean, Samples, EventTimes or"
+                f" EventCount, got {output!r}."
+            )
+    return outputs
+
+
+def _columns(
+    mechanism: Mechanism, law: FrictionLaw, model: Model, varied: Mapping[str, ArrayLike]
+) -> tuple[dict[str, Array], int]:
+    """Return what varies by full path, checked, and the number of runs."""
+    known = _quantities(mechanism, law, model)
+    given = {_full(path, known): _numbers(path, values) for path, values in varied.items()}
+    lengths = {len(values) for values in given.values() if values.ndim}
+    if len(lengths) != 1:
+        sizes = ", ".join(f"{path} {np.size(values)}" for path, values in given.items()) or "none"
+        raise InputError(
+            "parameters must hold at least one array, and arrays of one length, got: " + sizes
+        )
+    (count,) = lengths
+    if count == 0:
+        raise InputError("parameters must hold at least one number each, got empty arrays.")
+    columns = {path: np.broadcast_to(values, count).copy() for path, values in given.items()}
+    _check(mechanism, law, columns, known)
+    return columns, count
+
+
+def _quantities(mechanism: Mechanism, law: FrictionLaw, model: Model) -> dict[str, Quantity]:
+    """Return what can vary by full path."""
+    known = {f"initial.{state}": Quantity(state) for state in model.states}
+    for root, prefix in ((mechanism, "mechanism"), (law, "friction")):
+        known |= {path: quantity for path, quantity, _ in parameters(root, prefix)}
+    return known
+
+
+def _full(path: str, known: Mapping[str, Quantity]) -> str:
+    same = [full for full in known if path in (full, full.rpartition(".")[2])]
+    if path in known:
+        return path
+    if len(same) == 1:
+        return same[0]
+    raise UnknownNameError("parameter", path, same or known)
+
+
+def _numbers(path: str, values: ArrayLike) -> Array:
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{path} must be an array of numbers, got {values!r}.") from None
+    if array.ndim > 1:
+        raise InputError(f"{path} must be an array (n,), got one of {array.shape}.")
+    return array
+
+
+def _check(
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    columns: Mapping[str, Array],
+    known: Mapping[str, Quantity],
+) -> None:
+    """Check ranges of all numbers, and the objects that the extreme ones make."""
+    for path, values in columns.items():
+        owner, _, name = path.rpartition(".")
+        if not np.isfinite(values).all():
+            raise ParameterError(f"{path} must be finite in all runs, got {_odd(values)}.")
+        for value in (values.min(), values.max()):
+            known[path].check(owner, name, float(value))
+    rows = {int(f(values)) for values in columns.values() for f in (np.argmin, np.argmax)}
+    for row in sorted(rows):
+        _varied(mechanism, "mechanism", columns, row)
+        _varied(law, "friction", columns, row)
+    _check_order(law, "friction", columns)
+
+
+def _odd(values: Array) -> str:
+    where = int(np.flatnonzero(~np.isfinite(values))[0])
+    return f"{values[where]} in run {where}"
+
+
+def _varied(root: Any, prefix: str, columns: Mapping[str, Array], row: int) -> Any:
+    own = {p: float(v[row]) for p, v in columns.items() if p.startswith(prefix + ".")}
+    try:
+        return vary(root, prefix, own) if own else root
+    except ParameterError as error:
+        raise ParameterError(f"run {row}: {error}") from None
+
+
+def _check_order(law: FrictionLaw, prefix: str, columns: Mapping[str, Array]) -> None:
+    """Check the order of parameters that must not fall below others, in all runs."""
+    values = {path: value for path, _, value in parameters(law, prefix)}
+    for path, quantity, value in parameters(law, prefix):
+        if quantity.at_least is None:
+            continue
+        floor = f"{prefix}.{quantity.at_least}"
+        low = columns.get(floor, np.array(values[floor]))
+        below = np.atleast_1d(columns.get(path, np.array(value)) < low)
+        if below.any():
+            _varied(law, prefix, columns, int(np.argmax(below)))

@@ -1,0 +1,240 @@
+"""Runs of a mechanism with a law by Taylor series, with the modes driven by hand.
+
+Steps are Taylor series to rounding, and events are roots of the series of their guards. The normal
+force must stay above zero: there is no lift-off here.
+"""
+
+import itertools
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+from numpy.typing import NDArray
+from tests.reference.heyoka_equations import Equations, equations
+
+from stickslip.drives import Drive
+from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters
+
+__all__ = ["Happening", "Oracle", "Path"]
+
+STOP, BREAK_FORWARD, BREAK_BACKWARD, SWITCH = range(4)
+"""Index of each guard among the events of the integrator; switch j has index SWITCH + j."""
+
+NUDGE = 1e-20
+"""Speed [m/s] with which a body that was held starts to slip, far below rounding.
+
+Where force and level balance, rounding decides the sign of the first acceleration, and so whether a
+body that breaks away seems to stop at once.
+"""
+
+FIRST = 1e-9
+"""Length [s] of the first step after an event.
+
+Of a guard that begins at zero heyoka can overlook the other roots in the same step.
+"""
+
+EVENT_LIMIT = 1000
+"""Events after which a run is given up."""
+
+COMPILED: dict[str, tuple[Any, Any]] = {}
+"""Integrators and functions by the text of their equations."""
+
+
+@dataclass(frozen=True)
+class Happening:
+    """An event: when, mode before, mode after, and what happened in words."""
+
+    t: float
+    from_mode: int
+    to_mode: int
+    reason: str
+    slope: float = math.inf
+    """At a stop or a reversal the acceleration [m/s^2] with which it was reached."""
+
+
+@dataclass
+class Path:
+    """What a run gives: states, friction, normal force and mode at the times asked for; events."""
+
+    rows: list[NDArray[np.float64]] = field(default_factory=list)
+    events: list[Happening] = field(default_factory=list)
+
+
+def _machines(model: Equations) -> tuple[Any, Any]:
+    """Return the integrator, and the function that looks at a state.
+
+    The function gives friction, normal force, break-away level, acceleration and margins.
+    """
+    stuck, direction = (hy.par[model.numbers[name]] for name in ("stuck", "direction"))
+    velocity, acceleration = model.rates[model.slip]
+    guards = [
+        direction * velocity + stuck,
+        stuck * (model.level - model.friction) + (1.0 - stuck),
+        stuck * (model.level + model.friction) + (1.0 - stuck),
+        *[hy.par[model.numbers[switch.side]] * switch.margin for switch in model.switches],
+    ]
+    margins = [switch.margin for switch in model.switches]
+    outputs = [model.friction, model.normal, model.level, acceleration, *margins]
+    key = str([model.rates, guards, outputs])
+    if key not in COMPILED:
+        falling = hy.event_direction.negative
+        integrator = hy.taylor_adaptive(
+            model.rates,
+            [0.0] * len(model.rates),
+            t_events=[hy.t_event(guard, direction=falling) for guard in guards],
+            opt_level=0,  # optimising takes longer than all runs
+        )
+        look = hy.cfunc(outputs, vars=[state for state, _ in model.rates], opt_level=0)
+        COMPILED[key] = integrator, look
+    return COMPILED[key]
+
+
+class Oracle:
+    """A mechanism with a law, ready to be run."""
+
+    def __init__(self, mechanism: Mechanism, law: FrictionLaw) -> None:
+        self.model = equations(mechanism, law)
+        self.integrator, self.look = _machines(self.model)
+        self.drives = mechanism.drives()
+        self.bristles = isinstance(law, BristleLaw)
+        self.can_stick = not isinstance(law, BristleLaw) or law.static_switch
+        self.numbers = dict.fromkeys(self.model.numbers, 0.0)  # in the order of their indices
+        for root, prefix in ((mechanism, "mechanism"), (law, "friction")):
+            self.numbers |= {path: value for path, _, value in parameters(root, prefix)}
+        self.mode = 0
+        self.path = Path()
+
+    def run(self, y0: Sequence[float], times: Iterable[float], t_end: float) -> Path:
+        """Run from time 0 to `t_end`, and look at times in between."""
+        ta = self.integrator
+        ta.time, ta.state[:] = 0.0, y0
+        self.path = Path()
+        self._enter(int(np.sign(ta.state[self.model.slip])))
+        starts = {piece.start for drive in self.drives.values() for piece in drive.pieces()}
+        edges = sorted({0.0, t_end} | {start for start in starts if 0.0 < start < t_end})
+        wanted = sorted(times)
+        for begin, end in itertools.pairwise(edges):
+            ta.time = begin
+            for name, drive in self.drives.items():
+                self._load_piece(name, drive, begin)
+            self._judge()
+            self._follow([t for t in wanted if begin < t <= end], end)
+        return self.path
+
+    def _follow(self, times: list[float], end: float) -> None:
+        """Go from event to event up to `end`."""
+        ta = self.integrator
+        while True:
+            ta.reset_cooldowns()
+            times = [t for t in times if t > ta.time]
+            first = min(ta.time + FIRST, *times[:1], end)
+            outcome, *_ = ta.propagate_until(first)
+            if outcome == hy.taylor_outcome.time_limit:
+                grid = sorted({first, *times, end})
+                outcome, *_, states = ta.propagate_grid(grid)
+                self._note(grid, states, set(times))
+            if outcome == hy.taylor_outcome.time_limit:
+                return
+            assert int(outcome) < 0, outcome
+            assert len(self.path.events) < EVENT_LIMIT
+            self._happen(-int(outcome) - 1)
+
+    def _note(self, grid: list[float], states: Any, wanted: set[float]) -> None:
+        """Note states down; there are fewer than times where an event came between."""
+        for t, state in zip(grid, states, strict=False):
+            if t in wanted:
+                friction, normal, *_ = self._look(state, t)
+                self.path.rows.append(np.array([*state, friction, normal, self.mode]))
+
+    def _load_piece(self, name: str, drive: Drive, t: float) -> None:
+        """Put in the piece of a drive that holds from a time on."""
+        start, value, slope = 0.0, 0.0, 0.0
+        for piece in drive.pieces():
+            if piece.start <= t:
+                start, value, slope = piece
+        self.numbers |= {
+            f"{name} value": value,
+            f"{name} slope": slope,
+            f"{name} start": start if slope else 0.0,  # which may be minus infinity
+        }
+
+    def _enter(self, mode: int) -> None:
+        """Take up a mode."""
+        ta, slip = self.integrator, self.model.slip
+        self.mode = mode
+        self.numbers |= {"stuck": float(mode == 0), "direction": float(mode or 1)}
+        ta.pars[:] = self._vector(len(ta.pars))
+        if self.can_stick and mode * ta.state[slip] <= 0.0:
+            ta.state[slip] = mode * NUDGE
+
+    def _vector(self, count: int) -> list[float]:
+        """Return the numbers in order, as many as a compiled function knows of."""
+        return list(self.numbers.values())[:count]
+
+    def _look(self, state: Any, t: float) -> Any:
+        """Return friction, normal force, break-away level, acceleration and margins."""
+        time = {"time": t} if self.look.is_time_dependent else {}
+        return self.look(state, pars=self._vector(self.look.nparams), **time)
+
+    def _judge(self) -> None:
+        """Set switches and mode as the state asks for at the start of a piece."""
+        ta, before = self.integrator, self.mode
+        for _ in self.model.switches:  # as often as they can stand in each other
+            margins = self._look(ta.state, ta.time)[4:]
+            for switch, margin in zip(self.model.switches, margins, strict=True):
+                self.numbers[switch.side] = 1.0 if margin > 0 else -1.0
+        if ta.state[self.model.slip] == 0.0:
+            self._leave_rest()
+        else:
+            self._enter(before)
+        if ta.time > 0.0 and before == 0 != self.mode:
+            self.path.events.append(Happening(ta.time, before, self.mode, "break-away"))
+
+    def _leave_rest(self) -> None:
+        """Take up the mode of a body at rest."""
+        ta = self.integrator
+        ta.state[self.model.slip] = 0.0
+        self._enter(0)
+        needed, _, level, *_ = self._look(ta.state, ta.time)
+        if self.can_stick and abs(needed) <= level:
+            return
+        self._enter(self._heading() if self.bristles else int(np.sign(needed)))
+
+    def _heading(self) -> int:
+        """Return the direction in which a body that nothing holds starts from rest."""
+        ta = self.integrator
+        self._enter(1)
+        t, state = ta.time, ta.state.copy()
+        state[self.model.slip] = ta.state[self.model.slip] = 0.0
+        ta.step(FIRST, write_tc=True)
+        series = ta.tc[self.model.slip]
+        ta.time, ta.state[:] = t, state
+        return -1 if series[np.flatnonzero(series)[:1]].sum() < 0 else 1
+
+    def _happen(self, guard: int) -> None:
+        """Make the transition that a guard asks for, and note it down."""
+        ta, before, slope = self.integrator, self.mode, math.inf
+        if guard == STOP:
+            slope = float(self._look(ta.state, ta.time)[3])
+            if self.can_stick:
+                self._leave_rest()
+            else:
+                self._enter(-self.mode)
+            reason = "stop" if self.mode == 0 else "reversal"
+        elif guard < SWITCH:
+            forward = 1 if guard == BREAK_FORWARD else -1
+            self._enter(self._heading() if self.bristles else forward)
+            reason = "break-away"
+        else:
+            switch = self.model.switches[guard - SWITCH]
+            self.numbers[switch.side] *= -1.0
+            self._enter(self.mode)
+            if switch.events is None:
+                return
+            reason = switch.events[0 if self.numbers[switch.side] > 0 else 1]
+        self.path.events.append(Happening(ta.time, before, self.mode, reason, abs(slope)))
