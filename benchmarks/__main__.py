@@ -1,59 +1,37 @@
-"""``python -m benchmarks``: run all cases, print them, and write docs/benchmarks.md."""
+"""``python -m benchmarks [case ...]``: print cases; all of them also write docs/benchmarks.md."""
 
+import argparse
+import importlib
 import importlib.metadata
+import importlib.util
 import os
 import platform
 from pathlib import Path
 
-from benchmarks import belt, decay, lugre
-from benchmarks.measuring import Result
+from benchmarks import tables
+from benchmarks.engines import Holding
+from benchmarks.measuring import BUDGET, REPEATS
 
-CASES = (decay, belt, lugre)
+CASES = ("decay", "belt", "lugre", "sampled", "engines")
 PAGE = Path(__file__).parents[1] / "docs" / "benchmarks.md"
-HEADS = (
-    "case", "solver", "tolerance", "error", "first run, ms", "median, ms", "spread, ms",
-    "time over stickslip's",
-)  # fmt: skip
-
-
-def rows_of(result: Result) -> list[list[str]]:
-    own = result.entries[0].median
-    return [
-        [
-            result.title if entry is result.entries[0] else "",
-            entry.solver,
-            f"{entry.tolerance:.1e}",
-            f"{entry.error:.0e}",
-            f"{1e3 * entry.first:.1f}",
-            f"{1e3 * entry.median:.1f}",
-            f"{1e3 * min(entry.times):.1f} to {1e3 * max(entry.times):.1f}",
-            f"{entry.median / own:.2f}",
-        ]
-        for entry in result.entries
-    ]
-
-
-def table(results: list[Result]) -> list[str]:
-    """Return the results as a Markdown table whose columns are aligned."""
-    rows = [list(HEADS), *[row for result in results for row in rows_of(result)]]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(HEADS))]
-    lines = [
-        "| " + " | ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)) + " |"
-        for row in rows
-    ]
-    lines.insert(1, "|" + "|".join("-" * (w + 2) for w in widths) + "|")
-    return lines
+LIBRARIES = ("stickslip", "numpy", "scipy", "numba", "heyoka", "mujoco", "drake")
 
 
 def machine() -> str:
     """Return what the times were taken on."""
-    libraries = ", ".join(
-        f"{name} {importlib.metadata.version(name)}" for name in ("stickslip", "numpy", "scipy")
-    )
+    versions = {package: version(package) for package in LIBRARIES}
+    libraries = ", ".join(f"{package} {found}" for package, found in versions.items() if found)
     return (
         f"Machine: {processor()}, {os.cpu_count()} cores;"
         f" {platform.system()}, Python {platform.python_version()}, {libraries}."
     )
+
+
+def version(package: str) -> str | None:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return None
 
 
 def processor() -> str:
@@ -66,23 +44,32 @@ def processor() -> str:
     return platform.processor() or platform.machine()
 
 
-def main() -> None:
-    results = [case.run() for case in CASES]
-    notes = [
-        f"- {result.title}: {result.what}; all below {result.error:.0e}." for result in results
-    ]
-    repeats = len(results[0].entries[0].times)
-    text = "\n".join(
-        [
-            *table(results),
-            "",
-            *notes,
-            "",
-            f"Medians of {repeats} runs after the first, one process. {machine()}",
-        ]
+def page(results: list[object]) -> str:
+    """Return the page: cases at equal error, then the block in other engines."""
+    equal = [result for result in results if not isinstance(result, Holding)]
+    lines = ["## At equal error", "", *tables.equal_error(equal)] if equal else []
+    for result in results:
+        if isinstance(result, Holding):
+            lines += ["## One block in other engines", "", *tables.in_engines(result)]
+    lines.append(
+        f"Medians of {REPEATS} runs after the first, or of as many as fit into {BUDGET:g} s, taken"
+        f" in turns in one process. {machine()}"
     )
+    return "\n".join(lines)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("cases", nargs="*", metavar="case", help=f"of {', '.join(CASES)}")
+    chosen = parser.parse_args().cases
+    unknown = [case for case in chosen if case not in CASES]
+    if unknown:
+        parser.error(f"no case {', '.join(unknown)}; there are {', '.join(CASES)}")
+    names = [case for case in CASES if not chosen or case in chosen]
+    text = page([importlib.import_module(f"benchmarks.{name}").run() for name in names])
     print(text)
-    PAGE.write_text(text + "\n", encoding="utf-8")
+    if len(names) == len(CASES):
+        PAGE.write_text(text + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

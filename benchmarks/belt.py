@@ -1,13 +1,23 @@
 """A block drawn through a spring sticks and slips for 100 s; the period has a closed form."""
 
+import functools
 import math
+from collections.abc import Sequence
 
 from scipy.integrate import solve_ivp
 
-from benchmarks.measuring import REPEATS, Result, at_error, largest_error
-from stickslip import Coulomb, EventDriven, TowedBlock, simulate
+from benchmarks.measuring import (
+    REPEATS,
+    TIERS,
+    Result,
+    by_hand,
+    largest_error,
+    own_entries,
+    with_times,
+)
+from stickslip import Coulomb, EventDriven, TowedBlock, Trajectory, simulate
 
-M, K, SPEED, F_K, F_S = 1.0, 2.0, 0.1, 1.0, 1.5
+M, K, SPEED, F_K, F_S = 1.0, 225.0, 0.0093, 1.0, 1.5
 T_END = 100.0
 ERROR = 1e-9
 
@@ -19,18 +29,18 @@ def exact() -> list[float]:
     """Return the times of all changes between stick and slip."""
     w, D = math.sqrt(K / M), (F_S - F_K) / K
     slip, stick = 2 / w * (math.pi - math.atan(w * D / SPEED)), 2 * D / SPEED
-    t, times = F_S / (K * SPEED), []
-    while t < T_END:
+    first, times = F_S / (K * SPEED), []
+    for cycle in range(math.ceil(T_END / (slip + stick))):
+        t = first + cycle * (slip + stick)
         times += [t, t + slip]
-        t += slip + stick
     return [t for t in times if t < T_END]
 
 
-def by_stickslip(tolerance: float) -> object:
-    return simulate(BLOCK, LAW, t_end=T_END, solver=EventDriven(tolerance=tolerance, tier="python"))
+def by_stickslip(solver: EventDriven) -> Trajectory:
+    return simulate(BLOCK, LAW, t_end=T_END, solver=solver)
 
 
-def by_scipy(tolerance: float) -> list[float]:
+def by_scipy(method: str, tolerance: float) -> list[float]:
     """Slip by slip; the time at rest follows from the spring and needs no integration."""
 
     def stop(t, y):
@@ -39,13 +49,17 @@ def by_scipy(tolerance: float) -> list[float]:
     def slipping(t, y):
         return [y[1], (K * (SPEED * t - y[0]) - F_K) / M]
 
+    def jacobian(t, y):
+        return [[0.0, 1.0], [-K / M, 0.0]]
+
     stop.terminal, stop.direction = True, -1
+    options = {} if method == "DOP853" else {"jac": jacobian}
     x, times = 0.0, []
     while (t := x / SPEED + F_S / (K * SPEED)) < T_END:
         times.append(t)
         run = solve_ivp(
-            slipping, (t, T_END), [x, 0.0], method="DOP853", rtol=tolerance, atol=tolerance,
-            events=stop,
+            slipping, (t, T_END), [x, 0.0], method=method, rtol=tolerance, atol=tolerance * SPEED,
+            events=stop, **options,
         )  # fmt: skip
         if run.status == 0:
             break
@@ -54,22 +68,54 @@ def by_scipy(tolerance: float) -> list[float]:
     return times
 
 
-def run(repeats: int = REPEATS) -> Result:
+@functools.cache
+def slipping(tolerance: float) -> object:
+    """Return heyoka's integrator of a slip, compiled once."""
+    import heyoka as hy
+
+    x, v = hy.make_vars("x", "v")
+    return hy.taylor_adaptive(
+        [(x, v), (v, (K * (SPEED * hy.time - x) - F_K) / M)], [0.0, 0.0], tol=tolerance,
+        t_events=[hy.t_event(v, direction=hy.event_direction.negative)],
+    )  # fmt: skip
+
+
+def by_heyoka(tolerance: float) -> list[float]:
+    """Slip by slip, as above."""
+    import heyoka as hy
+
+    slip = slipping(tolerance)
+    x, times = 0.0, []
+    while (t := x / SPEED + F_S / (K * SPEED)) < T_END:
+        times.append(t)
+        slip.time, slip.state[:] = t, (x, 0.0)
+        slip.reset_cooldowns()
+        if slip.propagate_until(T_END)[0] == hy.taylor_outcome.time_limit:
+            break
+        times.append(slip.time)
+        x = float(slip.state[0])
+    return times
+
+
+def run(repeats: int = REPEATS, tiers: Sequence[str] = tuple(TIERS)) -> Result:
     """Run the case."""
     known = exact()
+
+    def error_of(found):
+        return largest_error(found, known)
+
+    def of_run(found):
+        return error_of([event.t for event in found.events])
+
     return Result(
         title="Block on a belt, stick-slip for 100 s",
         what=f"times of all {len(known)} changes, against the closed form",
         error=ERROR,
-        entries=(
-            at_error(
-                "stickslip, plain Python", by_stickslip,
-                lambda found: largest_error([event.t for event in found.events], known),
-                ERROR, repeats,
+        entries=with_times(
+            (
+                *own_entries(BLOCK, LAW, by_stickslip, of_run, ERROR, tiers),
+                *by_hand(by_heyoka, by_scipy, error_of, ERROR),
             ),
-            at_error(
-                "SciPy DOP853, events by hand", by_scipy,
-                lambda found: largest_error(found, known), ERROR, repeats,
-            ),
+            repeats,
         ),
-    )  # fmt: skip
+    )

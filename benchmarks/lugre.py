@@ -1,11 +1,13 @@
 """A towed block with LuGre friction: stiff, no events, no closed form."""
 
+import functools
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from benchmarks.measuring import REPEATS, Result, at_error
+from benchmarks.measuring import REPEATS, TIERS, Result, at_error, own_entries, with_times
 from stickslip import EventDriven, LuGre, TowedBlock, simulate
 
 M, K, SPEED = 1.0, 2.0, 0.1
@@ -51,12 +53,11 @@ def by_scipy(method: str, tolerance: float):
     return run.y[0]
 
 
-def by_stickslip(tolerance: float):
-    solver = EventDriven(stiff_tolerance=tolerance, tier="python")
+def by_stickslip(solver: EventDriven):
     return simulate(BLOCK, LAW, t_end=T_END, solver=solver).at(TIMES)["x"]
 
 
-def run(repeats: int = REPEATS) -> Result:
+def run(repeats: int = REPEATS, tiers: Sequence[str] = tuple(TIERS)) -> Result:
     """Run the case."""
     reference = by_scipy("Radau", 1e-11)
     largest = float(np.abs(reference).max())
@@ -64,16 +65,18 @@ def run(repeats: int = REPEATS) -> Result:
     def error_of(x) -> float:
         return float(np.abs(x - reference).max()) / largest
 
-    solvers = {
-        "stickslip, plain Python": by_stickslip,
-        "SciPy Radau, equations by hand": lambda tolerance: by_scipy("Radau", tolerance),
-        "SciPy LSODA, equations by hand": lambda tolerance: by_scipy("LSODA", tolerance),
-    }
     return Result(
         title="Towed block with LuGre friction, 20 s",
         what="place at 401 times over the largest, against SciPy Radau at 1e-11",
         error=ERROR,
-        entries=tuple(
-            at_error(name, solver, error_of, ERROR, repeats) for name, solver in solvers.items()
-        ),
-    )
+        entries=with_times((
+            *own_entries(BLOCK, LAW, by_stickslip, error_of, ERROR, tiers, "stiff_tolerance"),
+            *(
+                at_error(
+                    f"SciPy {method}, equations by hand", functools.partial(by_scipy, method),
+                    error_of, ERROR,
+                )
+                for method in ("Radau", "LSODA")
+            ),
+        ), repeats),
+    )  # fmt: skip

@@ -1,13 +1,27 @@
 """What a case gives back, and how its times are taken."""
 
+import functools
+import importlib.util
 import statistics
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+
+from stickslip import EventDriven
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.solver import prepare
 
 TOLERANCES = tuple(10.0 ** (-half / 2) for half in range(8, 27))
 """Tried from the loosest on, until the error is small enough."""
 REPEATS = 7
+BUDGET = 5.0
+"""After this many seconds an entry is not run again, however few its runs were."""
+BATCH = 0.01
+"""A run shorter than this is repeated, and its mean time counts [s]."""
+METHODS = ("DOP853", "LSODA", "Radau")
+"""SciPy's, where modes and events are coded by hand."""
+TIERS = {"compiled": "stickslip, compiled", "python": "stickslip, plain Python"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,13 +34,25 @@ class Entry:
     error: float
     """Relative error against the closed form or the reference."""
     first: float
-    """Time of the first run of the process, at the loosest tolerance [s]: imports and equations."""
-    times: tuple[float, ...]
-    """Times of the runs after it [s]."""
+    """Time of the first run of the process [s]: imports, equations, machine code."""
+    run: Callable[[], object] = field(repr=False, compare=False)
+    """Runs it again."""
+    times: tuple[float, ...] = ()
+    """Times of the runs after the first [s]."""
 
     @property
     def median(self) -> float:
         return statistics.median(self.times)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Missing:
+    """A solver without numbers."""
+
+    solver: str
+    word: str = "not installed"
+    reason: str
+    """Why, in words."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +64,7 @@ class Result:
     """What is computed, and what the error is measured against."""
     error: float
     """The relative error that every solver must stay below."""
-    entries: tuple[Entry, ...]
+    entries: tuple[Entry | Missing, ...]
 
 
 def at_error(
@@ -46,9 +72,9 @@ def at_error(
     run: Callable[[float], object],
     error_of: Callable[[object], float],
     largest: float,
-    repeats: int = REPEATS,
+    warm: Callable[[], None] | None = None,
 ) -> Entry:
-    """Time a solver at the loosest tolerance whose error is small enough.
+    """Run a solver at the loosest tolerance whose error is small enough; its times come later.
 
     Parameters
     ----------
@@ -60,12 +86,13 @@ def at_error(
         Relative error of what `run` returned; not timed.
     largest : float
         Largest error that will do.
-    repeats : int
-        Timed runs.
+    warm : callable, optional
+        What is done once in a process; it counts in the first run.
     """
-    first = None
+    start, first = time.perf_counter(), None
+    if warm is not None:
+        warm()
     for tolerance in TOLERANCES:
-        start = time.perf_counter()
         found = run(tolerance)
         first = time.perf_counter() - start if first is None else first
         error = error_of(found)
@@ -73,12 +100,84 @@ def at_error(
             break
     else:
         raise ArithmeticError(f"{solver} does not reach an error of {largest:g}.")
-    times = []
+    return Entry(
+        solver=solver, tolerance=tolerance, error=error, first=first, run=lambda: run(tolerance)
+    )
+
+
+def with_times(entries: Sequence[object], repeats: int) -> tuple[object, ...]:
+    """Return entries with their times, taken in turns: a busy machine is busy for all of them."""
+    times: list[list[float]] = [[] for _ in entries]
+    spent = [0.0] * len(entries)
     for _ in range(repeats):
-        start = time.perf_counter()
-        run(tolerance)
-        times.append(time.perf_counter() - start)
-    return Entry(solver=solver, tolerance=tolerance, error=error, first=first, times=tuple(times))
+        for i, entry in enumerate(entries):
+            if not isinstance(entry, Missing) and spent[i] < BUDGET:
+                start = time.perf_counter()
+                times[i].append(mean_time(entry.run))
+                spent[i] += time.perf_counter() - start
+    return tuple(
+        entry if isinstance(entry, Missing) else replace(entry, times=tuple(found))
+        for entry, found in zip(entries, times, strict=True)
+    )
+
+
+def mean_time(run: Callable[[], object]) -> float:
+    """Return the time of a run [s]."""
+    runs, passed, start = 0, 0.0, time.perf_counter()
+    while passed < BATCH:
+        run()
+        runs, passed = runs + 1, time.perf_counter() - start
+    return passed / runs
+
+
+def own_entries(
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    run: Callable[[EventDriven], object],
+    error_of: Callable[[object], float],
+    largest: float,
+    tiers: Sequence[str],
+    setting: str = "tolerance",
+) -> tuple[Entry, ...]:
+    """Return stickslip's entries, one a tier; `setting` is the tolerance that counts."""
+
+    def entry(tier: str) -> Entry:
+        return at_error(
+            TIERS[tier],
+            lambda tolerance: run(EventDriven(tier=tier, **{setting: tolerance})),
+            error_of,
+            largest,
+            warm=(lambda: prepare(mechanism, law)) if tier == "compiled" else None,
+        )
+
+    return tuple(entry(tier) for tier in tiers)
+
+
+def if_installed(library: str, solver: str, make: Callable[[], Entry]) -> Entry | Missing:
+    """Return the entry of a library that a reader need not have."""
+    if importlib.util.find_spec(library) is None:
+        return Missing(solver=solver, reason=f"`pip install {library}`")
+    return make()
+
+
+def by_hand(
+    heyoka: Callable[[float], object],
+    scipy: Callable[[str, float], object],
+    error_of: Callable[[object], float],
+    largest: float,
+) -> tuple[Entry | Missing, ...]:
+    """Return the entries of the solvers whose modes and events are coded by hand."""
+    name = "heyoka, modes and events by hand"
+    return (
+        if_installed("heyoka", name, lambda: at_error(name, heyoka, error_of, largest)),
+        *(
+            at_error(
+                f"SciPy {method}, events by hand", functools.partial(scipy, method),
+                error_of, largest,
+            )
+            for method in METHODS
+        ),
+    )  # fmt: skip
 
 
 def largest_error(found: Sequence[float], exact: Sequence[float]) -> float:

@@ -21,6 +21,7 @@ from stickslip import (
     Stribeck,
     TowedBlock,
     Viscous,
+    simulate,
 )
 
 MANY = settings(max_examples=100)
@@ -279,3 +280,39 @@ def test_a_body_held_by_the_law_of_stribeck_is_linear():
 def test_the_law_of_stribeck_under_a_sine_is_linear_nowhere(mode):
     for rig in rigs_with(SINE):
         assert linear(rig, STRIBECK, mode, [0.0, 1.0 * mode]) == 0.0
+
+
+# Where series would take too many steps
+
+
+@pytest.mark.parametrize("viscous", [1e3, 1e5, 1e7])
+@pytest.mark.parametrize("t_end", [1.0, 200.0])
+def test_very_viscous_friction_takes_few_steps(viscous, t_end):
+    m, k, x_0 = 1.0, 10.0, 0.3
+    run = simulate(
+        Axis(inertia=m, stiffness=k),
+        Viscous(viscous_coefficient=viscous),
+        t_end=t_end,
+        y0={"x": x_0},
+    )
+    assert run.certificate.steps + run.certificate.rejected < 2000
+    fast = (viscous + math.sqrt(viscous**2 - 4 * k * m)) / (2 * m)
+    slow = k / (m * fast)
+    t = np.linspace(0.0, t_end, 101)
+    x = x_0 * (fast * np.exp(-slow * t) - slow * np.exp(-fast * t)) / (fast - slow)
+    # some hundred steps of 1e-12 of the largest value each; the velocity is that of the creep
+    np.testing.assert_allclose(run.at(t)["x"], x, rtol=0, atol=1e-11 * x_0)
+    v = -x_0 * k / m * (np.exp(-slow * t) - np.exp(-fast * t)) / (fast - slow)
+    np.testing.assert_allclose(run.at(t)["v"], v, rtol=0, atol=1e-9 * np.abs(v).max())
+
+
+def test_a_very_viscous_body_follows_a_broken_line_of_force():
+    sigma = 1e7
+    line = PiecewiseLinear(times=(0.0, 0.5, 1.0), values=(0.0, 1e3, -1e3))
+    law = Viscous(viscous_coefficient=sigma)
+    run = simulate(Axis(inertia=1.0, drive=line), law, t_end=1.5)
+    assert run.certificate.steps + run.certificate.rejected < 2000
+    # momentum: what friction took is what the force gave, but for the last of the velocity
+    push = 0.5 * 0.5 * 1e3
+    assert math.isclose(run["x"][-1], (push - 0.5 * 1e3 - run["v"][-1]) / sigma, rel_tol=1e-10)
+    assert math.isclose(run["v"][-1], -1e3 / sigma, rel_tol=1e-10)

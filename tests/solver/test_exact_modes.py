@@ -24,7 +24,6 @@ from stickslip import (
     SpringBlock,
     Status,
     TowedBlock,
-    Viscous,
     simulate,
 )
 
@@ -93,19 +92,18 @@ def test_a_body_leaves_from_rest_without_a_jump_of_its_acceleration():
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_a_towed_block_with_one_level_of_friction_breaks_away_once_and_for_all(seed):
+def test_a_towed_block_with_one_level_of_friction_breaks_away_and_touches_rest_each_period(seed):
     dice = random.Random(seed)
     k, V, f = dice.uniform(0.5, 50.0), 10.0 ** dice.uniform(-4.0, 0.0), dice.uniform(0.5, 2.0)
     leave, w = f / (k * V), math.sqrt(k)
-    swing = 0.95 * 2 * math.pi / w  # after a whole one it just touches rest
+    period = 2 * math.pi / w
     block = TowedBlock(mass=1.0, stiffness=k, speed=V, load=1.0)
-    run = simulate(block, Coulomb(kinetic_coefficient=f), t_end=leave + swing)
-    assert [event.reason for event in run.events] == ["break-away"]
-    assert math.isclose(run.events[0].t, leave, rel_tol=TINY)
-    tau = np.linspace(0.0, swing, 20)
-    # the time of the start is rounded, and then that of each point
-    x = V * (tau - np.sin(w * tau) / w)
-    np.testing.assert_allclose(run.at(leave + tau)["x"], x, rtol=0, atol=TINY * V * (leave + swing))
+    run = simulate(block, Coulomb(kinetic_coefficient=f), t_end=leave + 5.5 * period)
+    assert [e.reason for e in run.events if e.t < leave + 0.99 * period] == ["break-away"]
+    assert math.isclose(run.events[0].t, leave, abs_tol=TINY * run.span[1])
+    tau = np.linspace(0.0, 5.5 * period, 101)
+    x = V * (tau - np.sin(w * tau) / w)  # v touches zero, where a rounding may make it a short rest
+    np.testing.assert_allclose(run.at(leave + tau)["x"], x, rtol=0, atol=1e-13 * V * run.span[1])
 
 
 def bounces(m, k, x_0, push, f, count):
@@ -164,17 +162,6 @@ def test_a_velocity_that_dips_below_zero_for_a_moment_is_a_stop(excess):
     assert abs(run.events[1].t - (f / k + x) / V) <= doubt / math.sqrt(excess)
     calm = simulate(block, law, t_end=2.0, y0={"x": -f / k, "v": V + V * (1 - excess)})
     assert calm.events == ()
-
-
-def test_a_velocity_that_just_touches_zero_each_period_leaves_the_motion_alone():
-    k, V, f = 4.0, 0.1, 1.0
-    block = TowedBlock(mass=1.0, stiffness=k, speed=V, load=1.0)
-    run = simulate(block, Coulomb(kinetic_coefficient=f), t_end=60.0, y0={"x": -f / k})
-    t = np.linspace(0.0, 60.0, 601)
-    # a rounding of v where it touches is a rest of its square root, 1e-8, with v below 1e-16
-    np.testing.assert_allclose(
-        run.at(t)["x"], V * (t - np.sin(2 * t) / 2) - f / k, rtol=0, atol=1e-13 * V * 60
-    )
 
 
 # Sampled inputs against exponentials
@@ -366,40 +353,19 @@ def test_mirrored_and_in_other_units_a_run_is_the_same_to_the_last_bit(axis, law
     assert changes[0] == changes[1]
 
 
-# Stiff and long
+# Long runs
 
 
-@pytest.mark.parametrize("viscous", [1e3, 1e5, 1e7])
-@pytest.mark.parametrize("t_end", [1.0, 200.0])
-def test_very_viscous_friction_takes_few_steps(viscous, t_end):
-    m, k, x_0 = 1.0, 10.0, 0.3
-    run = simulate(
-        Axis(inertia=m, stiffness=k),
-        Viscous(viscous_coefficient=viscous),
-        t_end=t_end,
-        y0={"x": x_0},
+@pytest.mark.parametrize("t_end", [1.0, 1e4, 1e8])
+def test_an_early_event_of_a_long_step_is_located_to_rounding_of_its_own_time(t_end):
+    ramp = PiecewiseLinear(times=(0.0, 1e9), values=(0.0, 3e9))
+    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.1)
+    run = simulate(Axis(inertia=1.0, drive=ramp), law, t_end=t_end)
+    assert math.isclose(run.events[0].t, 1.1 / 3.0, rel_tol=TINY)
+    thrown = simulate(
+        Axis(inertia=1.0), Coulomb(kinetic_coefficient=3.0), t_end=t_end, y0={"v": 0.7}
     )
-    assert run.certificate.steps + run.certificate.rejected < 2000
-    fast = (viscous + math.sqrt(viscous**2 - 4 * k * m)) / (2 * m)
-    slow = k / (m * fast)
-    t = np.linspace(0.0, t_end, 101)
-    x = x_0 * (fast * np.exp(-slow * t) - slow * np.exp(-fast * t)) / (fast - slow)
-    # some hundred steps of 1e-12 of the largest value each; the velocity is that of the creep
-    np.testing.assert_allclose(run.at(t)["x"], x, rtol=0, atol=1e-11 * x_0)
-    v = -x_0 * k / m * (np.exp(-slow * t) - np.exp(-fast * t)) / (fast - slow)
-    np.testing.assert_allclose(run.at(t)["v"], v, rtol=0, atol=1e-9 * np.abs(v).max())
-
-
-def test_a_very_viscous_body_follows_a_broken_line_of_force():
-    sigma = 1e7
-    line = PiecewiseLinear(times=(0.0, 0.5, 1.0), values=(0.0, 1e3, -1e3))
-    law = Viscous(viscous_coefficient=sigma)
-    run = simulate(Axis(inertia=1.0, drive=line), law, t_end=1.5)
-    assert run.certificate.steps + run.certificate.rejected < 2000
-    # momentum: what friction took is what the force gave, but for the last of the velocity
-    push = 0.5 * 0.5 * 1e3
-    assert math.isclose(run["x"][-1], (push - 0.5 * 1e3 - run["v"][-1]) / sigma, rel_tol=1e-10)
-    assert math.isclose(run["v"][-1], -1e3 / sigma, rel_tol=1e-10)
+    assert math.isclose(thrown.events[0].t, 0.7 / 3.0, rel_tol=TINY)
 
 
 def swing_for(periods):

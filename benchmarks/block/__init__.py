@@ -1,0 +1,1 @@
+"""One block, pushed and then held, in each engine."""

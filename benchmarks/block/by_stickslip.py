@@ -1,0 +1,34 @@
+"""The block in stickslip."""
+
+from benchmarks.block.problem import BOTH, MU_K, MU_S, Engine, G, M, Places, Run, pushes
+from benchmarks.measuring import TIERS
+from stickslip import Coulomb, EventDriven, Sampled, SpringBlock, simulate
+from stickslip.solver import prepare
+
+LAW = Coulomb(kinetic_coefficient=MU_K, static_coefficient=MU_S)
+
+
+def build(tier: str, hold: float, seconds: float) -> Run:
+    forces, starts, ends = zip(*pushes(hold, seconds), strict=True)
+    block = SpringBlock(mass=M, gravity=G, drive=Sampled(times=starts, values=forces))
+    if tier == "compiled":
+        prepare(block, LAW)
+    solver = EventDriven(tier=tier)
+
+    def run() -> Places:
+        found = simulate(block, LAW, t_end=ends[-1], solver=solver)
+        before, after = found.at(ends[-2:])["x"]
+        return Places(before=float(before), after=float(after))
+
+    return run
+
+
+def engines(tiers: tuple[str, ...]) -> tuple[Engine, ...]:
+    return tuple(
+        Engine(
+            name=TIERS[tier],
+            levels=BOTH,
+            build=lambda hold, seconds, tier=tier: build(tier, hold, seconds),
+        )
+        for tier in tiers
+    )
