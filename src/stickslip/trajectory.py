@@ -124,6 +124,12 @@ class Trajectory:
         repr=False
     )
     """Gives the columns at an array of times."""
+    states: tuple[str, ...] = ()
+    """Names of the states among the columns."""
+    differentiate: (
+        Callable[["NDArray[np.float64]", Sequence[str]], "NDArray[np.float64]"] | None
+    ) = field(default=None, repr=False)
+    """Gives the sensitivities (n, states, paths) at an array of times, where the solver can."""
 
     @cached_property
     def _columns(self) -> Mapping[str, "NDArray[np.float64]"]:
@@ -158,6 +164,45 @@ class Trajectory:
                 f" got {times.min():g} to {times.max():g} s."
             )
         return replace(self, t=times)
+
+    def sensitivity(self, state: str, parameter: str) -> "NDArray[np.float64]":
+        """Return how a state changes with a parameter or an initial state, at the times `t`.
+
+        Exact derivatives of the solution, the moments of events included; where the state itself
+        jumps in its derivative, at an event, that after it.
+
+        Parameters
+        ----------
+        state : str
+            Name of a state, such as ``"x"``.
+        parameter : str
+            Path such as ``"friction.kinetic_coefficient"`` or ``"initial.x"``, or its last name
+            where only one has it.
+
+        Returns
+        -------
+        array (n,)
+            Derivative of the state with respect to the parameter, SI units over SI units.
+
+        Raises
+        ------
+        InputError
+            If the solver gives no sensitivities, or a name is unknown.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb, Pulse, SpringBlock, simulate
+        >>> block = SpringBlock(mass=1.0, drive=Pulse(level=10.0, duration=0.1))
+        >>> run = simulate(block, Coulomb(kinetic_coefficient=0.25), t_end=1.0)
+        >>> float(run.at(1.0).sensitivity("x", "kinetic_coefficient")[0].round(9))
+        -0.81549439
+        """
+        if state not in self.states:
+            raise UnknownNameError("state", state, self.states)
+        if self.differentiate is None:
+            raise InputError("this run has no sensitivities: use solver=EventDriven().")
+        found = self.differentiate(self.t, [parameter])
+        return found[:, self.states.index(state), 0]
 
     def sampled(self, count: int = 400) -> "Trajectory":
         """Return the run at evenly spaced times, ends included."""

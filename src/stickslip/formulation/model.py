@@ -73,10 +73,11 @@ _MODELS: OrderedDict[Hashable, Model] = OrderedDict()
 MOST_MODELS = 256
 
 
-def formulate(mechanism: Mechanism, law: FrictionLaw) -> Model:
+def formulate(mechanism: Mechanism, law: FrictionLaw, *, slopes: bool = False) -> Model:
     """Trace a law and a mechanism and derive what the solver needs.
 
-    Equations of the same structure are traced once in a process.
+    Equations of the same structure are traced once in a process. With `slopes` the text has the
+    derivatives with respect to parameters too.
 
     Examples
     --------
@@ -85,21 +86,21 @@ def formulate(mechanism: Mechanism, law: FrictionLaw) -> Model:
     >>> model.states
     ('x', 'v')
     """
-    key = structure(mechanism), structure(law)
+    key = structure(mechanism), structure(law), slopes
     try:
         if key in _MODELS:
             _MODELS.move_to_end(key)
             return _MODELS[key]
     except TypeError:  # a field of the user's that cannot be looked up
-        return _formulated(mechanism, law)
-    model = _formulated(mechanism, law)
+        return _formulated(mechanism, law, slopes)
+    model = _formulated(mechanism, law, slopes)
     _MODELS[key] = model
     while len(_MODELS) > MOST_MODELS:
         _MODELS.popitem(last=False)
     return model
 
 
-def _formulated(mechanism: Mechanism, law: FrictionLaw) -> Model:
+def _formulated(mechanism: Mechanism, law: FrictionLaw, slopes: bool) -> Model:
     """Trace and derive."""
     board = Switchboard()
     # value, slope and start of each drive come first, then what may be given in their place
@@ -131,9 +132,11 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw) -> Model:
         board=board,
     )
     room = _rounded(len(board.switches), FEW_SWITCHES)
+    places = [*range(3 * len(symbols.drives)), *index.values()] if slopes else []
+    quantities = [se.Symbol(f"p{place}") for place in places]
     return Model(
         shape=_shape(symbols, mechanics, modes, room, first + len(index)),
-        text=_text(symbols, mechanics, modes, list(board.switches.values()), room),
+        text=_text(symbols, mechanics, modes, list(board.switches.values()), room, quantities),
         states=(*mechanism.coordinates, *mechanism.rates, *bristles_of(law)),
         parameter_paths=tuple(index),
         first_parameter=first,
@@ -170,6 +173,7 @@ def _text(
     modes: Mapping[Mode, ModeEquations],
     switches: list[Switch],
     room: int,
+    quantities: list[se.Symbol],
 ) -> str:
     """Write the module's own part: what the kernels find under these names."""
     y, t = symbols.states, symbols.t
@@ -205,6 +209,12 @@ def _text(
         same("diagram", _diagram(symbols, mechanics, closed)),
         same("rest", _rest(symbols, modes)),
     ]
+    if quantities:
+        parts += [
+            f"QUANTITIES = {len(quantities)}\n",
+            each("field_slopes", lambda m: [e.diff(q) for e in rates[m] for q in quantities]),
+            each("guard_parameters", lambda m: [e.diff(q) for e in guards[m] for q in quantities]),
+        ]
     return "\n\n".join(parts)
 
 

@@ -21,6 +21,8 @@ __all__ = [
     "contact",
     "energy",
     "field",
+    "field_slopes",
+    "guard_parameters",
     "guard_slopes",
     "guards",
     "jacobian",
@@ -69,6 +71,14 @@ def linear(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None
 
 def contact(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
     """Friction force, normal force, needed friction, break-away level."""
+
+
+def field_slopes(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+    """Derivatives of the field with respect to all quantities: drives' numbers, parameters."""
+
+
+def guard_parameters(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+    """Derivatives of each guard with respect to all quantities."""
 
 
 def energy(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:

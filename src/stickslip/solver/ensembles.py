@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, ParameterError
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
@@ -16,6 +16,7 @@ from stickslip.solver.batch import Chunk, Job, run_chunks
 from stickslip.solver.certify import passes
 from stickslip.solver.event_driven import STATUS, EventDriven
 from stickslip.solver.outputs import Final, Output, asked, value_of
+from stickslip.solver.sensitivities import full_path
 from stickslip.trajectory import Ensemble, Status
 
 __all__ = ["run_ensemble"]
@@ -88,7 +89,9 @@ def _columns(
 ) -> tuple[dict[str, Array], int]:
     """Return what varies by full path, checked, and the number of runs."""
     known = _quantities(mechanism, law, model)
-    given = {_full(path, known): _numbers(path, values) for path, values in varied.items()}
+    given = {
+        full_path(path, list(known)): _numbers(path, values) for path, values in varied.items()
+    }
     lengths = {len(values) for values in given.values() if values.ndim}
     if len(lengths) != 1:
         sizes = ", ".join(f"{path} {np.size(values)}" for path, values in given.items()) or "none"
@@ -109,15 +112,6 @@ def _quantities(mechanism: Mechanism, law: FrictionLaw, model: Model) -> dict[st
     for root, prefix in ((mechanism, "mechanism"), (law, "friction")):
         known |= {path: quantity for path, quantity, _ in parameters(root, prefix)}
     return known
-
-
-def _full(path: str, known: Mapping[str, Quantity]) -> str:
-    same = [full for full in known if path in (full, full.rpartition(".")[2])]
-    if path in known:
-        return path
-    if len(same) == 1:
-        return same[0]
-    raise UnknownNameError("parameter", path, same or known)
 
 
 def _numbers(path: str, values: ArrayLike) -> Array:

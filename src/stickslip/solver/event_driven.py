@@ -17,6 +17,7 @@ from stickslip.solver.certify import certify
 from stickslip.solver.execution import Record, Tier, execute
 from stickslip.solver.outputs import reasons
 from stickslip.solver.playback import Playback
+from stickslip.solver.sensitivities import Sensing
 from stickslip.solver.tables import Inputs, gather
 from stickslip.trajectory import Event, Status, Trajectory
 
@@ -125,6 +126,8 @@ def _trajectory(
         certificate=certify(playback, record.w, whole, tolerance),
         span=playback.span(),
         evaluate=playback,
+        states=model.states,
+        differentiate=Sensing(mechanism, law, inputs, record),
     )
 
 

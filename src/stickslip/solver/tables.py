@@ -6,6 +6,7 @@ Everything is made for many runs at once, whose parameters are arrays; one run i
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,10 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow
 
-__all__ = ["Inputs", "Schedule", "gather", "schedule", "values_of"]
+__all__ = ["Inputs", "Schedule", "gather", "schedule", "schedule_slopes", "values_of"]
+
+IMAGINARY = 1e-30
+"""A part so small that what it does is a derivative, exact but for rounding."""
 
 SHORTEST = 8
 """Units in the last place of the time that a piece must last; what a shorter one does is a jump."""
@@ -94,6 +98,31 @@ def schedule(mechanism: Mechanism, columns: Mapping[str, Array], count: int) -> 
     )
 
 
+def schedule_slopes(mechanism: Mechanism, paths: Sequence[str], table: Array) -> Array:
+    """Return the derivatives of a drives' table (pieces, 1 + 3 drives, paths).
+
+    They are the imaginary parts that the numbers of drives get from those of their parameters.
+    """
+    values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    moved = {
+        path: values[path] + 1j * IMAGINARY * np.array([path == other for other in paths])
+        for path in paths
+        if path in values
+    }
+    twin = shadow(mechanism, "mechanism", lambda path: moved.get(path, values[path]))
+    drives, count = list(twin.drives().values()), len(paths)
+    begins = table.reshape(-1, 1 + 3 * len(drives))[:, 0]
+    tables = [[_columns(part.pieces(), count) for part in _parts(drive)] for drive in drives]
+    starts = np.broadcast_to(begins.astype(np.complex128), (count, len(begins))).copy()
+    for own in (table[0] for parts in tables for table in parts):
+        for j in range(own.shape[1]):
+            here = begins[None, :] == own[:, j : j + 1].real
+            starts += np.where(here & (starts.imag == 0.0), 1j * own[:, j : j + 1].imag, 0.0)
+    rows = [_merged(parts, starts) for parts in tables]
+    slopes: Array = np.concatenate([starts[:, :, None], *rows], axis=2).imag / IMAGINARY
+    return slopes.transpose(1, 2, 0)
+
+
 def _parts(drive: Drive) -> Iterator[Drive]:
     """Yield the drives of which a sum is made."""
     if isinstance(drive, Sum):
@@ -103,14 +132,14 @@ def _parts(drive: Drive) -> Iterator[Drive]:
         yield drive
 
 
-def _columns(pieces: Sequence[Piece], count: int) -> Array:
+def _columns(pieces: Sequence[Piece], count: int) -> NDArray[Any]:
     """Return starts, values and slopes (3, 1 or count, pieces); one row where all are the same."""
     varied = any(np.ndim(number) for piece in pieces for number in piece)
     rows = count if varied else 1
     if not varied:
         return np.array(pieces, dtype=np.float64).reshape(1, -1, 3).transpose(2, 0, 1)
     columns = [[np.broadcast_to(number, rows) for number in piece] for piece in pieces]
-    return np.array(columns, dtype=np.float64).transpose(1, 2, 0)
+    return np.array(columns).transpose(1, 2, 0)
 
 
 def _starts(tables: Sequence[Array], count: int) -> Array:
@@ -134,7 +163,7 @@ def _too_short(starts: Array) -> NDArray[np.bool_]:
     return np.asarray(np.diff(starts, axis=1) <= SHORTEST * np.spacing(np.abs(starts[:, 1:])))
 
 
-def _merged(tables: Sequence[Array], starts: Array) -> Array:
+def _merged(tables: Sequence[NDArray[Any]], starts: NDArray[Any]) -> NDArray[Any]:
     """Return value, slope and start (count, pieces, 3) of a drive from each of the starts on."""
     value = np.zeros_like(starts)
     slope = np.zeros_like(starts)
@@ -154,8 +183,8 @@ def _merged(tables: Sequence[Array], starts: Array) -> Array:
 def _index(begins: Array, starts: Array) -> NDArray[np.intp]:
     """Return the piece of a table that holds at each of the starts, -1 before the first."""
     if len(begins) == 1:
-        return np.searchsorted(begins[0], starts, side="right") - 1
-    return np.asarray((begins[:, None, :] <= starts[:, :, None]).sum(axis=2) - 1)
+        return np.searchsorted(begins[0].real, starts.real, side="right") - 1
+    return np.asarray((begins.real[:, None, :] <= starts.real[:, :, None]).sum(axis=2) - 1)
 
 
 def _taken(table: Array, index: NDArray[np.intp]) -> Array:

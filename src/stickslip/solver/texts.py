@@ -33,10 +33,12 @@ from stickslip.kernels import (
     pieces,
     playback,
     polynomials,
+    radau_tableau,
     reducing,
     rodas5p,
     rodas5p_tableau,
     roots,
+    sensing,
     series,
     sizes,
     stepping,
@@ -71,6 +73,8 @@ AFTER_MODEL = (
     playback,
     reducing,
     batch,
+    radau_tableau,
+    sensing,
 )
 CALLED = (
     "field",
@@ -84,6 +88,8 @@ CALLED = (
     "margins",
     "rest",
     "energy",
+    "field_slopes",
+    "guard_parameters",
 )
 """Functions of the equations that the kernels call."""
 PLAIN = """
@@ -118,10 +124,15 @@ margins = fenced(margins, N_SWITCHES)
 diagram = fenced(diagram, N_COORDINATES + 2)
 rest = fenced(rest, 3)
 '''
+FENCED_SLOPES = """
+field_slopes = fenced(field_slopes, N_STATES * QUANTITIES)
+guard_parameters = fenced(guard_parameters, N_GUARDS * QUANTITIES)
+"""
 PLAIN_ENTRIES = """
 enter_run = run
 enter_play = play
 enter_batch = batch
+enter_sense = sense
 """
 ENTRIES = """
 @jit
@@ -143,6 +154,11 @@ def enter_batch(
         count, columns, places, base, tables, bounds, caps, outputs, arguments, t_end, rtol, limit,
         pointer(w), pointer(whole), log, events, results, statuses, evidence
     )
+
+
+@jit
+def enter_sense(log, count, events, number, times, table, dtable, own, q, w, out):
+    sense(log, count, events, number, times, table, dtable, own, q, pointer(w), out)
 """
 EQUATIONS = """
 from numba import cfunc, njit, types
@@ -207,7 +223,8 @@ def _joined(*parts: str) -> str:
 @functools.lru_cache(maxsize=256)
 def module_text(model: Model) -> str:
     """Return the text of the plain module of a model: its equations and the kernels."""
-    parts = (PLAIN, _body(tier), model.shape, model.text, FENCE, _kernels(), PLAIN_ENTRIES)
+    fence = FENCE + (FENCED_SLOPES if "\nQUANTITIES" in model.text else "")
+    parts = (PLAIN, _body(tier), model.shape, model.text, fence, _kernels(), PLAIN_ENTRIES)
     return _joined(_head(False), *parts)
 
 
@@ -228,6 +245,7 @@ def kernels_text(shape: str) -> str:
 def equations_text(model: Model) -> str:
     """Return the text of the compiled equations of a model: one function that knows their names."""
     lines = ["@cfunc(SIGNATURE, cache=True)", "def equations(name, mode, flags, t, w, at, to):"]
-    for i, name in enumerate(CALLED):
+    named = [(i, name) for i, name in enumerate(CALLED) if f"def {name}(" in model.text]
+    for i, name in named:
         lines += [f"    if name == {i}:", f"        {name}(mode, flags, t, w, at, to)"]
     return _joined(_head(True), EQUATIONS, _marked(model.text), "\n".join(lines))

@@ -1,0 +1,113 @@
+"""Sensitivities of a run, from its record."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import UnknownNameError
+from stickslip.formulation import formulate
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.solver.execution import Record
+from stickslip.solver.runner import Runner, runner_of
+from stickslip.solver.tables import Inputs, schedule_slopes
+
+__all__ = ["Directions", "Sensing", "directions_of", "full_path"]
+
+Array = NDArray[np.float64]
+
+
+def full_path(path: str, known: Sequence[str]) -> str:
+    """Return the full path for a full path, or for a last name that only one has."""
+    same = [full for full in known if path in (full, full.rpartition(".")[2])]
+    if path in known:
+        return path
+    if len(same) == 1:
+        return same[0]
+    raise UnknownNameError("parameter", path, same or known)
+
+
+@dataclass(frozen=True)
+class Directions:
+    """What sensitivities are taken with respect to, as kernels take it."""
+
+    own: Array
+    """Quantity of each direction, -1 for an initial state."""
+    start: Array
+    """Sensitivities at the start (states, directions)."""
+    table: Array
+    """Derivatives of the drives' table, a column a direction."""
+    quantities: int
+    """Number of quantities that the equations have."""
+
+
+def directions_of(
+    mechanism: Mechanism, law: FrictionLaw, paths: Sequence[str], table: Array
+) -> Directions:
+    """Return the directions of full paths."""
+    model = formulate(mechanism, law)
+    numbers = 3 * len(model.drives)
+    own = np.full(len(paths), -1.0)
+    start = np.zeros((len(model.states), len(paths)))
+    for c, path in enumerate(paths):
+        if path in model.parameter_paths:
+            own[c] = numbers + model.parameter_paths.index(path)
+        else:
+            start[model.states.index(path.removeprefix("initial.")), c] = 1.0
+    slopes = schedule_slopes(mechanism, paths, table)
+    return Directions(own, start, slopes, numbers + len(model.parameter_paths))
+
+
+@dataclass(frozen=True)
+class Sensing:
+    """Answers how the states of a recorded run change with parameters and initial states."""
+
+    mechanism: Mechanism
+    law: FrictionLaw
+    inputs: Inputs
+    record: Record
+
+    def __call__(self, t: Array, paths: Sequence[str]) -> Array:
+        """Return sensitivities (n, states, paths) at times (n,)."""
+        model = formulate(self.mechanism, self.law, slopes=True)
+        known = [*model.parameter_paths, *(f"initial.{state}" for state in model.states)]
+        full = [full_path(path, known) for path in paths]
+        runner = runner_of(model, compiled=bool(self.record.runner.address))
+        along = directions_of(self.mechanism, self.law, full, np.array(self.inputs.table))
+        order = np.argsort(t, kind="stable")
+        module, record = runner.module, self.record
+        out = runner.zeros(len(t) * len(model.states) * len(full))
+        module.enter_sense(
+            record.log,
+            record.whole[module.STEPS],
+            record.events,
+            record.whole[module.EVENTS],
+            runner.flat(t[order]),
+            runner.flat(self.inputs.table),
+            runner.flat(along.table),
+            runner.flat(along.own),
+            along.quantities,
+            working(runner, self.inputs, along),
+            out,
+        )
+        found = np.empty((len(t), len(model.states), len(full)))
+        found[order] = np.reshape(out, found.shape)
+        return found
+
+
+def working(runner: Runner, inputs: Inputs, along: Directions) -> Any:
+    """Return the vector of a run, long enough, with the sensitivities at the start."""
+    module = runner.module
+    q, m = along.quantities, len(along.own)
+    w = [*runner.working(inputs.p, inputs.first)]
+    w += [0.0] * (module.sense_size(q, m) - len(w))
+    first = module.columns_at(0, q, m)
+    w[first : first + along.start.size] = along.start.ravel().tolist()
+    if not runner.address:
+        return w
+    longer = np.array(w)
+    longer[module.ADDRESS :].view(np.int64)[0] = runner.address
+    return longer
