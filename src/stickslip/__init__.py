@@ -40,6 +40,7 @@ _HOME = {
     "Rig": "experiments",
     "Sampled": "drives",
     "Samples": "solver",
+    "Sensitivity": "solver",
     "SetValuedLaw": "friction",
     "Sine": "drives",
     "SpringBlock": "mechanisms",

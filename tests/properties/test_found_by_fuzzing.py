@@ -129,3 +129,11 @@ def test_a_cart_that_jams_does_not_lift_off():
     law = Coulomb(kinetic_coefficient=0.45, static_coefficient=0.8)
     run = simulate(cart, law, t_end=1.0, throw=False)
     assert run.status is not Status.LIFT_OFF or run["normal_force"][-1] < 1e-6
+
+
+def test_a_block_that_starts_where_its_spring_ends_slides_to_rest():
+    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    run = simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=10.0, y0={"x": 0.1, "v": 1e-3})
+    way = 1e-3**2 / (2.0 * 0.25 * 9.81)
+    assert math.isclose(run["x"][-1] - 0.1, way, rel_tol=1e-8)  # 1e-7 m beside 0.1 m
+    assert run.status is Status.AT_REST

@@ -309,11 +309,6 @@ def test_the_cases_meet_every_kind_of_event():
             id="jump that fades",
         ),
         pytest.param(
-            Setup(mechanism=EXAMPLES["spring-block"], y0={"x": 0.1, "v": 1e-3}, t_end=10.0),
-            Coulomb(kinetic_coefficient=0.25),
-            id="start at the end of the spring",
-        ),
-        pytest.param(
             Setup(mechanism=EXAMPLES["spring-block"], t_end=0.4823),
             Coulomb(kinetic_coefficient=0.25),
             id="stop just before the end",

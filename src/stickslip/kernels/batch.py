@@ -4,11 +4,13 @@ from stickslip.kernels.driver import run
 from stickslip.kernels.layout import (
     BOOKS,
     END,
+    EVENTS,
     FLAGS,
     GROSS,
     REACHED,
     REJECTED,
     RESIDUAL,
+    ROW_COLUMNS,
     SLOPES,
     STAGES,
     STATUS,
@@ -24,9 +26,10 @@ from stickslip.kernels.layout import (
 from stickslip.kernels.model import N_STATES, energy
 from stickslip.kernels.playback import restore
 from stickslip.kernels.reducing import reduced
-from stickslip.kernels.tier import Vector
+from stickslip.kernels.sensing import columns_at, sense
+from stickslip.kernels.tier import Vector, vector
 
-__all__ = ["EVIDENCE", "batch"]
+__all__ = ["EVIDENCE", "batch", "batch_sensed"]
 
 EVIDENCE = 5
 """Energy error, guard violation, event residual, steps, rejected steps."""
@@ -72,6 +75,42 @@ def keep_evidence(
     evidence[at + 4] = whole[REJECTED]
 
 
+def batch_row(
+    row: int,
+    columns: Vector,
+    places: Vector,
+    base: Vector,
+    table: Vector,
+    bounds: Vector,
+    cap: float,
+    outputs: Vector,
+    arguments: Vector,
+    t_end: float,
+    rtol: float,
+    limit: int,
+    w: Vector,
+    whole: Vector,
+    log: Vector,
+    events: Vector,
+    results: Vector,
+    statuses: Vector,
+    evidence: Vector,
+) -> tuple[Vector, Vector]:
+    """Make one run and keep its outputs; return the rows of its steps and of its events."""
+    n = len(outputs) // 2
+    prepare_row(row, columns, places, base, w, whole)
+    log, events = run(w, whole, table, bounds, t_end, rtol, cap, limit, log, events)
+    statuses[row] = whole[STATUS]
+    keep_evidence(row * EVIDENCE, w, whole, table, log, evidence)
+    asked = row * 2 * n if len(arguments) > 2 * n else 0
+    for j in range(n):
+        results[row * n + j] = reduced(
+            int(outputs[2 * j]), int(outputs[2 * j + 1]), arguments[asked + 2 * j],
+            arguments[asked + 2 * j + 1], w, whole, table, log, events,
+        )  # fmt: skip
+    return log, events
+
+
 def batch(
     count: int,
     columns: Vector,
@@ -99,21 +138,68 @@ def batch(
     `base` otherwise. `tables`, `bounds`, `caps` and `arguments` have a row a run, or one for all.
     `outputs` has kind and subject of each output, `arguments` two numbers for each.
     """
-    n = len(outputs) // 2
     width, room = len(tables) // len(caps), len(bounds) // len(caps)
     for row in range(count):
         own = row if len(caps) > 1 else 0
-        table = tables[own * width : (own + 1) * width]
-        prepare_row(row, columns, places, base, w, whole)
-        log, events = run(
-            w, whole, table, bounds[own * room : (own + 1) * room], t_end, rtol, caps[own], limit,
-            log, events,
+        log, events = batch_row(
+            row, columns, places, base, tables[own * width : (own + 1) * width],
+            bounds[own * room : (own + 1) * room], caps[own], outputs, arguments, t_end, rtol,
+            limit, w, whole, log, events, results, statuses, evidence,
         )  # fmt: skip
-        statuses[row] = whole[STATUS]
-        keep_evidence(row * EVIDENCE, w, whole, table, log, evidence)
-        asked = row * 2 * n if len(arguments) > 2 * n else 0
-        for j in range(n):
-            results[row * n + j] = reduced(
-                int(outputs[2 * j]), int(outputs[2 * j + 1]), arguments[asked + 2 * j],
-                arguments[asked + 2 * j + 1], w, whole, table, log, events,
-            )  # fmt: skip
+
+
+def batch_sensed(
+    count: int,
+    columns: Vector,
+    places: Vector,
+    base: Vector,
+    tables: Vector,
+    bounds: Vector,
+    caps: Vector,
+    outputs: Vector,
+    arguments: Vector,
+    t_end: float,
+    rtol: float,
+    limit: int,
+    w: Vector,
+    whole: Vector,
+    log: Vector,
+    events: Vector,
+    results: Vector,
+    statuses: Vector,
+    evidence: Vector,
+    starts: Vector,
+    slopes: Vector,
+    own: Vector,
+    q: int,
+    gradients: Vector,
+) -> None:
+    """Run all rows and take the sensitivities at their ends.
+
+    `starts` has those at the start, `slopes` the derivatives of the tables, `own` and `q` are as in
+    `sense`; `gradients` gets states by directions for each run.
+    """
+    width, room = len(tables) // len(caps), len(bounds) // len(caps)
+    size, m = len(starts), len(own)
+    first = columns_at(0, q, m)
+    long = len(slopes) // len(caps)
+    end = vector(1)
+    found = vector(size)
+    for row in range(count):
+        at = row if len(caps) > 1 else 0
+        table = tables[at * width : (at + 1) * width]
+        log, events = batch_row(
+            row, columns, places, base, table, bounds[at * room : (at + 1) * room], caps[at],
+            outputs, arguments, t_end, rtol, limit, w, whole, log, events, results, statuses,
+            evidence,
+        )  # fmt: skip
+        for i in range(size):
+            w[first + i] = starts[i]
+        steps = int(whole[STEPS])
+        end[0] = log[(steps - 1) * ROW_COLUMNS + 1]
+        sense(
+            log, steps, events, int(whole[EVENTS]), end, table, slopes[at * long : (at + 1) * long],
+            own, q, w, found,
+        )  # fmt: skip
+        for i in range(size):
+            gradients[row * size + i] = found[i]

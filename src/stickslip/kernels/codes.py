@@ -11,6 +11,7 @@ __all__ = [
     "EVENT_TIME",
     "EXACT",
     "FINAL",
+    "GRADIENT",
     "GREATEST",
     "LEFT_GROUND",
     "LIFTED_OFF",
@@ -45,6 +46,7 @@ SMALLEST = 3
 MEAN = 4
 EVENT_TIME = 5
 EVENT_COUNT = 6
+GRADIENT = 7
 
 # What happened, in the records of events; switch j gives SWITCHED + 2 j, one more where it ceases.
 STOPPED = 0

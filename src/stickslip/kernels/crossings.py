@@ -1,12 +1,27 @@
 """Where a step of a linear mode first violates a guard: guards are polynomials there."""
 
-from stickslip.kernels.layout import DENSE, FRACTION, POLYNOMIAL, REACHED, SLOPES, VALUES, Y
-from stickslip.kernels.model import N_GUARDS, N_STATES, guard_slopes, guards
+from stickslip.kernels.codes import STOP
+from stickslip.kernels.layout import (
+    DENSE,
+    DRIFT,
+    FRACTION,
+    MATRIX,
+    POINT,
+    POLYNOMIAL,
+    REACHED,
+    SLOPES,
+    VALUES,
+    Y,
+)
+from stickslip.kernels.model import N_GUARDS, N_STATES, SLIP, field, guard_slopes, guards
 from stickslip.kernels.polynomials import FALLS_AT_ONCE, first_fall
 from stickslip.kernels.roots import NO_GUARD
 from stickslip.kernels.tier import Vector
 
 __all__ = ["first_crossing"]
+
+BALANCED = 4e-15
+"""Acceleration over the forces that make it up, below which they balance but for rounding."""
 
 
 def guard_polynomial(guard: int, h: float, w: Vector) -> int:
@@ -28,6 +43,18 @@ def guard_polynomial(guard: int, h: float, w: Vector) -> int:
     return degree
 
 
+def quiet_start(flags: int, t: float, h: float, w: Vector) -> None:
+    """Drop the first slope of a body at rest where forces balance but for their rounding."""
+    field(1, flags, t, w, Y, POINT)
+    size = w[POINT + SLIP]
+    field(-1, flags, t, w, Y, POINT)
+    size = abs(size - w[POINT + SLIP]) + abs(w[DRIFT + SLIP] * t)
+    for i in range(N_STATES):
+        size += abs(w[MATRIX + SLIP * N_STATES + i] * w[Y + i])
+    if abs(w[POLYNOMIAL + 1]) <= BALANCED * h * size:
+        w[POLYNOMIAL + 1] = 0.0
+
+
 def first_crossing(mode: int, flags: int, t: float, h: float, w: Vector) -> int:
     """Find the first violated guard of a step, with its fraction in FRACTION.
 
@@ -41,6 +68,8 @@ def first_crossing(mode: int, flags: int, t: float, h: float, w: Vector) -> int:
         degree = guard_polynomial(guard, h, w)
         if degree == 0 and w[POLYNOMIAL] >= 0.0:
             continue
+        if guard == STOP and mode != 0 and w[Y + SLIP] == 0.0:
+            quiet_start(flags, t, h, w)
         x = first_fall(w, degree)
         if x == FALLS_AT_ONCE:
             w[FRACTION] = 0.0

@@ -16,6 +16,8 @@ FALLS_AT_ONCE = -1.0
 ROUNDED = 4e-15
 """Share of all coefficients below which the first ones are zero but for rounding."""
 EPSILON = 2.220446049250313e-16
+PASSES = 4
+"""Searches, each with the rounding of the last result as its goal: early roots are exact too."""
 
 
 def horner(w: Vector, first: int, degree: int, x: float) -> float:
@@ -73,21 +75,27 @@ def fall_in(w: Vector, first: int, degree: int, low: float, high: float) -> floa
     """Return the point just past the one sign change of an interval."""
     f_low = horner(w, first, degree, low)
     f_high = horner(w, first, degree, high)
-    if f_low <= 0.0 or f_high >= 0.0:  # a root within rounding of an end
-        return low if f_low <= 0.0 else high
-    width = high - low
-    limit = itp_limit(width, EPSILON)
-    for trial in range(limit + 1):
-        if high - low <= 2.0 * EPSILON:
+    if f_low <= 0.0:  # a root within rounding of the lower end
+        return low
+    if f_high >= 0.0:  # negative before, and back at zero but for rounding
+        f_high = -EPSILON * f_low
+    for _ in range(PASSES):
+        width = high - low
+        epsilon = EPSILON * high
+        if width <= 2.0 * epsilon:
             break
-        x = itp_point(limit - trial, width, EPSILON, low, high, f_low, f_high)
-        value = horner(w, first, degree, x)
-        if value < 0.0:
-            high = x
-            f_high = value
-        else:
-            low = x
-            f_low = value
+        limit = itp_limit(width, epsilon)
+        for trial in range(limit + 1):
+            if high - low <= 2.0 * epsilon:
+                break
+            x = itp_point(limit - trial, width, epsilon, low, high, f_low, f_high)
+            value = horner(w, first, degree, x)
+            if value < 0.0:
+                high = x
+                f_high = value
+            else:
+                low = x
+                f_low = value
     return high
 
 

@@ -339,6 +339,9 @@ def sense(
     k = 0
     while k < number and events[k * EVENT_COLUMNS] <= log[0]:
         k += 1
+    if log[3] == 0.0:  # a held body loses its velocity at once
+        for c in range(m):
+            w[now + SLIP * m + c] = 0.0
     for row in range(count):
         at = row * ROW_COLUMNS
         last = row == count - 1

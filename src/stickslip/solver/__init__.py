@@ -13,6 +13,7 @@ from stickslip.solver.outputs import (
     Min,
     Output,
     Samples,
+    Sensitivity,
 )
 
 __all__ = [
@@ -27,6 +28,7 @@ __all__ = [
     "Min",
     "Output",
     "Samples",
+    "Sensitivity",
     "Solver",
     "prepare",
 ]

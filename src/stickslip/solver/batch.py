@@ -4,19 +4,21 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.formulation import formulate
+from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.event_driven import EventDriven
 from stickslip.solver.execution import FIRST_ROWS, prepare
 from stickslip.solver.modules import is_loaded
-from stickslip.solver.outputs import Output, asked
+from stickslip.solver.outputs import Output, asked, is_gradient
 from stickslip.solver.runner import Runner, runner_of
+from stickslip.solver.sensitivities import directions_of
 from stickslip.solver.tables import schedule, values_of
 
 __all__ = ["Chunk", "Job", "run_chunks"]
@@ -41,6 +43,14 @@ class Job:
     count: int
     """Number of runs."""
 
+    def gradients(self) -> tuple[str, ...]:
+        """Return the full paths of which sensitivities are wanted."""
+        return tuple(sorted({o.parameter for o in self.outputs.values() if is_gradient(o)}))
+
+    def model(self) -> Model:
+        """Return the equations, with their slopes where they are needed."""
+        return formulate(self.mechanism, self.law, slopes=bool(self.gradients()))
+
 
 @dataclass(frozen=True)
 class Chunk:
@@ -52,13 +62,15 @@ class Chunk:
     statuses: NDArray[np.int8]
     evidence: Array
     """(rows, 5): energy error, guard violation, event residual, steps, rejected steps."""
+    gradients: Array
+    """(rows, states, paths): sensitivities at the end."""
 
 
 def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
     """Run some rows, whose parameters stand in `columns`, an array (rows,) by path."""
-    model = formulate(job.mechanism, job.law)
-    runner = _runner(job)
-    module = runner.module
+    model = job.model()
+    runner = runner_of(model, compiled=job.solver.tier != "python")
+    module, vector = runner.module, runner.flat
     rows = len(next(iter(columns.values())))
     kinds, arguments, _ = asked(job.outputs, model, job.t_end, job.count)
     own = arguments[start : start + rows] if len(arguments) > 1 else arguments
@@ -66,13 +78,14 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
     plan = schedule(job.mechanism, driven, rows if driven else 1)
     width = len(kinds) // 2
     results, evidence = runner.zeros(rows * width), runner.zeros(rows * module.EVIDENCE)
-    statuses, vector = runner.zeros(rows), runner.flat
-    whole = runner.whole()
+    statuses, whole = runner.zeros(rows), runner.whole()
     whole[module.BOOKS] = 1
-    module.enter_batch(
+    along = directions_of(job.mechanism, job.law, job.gradients(), driven, plan.table)
+    room = runner.zeros(max(module.SIZE, module.sense_size(along.quantities, len(along.own))))
+    arguments_of_all = (
         rows,
         vector(np.column_stack(list(columns.values()))),
-        vector(_places(job, module, columns)),
+        vector(_places(model, module, columns)),
         _base(job, runner),
         vector(plan.table),
         vector(plan.bounds if plan.bounds.size else np.zeros((len(plan.table), 1))),
@@ -82,7 +95,7 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
         job.t_end,
         job.solver.tolerance_for(job.law),
         int(job.solver.max_steps),
-        runner.zeros(module.SIZE),
+        room,
         whole,
         runner.zeros(FIRST_ROWS * module.ROW_COLUMNS),
         runner.zeros(FIRST_ROWS * module.EVENT_COLUMNS),
@@ -90,21 +103,23 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
         statuses,
         evidence,
     )
+    gradients = runner.zeros(rows * along.start.size)
+    if job.gradients():
+        sensed = (vector(along.start), vector(along.table), vector(along.own), along.quantities)
+        module.enter_batch_sensed(*arguments_of_all, *sensed, gradients)
+    else:
+        module.enter_batch(*arguments_of_all)
     return Chunk(
         start,
         np.reshape(results, (rows, width)),
         np.asarray(statuses, dtype=np.int8),
         np.reshape(evidence, (rows, -1)),
+        np.reshape(gradients, (rows, *along.start.shape)),
     )
 
 
-def _runner(job: Job) -> Runner:
-    return runner_of(formulate(job.mechanism, job.law), compiled=job.solver.tier != "python")
-
-
-def _places(job: Job, module: Any, columns: Mapping[str, Array]) -> list[float]:
+def _places(model: Model, module: ModuleType, columns: Mapping[str, Array]) -> list[float]:
     """Return where in the vector of a run each column goes."""
-    model = formulate(job.mechanism, job.law)
     paths = {path: model.first_parameter + i for i, path in enumerate(model.parameter_paths)}
     paths |= {f"initial.{state}": module.Y + i for i, state in enumerate(model.states)}
     return [float(paths[path]) for path in columns]
@@ -112,7 +127,7 @@ def _places(job: Job, module: Any, columns: Mapping[str, Array]) -> list[float]:
 
 def _base(job: Job, runner: Runner) -> Any:
     """Return the vector of a run with the numbers that all rows share."""
-    model = formulate(job.mechanism, job.law)
+    model = job.model()
     values = values_of(job.mechanism, job.law)
     numbers = [float(values[path]) for path in model.parameter_paths]
     base = runner.working(numbers, model.first_parameter)

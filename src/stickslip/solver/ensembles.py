@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from stickslip.quantities import Quantity, parameters, vary
 from stickslip.solver.batch import Chunk, Job, run_chunks
 from stickslip.solver.certify import passes
 from stickslip.solver.event_driven import STATUS, EventDriven
-from stickslip.solver.outputs import Final, Output, asked, value_of
+from stickslip.solver.outputs import Final, Output, asked, is_gradient, value_of
 from stickslip.solver.sensitivities import full_path
 from stickslip.trajectory import Ensemble, Status
 
@@ -39,22 +40,28 @@ def run_ensemble(
     """Run an ensemble; see `stickslip.ensemble`."""
     model = formulate(mechanism, law)
     columns, count = _columns(mechanism, law, model, varied)
-    wanted = _outputs(model, outputs)
+    wanted = _outputs(mechanism, law, model, outputs)
     job = Job(mechanism, law, tuple(y0), t_end, wanted, solver, count)
     kinds, _, places = asked(wanted, model, t_end, count)
     results = np.full((count, len(kinds) // 2), np.nan)
     codes = np.zeros(count, dtype=np.int8)
     evidence = np.full((count, 5), np.nan)
+    gradients = np.full((count, len(model.states), len(job.gradients())), np.nan)
     done = 0
 
     def keep(chunk: Chunk) -> bool:
         nonlocal done
         rows = slice(chunk.start, chunk.start + len(chunk.statuses))
         results[rows], codes[rows], evidence[rows] = chunk.results, chunk.statuses, chunk.evidence
+        gradients[rows] = chunk.gradients
         done += len(chunk.statuses)
         return progress is None or progress(done, count) is not False
 
     run_chunks(job, columns, executor, keep)
+    for name, output in wanted.items():
+        if is_gradient(output):
+            place = model.states.index(output.state), job.gradients().index(output.parameter)
+            results[:, places[name]] = gradients[:, place[0], place[1], None]
     table = np.array([STATUS.get(code, Status.CANCELLED) for code in range(max(STATUS) + 1)])
     return Ensemble(
         outputs={name: value_of(results, places[name], wanted[name]) for name in wanted},
@@ -69,7 +76,10 @@ def run_ensemble(
 
 
 def _outputs(
-    model: Model, outputs: Sequence[str] | Mapping[str, Output] | None
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    model: Model,
+    outputs: Sequence[str] | Mapping[str, Output] | None,
 ) -> Mapping[str, Output]:
     if isinstance(outputs, str):
         raise InputError(f"outputs must be a sequence of names or a mapping, got {outputs!r}.")
@@ -78,10 +88,14 @@ def _outputs(
     for name, output in outputs.items():
         if not isinstance(output, Output):
             raise InputError(
-                f"outputs[{name!r}] must be Final, Max, Min, Mean, Samples, EventTimes or"
-                f" EventCount, got {output!r}."
+                f"outputs[{name!r}] must be Final, Max, Min, Mean, Samples, EventTimes,"
+                f" EventCount or Sensitivity, got {output!r}."
             )
-    return outputs
+    paths = list(_quantities(mechanism, law, model))
+    return {
+        name: replace(o, parameter=full_path(o.parameter, paths)) if is_gradient(o) else o
+        for name, o in outputs.items()
+    }
 
 
 def _columns(

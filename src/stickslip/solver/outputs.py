@@ -7,13 +7,27 @@ from typing import Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
+from typing_extensions import TypeIs, override
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.formulation import Model
 from stickslip.kernels import codes
 
-__all__ = ["EventCount", "EventTimes", "Final", "Max", "Mean", "Min", "Output", "Samples"]
+__all__ = [
+    "EventCount",
+    "EventTimes",
+    "Final",
+    "Max",
+    "Mean",
+    "Min",
+    "Output",
+    "Samples",
+    "Sensitivity",
+    "asked",
+    "is_gradient",
+    "reasons",
+    "value_of",
+]
 
 Array: TypeAlias = NDArray[np.float64]
 Number: TypeAlias = float | Sequence[float] | Array
@@ -214,6 +228,33 @@ class EventCount(Output):
     def columns(self, model: Model, t_end: float) -> Columns:
         none = np.zeros(1)
         return Columns(codes.EVENT_COUNT, _reason(model, self.reason), none, none)
+
+
+@final
+@dataclass(frozen=True)
+class Sensitivity(Output):
+    """How the last value of a state changes with a parameter or an initial state.
+
+    Parameters
+    ----------
+    state : str
+        Name of the state.
+    parameter : str
+        Path of the parameter, or its last name where only one has it.
+    """
+
+    state: str
+    parameter: str
+
+    @override
+    def columns(self, model: Model, t_end: float) -> Columns:
+        none = np.zeros(1)
+        return Columns(codes.GRADIENT, _state(model, self.state), none, none)
+
+
+def is_gradient(output: Output) -> TypeIs[Sensitivity]:
+    """Whether an output is a sensitivity, which needs the slopes of the equations."""
+    return isinstance(output, Sensitivity)
 
 
 def _reason(model: Model, reason: str) -> int:

@@ -1,6 +1,6 @@
 """Sensitivities of a run, from its record."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,15 +39,19 @@ class Directions:
     start: Array
     """Sensitivities at the start (states, directions)."""
     table: Array
-    """Derivatives of the drives' table, a column a direction."""
+    """Derivatives of the drives' tables, a row a run; innermost a column a direction."""
     quantities: int
     """Number of quantities that the equations have."""
 
 
 def directions_of(
-    mechanism: Mechanism, law: FrictionLaw, paths: Sequence[str], table: Array
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    paths: Sequence[str],
+    columns: Mapping[str, Array],
+    tables: Array,
 ) -> Directions:
-    """Return the directions of full paths."""
+    """Return the directions of full paths, for runs that differ by `columns`."""
     model = formulate(mechanism, law)
     numbers = 3 * len(model.drives)
     own = np.full(len(paths), -1.0)
@@ -57,7 +61,7 @@ def directions_of(
             own[c] = numbers + model.parameter_paths.index(path)
         else:
             start[model.states.index(path.removeprefix("initial.")), c] = 1.0
-    slopes = schedule_slopes(mechanism, paths, table)
+    slopes = schedule_slopes(mechanism, columns, paths, tables)
     return Directions(own, start, slopes, numbers + len(model.parameter_paths))
 
 
@@ -76,7 +80,8 @@ class Sensing:
         known = [*model.parameter_paths, *(f"initial.{state}" for state in model.states)]
         full = [full_path(path, known) for path in paths]
         runner = runner_of(model, compiled=bool(self.record.runner.address))
-        along = directions_of(self.mechanism, self.law, full, np.array(self.inputs.table))
+        table = np.array([self.inputs.table])
+        along = directions_of(self.mechanism, self.law, full, {}, table)
         order = np.argsort(t, kind="stable")
         module, record = runner.module, self.record
         out = runner.zeros(len(t) * len(model.states) * len(full))
@@ -90,7 +95,7 @@ class Sensing:
             runner.flat(along.table),
             runner.flat(along.own),
             along.quantities,
-            working(runner, self.inputs, along),
+            working(runner, runner.working(self.inputs.p, self.inputs.first), along),
             out,
         )
         found = np.empty((len(t), len(model.states), len(full)))
@@ -98,16 +103,12 @@ class Sensing:
         return found
 
 
-def working(runner: Runner, inputs: Inputs, along: Directions) -> Any:
-    """Return the vector of a run, long enough, with the sensitivities at the start."""
+def working(runner: Runner, w: Any, along: Directions) -> Any:
+    """Return the vector of a run, made long enough, with the sensitivities at the start."""
     module = runner.module
-    q, m = along.quantities, len(along.own)
-    w = [*runner.working(inputs.p, inputs.first)]
-    w += [0.0] * (module.sense_size(q, m) - len(w))
-    first = module.columns_at(0, q, m)
-    w[first : first + along.start.size] = along.start.ravel().tolist()
-    if not runner.address:
-        return w
-    longer = np.array(w)
-    longer[module.ADDRESS :].view(np.int64)[0] = runner.address
+    longer = runner.zeros(module.sense_size(along.quantities, len(along.own)))
+    longer[: len(w)] = w
+    first = module.columns_at(0, along.quantities, len(along.own))
+    for i, value in enumerate(along.start.ravel().tolist(), first):
+        longer[i] = value
     return longer

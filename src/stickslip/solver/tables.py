@@ -98,29 +98,33 @@ def schedule(mechanism: Mechanism, columns: Mapping[str, Array], count: int) -> 
     )
 
 
-def schedule_slopes(mechanism: Mechanism, paths: Sequence[str], table: Array) -> Array:
-    """Return the derivatives of a drives' table (pieces, 1 + 3 drives, paths).
+def schedule_slopes(
+    mechanism: Mechanism, columns: Mapping[str, Array], paths: Sequence[str], tables: Array
+) -> Array:
+    """Return the derivatives of drives' tables (runs, pieces, 1 + 3 drives, paths).
 
     They are the imaginary parts that the numbers of drives get from those of their parameters.
+    `columns` and `tables` are those of a schedule.
     """
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
-    moved = {
-        path: values[path] + 1j * IMAGINARY * np.array([path == other for other in paths])
-        for path in paths
-        if path in values
-    }
-    twin = shadow(mechanism, "mechanism", lambda path: moved.get(path, values[path]))
-    drives, count = list(twin.drives().values()), len(paths)
-    begins = table.reshape(-1, 1 + 3 * len(drives))[:, 0]
-    tables = [[_columns(part.pieces(), count) for part in _parts(drive)] for drive in drives]
-    starts = np.broadcast_to(begins.astype(np.complex128), (count, len(begins))).copy()
-    for own in (table[0] for parts in tables for table in parts):
-        for j in range(own.shape[1]):
-            here = begins[None, :] == own[:, j : j + 1].real
-            starts += np.where(here & (starts.imag == 0.0), 1j * own[:, j : j + 1].imag, 0.0)
-    rows = [_merged(parts, starts) for parts in tables]
-    slopes: Array = np.concatenate([starts[:, :, None], *rows], axis=2).imag / IMAGINARY
-    return slopes.transpose(1, 2, 0)
+    runs, m = len(tables), len(paths)
+    own: dict[str, NDArray[Any]] = {path: np.repeat(c, m) for path, c in columns.items()}
+    for c, path in enumerate(paths):
+        if path in values:
+            side = np.tile(np.arange(m) == c, runs)
+            own[path] = own.get(path, np.full(runs * m, values[path])) + 1j * IMAGINARY * side
+    twin = shadow(mechanism, "mechanism", lambda path: own.get(path, values[path]))
+    drives = list(twin.drives().values())
+    begins = np.repeat(tables.reshape(runs, -1, 1 + 3 * len(drives))[:, :, 0], m, axis=0)
+    parts = [[_columns(part.pieces(), runs * m) for part in _parts(drive)] for drive in drives]
+    starts = begins.astype(np.complex128)
+    for first in (table[0] for tables_of in parts for table in tables_of):
+        for j in range(first.shape[1]):
+            here = begins == first[:, j : j + 1].real
+            starts += np.where(here & (starts.imag == 0.0), 1j * first[:, j : j + 1].imag, 0.0)
+    rows = [_merged(tables_of, starts) for tables_of in parts]
+    found = np.concatenate([starts[:, :, None], *rows], axis=2).imag / IMAGINARY
+    return np.asarray(found.reshape(runs, m, *found.shape[1:]).transpose(0, 2, 3, 1))
 
 
 def _parts(drive: Drive) -> Iterator[Drive]:

@@ -72,9 +72,9 @@ AFTER_MODEL = (
     driver,
     playback,
     reducing,
-    batch,
     radau_tableau,
     sensing,
+    batch,
 )
 CALLED = (
     "field",
@@ -133,6 +133,7 @@ enter_run = run
 enter_play = play
 enter_batch = batch
 enter_sense = sense
+enter_batch_sensed = batch_sensed
 """
 ENTRIES = """
 @jit
@@ -153,6 +154,18 @@ def enter_batch(
     batch(
         count, columns, places, base, tables, bounds, caps, outputs, arguments, t_end, rtol, limit,
         pointer(w), pointer(whole), log, events, results, statuses, evidence
+    )
+
+
+@jit
+def enter_batch_sensed(
+    count, columns, places, base, tables, bounds, caps, outputs, arguments, t_end, rtol, limit,
+    w, whole, log, events, results, statuses, evidence, starts, slopes, own, q, gradients
+):
+    batch_sensed(
+        count, columns, places, base, tables, bounds, caps, outputs, arguments, t_end, rtol, limit,
+        pointer(w), pointer(whole), log, events, results, statuses, evidence, starts, slopes, own,
+        q, gradients
     )
 
 
