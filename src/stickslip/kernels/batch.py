@@ -148,43 +148,46 @@ def batch(
         )  # fmt: skip
 
 
-def batch_sensed(
-    count: int,
-    columns: Vector,
-    places: Vector,
-    base: Vector,
-    tables: Vector,
-    bounds: Vector,
-    caps: Vector,
-    outputs: Vector,
-    arguments: Vector,
-    t_end: float,
-    rtol: float,
-    limit: int,
-    w: Vector,
-    whole: Vector,
-    log: Vector,
-    events: Vector,
-    results: Vector,
-    statuses: Vector,
-    evidence: Vector,
+def sense_end(
+    row: int,
+    table: Vector,
     starts: Vector,
     slopes: Vector,
     own: Vector,
     q: int,
+    w: Vector,
+    whole: Vector,
+    log: Vector,
+    events: Vector,
     gradients: Vector,
 ) -> None:
-    """Run all rows and take the sensitivities at their ends.
+    """Take the sensitivities at the end of a run.
 
-    `starts` has those at the start, `slopes` the derivatives of the tables, `own` and `q` are as in
-    `sense`; `gradients` gets states by directions for each run.
+    `starts` has those at its start, `slopes` the derivatives of its table, `own` and `q` are as in
+    `sense`; `gradients` gets states by directions.
     """
-    width, room = len(tables) // len(caps), len(bounds) // len(caps)
-    size, m = len(starts), len(own)
-    first = columns_at(0, q, m)
-    long = len(slopes) // len(caps)
+    size = len(starts)
+    first = columns_at(0, q, len(own))
+    for i in range(size):
+        w[first + i] = starts[i]
+    steps = int(whole[STEPS])
     end = vector(1)
+    end[0] = log[(steps - 1) * ROW_COLUMNS + 1]
     found = vector(size)
+    sense(log, steps, events, int(whole[EVENTS]), end, table, slopes, own, q, w, found)
+    for i in range(size):
+        gradients[row * size + i] = found[i]
+
+
+def batch_sensed(
+    count: int, columns: Vector, places: Vector, base: Vector, tables: Vector, bounds: Vector,
+    caps: Vector, outputs: Vector, arguments: Vector, t_end: float, rtol: float, limit: int,
+    w: Vector, whole: Vector, log: Vector, events: Vector, results: Vector, statuses: Vector,
+    evidence: Vector, starts: Vector, slopes: Vector, own: Vector, q: int, gradients: Vector,
+) -> None:  # fmt: skip
+    """Run all rows as `batch` does, and take the sensitivities at their ends."""
+    width, room = len(tables) // len(caps), len(bounds) // len(caps)
+    long = len(slopes) // len(caps)
     for row in range(count):
         at = row if len(caps) > 1 else 0
         table = tables[at * width : (at + 1) * width]
@@ -193,13 +196,7 @@ def batch_sensed(
             outputs, arguments, t_end, rtol, limit, w, whole, log, events, results, statuses,
             evidence,
         )  # fmt: skip
-        for i in range(size):
-            w[first + i] = starts[i]
-        steps = int(whole[STEPS])
-        end[0] = log[(steps - 1) * ROW_COLUMNS + 1]
-        sense(
-            log, steps, events, int(whole[EVENTS]), end, table, slopes[at * long : (at + 1) * long],
-            own, q, w, found,
+        sense_end(
+            row, table, starts, slopes[at * long : (at + 1) * long], own, q, w, whole, log, events,
+            gradients,
         )  # fmt: skip
-        for i in range(size):
-            gradients[row * size + i] = found[i]

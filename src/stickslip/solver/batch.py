@@ -18,7 +18,7 @@ from stickslip.solver.execution import FIRST_ROWS, prepare
 from stickslip.solver.modules import is_loaded
 from stickslip.solver.outputs import Output, asked, is_gradient
 from stickslip.solver.runner import Runner, runner_of
-from stickslip.solver.sensitivities import directions_of
+from stickslip.solver.sensitivities import Directions, directions_of
 from stickslip.solver.tables import schedule, values_of
 
 __all__ = ["Chunk", "Job", "run_chunks"]
@@ -72,17 +72,15 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
     runner = runner_of(model, compiled=job.solver.tier != "python")
     module, vector = runner.module, runner.flat
     rows = len(next(iter(columns.values())))
-    kinds, arguments, _ = asked(job.outputs, model, job.t_end, job.count)
-    own = arguments[start : start + rows] if len(arguments) > 1 else arguments
     driven = {path: column for path, column in columns.items() if path.count(".") > 1}
     plan = schedule(job.mechanism, driven, rows if driven else 1)
+    kinds, arguments, _ = asked(job.outputs, model, job.t_end, job.count)
+    own = arguments[start : start + rows] if len(arguments) > 1 else arguments
+    along = directions_of(job.mechanism, job.law, job.gradients(), driven, plan.table)
     width = len(kinds) // 2
     results, evidence = runner.zeros(rows * width), runner.zeros(rows * module.EVIDENCE)
-    statuses, whole = runner.zeros(rows), runner.whole()
-    whole[module.BOOKS] = 1
-    along = directions_of(job.mechanism, job.law, job.gradients(), driven, plan.table)
-    room = runner.zeros(max(module.SIZE, module.sense_size(along.quantities, len(along.own))))
-    arguments_of_all = (
+    statuses, gradients = runner.zeros(rows), runner.zeros(rows * along.start.size)
+    call: list[Any] = [
         rows,
         vector(np.column_stack(list(columns.values()))),
         vector(_places(model, module, columns)),
@@ -92,23 +90,13 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
         vector(plan.time_scale / 6.0),
         vector(kinds),
         vector(own),
-        job.t_end,
-        job.solver.tolerance_for(job.law),
-        int(job.solver.max_steps),
-        room,
-        whole,
-        runner.zeros(FIRST_ROWS * module.ROW_COLUMNS),
-        runner.zeros(FIRST_ROWS * module.EVENT_COLUMNS),
-        results,
-        statuses,
-        evidence,
-    )
-    gradients = runner.zeros(rows * along.start.size)
+        *_settings(job, runner, along),
+    ]
     if job.gradients():
-        sensed = (vector(along.start), vector(along.table), vector(along.own), along.quantities)
-        module.enter_batch_sensed(*arguments_of_all, *sensed, gradients)
+        sensed = [vector(along.start), vector(along.table), vector(along.own), along.quantities]
+        module.enter_batch_sensed(*call, results, statuses, evidence, *sensed, gradients)
     else:
-        module.enter_batch(*arguments_of_all)
+        module.enter_batch(*call, results, statuses, evidence)
     return Chunk(
         start,
         np.reshape(results, (rows, width)),
@@ -116,6 +104,23 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
         np.reshape(evidence, (rows, -1)),
         np.reshape(gradients, (rows, *along.start.shape)),
     )
+
+
+def _settings(job: Job, runner: Runner, along: Directions) -> list[Any]:
+    """Return what the runs of a chunk are made with: end, limits, and room to work in."""
+    module = runner.module
+    whole = runner.whole()
+    whole[module.BOOKS] = 1
+    size = max(module.SIZE, module.sense_size(along.quantities, len(along.own)))
+    return [
+        job.t_end,
+        job.solver.tolerance_for(job.law),
+        int(job.solver.max_steps),
+        runner.zeros(size),
+        whole,
+        runner.zeros(FIRST_ROWS * module.ROW_COLUMNS),
+        runner.zeros(FIRST_ROWS * module.EVENT_COLUMNS),
+    ]
 
 
 def _places(model: Model, module: ModuleType, columns: Mapping[str, Array]) -> list[float]:

@@ -42,37 +42,58 @@ def run_ensemble(
     columns, count = _columns(mechanism, law, model, varied)
     wanted = _outputs(mechanism, law, model, outputs)
     job = Job(mechanism, law, tuple(y0), t_end, wanted, solver, count)
-    kinds, _, places = asked(wanted, model, t_end, count)
-    results = np.full((count, len(kinds) // 2), np.nan)
-    codes = np.zeros(count, dtype=np.int8)
-    evidence = np.full((count, 5), np.nan)
-    gradients = np.full((count, len(model.states), len(job.gradients())), np.nan)
-    done = 0
+    parts = _Parts(job, model)
 
     def keep(chunk: Chunk) -> bool:
-        nonlocal done
-        rows = slice(chunk.start, chunk.start + len(chunk.statuses))
-        results[rows], codes[rows], evidence[rows] = chunk.results, chunk.statuses, chunk.evidence
-        gradients[rows] = chunk.gradients
-        done += len(chunk.statuses)
-        return progress is None or progress(done, count) is not False
+        parts.add(chunk)
+        return progress is None or progress(parts.done, count) is not False
 
     run_chunks(job, columns, executor, keep)
-    for name, output in wanted.items():
-        if is_gradient(output):
-            place = model.states.index(output.state), job.gradients().index(output.parameter)
-            results[:, places[name]] = gradients[:, place[0], place[1], None]
-    table = np.array([STATUS.get(code, Status.CANCELLED) for code in range(max(STATUS) + 1)])
-    return Ensemble(
-        outputs={name: value_of(results, places[name], wanted[name]) for name in wanted},
-        parameters=columns,
-        status=table[codes],
-        certified=passes(evidence, solver.tolerance_for(law)),
-        energy_error=evidence[:, 0],
-        guard_violation=evidence[:, 1],
-        event_residual=evidence[:, 2],
-        steps=np.nan_to_num(evidence[:, 3]).astype(np.int64),
-    )
+    return parts.joined(columns)
+
+
+class _Parts:
+    """What came of the chunks so far."""
+
+    def __init__(self, job: Job, model: Model) -> None:
+        self.job = job
+        self.model = model
+        kinds, _, self.places = asked(job.outputs, model, job.t_end, job.count)
+        self.results = np.full((job.count, len(kinds) // 2), np.nan)
+        self.codes = np.zeros(job.count, dtype=np.int8)
+        self.evidence = np.full((job.count, 5), np.nan)
+        self.gradients = np.full((job.count, len(model.states), len(job.gradients())), np.nan)
+        self.done = 0
+
+    def add(self, chunk: Chunk) -> None:
+        """Keep what came of a chunk."""
+        rows = slice(chunk.start, chunk.start + len(chunk.statuses))
+        self.results[rows], self.codes[rows] = chunk.results, chunk.statuses
+        self.evidence[rows], self.gradients[rows] = chunk.evidence, chunk.gradients
+        self.done += len(chunk.statuses)
+
+    def joined(self, columns: Mapping[str, Array]) -> Ensemble:
+        """Return all of it."""
+        wanted, evidence = self.job.outputs, self.evidence
+        for name, output in wanted.items():
+            if is_gradient(output):
+                state = self.model.states.index(output.state)
+                direction = self.job.gradients().index(output.parameter)
+                self.results[:, self.places[name]] = self.gradients[:, state, direction, None]
+        table = np.array([STATUS.get(code, Status.CANCELLED) for code in range(max(STATUS) + 1)])
+        return Ensemble(
+            outputs={
+                name: value_of(self.results, place, wanted[name])
+                for name, place in self.places.items()
+            },
+            parameters=columns,
+            status=table[self.codes],
+            certified=passes(evidence, self.job.solver.tolerance_for(self.job.law)),
+            energy_error=evidence[:, 0],
+            guard_violation=evidence[:, 1],
+            event_residual=evidence[:, 2],
+            steps=np.nan_to_num(evidence[:, 3]).astype(np.int64),
+        )
 
 
 def _outputs(

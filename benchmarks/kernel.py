@@ -1,0 +1,107 @@
+"""The compiled kernel alone: one run as an ensemble or a fit pays for it, without objects."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from stickslip.formulation import formulate
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.solver.outputs import reasons
+from stickslip.solver.runner import runner_of
+from stickslip.solver.sensitivities import directions_of, working
+from stickslip.solver.tables import gather
+
+LIMIT = 1_000_000
+"""Steps after which a run is given up."""
+
+
+class Kernel:
+    """One run of a pair, whose vectors are made once; each run sets them back and fills them.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        What holds it back.
+    t_end : float
+        Last time [s].
+    compiled : bool
+        Compiled, or the same text in plain Python.
+    start : mapping, optional
+        Initial states by name; the others are 0.
+    slopes : bool
+        With the derivatives of the equations, which sensitivities need.
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        law: FrictionLaw,
+        t_end: float,
+        *,
+        compiled: bool = True,
+        start: Mapping[str, float] | None = None,
+        slopes: bool = False,
+    ) -> None:
+        self.pair = mechanism, law
+        self.t_end = t_end
+        self.model = formulate(mechanism, law, slopes=slopes)
+        self.runner = runner_of(self.model, compiled=compiled)
+        self.module = self.runner.module
+        self.inputs = gather(mechanism, law, self.model)
+        self._base = self.runner.working(self.inputs.p, self.inputs.first)
+        for state, value in (start or {}).items():
+            self._base[self.module.Y + self.model.states.index(state)] = value
+        self._fresh = self.runner.whole()
+        self._fresh[self.module.BOOKS] = 1
+        self.w, self.whole = self._base[:], self._fresh[:]
+        if compiled:
+            self.w, self.whole = self._base.copy(), self._fresh.copy()
+        self._tables = [self.runner.vector(self.inputs.table)]
+        self._tables.append(self.runner.vector(self.inputs.bounds or [0.0]))
+        self.log = self.runner.zeros(64 * self.module.ROW_COLUMNS)
+        self.events = self.runner.zeros(64 * self.module.EVENT_COLUMNS)
+
+    def run(self, tolerance: float) -> "Kernel":
+        """Run from time 0 to the end; the record stays here until the next run."""
+        self.w[:] = self._base
+        self.whole[:] = self._fresh
+        self.log, self.events = self.module.enter_run(
+            self.w, self.whole, *self._tables, self.t_end, tolerance,
+            self.inputs.time_scale / 6.0, LIMIT, self.log, self.events,
+        )  # fmt: skip
+        return self
+
+    def steps(self) -> int:
+        """Return the steps of the last run, rejected ones included."""
+        return int(self.whole[self.module.STEPS] + self.whole[self.module.REJECTED])
+
+    def final(self) -> list[float]:
+        """Return the last state."""
+        return [float(self.w[self.module.Y + i]) for i in range(len(self.model.states))]
+
+    def changes(self) -> list[float]:
+        """Return the times of the physical events of the last run."""
+        names, width = reasons(self.model), self.module.EVENT_COLUMNS
+        return [
+            float(self.events[i * width])
+            for i in range(int(self.whole[self.module.EVENTS]))
+            if names[self.module.happened(self.events, i)] is not None
+        ]
+
+    def states(self, times: Sequence[float]) -> np.ndarray:
+        """Return the states (states, n) of the last run at increasing times."""
+        n, width = len(self.model.states), len(times)
+        states, rows = self.runner.zeros(n * width), self.runner.zeros(width)
+        forces = self.runner.zeros(4 * width)
+        self.module.enter_play(
+            self.log, int(self.whole[self.module.STEPS]), self.runner.vector(times),
+            self._tables[0], self._working(), states, forces, rows,
+        )  # fmt: skip
+        return np.reshape(states, (width, n)).T
+
+    def _working(self) -> Any:
+        return self.runner.working(self.inputs.p, self.inputs.first)
