@@ -100,6 +100,9 @@ class Quantity:
 class Parametrised:
     """Base of laws, mechanisms and drives: checks every declared quantity on construction."""
 
+    data_fields: typing.ClassVar[tuple[str, ...]] = ()
+    """Fields whose content never enters an equation's text, such as the points of a drive."""
+
     def __post_init__(self) -> None:
         owner = type(self).__name__
         for name, quantity in fields_of(type(self)).items():
@@ -226,6 +229,8 @@ def structure(root: Parametrised) -> tuple[Hashable, ...]:
     parts: list[Any] = [type(root)]
     for field in dataclasses.fields(root):
         value = getattr(root, field.name)
+        if field.name in root.data_fields:
+            continue
         if field.name in quantities and quantities[field.name].stands_in_equations(value):
             continue
         parts.append((field.name, _structure_of(value)))

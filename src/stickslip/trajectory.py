@@ -80,6 +80,8 @@ class Certificate:
     """Accepted steps."""
     rejected: int
     """Rejected steps."""
+    error_estimate: float | None = None
+    """Largest difference of a state to a run with half the tolerance, if that was asked for."""
     problems: tuple[str, ...] = ()
     """Why the run is not certified; empty if it is."""
 

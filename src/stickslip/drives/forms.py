@@ -5,7 +5,7 @@ import math
 import numbers
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Literal, final
+from typing import Annotated, ClassVar, Literal, final
 
 from typing_extensions import override
 
@@ -162,6 +162,8 @@ class PiecewiseLinear(_Pieces):
     0.75
     """
 
+    data_fields: ClassVar[tuple[str, ...]] = ("times", "values")
+
     times: tuple[float, ...]
     """Times of the points [s], increasing."""
     values: tuple[float, ...]
@@ -194,6 +196,8 @@ class Sampled(_Pieces):
     >>> Sampled(times=(0.0, 0.1, 0.2), values=(1.0, 3.0, 2.0)).value(0.15)
     3.0
     """
+
+    data_fields: ClassVar[tuple[str, ...]] = ("times", "values", "hold")
 
     times: tuple[float, ...]
     """Times of the samples [s], increasing."""

@@ -28,22 +28,27 @@ from stickslip.kernels.layout import (
     Y,
 )
 from stickslip.kernels.model import N_GUARDS, N_STATES, SLIP, power
-from stickslip.kernels.nodes import NODES, WEIGHTS
+from stickslip.kernels.nodes import FEW_NODES, FEW_WEIGHTS, NODES, WEIGHTS
 from stickslip.kernels.roots import NO_GUARD, guard_values
 from stickslip.kernels.tier import Vector
 
 __all__ = ["add_work", "close_step", "record"]
 
 
+FEW_TERMS = 6
+"""A series that ends so early is that of a very short step, over which few nodes do."""
+
+
 def add_work(w: Vector, whole: Vector) -> None:
     """Add the work done in the part of the step that holds."""
     share = w[FRACTION]
     h = w[LENGTH]
-    for node in range(len(NODES)):
-        x = share * NODES[node]
+    few = 0.0 < w[DENSE] <= FEW_TERMS
+    for node in range(len(FEW_NODES) if few else len(NODES)):
+        x = share * (FEW_NODES[node] if few else NODES[node])
         interpolate(w, x, POINT)
         power(int(whole[MODE]), int(whole[FLAGS]), w[TIME] + x * h, w, POINT, VALUES)
-        weight = share * h * WEIGHTS[node]
+        weight = share * h * (FEW_WEIGHTS[node] if few else WEIGHTS[node])
         w[SUPPLIED] += weight * w[VALUES]
         w[TAKEN] += weight * w[VALUES + 1]
         w[GROSS] += weight * (abs(w[VALUES]) + abs(w[VALUES + 1]))

@@ -1,9 +1,10 @@
 """The event-driven solver: exact switching between stick and slip."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, final
 
+import numpy as np
 from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError
@@ -33,6 +34,10 @@ STATUS = {
 }
 
 
+TIGHTEST = 1e-13
+"""Least tolerance: rounding is not far below it."""
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
 class EventDriven(Solver):
@@ -52,12 +57,15 @@ class EventDriven(Solver):
     True
     """
 
-    tolerance: Annotated[float, Quantity("rtol", low=1e-13, high=1e-2)] = 1e-12
+    tolerance: Annotated[float, Quantity("rtol", low=TIGHTEST, high=1e-2)] = 1e-12
     """Local error of a step over the largest value so far, in smooth modes."""
-    stiff_tolerance: Annotated[float, Quantity("rtol", low=1e-13, high=1e-2)] = 1e-8
+    stiff_tolerance: Annotated[float, Quantity("rtol", low=TIGHTEST, high=1e-2)] = 1e-8
     """The same in modes with bristles."""
     max_steps: Annotated[float, Quantity("n", low=1)] = 1_000_000
     """Steps after which a run is given up."""
+    estimate_error: bool = False
+    """Whether to run once more with half the tolerance, and to put the difference into the
+    certificate: errors that the tolerance controls are of its size."""
     tier: Tier = "auto"
     """``"python"`` runs at once; ``"compiled"`` waits some seconds for numba the first time and is
     then a hundred times faster; ``"auto"`` takes what this process has compiled already."""
@@ -102,7 +110,31 @@ class EventDriven(Solver):
             limit=int(self.max_steps),
             tier=self.tier,
         )
-        return _trajectory(mechanism, law, model, inputs, record, tolerance)
+        run = _trajectory(mechanism, law, model, inputs, record, tolerance)
+        if not self.estimate_error:
+            return run
+        finer = replace(
+            self,
+            tolerance=max(0.5 * self.tolerance, TIGHTEST),
+            stiff_tolerance=max(0.5 * self.stiff_tolerance, TIGHTEST),
+            estimate_error=False,
+        )
+        other = finer.run(mechanism, law, y0=y0, t_end=t_end)
+        error = _difference(run, other)
+        return replace(run, certificate=replace(run.certificate, error_estimate=error))
+
+
+def _difference(run: Trajectory, other: Trajectory) -> float:
+    """Return the largest difference of a state, over its largest value, between two runs."""
+    last = min(run.span[1], other.span[1])
+    times = run.t[run.t <= last]
+    one, two = run.at(times), other.at(times)
+    worst = 0.0
+    for name in run.states:
+        size = float(np.abs(one[name]).max())
+        error = float(np.abs(one[name] - two[name]).max())
+        worst = max(worst, error / size if size > 0.0 else error)
+    return worst
 
 
 def _trajectory(
