@@ -183,7 +183,7 @@ def parameters(root: Parametrised, prefix: str) -> Iterator[tuple[str, Quantity,
                 yield path, quantities[field.name], value
         elif isinstance(value, Parametrised):
             yield from parameters(value, path)
-        elif isinstance(value, tuple):
+        elif isinstance(value, tuple) and field.name not in root.data_fields:
             for index, item in enumerate(value):
                 if isinstance(item, Parametrised):
                     yield from parameters(item, f"{path}.{index}")
@@ -204,7 +204,7 @@ def shadow(root: T, prefix: str, symbol: Callable[[str], Any]) -> T:
                 value = symbol(path)
         elif isinstance(value, Parametrised):
             value = shadow(value, path, symbol)
-        elif isinstance(value, tuple):
+        elif isinstance(value, tuple) and field.name not in root.data_fields:
             value = tuple(
                 shadow(item, f"{path}.{index}", symbol) if isinstance(item, Parametrised) else item
                 for index, item in enumerate(value)

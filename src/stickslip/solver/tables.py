@@ -138,12 +138,11 @@ def _parts(drive: Drive) -> Iterator[Drive]:
 
 def _columns(pieces: Sequence[Piece], count: int) -> NDArray[Any]:
     """Return starts, values and slopes (3, 1 or count, pieces); one row where all are the same."""
-    varied = any(np.ndim(number) for piece in pieces for number in piece)
-    rows = count if varied else 1
-    if not varied:
+    try:
         return np.array(pieces, dtype=np.float64).reshape(1, -1, 3).transpose(2, 0, 1)
-    columns = [[np.broadcast_to(number, rows) for number in piece] for piece in pieces]
-    return np.array(columns).transpose(1, 2, 0)
+    except (TypeError, ValueError):  # some numbers are arrays
+        columns = [[np.broadcast_to(number, count) for number in piece] for piece in pieces]
+        return np.array(columns).transpose(1, 2, 0)
 
 
 def _starts(tables: Sequence[Array], count: int) -> Array:
