@@ -8,6 +8,7 @@ from typing import Any
 
 _HOME = {
     "Axis": "mechanisms",
+    "BoundedMechanism": "mechanisms",
     "BristleLaw": "friction",
     "Certificate": "trajectory",
     "Contact": "mechanisms",
@@ -45,6 +46,7 @@ _HOME = {
     "Sine": "drives",
     "SpringBlock": "mechanisms",
     "Status": "trajectory",
+    "Stop": "mechanisms",
     "Stribeck": "friction",
     "Sum": "drives",
     "TowedBlock": "mechanisms",

@@ -26,6 +26,7 @@ class Status(enum.Enum):
     STEP_LIMIT = "Used up the allowed number of steps before the end time."
     STEP_TOO_SMALL = "The step fell below rounding: the equations are singular here."
     NOT_FINITE = "The state grew beyond all numbers."
+    HELD = "A coordinate that does not slip is pressed against its stop: not solved any further."
     ZENO = "Events follow each other without end: the state cannot be continued."
     CANCELLED = "Was cancelled before it began."
 
@@ -44,13 +45,15 @@ class Event:
     contact: str
     """Name of the contact, empty where there is only one."""
     from_mode: int
-    """0 stick, 1 slip forward, -1 slip backward, before."""
+    """Before: 0 stick, 1 slip forward, -1 slip backward, 2 at the upper hard stop, -2 at the lower.
+    """
     to_mode: int
     """The same, after."""
     reason: str
     """What happened, in words."""
     margin: float
-    """At a stop: break-away level less the friction needed to stay [N]; else 0."""
+    """At a stop that friction makes: break-away level less the friction needed to stay [N]; else 0.
+    """
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +64,7 @@ class Certificate:
     """
 
     energy_error: float
-    """Mismatch of energy, work supplied and work taken by friction."""
+    """Mismatch of energy, work supplied and work taken by friction and stops."""
     energy_start: float
     """Mechanical energy at the start [J]."""
     energy_end: float
@@ -70,6 +73,8 @@ class Certificate:
     """Work of drives, dampers and moved supports [J]."""
     work_friction: float
     """Work taken by friction [J]."""
+    work_stops: float = 0.0
+    """Work taken by impacts at hard stops [J]; one at the very start comes before the books."""
     guard_violation: float
     """Largest violation of a mode's conditions at the end of a step."""
     event_residual: float
@@ -171,7 +176,7 @@ class Trajectory:
         """Return how a state changes with a parameter or an initial state, at the times `t`.
 
         Exact derivatives of the solution, the moments of events included; where the state itself
-        jumps in its derivative, at an event, that after it.
+        jumps in its derivative, at an event, that after it. NaN beyond an impact at a hard stop.
 
         Parameters
         ----------
@@ -213,13 +218,13 @@ class Trajectory:
         return self.at(np.linspace(*self.span, count))
 
     def stick_spans(self) -> list[tuple[float, float]]:
-        """Return the stretches of time in which the body sticks."""
+        """Return the stretches of time in which friction or a hard stop holds the body."""
         changes = [(self.span[0], self._first_mode())]
         changes += [(event.t, event.to_mode) for event in self.events]
         ends = [t for t, _ in changes[1:]] + [self.span[1]]
         spans: list[tuple[float, float]] = []
         for (start, mode), end in zip(changes, ends, strict=True):
-            if mode != 0 or end <= start:
+            if abs(mode) == 1 or end <= start:
                 continue
             if spans and math.isclose(spans[-1][1], start, abs_tol=0.0):
                 spans[-1] = (spans[-1][0], end)

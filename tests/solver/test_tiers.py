@@ -39,6 +39,22 @@ CASES = {
         Dahl(kinetic_coefficient=0.5, bristle_stiffness=1e3, static_switch=True),
         1.5,
     ),
+    "bounces, then pressed": (
+        Axis(
+            inertia=1.0,
+            drive=Sine(amplitude=3.0, frequency=0.5),
+            lower_stop=0.0,
+            upper_stop=0.1,
+            restitution=0.5,
+        ),
+        Stribeck(
+            kinetic_coefficient=0.5,
+            static_coefficient=0.7,
+            stribeck_velocity=0.1,
+            break_away_coefficient=0.8,
+        ),
+        3.0,
+    ),
 }
 
 

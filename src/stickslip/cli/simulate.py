@@ -34,7 +34,7 @@ __all__ = ["Settings", "run"]
 CRITERIA_FAILED = 4
 EVENT_CHECKS = ("guard_violation", "event_residual", "stick_drift")
 """Parts of a certificate that only a run with located events has."""
-MODES = {0: "stick", 1: "slip +", -1: "slip -"}
+MODES = {0: "stick", 1: "slip +", -1: "slip -", 2: "at stop +", -2: "at stop -"}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,6 +8,7 @@ from typing import Any
 import symengine as se
 
 from stickslip.errors import InputError
+from stickslip.formulation.stops import Wall, derive_walls
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
 from stickslip.mechanisms import Contact, Mechanism
 
@@ -33,6 +34,8 @@ class Mechanics:
     energy: se.Expr
     supplied: se.Expr
     """Power that drives, dampers and moved supports put in, friction left out."""
+    walls: tuple[Wall, ...]
+    """Hard stops."""
 
     def slipping(self, constant: se.Expr, factor: se.Expr) -> tuple[list[se.Expr], se.Expr]:
         """Return accelerations and normal force for friction ``constant + factor * N``.
@@ -130,4 +133,5 @@ def derive_mechanics(
         normal_force=force[n] if held else expression(contact.load),
         energy=(kinetic + potential).subs(at_rest),
         supplied=collapsed((potential.diff(t) + _work_rate(other, speeds)).subs(at_rest)),
+        walls=derive_walls(mechanism, q),
     )

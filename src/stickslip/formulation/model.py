@@ -2,7 +2,7 @@
 
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import symengine as se
@@ -11,6 +11,7 @@ from stickslip.formulation.emit import Case, function
 from stickslip.formulation.linearity import linear_where
 from stickslip.formulation.mechanics import Mechanics, derive_mechanics
 from stickslip.formulation.modes import Mode, ModeEquations, mode_equations
+from stickslip.formulation.stops import impact_events, wall_guards, wall_rows
 from stickslip.formulation.trace import Switch, Switchboard, Traced, expression
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.kernels.codes import SWITCH
@@ -46,6 +47,8 @@ class Model:
     """Names of the drives; each owns three places at the beginning: value, slope, start."""
     switch_events: tuple[tuple[str, str] | None, ...]
     """What each switch is called in events, when it comes true and when it ceases to hold."""
+    impact_events: tuple[str | None, ...]
+    """What an impact of each coordinate is called in events; None where it has no hard stop."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,10 @@ class _Symbols:
     given: dict[se.Symbol, se.Symbol]
     """Place of each drive where its value is given from outside."""
     constants: frozenset[str]
+
+    def closed(self, e: se.Expr) -> se.Expr:
+        """Put the drives' expressions in."""
+        return e.subs(self.inputs)
 
     @property
     def states(self) -> list[se.Symbol]:
@@ -103,17 +110,12 @@ def formulate(mechanism: Mechanism, law: FrictionLaw, *, slopes: bool = False) -
 def _formulated(mechanism: Mechanism, law: FrictionLaw, slopes: bool) -> Model:
     """Trace and derive."""
     board = Switchboard()
-    # value, slope and start of each drive come first, then what may be given in their place
-    first = 4 * len(mechanism.drives()) + 1
-    roots = ((mechanism, "mechanism"), (law, "friction"))
-    paths = [path for root, prefix in roots for path, _, _ in parameters(root, prefix)]
-    index = {path: first + i for i, path in enumerate(paths)}
+    index = _places(mechanism, law)
 
     def symbol(path: str) -> Traced:
         return Traced(se.Symbol(f"p{index[path]}"), board)
 
     twin = shadow(mechanism, "mechanism", symbol)
-    law_twin = shadow(law, "friction", symbol)
     symbols = _symbols(twin, law, frozenset(f"p{i}" for i in index.values()), board)
     mechanics = derive_mechanics(
         twin,
@@ -125,24 +127,35 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw, slopes: bool) -> Model:
     )
     modes = mode_equations(
         mechanics,
-        law_twin,
+        shadow(law, "friction", symbol),
         coordinate_rates=symbols.rates,
         bristles=symbols.bristles,
         constants=symbols.constants,
         board=board,
     )
     room = _rounded(len(board.switches), FEW_SWITCHES)
-    places = [*range(3 * len(symbols.drives)), *index.values()] if slopes else []
-    quantities = [se.Symbol(f"p{place}") for place in places]
+    quantities = _quantities(symbols, index.values()) if slopes else []
     return Model(
-        shape=_shape(symbols, mechanics, modes, room, first + len(index)),
+        shape=_shape(symbols, mechanics, modes, room, max(index.values(), default=0) + 1),
         text=_text(symbols, mechanics, modes, list(board.switches.values()), room, quantities),
         states=(*mechanism.coordinates, *mechanism.rates, *bristles_of(law)),
         parameter_paths=tuple(index),
-        first_parameter=first,
+        first_parameter=min(index.values(), default=0),
         drives=tuple(symbols.drives),
         switch_events=tuple(switch.events for switch in board.switches.values()),
+        impact_events=impact_events(mechanics.walls, mechanism.coordinates, mechanics.slip),
     )
+
+
+def _places(mechanism: Mechanism, law: FrictionLaw) -> dict[str, int]:
+    """Return the place of each parameter in the vector of a run.
+
+    Value, slope and start of each drive come before them, and what may be given in their place.
+    """
+    first = 4 * len(mechanism.drives()) + 1
+    roots = ((mechanism, "mechanism"), (law, "friction"))
+    paths = [path for root, prefix in roots for path, _, _ in parameters(root, prefix)]
+    return {path: first + i for i, path in enumerate(paths)}
 
 
 def bristles_of(law: FrictionLaw) -> tuple[str, ...]:
@@ -177,17 +190,12 @@ def _text(
 ) -> str:
     """Write the module's own part: what the kernels find under these names."""
     y, t = symbols.states, symbols.t
-    flags = [switch.symbol for switch in switches]
 
-    def closed(e: se.Expr) -> se.Expr:
-        return e.subs(symbols.inputs)
-
+    closed = symbols.closed
     rates = {mode: [closed(e) for e in equations.rates] for mode, equations in modes.items()}
-    count, spare = SWITCH + room, room - len(switches)
-    guards = {
-        mode: [closed(equations.guards.get(i, se.Integer(0))) for i in range(count)]
-        for mode, equations in modes.items()
-    }
+    guards = _guards(mechanics, modes, room, closed)
+    flags = [switch.symbol for switch in switches]
+    margins = [closed(s.margin) for s in switches]
 
     def each(name: str, part: Callable[[Mode], Case]) -> str:
         return function(name, {int(mode): part(mode) for mode in modes})
@@ -197,25 +205,48 @@ def _text(
 
     parts = [
         each("field", lambda m: rates[m]),
-        each("jacobian", lambda m: [e.diff(s) for e in rates[m] for s in y]),
+        each("jacobian", lambda m: _slopes(rates[m], y)),
         each("time_slope", lambda m: [e.diff(t) for e in rates[m]]),
         each("guards", lambda m: guards[m]),
-        each("guard_slopes", lambda m: [e.diff(s) for e in guards[m] for s in (*y, t)]),
+        each("guard_slopes", lambda m: _slopes(guards[m], [*y, t])),
         each("linear", lambda m: [linear_where([*rates[m], *guards[m]], [*y, t], flags)]),
         each("contact", lambda m: [closed(e) for e in modes[m].contact]),
         each("power", lambda m: [closed(e) for e in modes[m].power]),
         same("energy", [mechanics.energy]),
-        same("margins", [closed(s.margin) for s in switches] + [se.Integer(0)] * spare),
+        same("margins", margins + [se.Integer(0)] * (room - len(margins))),
         same("diagram", _diagram(symbols, mechanics, closed)),
         same("rest", _rest(symbols, modes)),
+        same("walls", wall_rows(mechanics.walls, mechanics.mass)),
     ]
     if quantities:
-        parts += [
-            f"QUANTITIES = {len(quantities)}\n",
-            each("field_slopes", lambda m: [e.diff(q) for e in rates[m] for q in quantities]),
-            each("guard_parameters", lambda m: [e.diff(q) for e in guards[m] for q in quantities]),
-        ]
+        parts.append(f"QUANTITIES = {len(quantities)}\n")
+        parts.append(each("field_slopes", lambda m: _slopes(rates[m], quantities)))
+        parts.append(each("guard_parameters", lambda m: _slopes(guards[m], quantities)))
     return "\n\n".join(parts)
+
+
+def _guards(
+    mechanics: Mechanics,
+    modes: Mapping[Mode, ModeEquations],
+    room: int,
+    closed: Callable[[se.Expr], se.Expr],
+) -> dict[Mode, list[se.Expr]]:
+    """Return the guards of each mode in the order of their indices, the walls' last."""
+    return {
+        mode: [closed(equations.guards.get(i, se.Integer(0))) for i in range(SWITCH + room)]
+        + wall_guards(mechanics.walls, mechanics.slip, int(mode))
+        for mode, equations in modes.items()
+    }
+
+
+def _quantities(symbols: _Symbols, parameters: Iterable[int]) -> list[se.Symbol]:
+    """Return all numbers that equations read: those of the drives, then the parameters."""
+    return [se.Symbol(f"p{place}") for place in (*range(3 * len(symbols.drives)), *parameters)]
+
+
+def _slopes(expressions: Sequence[se.Expr], symbols: Sequence[se.Symbol]) -> Case:
+    """Return the derivatives of each expression with respect to each symbol."""
+    return [e.diff(symbol) for e in expressions for symbol in symbols]
 
 
 def _shape(
@@ -228,8 +259,11 @@ def _shape(
     values = {
         "N_STATES": len(symbols.states),
         "N_COORDINATES": len(symbols.coordinates),
-        "N_GUARDS": SWITCH + room,
+        "N_GUARDS": SWITCH + room + len(mechanics.walls),
         "N_SWITCHES": room,
+        "N_WALLS": len(mechanics.walls),
+        "WALL_COORDINATES": (*[wall.coordinate for wall in mechanics.walls], 0),
+        "WALL_SIDES": (*[wall.side for wall in mechanics.walls], 0),
         "N_DRIVES": len(symbols.drives),
         "SLIP": len(symbols.coordinates) + mechanics.slip,
         "PARAMETER_ROOM": _rounded(size + 1, FEW_PARAMETERS),

@@ -21,6 +21,8 @@ class Mode(enum.IntEnum):
     STICK = 0
     SLIP_FORWARD = 1
     SLIP_BACKWARD = -1
+    AT_UPPER_STOP = 2
+    AT_LOWER_STOP = -2
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,11 @@ def mode_equations(
         board.signs = {}
     if isinstance(law, SetValuedLaw) or (isinstance(law, BristleLaw) and law.static_switch):
         modes[Mode.STICK] = _with_switches(_stick(context), context)
+    for wall in mechanics.walls:
+        if wall.coordinate == mechanics.slip:
+            board.signs = {str(velocity): wall.side}
+            modes[Mode(2 * wall.side)] = _with_switches(_pressed(context, wall.side), context)
+            board.signs = {}
     return modes
 
 
@@ -141,6 +148,35 @@ def _stick(context: _Context) -> ModeEquations:
         },
         contact=[needed, normal, needed, level],
         power=[context.mechanics.supplied.subs(held), se.Integer(0)],
+    )
+
+
+def _pressed(context: _Context, side: int) -> ModeEquations:
+    """Held by a stop: friction takes what it can of the force towards it, the stop the rest.
+
+    What ends it is a force away from the stop that friction does not hold. Bristles without a rule
+    for rest keep their deflection's force, and what it leaves of the other forces presses.
+    """
+    equations = _stick(context)
+    friction, normal, needed, level = equations.contact
+    rates, held = equations.rates, {context.velocity: 0}
+    if isinstance(context.law, BristleLaw) and not context.law.static_switch:
+        z = tuple(context.traced(symbol) for symbol in context.bristles)
+        arguments = context.traced(context.velocity), z, context.traced(normal)
+        friction = expression(context.law.force(*arguments)).subs(held)
+        relaxing = [expression(rate).subs(held) for rate in context.law.bristle_rates(*arguments)]
+        rates = [*rates[: len(rates) - len(z)], *relaxing]
+        missing = side * (needed - friction)
+    else:
+        missing = level + side * needed
+        taken = side * needed > level
+        friction = se.Piecewise((side * level, taken), (needed, True))
+    leave = BREAK_BACKWARD if side > 0 else BREAK_FORWARD
+    return replace(
+        equations,
+        rates=rates,
+        guards={leave: missing, **context.lift_off(normal)},
+        contact=[friction, normal, needed, level],
     )
 
 

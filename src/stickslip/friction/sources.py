@@ -33,6 +33,10 @@ SOURCES = MappingProxyType(
             "C. Canudas de Wit, P. Tsiotras. Dynamic tire friction models for vehicle traction"
             " control. 38th IEEE Conference on Decision and Control, 1999."
         ),
+        "otter1999": (
+            "M. Otter, H. Elmqvist, S. E. Mattsson. Hybrid modeling in Modelica based on the"
+            " synchronous data flow principle. CACSD'99, Hawaii, 1999."
+        ),
     }
 )
 """Citation in plain text by key."""

@@ -35,20 +35,25 @@ def fade(speed: Scalar, stribeck_velocity: Scalar, exponent: Scalar) -> Scalar:
 class Stribeck(SetValuedLaw):
     """Kinetic level, plus a static surplus that fades with speed, plus a viscous part.
 
+    The force that rest gives way to may lie above what sliding begins with: the factor ``peak`` of
+    the Modelica library is ``break_away_coefficient / static_coefficient``.
+
     Examples
     --------
     >>> law = Stribeck(kinetic_coefficient=0.25, static_coefficient=0.35, stribeck_velocity=0.01)
     >>> law.force(1e-9, load=10.0), law.force(1.0, load=10.0)
     (3.49999999999999, 2.5)
+    >>> law.break_away(10.0)
+    3.5
     """
 
     name: ClassVar[str] = "stribeck"
     title: ClassVar[str] = "Stribeck"
     formula: ClassVar[str] = (
         r"F = \left[\mu_k + (\mu_s - \mu_k) e^{-|v/v_s|^n}\right] N \operatorname{sgn} v"
-        r" + \sigma_2 v, \quad |F| \le \mu_s N \text{ at rest}"
+        r" + \sigma_2 v, \quad |F| \le \mu_b N \text{ at rest}, \quad \mu_b \ge \mu_s"
     )
-    sources: ClassVar[tuple[str, ...]] = ("stribeck1902", "bo1982", "armstrong1991")
+    sources: ClassVar[tuple[str, ...]] = ("stribeck1902", "bo1982", "armstrong1991", "otter1999")
     fit_order: ClassVar[tuple[str, ...]] = (
         "kinetic_coefficient",
         "viscous_coefficient",
@@ -59,13 +64,19 @@ class Stribeck(SetValuedLaw):
     kinetic_coefficient: Annotated[float, Quantity("mu_k", low=0)]
     """Friction force over the normal force once the static surplus has faded."""
     static_coefficient: Annotated[float, Quantity("mu_s", low=0, at_least="kinetic_coefficient")]
-    """Largest friction force the contact holds at rest, over the normal force."""
+    """Friction force over the normal force where sliding begins; what the contact holds at rest,
+    unless a break-away level is given."""
     stribeck_velocity: Annotated[float, Quantity("v_s", "m/s", above=0)]
     """Speed at which the static surplus has fallen to 1/e."""
     viscous_coefficient: Annotated[float, Quantity("sigma_2", "N s/m", low=0)] = 0.0
     """Growth of the friction force with the slip speed."""
     exponent: Annotated[float, Quantity("n", above=0, structural=True)] = 2.0
     """Shape of the fading: 1 Tustin, 2 Gaussian."""
+    break_away_coefficient: (
+        Annotated[float, Quantity("mu_b", low=0, at_least="static_coefficient")] | None
+    ) = None
+    """Largest friction force the contact holds at rest, over the normal force, where that lies
+    above the level at which sliding begins; equal to it if not given."""
 
     @override
     def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
@@ -79,5 +90,5 @@ class Stribeck(SetValuedLaw):
 
     @override
     def break_away(self, load: Scalar) -> Scalar:
-        mu_s = self.static_coefficient
-        return mu_s * load
+        mu_s, mu_b = self.static_coefficient, self.break_away_coefficient
+        return (mu_s if mu_b is None else mu_b) * load

@@ -7,6 +7,7 @@ from stickslip.kernels.layout import (
     EVENTS,
     FLAGS,
     GROSS,
+    LOST,
     REACHED,
     REJECTED,
     RESIDUAL,
@@ -67,7 +68,7 @@ def keep_evidence(
     restore(log, 0, table, w)
     first = energy_of(int(log[4]), log[0], w)
     size = max(abs(first), abs(last), w[GROSS])
-    mismatch = abs(last - first - w[SUPPLIED] + w[TAKEN])
+    mismatch = abs(last - first - w[SUPPLIED] + w[TAKEN] + w[LOST])
     evidence[at] = mismatch / size if size > 0.0 else 0.0
     evidence[at + 1] = w[VIOLATION]
     evidence[at + 2] = w[RESIDUAL]

@@ -39,7 +39,7 @@ def choose_stepper(stop: float, w: Vector, whole: Vector) -> None:
     """Choose for the mode that begins."""
     mode = int(whole[MODE])
     whole[SLOW] = 0
-    if HAS_BRISTLES and mode != 0:
+    if HAS_BRISTLES and abs(mode) == 1:
         whole[STEPPER] = STIFF
     else:
         linear(mode, int(whole[FLAGS]), w[TIME], w, Y, VALUES)

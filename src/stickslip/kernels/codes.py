@@ -13,7 +13,10 @@ __all__ = [
     "FINAL",
     "GRADIENT",
     "GREATEST",
+    "HELD",
+    "HIT",
     "LEFT_GROUND",
+    "LEFT_STOP",
     "LIFTED_OFF",
     "LIFT_OFF",
     "MEAN",
@@ -27,11 +30,11 @@ __all__ = [
     "STOP",
     "STOPPED",
     "SWITCH",
-    "SWITCHED",
     "ZENO",
 ]
 
-# Index of each guard in the vector of guards; switch j has index SWITCH + j.
+# Index of each guard in the vector of guards; switch j has index SWITCH + j, and the hard stops,
+# here called walls, follow the switches.
 STOP = 0
 BREAK_FORWARD = 1
 BREAK_BACKWARD = 2
@@ -48,12 +51,14 @@ EVENT_TIME = 5
 EVENT_COUNT = 6
 GRADIENT = 7
 
-# What happened, in the records of events; switch j gives SWITCHED + 2 j, one more where it ceases.
+# What happened, in the records of events. An impact of coordinate i gives HIT + i; switch j follows
+# them with two codes, the second where it ceases to hold.
 STOPPED = 0
 REVERSED = 1
 BROKE_AWAY = 2
 LEFT_GROUND = 3
-SWITCHED = 4
+LEFT_STOP = 4
+HIT = 5
 
 # How a mode is stepped: DOP853, Rodas5P, series.
 SMOOTH = 0
@@ -68,3 +73,4 @@ LIFTED_OFF = 3
 STEP_LIMIT = 4
 STEP_TOO_SMALL = 5
 ZENO = 6
+HELD = 7

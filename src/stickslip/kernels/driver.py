@@ -4,7 +4,7 @@ import math
 
 from stickslip.kernels.booking import add_work, close_step, record
 from stickslip.kernels.choosing import choose_stepper
-from stickslip.kernels.codes import AT_REST, END_TIME, RUNNING, STEP_LIMIT
+from stickslip.kernels.codes import AT_REST, END_TIME, HELD, RUNNING, STEP_LIMIT
 from stickslip.kernels.layout import (
     BOOKS,
     DENSE,
@@ -104,7 +104,7 @@ def run(
     """
     begin(table, t_end, w, whole, events)
     while whole[STATUS] == RUNNING:
-        if (int(whole[STEPS]) + 1) * ROW_COLUMNS > len(log):
+        if (int(whole[STEPS]) + 2) * ROW_COLUMNS > len(log):  # one of the step, one of its end
             log = longer(log)
         if (int(whole[EVENTS]) + 2) * EVENT_COLUMNS > len(events):  # one of the step, one of a jump
             events = longer(events)
@@ -118,6 +118,7 @@ def run(
             finish_step(guard, stop, t_end, w, whole, table, log, events)
         if whole[STEPS] >= limit and whole[STATUS] == RUNNING:
             whole[STATUS] = STEP_LIMIT
-    if whole[STEPS] == 0:  # where not one step could be taken, the start is all there is
+    # where not one step could be taken, the start is all there is; a last impact has changed rates
+    if whole[STEPS] == 0 or whole[STATUS] == HELD:
         stay(w[TIME], w, whole, log)
     return log, events

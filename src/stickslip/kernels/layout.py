@@ -5,7 +5,14 @@ It begins with what the equations read: value, slope and start of each drive, dr
 from outside, the parameters; their room is a round number, so that kernels serve many laws.
 """
 
-from stickslip.kernels.model import N_DRIVES, N_GUARDS, N_STATES, PARAMETER_ROOM
+from stickslip.kernels.model import (
+    N_COORDINATES,
+    N_DRIVES,
+    N_GUARDS,
+    N_STATES,
+    N_WALLS,
+    PARAMETER_ROOM,
+)
 from stickslip.kernels.tier import Vector, vector
 
 __all__ = [
@@ -25,6 +32,7 @@ __all__ = [
     "GROSS",
     "INTERVAL",
     "LENGTH",
+    "LOST",
     "MATRIX",
     "MODE",
     "PIECE",
@@ -59,6 +67,8 @@ __all__ = [
     "TIME",
     "VALUES",
     "VIOLATION",
+    "WALLS",
+    "WALL_COLUMNS",
     "WHOLES",
     "Y1",
     "Y",
@@ -76,6 +86,9 @@ DEEPEST = 40
 """Halvings of an interval after which two roots that have not parted are one, and touch only."""
 INTERVAL = SERIES + 3
 """An interval: its start, its width, the Bernstein coefficients of a polynomial on it."""
+WALL_COLUMNS = 3 + N_COORDINATES
+"""A hard stop: position, restitution, mass that its impulse meets, then for each coordinate the
+change of its rate over that of the stopped one."""
 
 # Read by the equations.
 GIVEN = 3 * N_DRIVES  # values of the drives given from outside
@@ -83,7 +96,7 @@ ADDRESS = PARAMETER_ROOM - 1  # where the compiled equations are, as an address
 
 # Present time, steps to try (of a stepper, of a series), work supplied and taken by friction,
 # largest guard violation and event residual, fraction of a step that holds, and its length, work
-# of either sign.
+# of either sign, work taken by hard stops.
 TIME = PARAMETER_ROOM
 STEP = TIME + 1
 STRIDE = TIME + 2
@@ -94,10 +107,11 @@ RESIDUAL = TIME + 6
 FRACTION = TIME + 7
 LENGTH = TIME + 8
 GROSS = TIME + 9
+LOST = TIME + 10
 
 # State, new state, its slope, sizes reached, state at the end of a run, a point inside a step,
 # room for values of functions.
-Y = TIME + 10
+Y = TIME + 11
 Y1 = Y + N_STATES
 SLOPE = Y1 + N_STATES
 SCALE = SLOPE + N_STATES
@@ -113,13 +127,15 @@ DRIFT = PIVOTS + N_STATES
 DENSE = DRIFT + N_STATES
 DENSE_SIZE = 1 + (SERIES + 1) * N_STATES
 
-# Guards at points of a step, their largest sizes, their slopes, one as a polynomial, its intervals.
+# Guards at points of a step, their largest sizes, their slopes, one as a polynomial, its intervals,
+# hard stops.
 SAMPLED = DENSE + DENSE_SIZE
 REACHED = SAMPLED + (SAMPLES + 1) * N_GUARDS
 SLOPES = REACHED + N_GUARDS
 POLYNOMIAL = SLOPES + N_GUARDS * (N_STATES + 1)
 ROOM = POLYNOMIAL + SERIES + 1
-SIZE = ROOM + (DEEPEST + 2) * INTERVAL
+WALLS = ROOM + (DEEPEST + 2) * INTERVAL
+SIZE = WALLS + N_WALLS * WALL_COLUMNS
 
 # Whole-numbered state: contact mode, switch flags, piece of the drives, how the run ended, steps
 # recorded, steps rejected, events recorded, events in a row without progress, stepper of the mode,

@@ -15,9 +15,12 @@ __all__ = [
     "N_GUARDS",
     "N_STATES",
     "N_SWITCHES",
+    "N_WALLS",
     "PARAMETER_ROOM",
     "REST_IS_FINAL",
     "SLIP",
+    "WALL_COORDINATES",
+    "WALL_SIDES",
     "contact",
     "energy",
     "field",
@@ -31,18 +34,24 @@ __all__ = [
     "power",
     "rest",
     "time_slope",
+    "walls",
 ]
 
 N_STATES: int = 0
 N_COORDINATES: int = 0
 N_GUARDS: int = 0
 N_SWITCHES: int = 0
+N_WALLS: int = 0
 N_DRIVES: int = 0
 SLIP: int = 0
 PARAMETER_ROOM: int = 0
 CAN_STICK: bool = False
 HAS_BRISTLES: bool = False
 REST_IS_FINAL: bool = False
+WALL_COORDINATES: tuple[int, ...] = ()
+"""Coordinate of each hard stop; one more entry, so that there is one."""
+WALL_SIDES: tuple[int, ...] = ()
+"""1 where a stop lies above, -1 where it lies below; one more entry here too."""
 
 
 def field(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
@@ -95,3 +104,7 @@ def margins(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> Non
 
 def rest(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
     """Needed friction, break-away level and normal force of a held body for given drive values."""
+
+
+def walls(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+    """Hard stops, row by row, with the columns of `layout`; the same in all modes."""

@@ -34,12 +34,13 @@ def enter_pieces(table: Vector, w: Vector, whole: Vector) -> None:
 
 
 def rests_for_good(w: Vector, whole: Vector, bounds: Vector) -> bool:
-    """Whether no drive can move the held body any more.
+    """Whether no drive can move the held body any more, nor pull it off its stop.
 
     `bounds` has least and largest value of each drive from the start of each piece on.
     """
-    if not REST_IS_FINAL or whole[MODE] != 0:
+    if not REST_IS_FINAL or abs(whole[MODE]) == 1:
         return False
+    side = 0.5 * whole[MODE]
     for corner in range(1 << N_DRIVES):
         for k in range(N_DRIVES):
             at = (int(whole[PIECE]) * N_DRIVES + k) * 2 + ((corner >> k) & 1)
@@ -47,6 +48,7 @@ def rests_for_good(w: Vector, whole: Vector, bounds: Vector) -> bool:
             if not abs(bounds[at]) < math.inf:
                 return False
         rest(0, int(whole[FLAGS]), w[TIME], w, Y, VALUES)
-        if abs(w[VALUES]) > w[VALUES + 1] or w[VALUES + 2] < 0.0:
+        pull = abs(w[VALUES]) if side == 0.0 else -side * w[VALUES]
+        if pull > w[VALUES + 1] or w[VALUES + 2] < 0.0:
             return False
     return True

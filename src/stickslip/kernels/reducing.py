@@ -11,7 +11,9 @@ from stickslip.kernels.codes import (
     EVENT_TIME,
     FINAL,
     GREATEST,
+    HIT,
     LEFT_GROUND,
+    LEFT_STOP,
     LIFT_OFF,
     MEAN,
     REVERSED,
@@ -19,10 +21,10 @@ from stickslip.kernels.codes import (
     STOP,
     STOPPED,
     SWITCH,
-    SWITCHED,
 )
 from stickslip.kernels.dense import interpolate
 from stickslip.kernels.layout import END, EVENT_COLUMNS, EVENTS, POINT, ROW_COLUMNS, SAMPLES, STEPS
+from stickslip.kernels.model import N_COORDINATES, N_SWITCHES, WALL_COORDINATES
 from stickslip.kernels.nodes import NODES, WEIGHTS
 from stickslip.kernels.playback import restore, row_at
 from stickslip.kernels.tier import Vector
@@ -118,13 +120,15 @@ def happened(events: Vector, k: int) -> int:
     at = k * EVENT_COLUMNS
     guard = int(events[at + 3])
     if guard == STOP:
-        return STOPPED if events[at + 2] == 0.0 else REVERSED
+        return REVERSED if abs(events[at + 2]) == 1.0 else STOPPED
     if guard in (BREAK_FORWARD, BREAK_BACKWARD):
-        return BROKE_AWAY
+        return LEFT_STOP if abs(events[at + 1]) == 2.0 else BROKE_AWAY
     if guard == LIFT_OFF:
         return LEFT_GROUND
+    if guard >= SWITCH + N_SWITCHES:
+        return HIT + WALL_COORDINATES[guard - SWITCH - N_SWITCHES]
     ceased = 1 - ((int(events[at + 4]) >> (guard - SWITCH)) & 1)
-    return SWITCHED + 2 * (guard - SWITCH) + ceased
+    return HIT + N_COORDINATES + 2 * (guard - SWITCH) + ceased
 
 
 def event_time(what: int, which: int, whole: Vector, events: Vector) -> float:

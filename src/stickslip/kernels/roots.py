@@ -6,6 +6,7 @@ from stickslip.kernels.itp import itp_limit, itp_point
 from stickslip.kernels.layout import FRACTION, POINT, REACHED, SAMPLED, SAMPLES, SCALE, VALUES
 from stickslip.kernels.model import HAS_BRISTLES, N_GUARDS, SLIP, guards
 from stickslip.kernels.tier import Vector
+from stickslip.kernels.walls import FIRST_WALL
 
 __all__ = ["NO_GUARD", "first_violation", "guard_values", "note_sizes"]
 
@@ -112,6 +113,8 @@ def first_sign(
                 x = dip(guard, low, s / SAMPLES, mode, flags, t, h, w)
                 if x >= 0.0:
                     return min(first, bisect(guard, low, x, mode, flags, t, h, w))
+        if value < 0.0 and guard >= FIRST_WALL:  # a bounce too short to be seen
+            return -1.0
         armed = armed or value > 0.0
     return -1.0 if not armed and w[at + SAMPLES * N_GUARDS] < 0.0 else first
 

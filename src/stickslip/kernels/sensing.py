@@ -3,12 +3,15 @@
 The rows of the run are gone through once more. In each the variational equations, linear along the
 known solution, are solved: in exact modes by the derivative of the series, elsewhere by collocation
 (Radau IIA, order nine, which stiffness does not hurt and which needs no second derivatives). At an
-event, sensitivities jump with the moment of it (saltation).
+event, sensitivities jump with the moment of it (saltation). Beyond an impact at a hard stop there
+are none: they are NaN.
 
 The vector of the run is longer here: behind SIZE stand the slopes of the field and of the guards
 with respect to all `q` quantities, the directions of the drives' numbers, and `m` columns of
 sensitivities, rows by states, in several places.
 """
+
+import math
 
 from stickslip.kernels.codes import STOP
 from stickslip.kernels.dense import interpolate
@@ -45,6 +48,7 @@ from stickslip.kernels.playback import restore
 from stickslip.kernels.radau_tableau import RADAU, RADAU_NODES, RADAU_STAGES
 from stickslip.kernels.series import series_fill
 from stickslip.kernels.tier import Vector
+from stickslip.kernels.walls import FIRST_WALL
 
 __all__ = ["sense", "sense_size"]
 
@@ -240,6 +244,13 @@ def jump(w: Vector, q: int, m: int) -> None:
             w[now + i * m + c] += change * w[moment + c]
 
 
+def lose(w: Vector, q: int, m: int) -> None:
+    """Give the sensitivities up: an impact changes the rates in a way that is not followed."""
+    now = columns_at(0, q, m)
+    for i in range(N_STATES * m):
+        w[now + i] = math.nan
+
+
 def load_directions(piece: int, dtable: Vector, w: Vector, q: int, m: int) -> None:
     """Put the directions of one piece of the drives in their place."""
     directions = directions_at(q)
@@ -267,6 +278,16 @@ def pass_piece(
     field(mode, flags, t, w, Y, VALUES)
     for c in range(m):
         w[moment + c] = dtable[piece * (1 + 3 * N_DRIVES) * m + c]
+    jump(w, q, m)
+
+
+def pass_event(guard: int, mode: int, flags: int, t: float, w: Vector, q: int, m: int) -> None:
+    """Go over to the mode and the flags that follow an event."""
+    if guard >= FIRST_WALL:
+        lose(w, q, m)
+    if guard == STOP and CAN_STICK:
+        w[Y + SLIP] = 0.0
+    field(mode, flags, t, w, Y, VALUES)
     jump(w, q, m)
 
 
@@ -307,10 +328,7 @@ def pass_instant(
             moments(guard, mode, flags, t, w, own, q, m)
             known = True
         mode, flags = int(events[event + 2]), int(events[event + 4])
-        if guard == STOP and CAN_STICK:
-            w[Y + SLIP] = 0.0
-        field(mode, flags, t, w, Y, VALUES)
-        jump(w, q, m)
+        pass_event(guard, mode, flags, t, w, q, m)
         k += 1
     return k
 

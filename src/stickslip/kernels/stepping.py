@@ -12,6 +12,7 @@ from stickslip.kernels.layout import (
     LENGTH,
     MATRIX,
     MODE,
+    POLYNOMIAL,
     REJECTED,
     SERIES,
     STATUS,
@@ -26,6 +27,7 @@ from stickslip.kernels.rodas5p import rodas_dense, rodas_step
 from stickslip.kernels.roots import NO_GUARD, first_violation, note_sizes
 from stickslip.kernels.series import series_step
 from stickslip.kernels.tier import Vector
+from stickslip.kernels.walls import FIRST_WALL, approach
 
 __all__ = ["advance"]
 
@@ -33,6 +35,8 @@ OVERSHOT = 0.99
 """A step is taken again if the event lies before this part of it."""
 BEYOND = 1.002
 """Length of the new step over the time to the event, so that the event lies at its end."""
+BOUNCE = 1e-3
+"""Fraction of a series below which an impact is looked for in a shorter one."""
 
 
 def attempt(h: float, w: Vector, whole: Vector, rtol: float) -> float:
@@ -100,11 +104,33 @@ def retry_length(guard: int, h: float, w: Vector) -> float:
     """Return the length with which a step should be taken again, 0 if it stands."""
     t = w[TIME]
     fraction = w[FRACTION]
+    if guard >= FIRST_WALL and fraction == 0.0 and approach(guard, w) > 0.0:
+        return 0.0  # it is at its stop
     if guard != NO_GUARD and fraction == 0.0 and not (guard == STOP and HAS_BRISTLES):
         return h / 8.0 if t + h / 64.0 > t else 0.0
     if guard != NO_GUARD and 0.0 < fraction < OVERSHOT and t + 0.25 * fraction * h > t:
         return BEYOND * fraction * h
     return 0.0
+
+
+def bounce_length(guard: int, h: float, w: Vector) -> float:
+    """Return the length with which a series should be taken again, 0 if it stands.
+
+    Fractions are found to rounding of 1, within which a short bounce would be lost. What falls at
+    once does so truly if its first coefficient that is not zero, however small, is negative.
+    """
+    fraction = w[FRACTION]
+    if guard < FIRST_WALL or fraction >= BOUNCE:
+        return 0.0
+    shorter = 2.0 * fraction * h
+    if fraction == 0.0:
+        k = POLYNOMIAL
+        while w[k] == 0.0:
+            k += 1
+        if w[k] < 0.0:
+            return 0.0
+        shorter = h / 8.0
+    return shorter if w[TIME] + shorter / 8.0 > w[TIME] else 0.0
 
 
 def advance(stop: float, w: Vector, whole: Vector, rtol: float, cap: float) -> int:
@@ -114,7 +140,8 @@ def advance(stop: float, w: Vector, whole: Vector, rtol: float, cap: float) -> i
     that starts from rest towards a guard that would be violated at once gets shorter steps before
     that is believed. A step that ends beyond an event is taken again up to just beyond it: the
     mode's equations, and so the error estimate, mean little where the mode does not hold, and the
-    dense output is best where the step ends. Neither concerns the series of a linear mode.
+    dense output is best where the step ends. Neither concerns the series of a linear mode, but for
+    bounces.
     """
     while True:
         exact = whole[STEPPER] == EXACT
@@ -127,14 +154,15 @@ def advance(stop: float, w: Vector, whole: Vector, rtol: float, cap: float) -> i
         flags = int(whole[FLAGS])
         if exact:
             guard = first_crossing(mode, flags, w[TIME], h, w)
+            shorter = bounce_length(guard, h, w)
         else:
             guard = first_violation(mode, flags, w[TIME], h, w)
             shorter = retry_length(guard, h, w)
-            if shorter > 0.0:
-                w[slot] = shorter
-                continue
-            if w[FRACTION] > 0.0:
-                note_sizes(w)
+        if shorter > 0.0:
+            w[slot] = shorter
+            continue
+        if w[FRACTION] > 0.0 and not exact:
+            note_sizes(w)
         w[LENGTH] = h
         if guard != NO_GUARD and w[FRACTION] == 0.0:
             w[slot] = before  # the step was tried in a mode that does not hold

@@ -3,6 +3,7 @@
 from stickslip.kernels.codes import (
     BREAK_BACKWARD,
     BREAK_FORWARD,
+    HELD,
     LIFT_OFF,
     LIFTED_OFF,
     STOP,
@@ -33,6 +34,7 @@ from stickslip.kernels.model import (
     time_slope,
 )
 from stickslip.kernels.tier import Vector
+from stickslip.kernels.walls import FIRST_WALL, pressed_by, strike, touched
 
 __all__ = ["handle_event", "initial_mode", "mode_from_rest", "set_flags", "settle"]
 
@@ -53,6 +55,9 @@ def set_flags(t: float, w: Vector, at: int, flags: int) -> int:
 
 def mode_from_rest(flags: int, w: Vector) -> int:
     """Return the mode of a body whose slip velocity is zero."""
+    side = touched(flags, w)
+    if side != 0:
+        return 2 * side if pressed_by(side, flags, w) >= 0.0 else -side
     if CAN_STICK:
         contact(0, flags, w[TIME], w, Y, VALUES)
         if abs(w[VALUES + 2]) <= w[VALUES + 3]:
@@ -72,7 +77,12 @@ def direction(flags: int, w: Vector) -> int:
 
 def initial_mode(w: Vector, whole: Vector) -> None:
     """Set mode and flags for a state."""
-    flags = set_flags(w[TIME], w, Y, 0)
+    set_mode(0, w, whole)
+
+
+def set_mode(flags: int, w: Vector, whole: Vector) -> None:
+    """Set mode and flags for a state, from flags that held before."""
+    flags = set_flags(w[TIME], w, Y, flags)
     whole[FLAGS] = flags
     if w[Y + SLIP] > 0.0:
         whole[MODE] = 1
@@ -87,23 +97,30 @@ def transition(guard: int, w: Vector, whole: Vector) -> float:
     t = w[TIME]
     mode = int(whole[MODE])
     flags = int(whole[FLAGS])
+    if guard >= FIRST_WALL:
+        if strike(guard - FIRST_WALL, w, whole):
+            whole[STATUS] = HELD
+        set_mode(flags, w, whole)
+        return 0.0
     if guard >= SWITCH:
         whole[FLAGS] = flags ^ (1 << (guard - SWITCH))
         return 0.0
     if guard == LIFT_OFF:
         whole[STATUS] = LIFTED_OFF
         return 0.0
-    if guard == STOP and HAS_BRISTLES and not CAN_STICK:
+    if guard == STOP and HAS_BRISTLES and not CAN_STICK and touched(flags, w) == 0:
         whole[MODE] = -mode
     elif guard == STOP:
         w[Y + SLIP] = 0.0
         whole[MODE] = mode_from_rest(flags, w)
+    elif abs(mode) == 2:
+        whole[MODE] = -mode // 2
     elif HAS_BRISTLES:
         whole[MODE] = direction(flags, w)
     else:
         whole[MODE] = 1 if guard == BREAK_FORWARD else -1
     whole[FLAGS] = set_flags(t, w, Y, flags)
-    if guard == STOP and CAN_STICK:
+    if guard == STOP and CAN_STICK and abs(whole[MODE]) != 2:
         contact(0, int(whole[FLAGS]), t, w, Y, VALUES)
         return w[VALUES + 3] - abs(w[VALUES + 2])
     return 0.0
@@ -114,16 +131,16 @@ def settle(w: Vector, whole: Vector, events: Vector) -> None:
     t = w[TIME]
     mode = int(whole[MODE])
     flags = int(whole[FLAGS])
-    if HAS_BRISTLES and mode != 0 and w[Y + SLIP] == 0.0:
+    if HAS_BRISTLES and abs(mode) == 1 and w[Y + SLIP] == 0.0:
         if mode_from_rest(flags, w) != mode:
             handle_event(STOP, t, w, whole, events)
         return
     guards(mode, flags, t, w, Y, VALUES)
     if w[VALUES + LIFT_OFF] < 0.0:
         handle_event(LIFT_OFF, t, w, whole, events)
-    elif mode == 0 and w[VALUES + BREAK_FORWARD] < 0.0:
+    elif abs(mode) != 1 and w[VALUES + BREAK_FORWARD] < 0.0:
         handle_event(BREAK_FORWARD, t, w, whole, events)
-    elif mode == 0 and w[VALUES + BREAK_BACKWARD] < 0.0:
+    elif abs(mode) != 1 and w[VALUES + BREAK_BACKWARD] < 0.0:
         handle_event(BREAK_BACKWARD, t, w, whole, events)
 
 

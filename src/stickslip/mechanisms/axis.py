@@ -8,7 +8,7 @@ from typing_extensions import override
 
 from stickslip.drives import Drive
 from stickslip.maths import Scalar
-from stickslip.mechanisms.base import Contact, Mechanism
+from stickslip.mechanisms.base import BoundedMechanism, Contact, Stop, stops_between
 from stickslip.quantities import Quantity
 
 __all__ = ["Axis"]
@@ -16,7 +16,7 @@ __all__ = ["Axis"]
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Axis(Mechanism):
+class Axis(BoundedMechanism):
     """An inertia with a drive, a spring and a damper; linear or rotary.
 
     With the default load of 1, friction levels read as forces [N] or torques [N m].
@@ -47,6 +47,12 @@ class Axis(Mechanism):
     """Normal force at the contact, or 1 where levels are forces."""
     offset: Annotated[float, Quantity("o", "N")] = 0.0
     """Constant force against the drive: gravity, a cable, a sensor's bias."""
+    lower_stop: Annotated[float, Quantity("x_l", "m")] | None = None
+    """Hard stop that x does not fall below; none if not given."""
+    upper_stop: Annotated[float, Quantity("x_u", "m")] | None = None
+    """Hard stop that x does not rise above; none if not given."""
+    restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
+    """Speed after an impact at a stop over the speed before; 0 if nothing bounces."""
 
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
@@ -69,6 +75,10 @@ class Axis(Mechanism):
     @override
     def contacts(self) -> tuple[Contact, ...]:
         return (Contact(slip="x", load=self.load),)
+
+    @override
+    def stops(self) -> tuple[Stop, ...]:
+        return stops_between("x", self.lower_stop, self.upper_stop, self.restitution)
 
     @override
     def drives(self) -> Mapping[str, Drive]:

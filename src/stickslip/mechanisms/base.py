@@ -3,13 +3,16 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
+
+from typing_extensions import override
 
 from stickslip.drives import Drive
+from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
 from stickslip.quantities import Parametrised
 
-__all__ = ["Contact", "Mechanism"]
+__all__ = ["BoundedMechanism", "Contact", "Mechanism", "Stop", "stops_between", "stops_of"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,6 +35,28 @@ class Contact:
     normal: str | None = None
     load: Scalar | None = None
     name: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stop:
+    """A hard stop: a coordinate that reaches its position bounces, or stays while it is pressed.
+
+    Parameters
+    ----------
+    coordinate : str
+        Coordinate that is stopped, of any kind.
+    position : float
+        Where it is stopped, in the coordinate's unit; it does not move.
+    side : {"lower", "upper"}
+        Whether the coordinate may not fall below the position or not rise above it.
+    restitution : float
+        Speed after an impact over the speed before, 0 to 1.
+    """
+
+    coordinate: str
+    position: Scalar
+    side: Literal["lower", "upper"]
+    restitution: Scalar = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,3 +112,81 @@ class Mechanism(Parametrised, ABC):
     @abstractmethod
     def drives(self) -> Mapping[str, Drive]:
         """Return the drives that are fitted, by field name."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoundedMechanism(Mechanism, ABC):
+    """A mechanism with hard stops.
+
+    An impact reverses the coordinate's rate, times the restitution, by an impulse along that
+    coordinate; the other rates change as the mass matrix tells. Friction has no share in the
+    impulse: forces that are bounded do nothing in no time, and that the stop's impulse may press
+    on the contact is neglected.
+    """
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the parameters, and that the stops leave room between them."""
+        super().__post_init__()
+        lower, upper = _by_coordinate(self, "lower"), _by_coordinate(self, "upper")
+        for coordinate in lower.keys() & upper.keys():
+            if not lower[coordinate] < upper[coordinate]:
+                raise ParameterError(
+                    f"{type(self).__name__}: the upper stop of {coordinate} must lie above the"
+                    f" lower one at {lower[coordinate]:g}, got {upper[coordinate]:g}."
+                )
+
+    @abstractmethod
+    def stops(self) -> tuple[Stop, ...]:
+        """Return the stops, at most one on each side of a coordinate."""
+
+
+def _by_coordinate(mechanism: BoundedMechanism, side: str) -> dict[str, float]:
+    """Return the positions of the stops of one side by coordinate."""
+    found: dict[str, float] = {}
+    for stop in mechanism.stops():
+        owner = f"{type(mechanism).__name__}: the {stop.side} stop of {stop.coordinate}"
+        if stop.side not in ("lower", "upper"):
+            raise ParameterError(f"{owner} must be 'lower' or 'upper', got {stop.side!r}.")
+        if stop.coordinate not in mechanism.coordinates:
+            known = ", ".join(mechanism.coordinates)
+            raise ParameterError(f"{owner} must be on one of the coordinates {known}.")
+        if not 0.0 <= stop.restitution <= 1.0:
+            raise ParameterError(
+                f"{owner} must have a restitution of 0 to 1, got {stop.restitution:g}."
+            )
+        if stop.side != side:
+            continue
+        if stop.coordinate in found:
+            raise ParameterError(f"{owner} is given twice; give it once.")
+        found[stop.coordinate] = stop.position
+    return found
+
+
+def stops_between(
+    coordinate: str, lower: Scalar | None, upper: Scalar | None, restitution: Scalar
+) -> tuple[Stop, ...]:
+    """Return the stops of a coordinate that are fitted: those whose position is not None.
+
+    Examples
+    --------
+    >>> [stop.side for stop in stops_between("x", None, 0.1, 0.5)]
+    ['upper']
+    """
+    below = Stop(coordinate=coordinate, position=lower, side="lower", restitution=restitution)
+    above = Stop(coordinate=coordinate, position=upper, side="upper", restitution=restitution)
+    return tuple(stop for stop in (below, above) if stop.position is not None)
+
+
+def stops_of(mechanism: Mechanism) -> tuple[Stop, ...]:
+    """Return the stops of any mechanism.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, TowedBlock
+    >>> len(stops_of(Axis(inertia=1.0, lower_stop=-0.1, upper_stop=0.1)))
+    2
+    >>> stops_of(TowedBlock(mass=1.0, stiffness=2.0, speed=0.1))
+    ()
+    """
+    return mechanism.stops() if isinstance(mechanism, BoundedMechanism) else ()

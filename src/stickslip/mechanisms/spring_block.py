@@ -9,7 +9,7 @@ from typing_extensions import override
 from stickslip.drives import Drive
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, where
-from stickslip.mechanisms.base import Contact, Mechanism
+from stickslip.mechanisms.base import BoundedMechanism, Contact, Stop, stops_between
 from stickslip.quantities import Quantity
 
 __all__ = ["SpringBlock"]
@@ -17,7 +17,7 @@ __all__ = ["SpringBlock"]
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class SpringBlock(Mechanism):
+class SpringBlock(BoundedMechanism):
     """A block that a compressed spring, a force, or both set in motion.
 
     The state `x` is the travel from the start, where the block is at rest. The spring pushes with
@@ -51,6 +51,12 @@ class SpringBlock(Mechanism):
     """Force on the block [N]."""
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""
+    lower_stop: Annotated[float, Quantity("x_l", "m")] | None = None
+    """Hard stop that x does not fall below; none if not given."""
+    upper_stop: Annotated[float, Quantity("x_u", "m")] | None = None
+    """Hard stop that x does not rise above; none if not given."""
+    restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
+    """Speed after an impact at a stop over the speed before; 0 if nothing bounces."""
 
     @override
     def __post_init__(self) -> None:
@@ -95,6 +101,10 @@ class SpringBlock(Mechanism):
     @override
     def contacts(self) -> tuple[Contact, ...]:
         return (Contact(slip="x", normal="y"),)
+
+    @override
+    def stops(self) -> tuple[Stop, ...]:
+        return stops_between("x", self.lower_stop, self.upper_stop, self.restitution)
 
     @override
     def drives(self) -> Mapping[str, Drive]:

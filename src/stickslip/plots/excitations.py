@@ -118,5 +118,6 @@ def _reading(
 
 def _rest(run: Trajectory, last: float) -> float | None:
     """Return when the last stop was, if the body stays there and it is shown."""
-    stopped = run.events and run.events[-1].to_mode == 0 and run.events[-1].t <= last
-    return run.events[-1].t if stopped else None
+    if not run.events or abs(run.events[-1].to_mode) == 1 or run.events[-1].t > last:
+        return None
+    return run.events[-1].t

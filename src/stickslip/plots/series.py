@@ -116,7 +116,7 @@ def horizon(run: Trajectory, slip: str = "x") -> float:
     if not far.any():
         return last
     arrived = float(seen.t[np.flatnonzero(far)[-1]]) - first
-    stops = [e.t for e in run.events if e.to_mode == 0 and e.t >= first + arrived]
+    stops = [e.t for e in run.events if abs(e.to_mode) != 1 and e.t >= first + arrived]
     # The stop is shown, unless it is the end of a decay that one cannot see.
     arrived = max([arrived, *[stop - first for stop in stops[:1] if stop < 1.5 * arrived]])
     return min(first + 1.3 * arrived, last)

@@ -63,14 +63,16 @@ def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     """Return energies and works, and their mismatch over the energies and all work done."""
     start, end = (_energy(playback, at) for at in (0, -1))
     supplied, taken = float(w[playback.module.SUPPLIED]), float(w[playback.module.TAKEN])
+    lost = float(w[playback.module.LOST])
     size = max(abs(start), abs(end), float(w[playback.module.GROSS]))
-    mismatch = abs(end - start - supplied + taken)
+    mismatch = abs(end - start - supplied + taken + lost)
     return {
         "energy_error": mismatch / size if size > 0 else 0.0,
         "energy_start": start,
         "energy_end": end,
         "work_supplied": supplied,
         "work_friction": taken,
+        "work_stops": lost,
     }
 
 
@@ -86,10 +88,10 @@ def _energy(playback: Playback, at: int) -> float:
 
 
 def _stick_drift(playback: Playback) -> float:
-    """Return the largest change of the slip coordinate within a row of sticking."""
+    """Return the largest change of the slip coordinate within a row of rest, at a stop or not."""
     rows, module = playback.rows, playback.module
     end, _, _ = playback.played(rows[-1:, 1])
     coordinate = module.SLIP - module.N_COORDINATES
     places = np.append(rows[:, module.ROW_DENSE + 1 + coordinate], end[0, coordinate])
-    moved = np.abs(np.diff(places))[rows[:, 3] == 0]
+    moved = np.abs(np.diff(places))[np.abs(rows[:, 3]) != 1]
     return float(moved.max(initial=0.0))

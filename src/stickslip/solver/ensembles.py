@@ -18,6 +18,7 @@ from stickslip.solver.certify import passes
 from stickslip.solver.event_driven import STATUS, EventDriven
 from stickslip.solver.outputs import Final, Output, asked, is_gradient, value_of
 from stickslip.solver.sensitivities import full_path
+from stickslip.solver.starts import narrowest, starts_within_stops
 from stickslip.trajectory import Ensemble, Status
 
 __all__ = ["run_ensemble"]
@@ -48,7 +49,7 @@ def run_ensemble(
         parts.add(chunk)
         return progress is None or progress(parts.done, count) is not False
 
-    run_chunks(job, columns, executor, keep)
+    run_chunks(job, starts_within_stops(mechanism, columns, y0), executor, keep)
     return parts.joined(columns)
 
 
@@ -173,7 +174,7 @@ def _check(
         for value in (values.min(), values.max()):
             known[path].check(owner, name, float(value))
     rows = {int(f(values)) for values in columns.values() for f in (np.argmin, np.argmax)}
-    for row in sorted(rows):
+    for row in sorted(rows | narrowest(mechanism, columns)):
         _varied(mechanism, "mechanism", columns, row)
         _varied(law, "friction", columns, row)
     _check_order(law, "friction", columns)

@@ -19,6 +19,7 @@ from stickslip.solver.execution import Record, Tier, execute
 from stickslip.solver.outputs import reasons
 from stickslip.solver.playback import Playback
 from stickslip.solver.sensitivities import Sensing
+from stickslip.solver.starts import within_stops
 from stickslip.solver.tables import Inputs, gather
 from stickslip.trajectory import Event, Status, Trajectory
 
@@ -31,6 +32,7 @@ STATUS = {
     codes.STEP_LIMIT: Status.STEP_LIMIT,
     codes.STEP_TOO_SMALL: Status.STEP_TOO_SMALL,
     codes.ZENO: Status.ZENO,
+    codes.HELD: Status.HELD,
 }
 
 
@@ -104,7 +106,7 @@ class EventDriven(Solver):
         record = execute(
             model,
             inputs,
-            y0,
+            within_stops(mechanism, y0),
             t_end=t_end,
             tolerance=tolerance,
             limit=int(self.max_steps),

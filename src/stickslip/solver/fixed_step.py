@@ -16,6 +16,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.solver.base import Solver, column_units
 from stickslip.solver.diagram import Diagram
+from stickslip.solver.starts import refuse_stops
 from stickslip.trajectory import Certificate, Status, Trajectory
 
 __all__ = ["FixedStep", "Method"]
@@ -83,6 +84,7 @@ class FixedStep(Solver):
         y0: Sequence[float],
         t_end: float,
     ) -> Trajectory:
+        refuse_stops(mechanism)
         diagram = Diagram.build(mechanism, law)
         if self.dt > t_end:
             raise ParameterError(

@@ -266,10 +266,11 @@ def _reason(model: Model, reason: str) -> int:
 
 def reasons(model: Model) -> Sequence[str | None]:
     """Return the names of what happens, by their codes; None for what has no name."""
-    return [*REASONS, *[name for pair in model.switch_events for name in pair or (None, None)]]
+    switched = [name for pair in model.switch_events for name in pair or (None, None)]
+    return [*REASONS, *model.impact_events, *switched]
 
 
-REASONS = ("stop", "reversal", "break-away", "lift-off")
+REASONS = ("stop", "reversal", "break-away", "lift-off", "leaves stop")
 
 
 def asked(

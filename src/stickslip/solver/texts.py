@@ -44,6 +44,7 @@ from stickslip.kernels import (
     stepping,
     switching,
     tier,
+    walls,
 )
 
 __all__ = ["equations_text", "kernels_text", "module_text"]
@@ -52,6 +53,7 @@ AFTER_MODEL = (
     codes,
     layout,
     dense,
+    walls,
     switching,
     sizes,
     dop853_tableau,
@@ -90,6 +92,7 @@ CALLED = (
     "energy",
     "field_slopes",
     "guard_parameters",
+    "walls",
 )
 """Functions of the equations that the kernels call."""
 PLAIN = """
@@ -123,6 +126,7 @@ energy = fenced(energy, 1)
 margins = fenced(margins, N_SWITCHES)
 diagram = fenced(diagram, N_COORDINATES + 2)
 rest = fenced(rest, 3)
+walls = fenced(walls, N_WALLS * (3 + N_COORDINATES))
 '''
 FENCED_SLOPES = """
 field_slopes = fenced(field_slopes, N_STATES * QUANTITIES)

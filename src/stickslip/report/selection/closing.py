@@ -209,9 +209,11 @@ def _evidence(run: Trajectory) -> list[KeyValue]:
     book = run.certificate
     mark: Literal["ok", "warn"] = "ok" if book.certified else "warn"
     at_rest = book.stick_drift == 0
+    stops = f" + {book.work_stops:.4f} J by stops" if book.work_stops else ""
     energy = (
         f"{book.energy_start + book.work_supplied:.4f} J in = {book.work_friction:.4f} J taken by"
-        f" friction + {_left(book.energy_end)} left; mismatch {numbers.residue(book.energy_error)}"
+        f" friction{stops} + {_left(book.energy_end)} left;"
+        f" mismatch {numbers.residue(book.energy_error)}"
     )
     events = f"{len(run.events)} located, each to {numbers.residue(book.event_residual)}"
     return [

@@ -1,0 +1,80 @@
+"""Hard stops as expressions: margins, and how the rates respond to an impact."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import symengine as se
+
+from stickslip.formulation.trace import expression
+from stickslip.mechanisms import Mechanism, stops_of
+
+__all__ = ["Wall", "derive_walls", "impact_events", "wall_guards", "wall_rows"]
+
+SIDES = {"lower": -1, "upper": 1}
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A hard stop of one coordinate."""
+
+    coordinate: int
+    """Index of the coordinate."""
+    side: int
+    """1 above, -1 below."""
+    position: se.Expr
+    restitution: se.Expr
+    margin: se.Expr
+    """Distance that is left."""
+
+
+def derive_walls(mechanism: Mechanism, q: Mapping[str, se.Symbol]) -> tuple[Wall, ...]:
+    """Return the stops of a mechanism whose parameters are symbols."""
+    names = list(q)
+    found = []
+    for stop in stops_of(mechanism):
+        side = SIDES[stop.side]
+        position = expression(stop.position)
+        found.append(
+            Wall(
+                coordinate=names.index(stop.coordinate),
+                side=side,
+                position=position,
+                restitution=expression(stop.restitution),
+                margin=side * (position - q[stop.coordinate]),
+            )
+        )
+    return tuple(found)
+
+
+def impact_events(
+    walls: Sequence[Wall], coordinates: Sequence[str], slip: int
+) -> tuple[str | None, ...]:
+    """Return what an impact of each coordinate is called, None where it has no stop."""
+    names = ["hits stop" if i == slip else f"{q} hits stop" for i, q in enumerate(coordinates)]
+    stopped = {wall.coordinate for wall in walls}
+    return tuple(name if i in stopped else None for i, name in enumerate(names))
+
+
+def wall_guards(walls: Sequence[Wall], slip: int, mode: int) -> list[se.Expr]:
+    """Return the margins that a mode watches.
+
+    A body that slips one way meets the stop on that side only, and one that is held meets none.
+    """
+    watched = [wall.coordinate != slip or wall.side == mode for wall in walls]
+    return [wall.margin if yes else se.Integer(0) for wall, yes in zip(walls, watched, strict=True)]
+
+
+def wall_rows(walls: Sequence[Wall], mass: se.DenseMatrix) -> list[se.Expr]:
+    """Return the rows that kernels read, by the columns of `stickslip.kernels.layout`.
+
+    An impulse P on coordinate i changes the rates by P M^-1 e_i, and rate i by P (M^-1)_ii.
+    """
+    n = mass.nrows()
+    rows: list[se.Expr] = []
+    for wall in walls:
+        unit = se.DenseMatrix(n, 1, [int(i == wall.coordinate) for i in range(n)])
+        solved = mass.LUsolve(unit)
+        own = solved[wall.coordinate, 0]
+        rows += [wall.position, wall.restitution, 1 / own]
+        rows += [solved[i, 0] / own for i in range(n)]
+    return rows

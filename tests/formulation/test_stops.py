@@ -1,0 +1,186 @@
+"""Stops of coordinates that do not slip, and the impulse that an impact is.
+
+A capsule on rough ground with a mass inside that hits its walls: the first coordinate is the
+capsule's place, the second that of the mass within it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, final
+
+import numpy as np
+import pytest
+from typing_extensions import override
+
+from stickslip import BoundedMechanism, Contact, Coulomb, EventDriven, Status, Stop, simulate
+from stickslip.drives import Drive
+from stickslip.errors import ParameterError, SimulationError
+from stickslip.mechanisms import stops_between
+from stickslip.quantities import Quantity
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Capsule(BoundedMechanism):
+    """A shell with a mass inside, which a constant force between them moves."""
+
+    name: ClassVar[str] = "capsule"
+    coordinates: ClassVar[tuple[str, ...]] = ("x", "xi")
+    rates: ClassVar[tuple[str, ...]] = ("v", "xi_dot")
+    units: ClassVar[tuple[str, ...]] = ("m", "m")
+
+    shell: Annotated[float, Quantity("M", "kg", above=0)] = 2.0
+    inner: Annotated[float, Quantity("m", "kg", above=0)] = 1.0
+    force: Annotated[float, Quantity("f", "N")] = 0.0
+    room: Annotated[float, Quantity("r", "m", above=0)] = 0.5
+    restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.5
+    end: Annotated[float, Quantity("x_u", "m")] | None = None
+
+    @override
+    def kinetic_energy(self, q: Mapping, q_dot: Mapping):
+        u = q_dot["x"] + q_dot["xi"]
+        return 0.5 * self.shell * q_dot["x"] * q_dot["x"] + 0.5 * self.inner * u * u
+
+    @override
+    def potential_energy(self, t, q: Mapping):
+        return 0.0
+
+    @override
+    def forces(self, t, q: Mapping, q_dot: Mapping, drives: Mapping):
+        return {"xi": self.force}
+
+    @override
+    def contacts(self) -> tuple[Contact, ...]:
+        return (Contact(slip="x", load=1.0),)
+
+    @override
+    def drives(self) -> Mapping[str, Drive]:
+        return {}
+
+    @override
+    def stops(self) -> tuple[Stop, ...]:
+        walls = stops_between("xi", -self.room, self.room, self.restitution)
+        return walls + stops_between("x", None, self.end, 0.0)
+
+
+def test_impacts_inside_keep_the_momentum_and_turn_the_relative_speed():
+    run = simulate(
+        Capsule(), Coulomb(kinetic_coefficient=0.0), t_end=10.0, y0={"v": 0.1, "xi_dot": 1.0}
+    )
+    assert [event.reason for event in run.events] == ["xi hits stop"] * len(run.events)
+    seen = run.sampled(501)
+    momentum = 2.0 * seen["v"] + (seen["v"] + seen["xi_dot"])
+    np.testing.assert_allclose(momentum, 2.0 * 0.1 + 1.1, rtol=1e-12)
+    crossings = 1.0 / 0.5 ** np.arange(1, 4)
+    expected = 0.5 + np.concatenate(([0.0], np.cumsum(crossings)))
+    np.testing.assert_allclose([event.t for event in run.events], expected[:3], rtol=1e-12)
+    # relative speed 1 between 2 kg and 1 kg, three times halved
+    assert run.certificate.work_stops == pytest.approx(0.5 * 2 / 3 * (1 - 0.5**6), rel=1e-12)
+
+
+def test_an_impact_inside_starts_a_shell_that_friction_held():
+    run = simulate(Capsule(), Coulomb(kinetic_coefficient=0.5), t_end=10.0, y0={"xi_dot": 1.0})
+    first, second = run.events[:2]
+    assert (first.reason, first.from_mode, first.to_mode) == ("xi hits stop", 0, 1)
+    # m (1 + e) / (M + m) of the relative speed, then braked
+    after = run.at(first.t)
+    assert after["v"][0] == pytest.approx(1.5 / 3, rel=1e-12)
+    assert (second.reason, second.to_mode) == ("stop", 0)
+    assert second.t - first.t == pytest.approx(2.0 * 0.5 / 0.5, rel=1e-11)
+    assert run.certificate.certified
+
+
+def test_a_shell_pressed_to_its_own_stop_is_pushed_off_by_impacts_inside():
+    run = simulate(
+        Capsule(end=0.0), Coulomb(kinetic_coefficient=0.1), t_end=3.0, y0={"xi_dot": -1.0}
+    )
+    hit = run.events[0]
+    assert (hit.reason, hit.from_mode, hit.to_mode) == ("xi hits stop", 2, -1)
+    assert hit.t == pytest.approx(0.5, rel=1e-12)
+    assert run["x"].max() == 0
+
+
+def test_an_impact_through_a_shell_at_its_stop_bounces_until_both_agree():
+    rig = Capsule(end=0.0, restitution=0.5)
+    run = simulate(rig, Coulomb(kinetic_coefficient=0.1), t_end=3.0, y0={"xi_dot": 1.0})
+    # the shell takes (1 + e) / 3 of the relative speed and loses it to its own stop at once
+    reasons = [(event.t, event.reason) for event in run.events[:2]]
+    assert reasons == [(run.events[0].t, "xi hits stop"), (run.events[0].t, "hits stop")]
+    after = run.at(run.events[1].t)
+    assert after["v"][0] == 0
+    assert after["xi_dot"][0] == pytest.approx(0.0, abs=1e-12)
+    assert run["x"].max() == 0
+    assert run.certificate.certified
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.6])
+def test_a_coordinate_that_does_not_slip_and_stays_at_its_stop_ends_the_run(restitution):
+    rig = Capsule(force=0.3, restitution=restitution)
+    law = Coulomb(kinetic_coefficient=1.0)
+    run = simulate(rig, law, t_end=50.0, throw=False)
+    assert run.status is Status.HELD
+    assert not run.status.complete
+    assert run.certificate.certified
+    if restitution == 0:  # friction holds the shell: 1 kg under 0.3 N over 0.5 m
+        assert run.span[1] == pytest.approx((2 * 0.5 / 0.3) ** 0.5, rel=1e-11)
+    assert run["xi"][-1] == 0.5
+    assert run["xi_dot"][-1] == 0
+    with pytest.raises(SimulationError, match="pressed against its stop"):
+        simulate(rig, law, t_end=50.0)
+
+
+def test_stops_of_several_coordinates_run_alike_in_both_tiers():
+    rig = Capsule(force=0.05, end=0.2)
+    law = Coulomb(kinetic_coefficient=0.04)
+    runs = [
+        simulate(
+            rig, law, t_end=12.0, y0={"xi_dot": 1.0}, throw=False, solver=EventDriven(tier=tier)
+        )
+        for tier in ("python", "compiled")
+    ]
+    for name in runs[0].names:
+        np.testing.assert_array_equal(runs[0][name], runs[1][name])
+    assert runs[0].events == runs[1].events
+    assert runs[0].certificate == runs[1].certificate
+
+
+@dataclass(frozen=True, kw_only=True)
+class Declared:
+    """Stops that cannot be."""
+
+    stops: tuple[Stop, ...]
+    match: str
+
+
+BAD = {
+    "unknown coordinate": Declared(
+        stops=(Stop(coordinate="y", position=1.0, side="upper"),), match="one of the coordinates x"
+    ),
+    "twice": Declared(
+        stops=(Stop(coordinate="x", position=1.0, side="upper"),) * 2, match="given twice"
+    ),
+    "unknown side": Declared(
+        stops=(Stop(coordinate="x", position=1.0, side="left"),), match="'lower' or 'upper'"
+    ),
+    "restitution": Declared(
+        stops=(Stop(coordinate="x", position=1.0, side="upper", restitution=2.0),), match="0 to 1"
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BAD.values(), ids=BAD)
+def test_stops_that_cannot_be_are_refused(case):
+    @dataclass(frozen=True, kw_only=True)
+    class Sled(BoundedMechanism):
+        name: ClassVar[str] = "sled"
+        coordinates: ClassVar[tuple[str, ...]] = ("x",)
+        rates: ClassVar[tuple[str, ...]] = ("v",)
+        units: ClassVar[tuple[str, ...]] = ("m",)
+
+        kinetic_energy = potential_energy = forces = contacts = drives = None
+
+        def stops(self):
+            return case.stops
+
+    with pytest.raises(ParameterError, match=case.match):
+        Sled()

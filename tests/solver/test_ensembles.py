@@ -1,0 +1,296 @@
+"""Ensembles: the runs that `simulate` makes, whatever executes them."""
+
+import tracemalloc
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+from threading import active_count
+
+import numpy as np
+import pytest
+from tests.support import example_of
+
+from stickslip import (
+    LAWS,
+    Axis,
+    Coulomb,
+    EventDriven,
+    Pulse,
+    Sine,
+    SpringBlock,
+    Status,
+    TowedBlock,
+    ensemble,
+    simulate,
+)
+from stickslip.friction import BristleLaw
+from stickslip.quantities import vary
+from stickslip.solver import batch
+
+PYTHON, COMPILED = EventDriven(tier="python"), EventDriven(tier="compiled")
+DECAY = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+SWING = SpringBlock(mass=1.0, stiffness=100.0, compression=0.3, attached=True)
+LAW = Coulomb(kinetic_coefficient=0.25)
+DRIVEN = Axis(
+    inertia=1.0,
+    drive=Pulse(level=4.0, duration=0.3, start=0.1)
+    + Pulse(level=-3.0, duration=0.2, start=0.5)
+    + Sine(amplitude=2.0, frequency=1.5),
+    stiffness=2.0,
+)
+FIRST, SECOND, WAVE = (f"mechanism.drive.parts.{i}" for i in range(3))
+FRICTION = Coulomb(kinetic_coefficient=0.8, static_coefficient=1.0)
+MU = "kinetic_coefficient"
+MUS = np.linspace(0.1, 0.5, 23)
+
+
+class Serial(Executor):
+    """Executes at once, in the thread that submits."""
+
+    def submit(self, fn, /, *args, **kwargs):
+        future = Future()
+        future.set_result(fn(*args, **kwargs))
+        return future
+
+
+def single(rig, law, columns, row, *, t_end, y0=None, solver=PYTHON):
+    """Run one row of an ensemble alone."""
+    own = {path: float(v[row] if np.ndim(v) else v) for path, v in columns.items()}
+    prefixes = ("mechanism", "friction", "initial")
+    parts = [{p: v for p, v in own.items() if p.startswith(f"{prefix}.")} for prefix in prefixes]
+    start = dict(y0 or {}) | {p.partition(".")[2]: v for p, v in parts[2].items()}
+    rig, law = vary(rig, "mechanism", parts[0]), vary(law, "friction", parts[1])
+    return simulate(rig, law, t_end=t_end, y0=start, solver=solver, throw=False)
+
+
+def assert_row_is_run(runs, row, run, states):
+    """Compare one row with a run, bit for bit."""
+    assert runs.status[row] is run.status
+    for state in states:
+        assert runs[state][row] == run[state][-1]
+    found = [getattr(runs, n)[row] for n in ("energy_error", "guard_violation", "event_residual")]
+    known = run.certificate
+    assert found == [known.energy_error, known.guard_violation, known.event_residual]
+    assert runs.steps[row] == known.steps
+    assert runs.certified[row] == known.certified
+
+
+def assert_same(one, other):
+    """Compare two ensembles, bit for bit."""
+    assert one.outputs.keys() == other.outputs.keys()
+    for name in one.outputs:
+        np.testing.assert_array_equal(one[name], other[name])
+    assert one.status.tolist() == other.status.tolist()
+    for name in ("certified", "energy_error", "guard_violation", "event_residual", "steps"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+CASES = {
+    "laws": (DECAY, LAW, {"friction.kinetic_coefficient": np.array([0.1, 0.25, 0.7, 2.0])}, 1.0),
+    "rig": (
+        SWING,
+        LAW,
+        {"mechanism.mass": np.array([0.5, 1.0, 4.0]), "mechanism.compression": [0.3, -0.3, 0.0]},
+        2.0,
+    ),
+    "starts": (
+        DRIVEN,
+        FRICTION,
+        {"initial.x": np.array([0.0, 1.0, -1.0]), "initial.v": np.array([0.5, 0.0, -0.5])},
+        1.5,
+    ),
+    "drives, in another order in each row": (
+        DRIVEN,
+        FRICTION,
+        {
+            f"{FIRST}.start": np.array([0.1, 0.5, 0.9, 0.5]),
+            f"{SECOND}.start": np.array([0.5, 0.2, 0.9, 0.5]),
+            f"{FIRST}.duration": np.array([0.3, 0.0, 0.4, 0.2]),
+            f"{SECOND}.level": np.array([-3.0, 5.0, 3.0, 4.0]),
+        },
+        1.5,
+    ),
+    "a sine, and a number for all": (
+        DRIVEN,
+        FRICTION,
+        {
+            f"{WAVE}.frequency": np.array([0.5, 1.0, 7.0]),
+            f"{WAVE}.phase": np.array([0.0, 1.0, -1.0]),
+            f"{WAVE}.amplitude": 3.0,
+            "friction.kinetic_coefficient": 0.3,
+        },
+        1.5,
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES.values(), ids=CASES)
+def test_every_row_is_the_run_that_simulate_makes(case):
+    rig, law, columns, t_end = case
+    runs = ensemble(rig, law, columns, t_end=t_end, solver=PYTHON)
+    for row in range(len(runs)):
+        run = single(rig, law, columns, row, t_end=t_end)
+        assert_row_is_run(runs, row, run, ("x", "v"))
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_every_law_runs_in_ensembles(name):
+    law = example_of(LAWS[name])
+    rig = TowedBlock(mass=1.0, stiffness=50.0, speed=0.2)
+    columns = {"mechanism.speed": np.array([0.2, -0.1, 0.2])}
+    start = {"v": 0.1}
+    runs = ensemble(rig, law, columns, t_end=0.15, y0=start, solver=PYTHON)
+    states = ("x", "v", "z") if isinstance(law, BristleLaw) else ("x", "v")
+    for row in range(3):
+        assert_row_is_run(runs, row, single(rig, law, columns, row, t_end=0.15, y0=start), states)
+    assert runs["x"][0] == runs["x"][2]
+
+
+@pytest.mark.parametrize("case", [CASES["laws"], CASES["starts"]], ids=["exact", "smooth"])
+def test_both_tiers_give_the_same_bits(case):
+    rig, law, columns, t_end = case
+    assert_same(
+        ensemble(rig, law, columns, t_end=t_end, solver=PYTHON),
+        ensemble(rig, law, columns, t_end=t_end, solver=COMPILED),
+    )
+
+
+def test_rows_that_fail_say_how_and_do_not_disturb_the_others():
+    solver = EventDriven(tier="python", max_steps=6)
+    columns = {"initial.x": np.array([0.3, 9.0, 0.1, 5.0, 0.3])}
+    rig = SpringBlock(mass=1.0, stiffness=100.0, attached=True)
+    runs = ensemble(rig, LAW, columns, t_end=20.0, solver=solver)
+    assert Status.STEP_LIMIT in runs.status
+    assert Status.AT_REST in runs.status
+    for row in range(5):
+        run = single(rig, LAW, columns, row, t_end=20.0, solver=solver)
+        assert_row_is_run(runs, row, run, ("x", "v"))
+    assert runs.steps[1] == 6
+
+
+def test_a_cart_that_lifts_off_in_one_row_says_so_there():
+    from tests.formulation.test_cart import LAW as CART_LAW
+    from tests.formulation.test_cart import Cart
+
+    cart = Cart(cart_mass=1.0, ball_mass=1.0, length=1.0)
+    columns = {"initial.omega": np.array([0.1, 7.0, 0.2])}
+    runs = ensemble(cart, CART_LAW, columns, t_end=0.4, y0={"theta": -1.2}, solver=PYTHON)
+    assert [s is Status.LIFT_OFF for s in runs.status] == [False, True, False]
+    for row in range(3):
+        run = single(cart, CART_LAW, columns, row, t_end=0.4, y0={"theta": -1.2})
+        assert_row_is_run(runs, row, run, ("x", "theta", "v", "omega"))
+
+
+def test_the_start_beyond_all_numbers_fails_alone():
+    rig = TowedBlock(mass=1.0, stiffness=1e10, speed=1.0)
+    columns = {"initial.v": np.array([0.0, 1e308, 1.0])}
+    runs = ensemble(rig, LAW, columns, t_end=1e-4, solver=PYTHON)
+    assert [status.complete for status in runs.status] == [True, False, True]
+    assert not runs.certified[1]
+
+
+# Executors, chunks, progress, cancelling.
+
+
+@pytest.fixture(scope="module")
+def known():
+    """Return an ensemble to compare with."""
+    return ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON)
+
+
+@pytest.mark.parametrize("rows", [1, 4, 22, 23, 24])
+def test_the_size_of_the_chunks_changes_nothing(known, monkeypatch, rows):
+    monkeypatch.setattr(batch, "MOST_ROWS", rows)
+    assert_same(ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON), known)
+
+
+@pytest.mark.parametrize("workers", [1, 2, 5])
+def test_the_number_of_threads_changes_nothing(known, monkeypatch, workers):
+    monkeypatch.setattr(batch, "MOST_ROWS", 3)
+    with ThreadPoolExecutor(workers) as pool:
+        assert_same(ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON, executor=pool), known)
+        pool.submit(int).result()  # it is still the caller's
+
+
+def test_threads_of_the_compiled_tier_change_nothing(monkeypatch):
+    columns = {MU: MUS, "initial.x": 0.01}
+    one = ensemble(DECAY, LAW, columns, t_end=2.0, solver=PYTHON)
+    monkeypatch.setattr(batch, "MOST_ROWS", 3)
+    with ThreadPoolExecutor(5) as pool:
+        assert_same(ensemble(DECAY, LAW, columns, t_end=2.0, executor=pool), one)
+
+
+def test_any_executor_will_do(known, monkeypatch):
+    monkeypatch.setattr(batch, "MOST_ROWS", 5)
+    assert_same(ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON, executor=Serial()), known)
+
+
+def test_processes_change_nothing(known, monkeypatch):
+    monkeypatch.setattr(batch, "MOST_ROWS", 8)
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        assert_same(ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON, executor=pool), known)
+
+
+def test_progress_counts_up_to_all_runs(monkeypatch):
+    monkeypatch.setattr(batch, "MOST_ROWS", 4)
+    seen = []
+    ensemble(SWING, LAW, {MU: MUS}, t_end=1.0, solver=PYTHON, progress=lambda *c: seen.append(c))
+    done = [count for count, _ in seen]
+    assert {total for _, total in seen} == {23}
+    assert done == sorted(set(done))
+    assert len(done) == 6
+    assert done[-1] == 23
+
+
+@pytest.mark.parametrize("executor", [None, Serial()], ids=["threads", "serial"])
+def test_what_is_cancelled_is_told_and_has_no_numbers(known, monkeypatch, executor):
+    monkeypatch.setattr(batch, "MOST_ROWS", 1)
+    threads = active_count()
+    runs = ensemble(
+        SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON, executor=executor,
+        progress=lambda done, _: done < 3,
+    )  # fmt: skip
+    cancelled = np.array([status is Status.CANCELLED for status in runs.status])
+    assert 3 <= (~cancelled).sum() < 23
+    for name in ("x", "v"):
+        assert np.isnan(runs[name][cancelled]).all()
+        np.testing.assert_array_equal(runs[name][~cancelled], known[name][~cancelled])
+    assert not runs.certified[cancelled].any()
+    assert np.isnan(runs.energy_error[cancelled]).all()
+    assert not runs.steps[cancelled].any()
+    assert active_count() == threads
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
+def test_what_progress_raises_passes_through_and_leaves_no_threads(monkeypatch, error):
+    monkeypatch.setattr(batch, "MOST_ROWS", 1)
+    threads = active_count()
+
+    def stop(done, count):
+        raise error
+
+    with pytest.raises(error):
+        ensemble(SWING, LAW, {MU: MUS}, t_end=2.0, solver=PYTHON, progress=stop)
+    assert active_count() == threads
+
+
+def test_progress_that_returns_nothing_or_zero_goes_on():
+    for answer in (None, 0, True):
+        runs = ensemble(
+            DECAY, LAW, {MU: MUS}, t_end=0.5, solver=PYTHON, progress=lambda *_, a=answer: a
+        )
+        assert Status.CANCELLED not in runs.status
+
+
+def test_memory_grows_by_the_results_and_not_by_the_runs():
+    def peak(count):
+        mus = np.linspace(0.1, 0.5, count)
+        tracemalloc.start()
+        ensemble(DECAY, LAW, {MU: mus}, t_end=1.0, outputs=["x"], executor=Serial())
+        _, most = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        return most
+
+    peak(8)  # compiles
+    few, many = peak(8_192), peak(65_536)
+    # column given and kept, its copy, output, status, 5 numbers of evidence, and views of them
+    assert many - few <= 250 * (65_536 - 8_192)

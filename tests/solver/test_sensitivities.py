@@ -1,0 +1,329 @@
+"""Sensitivities of a run: closed forms, and for all laws and mechanisms an independent solution."""
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.formulation.test_cart import LAW as CART_LAW
+from tests.formulation.test_cart import Cart
+from tests.solver.sensitivity_support import PYTHON, Case, mismatch
+from tests.support import example_of
+
+from stickslip import (
+    LAWS,
+    PRINTED_FORMS,
+    Axis,
+    Coulomb,
+    EventDriven,
+    FixedStep,
+    PiecewiseLinear,
+    Pulse,
+    Sine,
+    SpringBlock,
+    Stribeck,
+    TowedBlock,
+    simulate,
+)
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.friction import BristleLaw
+
+PULSE = Pulse(level=6.0, duration=0.4, start=0.1)
+SINE = Sine(amplitude=6.0, frequency=0.8, phase=0.3)
+LINES = PiecewiseLinear(times=(0.0, 0.3, 0.6, 1.0), values=(1.0, 7.0, -6.0, 0.0))
+DRIVES = {"pulse": PULSE, "sine": SINE, "lines": LINES, "sum": PULSE + SINE}
+RIGS = {
+    "towed-block": TowedBlock(mass=1.0, stiffness=40.0, speed=0.3, damping=0.2),
+    "towed-block, load": TowedBlock(mass=1.0, stiffness=40.0, speed=0.3, load=8.0),
+    "spring-block": SpringBlock(mass=1.0, stiffness=100.0, compression=0.1),
+}
+for name, drive in DRIVES.items():
+    RIGS[f"spring-block, {name}"] = SpringBlock(
+        mass=1.0, stiffness=30.0, compression=0.05, drive=drive, attached=True
+    )
+    RIGS[f"axis, {name}"] = Axis(
+        inertia=2.0, drive=drive, stiffness=3.0, damping=0.2, load=4.0, offset=0.1
+    )
+SMOOTH_LAWS = {name: example_of(law) for name, law in LAWS.items()}
+BRISTLE_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if isinstance(law, BristleLaw)}
+SMOOTH_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if n not in BRISTLE_LAWS}
+SMOOTH_LAWS |= {f"stribeck {n}": replace(SMOOTH_LAWS["stribeck"], exponent=n) for n in (1.0, 1.5)}
+BRISTLE_LAWS |= {
+    f"{name}, switch": replace(law, static_switch=True) for name, law in BRISTLE_LAWS.items()
+}
+KINETIC = Coulomb(kinetic_coefficient=0.25)
+G = 9.81
+EXACT = 1e-12
+"""Roundings of a few series, and of the moments of events, over the size of the derivative."""
+
+
+def at(run, t, state, path):
+    """Return one sensitivity at one time."""
+    return float(run.at(t).sensitivity(state, path)[0])
+
+
+# Laws and mechanisms against an independent solution of the variational equations.
+
+
+@pytest.mark.parametrize("rig", RIGS.values(), ids=RIGS)
+@pytest.mark.parametrize("law", SMOOTH_LAWS.values(), ids=SMOOTH_LAWS)
+def test_every_sensitivity_is_that_of_the_variational_equations(rig, law):
+    # DOP853 at 1e-12 a step on the other side, some tens of steps through thin layers
+    assert mismatch(Case(rig, law, 1.3, (0.01, 0.2))) <= 2e-9
+
+
+@pytest.mark.parametrize("rig", RIGS.values(), ids=RIGS)
+@pytest.mark.parametrize("law", BRISTLE_LAWS.values(), ids=BRISTLE_LAWS)
+def test_sensitivities_of_bristle_laws_are_those_of_the_variational_equations(rig, law):
+    # steps of 1e-8 in the run; the motion is off by some of them, and so is its derivative
+    assert mismatch(Case(rig, law, 0.22, (0.01, 0.1, 0.0))) <= 1e-6
+
+
+@pytest.mark.parametrize("law", BRISTLE_LAWS.values(), ids=BRISTLE_LAWS)
+def test_sensitivities_of_bristle_laws_hold_across_reversals_stops_and_break_aways(law):
+    drive = Sine(amplitude=12.0, frequency=3.0, phase=0.5)
+    case = Case(Axis(inertia=1.0, drive=drive, load=10.0), law, 0.5, (0.0, 0.05, 0.0))
+    assert len(case.run().events) >= 2
+    assert mismatch(case) <= 1e-5  # as above; events follow each other through still bristles
+
+
+@pytest.mark.parametrize("name", ["dahl", "lugre"])
+def test_the_error_of_sensitivities_of_bristle_laws_falls_with_the_tolerance(name):
+    case = Case(RIGS["towed-block"], BRISTLE_LAWS[name], 0.2, (0.01, 0.1, 0.0))
+    errors = [
+        mismatch(case, EventDriven(tier="python", stiff_tolerance=tol))
+        for tol in (1e-6, 1e-8, 1e-10)
+    ]
+    assert errors[1] <= 1e-6  # a hundred tolerances
+    assert errors[2] <= 0.1 * errors[1] <= 0.01 * errors[0]  # 1e-2 each, not all of it reached
+
+
+def test_sensitivities_hold_after_a_stick_that_a_sine_ends():
+    drive = Sine(amplitude=3.0, frequency=0.5, phase=-0.4)
+    case = Case(Axis(inertia=1.0, drive=drive, stiffness=2.0), SMOOTH_LAWS["stribeck"], 4.0, (0, 0))
+    reasons = {event.reason for event in case.run().events}
+    assert {"break-away", "stop"} <= reasons
+    assert mismatch(case) <= 1e-8  # four seconds of steps of 1e-12, in layers of milliseconds
+
+
+# Closed forms.
+
+
+def test_a_sliding_block_comes_to_rest_where_its_closed_form_says_and_so_do_its_derivatives():
+    v, mu = 2.0, 0.25
+    run = simulate(SpringBlock(mass=3.0), KINETIC, t_end=5.0, y0={"x": 0.3, "v": v}, solver=PYTHON)
+    expected = {
+        "initial.v": v / (mu * G),  # x = x_0 + v^2 / (2 mu g)
+        "kinetic_coefficient": -(v**2) / (2 * mu**2 * G),
+        "gravity": -(v**2) / (2 * mu * G**2),
+        "initial.x": 1.0,
+    }
+    for path, known in expected.items():
+        assert math.isclose(at(run, 5.0, "x", path), known, rel_tol=EXACT)
+        assert at(run, 5.0, "v", path) == 0.0  # at rest whatever the numbers
+    # masses cancel; what rounding leaves is that of the terms that do
+    assert abs(at(run, 5.0, "x", "mass")) <= EXACT
+
+
+def test_while_a_block_slides_its_derivatives_grow_with_time():
+    run = simulate(SpringBlock(mass=3.0), KINETIC, t_end=0.5, y0={"v": 2.0}, solver=PYTHON)
+    t = np.array([0.0, 0.1, 0.37, 0.5])
+    close = {"rtol": EXACT, "atol": 1e-15}
+    mu = run.at(t)
+    np.testing.assert_allclose(mu.sensitivity("x", "kinetic_coefficient"), -G * t**2 / 2, **close)
+    np.testing.assert_allclose(mu.sensitivity("v", "kinetic_coefficient"), -G * t, **close)
+    np.testing.assert_allclose(mu.sensitivity("x", "initial.v"), t, **close)
+    np.testing.assert_array_equal(mu.sensitivity("v", "initial.v"), np.ones(4))
+
+
+def test_a_swing_between_reversals_has_the_derivatives_of_its_cosine():
+    k, m, a, f = 100.0, 2.0, 0.3, 1.5
+    run = simulate(
+        Axis(inertia=m, stiffness=k), Coulomb(kinetic_coefficient=f), t_end=2.0, y0={"x": a},
+        solver=PYTHON,
+    )  # fmt: skip
+    w = math.sqrt(k / m)
+    for t in (0.3, 0.9, 1.3):  # in the first, the third, the last half swing
+        n = int(w * t / math.pi)
+        side, amplitude = (-1) ** n, a - (2 * n + 1) * f / k
+        cos, sin = math.cos(w * t), math.sin(w * t)
+        # backward at first: x = f / k (-1)^n + (a - (2 n + 1) f / k) cos(w t)
+        by_f = side / k - (2 * n + 1) / k * cos
+        by_w = -amplitude * t * sin
+        by_k = -f / k * by_f + by_w * w / (2 * k)
+        by_m = -by_w * w / (2 * m)
+        for path, known in {
+            "friction.kinetic_coefficient": by_f,
+            "initial.x": cos,
+            "stiffness": by_k,
+            "inertia": by_m,
+        }.items():
+            # of the terms that make it up: some phase, times the rounding of the time
+            assert abs(at(run, t, "x", path) - known) <= EXACT * 30 * (abs(known) + 1 / k)
+
+
+def test_a_pulse_has_the_derivatives_of_the_travel_it_gives():
+    level, duration, start, f, m = 5.0, 0.8, 0.3, 1.0, 2.0
+    drive = Pulse(level=level, duration=duration, start=start)
+    axis, law = Axis(inertia=m, drive=drive), Coulomb(kinetic_coefficient=f)
+    run = simulate(axis, law, t_end=10.0, solver=PYTHON)
+    # x = F (F - f) T^2 / (2 m f)
+    expected = {
+        "level": (2 * level - f) * duration**2 / (2 * m * f),
+        "duration": level * (level - f) * duration / (m * f),
+        "friction.kinetic_coefficient": -(level**2) * duration**2 / (2 * m * f**2),
+        "inertia": -level * (level - f) * duration**2 / (2 * m**2 * f),
+    }
+    for path, known in expected.items():
+        assert math.isclose(at(run, 10.0, "x", path), known, rel_tol=EXACT)
+    assert abs(at(run, 10.0, "x", "start")) <= EXACT * 10  # a later start moves all, not the end
+    during = (level - f) / m * 0.5  # dx/dt half a second into the pulse
+    assert math.isclose(at(run, start + 0.5, "x", "start"), -during, rel_tol=EXACT)
+    assert at(run, 0.2, "x", "start") == 0.0
+
+
+def test_the_travel_of_a_towed_block_has_the_derivatives_of_its_stick_slip_period():
+    m, k, speed, mu_k, mu_s = 1.0, 2.0, 0.1, 1.0, 1.5
+    block = TowedBlock(mass=m, stiffness=k, speed=speed, load=1.0)
+    law = Coulomb(kinetic_coefficient=mu_k, static_coefficient=mu_s)
+    run = simulate(block, law, t_end=40.0, solver=PYTHON)
+    stops = [event.t for event in run.events if event.reason == "stop"]
+    assert len(stops) >= 3
+    # at the n-th stop x = (2 n - 1) mu_s / k ... : each slip carries it 2 ((mu_s - mu_k) / k
+    # + V (pi - arctan(q)) / w ... ), and a held block is where the slip of that number left it
+    w = math.sqrt(k / m)
+    lag = (mu_s - mu_k) / k
+    slip = 2 * (math.pi - math.atan(lag * w / speed)) / w  # time of a slip
+    for n, t in enumerate(stops[:3], 1):
+        # spring at break-away mu_s, at the stop 2 mu_k - mu_s: the same force change each slip
+        travel = 2 * lag + speed * slip
+        held = t + 1.0
+        run_at = run.at(held)
+        assert math.isclose(run_at["x"][0], n * travel, rel_tol=1e-11)
+        q = lag * w / speed
+        by_lag = 2 - 2 / (1 + q * q)
+        assert math.isclose(
+            at(run, held, "x", "static_coefficient"), n * by_lag / k, rel_tol=1e-11
+        )  # three slips' events, located to rounding of a time of some tens
+        assert math.isclose(
+            at(run, held, "x", "speed"), n * (slip + 2 * q / (1 + q * q) / w), rel_tol=1e-11
+        )
+
+
+# At rest, at events and at the start.
+
+
+def test_the_velocity_given_to_a_body_that_is_held_changes_nothing():
+    run = simulate(Axis(inertia=1.0), KINETIC, t_end=1.0, solver=PYTHON)
+    for t in (0.0, 0.5, 1.0):
+        assert at(run, t, "x", "initial.v") == 0.0
+        assert at(run, t, "v", "initial.v") == 0.0
+        assert at(run, t, "x", "initial.x") == 1.0
+
+
+def test_a_held_body_depends_on_nothing_else_that_happens():
+    drive = Sine(amplitude=0.1, frequency=1.0)
+    run = simulate(Axis(inertia=1.0, drive=drive), KINETIC, t_end=3.0, solver=PYTHON)
+    for path in ("amplitude", "frequency", "phase", "kinetic_coefficient", "inertia"):
+        assert np.all(run.sensitivity("x", path) == 0.0)
+
+
+def test_at_an_event_the_sensitivity_is_that_after_it():
+    run = simulate(SpringBlock(mass=1.0), KINETIC, t_end=3.0, y0={"v": 1.0}, solver=PYTHON)
+    (stop,) = [event.t for event in run.events]
+    just_before = math.nextafter(stop, 0.0)
+    mu = "kinetic_coefficient"
+    assert at(run, stop, "v", mu) == 0.0
+    assert math.isclose(at(run, just_before, "v", mu), -G * stop, rel_tol=EXACT)
+    # the position has no jump: its velocity is 0 on both sides
+    assert math.isclose(at(run, stop, "x", mu), at(run, just_before, "x", mu), rel_tol=EXACT)
+
+
+def test_times_may_come_in_any_order_and_twice():
+    case = Case(RIGS["axis, sum"], SMOOTH_LAWS["stribeck"], 1.3, (0.01, 0.2))
+    run = case.run()
+    t = np.concatenate([[0.0, 1.3, 0.1, 0.5], [event.t for event in run.events], [0.7]])
+    shuffled = np.concatenate([t[::-1], t, t[::2]])
+    for state, path in itertools.product(run.states, ("start", "frequency", "initial.v")):
+        inside = {float(a): b for a, b in zip(
+            np.sort(t), run.at(np.sort(t)).sensitivity(state, path), strict=True
+        )}  # fmt: skip
+        found = run.at(shuffled).sensitivity(state, path)
+        assert found.tolist() == [inside[float(a)] for a in shuffled]
+
+
+def test_one_time_may_be_asked_without_the_others():
+    case = Case(RIGS["axis, sum"], SMOOTH_LAWS["stribeck"], 1.3, (0.01, 0.2))
+    run = case.run()
+    together = run.at([0.2, 0.5, 0.9]).sensitivity("x", "frequency")
+    assert [at(run, t, "x", "frequency") for t in (0.2, 0.5, 0.9)] == together.tolist()
+
+
+def test_no_times_have_no_sensitivities():
+    run = simulate(SpringBlock(mass=1.0), KINETIC, t_end=1.0, y0={"v": 1.0}, solver=PYTHON)
+    assert run.at([]).sensitivity("x", "initial.v").shape == (0,)
+
+
+def test_two_coordinates_have_sensitivities_as_well():
+    cart = Cart(cart_mass=2.0, ball_mass=0.5, length=0.4, torque=0.3)
+    case = Case(cart, CART_LAW, 1.2, (0.0, 0.3, 1.0, 0.5))
+    run = case.run()
+    assert len(run.events) >= 2
+    t = np.array([0.05, 0.4, 0.8, 1.2])
+    tight = EventDriven(tier="python", tolerance=1e-13)
+    found = case.sensitivities(t)
+    for c, (path, size) in enumerate(case.sizes().items()):
+        value = case.paths()[path]
+
+        def moved(by, path=path, value=value):
+            there = case.run(tight, {path: value + by}).at(t)
+            return np.column_stack([there[state] for state in case.states()])
+
+        wide, narrow = ((moved(h * size) - moved(-h * size)) / (2 * h) for h in (2e-3, 1e-3))
+        known = (4 * narrow - wide) / 3
+        # noise of 1e-13 and more a step over 1e-3, and 1e-12 of what is beyond extrapolation
+        assert np.abs(found[:, :, c] - known).max() <= 1e-6 * (1 + np.abs(known).max())
+
+
+# Tiers, and what is refused.
+
+
+@pytest.mark.parametrize("shape", ["decay", "layer"])
+def test_both_tiers_give_the_same_bits(shape):
+    if shape == "decay":
+        rig, law = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1), KINETIC
+    else:
+        rig = Axis(inertia=1.0, drive=Sine(amplitude=3.0, frequency=0.5), stiffness=2.0)
+        law = Stribeck(kinetic_coefficient=0.5, static_coefficient=1.0, stribeck_velocity=0.01)
+    case = Case(rig, law, 2.0, (0.0, 0.0))
+    t = np.linspace(0.0, 2.0, 9)
+    plain, fast = (case.sensitivities(t, EventDriven(tier=tier)) for tier in ("python", "compiled"))
+    assert np.isfinite(plain).all()
+    np.testing.assert_array_equal(fast, plain)
+
+
+def test_unknown_states_and_parameters_are_refused_with_the_nearest_names():
+    run = simulate(RIGS["axis, sum"], SMOOTH_LAWS["stribeck"], t_end=0.1, solver=PYTHON)
+    with pytest.raises(UnknownNameError, match=r"unknown state 'y'.*Known: v, x"):
+        run.sensitivity("y", "inertia")
+    with pytest.raises(UnknownNameError, match="unknown state 'friction'"):
+        run.sensitivity("friction", "inertia")
+    with pytest.raises(UnknownNameError, match=r"Did you mean 'friction\.kinetic_coefficient'"):
+        run.sensitivity("x", "friction.kinetic_coeficient")
+    with pytest.raises(UnknownNameError, match=r"unknown parameter 'exponent'"):
+        run.sensitivity("x", "exponent")  # whole: it shapes the equations
+
+
+def test_a_last_name_that_two_parameters_have_is_refused_with_both():
+    rig = Axis(inertia=1.0, drive=Pulse(level=2.0, duration=0.1) + PULSE)
+    run = simulate(rig, KINETIC, t_end=0.5, solver=PYTHON)
+    with pytest.raises(UnknownNameError, match=r"parts\.0\.level' or .*parts\.1\.level"):
+        run.sensitivity("x", "level")
+
+
+@pytest.mark.parametrize("law", [KINETIC, PRINTED_FORMS["printed-1"](kinetic_coefficient=0.2)])
+def test_fixed_steps_have_no_sensitivities_and_say_what_has(law):
+    run = simulate(SpringBlock(mass=1.0), law, t_end=0.1, y0={"v": 1.0}, solver=FixedStep(dt=0.01))
+    with pytest.raises(InputError, match=r"use solver=EventDriven\(\)"):
+        run.sensitivity("x", "kinetic_coefficient")
