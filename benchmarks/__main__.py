@@ -10,9 +10,11 @@ from pathlib import Path
 
 from benchmarks import tables
 from benchmarks.engines import Holding
-from benchmarks.measuring import BUDGET, REPEATS
+from benchmarks.measuring import BUDGET, REPEATS, Result, Section
 
-CASES = ("decay", "belt", "lugre", "sampled", "engines")
+CASES = ("decay", "ensembles", "belt", "lugre", "sampled", "sensitivities", "engines")
+COMPILE = "compile"
+"""Times of compiling, which are printed only: they take minutes and empty caches."""
 PAGE = Path(__file__).parents[1] / "docs" / "benchmarks.md"
 LIBRARIES = ("stickslip", "numpy", "scipy", "numba", "heyoka", "mujoco", "drake")
 
@@ -45,11 +47,15 @@ def processor() -> str:
 
 
 def page(results: list[object]) -> str:
-    """Return the page: cases at equal error, then the block in other engines."""
-    equal = [result for result in results if not isinstance(result, Holding)]
-    lines = ["## At equal error", "", *tables.equal_error(equal)] if equal else []
+    """Return the page: targets, cases at equal error, tables of their own, other engines."""
+    goals = [target for result in results for target in getattr(result, "targets", ())]
+    equal = [result for result in results if isinstance(result, Result)]
+    lines = ["## Targets", "", *tables.targets(goals)] if goals else []
+    lines += ["## At equal error", "", *tables.equal_error(equal)] if equal else []
     for result in results:
-        if isinstance(result, Holding):
+        if isinstance(result, Section):
+            lines += [f"## {result.title}", "", *tables.section(result)]
+        elif isinstance(result, Holding):
             lines += ["## One block in other engines", "", *tables.in_engines(result)]
     lines.append(
         f"Medians of {REPEATS} runs after the first, or of as many as fit into {BUDGET:g} s, taken"
@@ -60,8 +66,14 @@ def page(results: list[object]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
-    parser.add_argument("cases", nargs="*", metavar="case", help=f"of {', '.join(CASES)}")
+    parser.add_argument(
+        "cases", nargs="*", metavar="case", help=f"of {', '.join((*CASES, COMPILE))}"
+    )
     chosen = parser.parse_args().cases
+    if chosen == [COMPILE]:
+        found = importlib.import_module("benchmarks.compiling").run()
+        print("\n".join([*tables.section(found), machine()]))
+        return
     unknown = [case for case in chosen if case not in CASES]
     if unknown:
         parser.error(f"no case {', '.join(unknown)}; there are {', '.join(CASES)}")

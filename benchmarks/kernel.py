@@ -1,7 +1,6 @@
 """The compiled kernel alone: one run as an ensemble or a fit pays for it, without objects."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -57,9 +56,7 @@ class Kernel:
             self._base[self.module.Y + self.model.states.index(state)] = value
         self._fresh = self.runner.whole()
         self._fresh[self.module.BOOKS] = 1
-        self.w, self.whole = self._base[:], self._fresh[:]
-        if compiled:
-            self.w, self.whole = self._base.copy(), self._fresh.copy()
+        self.w, self.whole = self._base.copy(), self._fresh.copy()
         self._tables = [self.runner.vector(self.inputs.table)]
         self._tables.append(self.runner.vector(self.inputs.bounds or [0.0]))
         self.log = self.runner.zeros(64 * self.module.ROW_COLUMNS)
@@ -96,12 +93,35 @@ class Kernel:
         """Return the states (states, n) of the last run at increasing times."""
         n, width = len(self.model.states), len(times)
         states, rows = self.runner.zeros(n * width), self.runner.zeros(width)
-        forces = self.runner.zeros(4 * width)
+        forces = self.runner.zeros(2 * width)
         self.module.enter_play(
             self.log, int(self.whole[self.module.STEPS]), self.runner.vector(times),
-            self._tables[0], self._working(), states, forces, rows,
+            self._tables[0], self.runner.working(self.inputs.p, self.inputs.first),
+            states, forces, rows,
         )  # fmt: skip
         return np.reshape(states, (width, n)).T
 
-    def _working(self) -> Any:
-        return self.runner.working(self.inputs.p, self.inputs.first)
+    def change(self, path: str, value: float) -> None:
+        """Set a parameter of the mechanism or the law, not of a drive, for the next runs."""
+        self._base[self.inputs.first + self.model.parameter_paths.index(path)] = value
+
+    def sensing(self, paths: Sequence[str]) -> Callable[[], np.ndarray]:
+        """Return what gives the sensitivities (states, paths) at the end of the last run."""
+        table = np.array([self.inputs.table])
+        along = directions_of(*self.pair, paths, {}, table)
+        flat, shape = self.runner.flat, along.start.shape
+        w = working(self.runner, self.runner.working(self.inputs.p, self.inputs.first), along)
+        fresh = w.copy()
+        out, end = self.runner.zeros(along.start.size), self.runner.vector([self.t_end])
+        slopes, own = flat(along.table), flat(along.own)
+
+        def sense() -> np.ndarray:
+            w[:] = fresh
+            self.module.enter_sense(
+                self.log, int(self.whole[self.module.STEPS]), self.events,
+                int(self.whole[self.module.EVENTS]), end, self._tables[0], slopes, own,
+                along.quantities, w, out,
+            )  # fmt: skip
+            return np.reshape(out, shape)
+
+        return sense

@@ -7,10 +7,10 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
-from stickslip import EventDriven
+from benchmarks.kernel import Kernel
+from stickslip import EventDriven, Trajectory, simulate
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.solver import prepare
 
 TOLERANCES = tuple(10.0 ** (-half / 2) for half in range(8, 27))
 """Tried from the loosest on, until the error is small enough."""
@@ -21,7 +21,11 @@ BATCH = 0.01
 """A run shorter than this is repeated, and its mean time counts [s]."""
 METHODS = ("DOP853", "LSODA", "Radau")
 """SciPy's, where modes and events are coded by hand."""
-TIERS = {"compiled": "stickslip, compiled", "python": "stickslip, plain Python"}
+KERNEL = "stickslip, kernel alone"
+TIERS = {
+    "compiled": "stickslip, whole simulate(...) call",
+    "python": "stickslip, the same in plain Python",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +60,29 @@ class Missing:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Target:
+    """What a piece of work was meant to take, and what it takes."""
+
+    work: str
+    goal: str
+    measured: str
+    met: bool
+    reason: str
+    """Why it is missed, if it is."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """A part of the page with a table of its own."""
+
+    title: str
+    heads: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    notes: tuple[str, ...]
+    targets: tuple[Target, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
 class Result:
     """One case: solvers at the same error, stickslip first."""
 
@@ -65,6 +92,7 @@ class Result:
     error: float
     """The relative error that every solver must stay below."""
     entries: tuple[Entry | Missing, ...]
+    targets: tuple[Target, ...] = ()
 
 
 def at_error(
@@ -72,7 +100,6 @@ def at_error(
     run: Callable[[float], object],
     error_of: Callable[[object], float],
     largest: float,
-    warm: Callable[[], None] | None = None,
 ) -> Entry:
     """Run a solver at the loosest tolerance whose error is small enough; its times come later.
 
@@ -86,12 +113,8 @@ def at_error(
         Relative error of what `run` returned; not timed.
     largest : float
         Largest error that will do.
-    warm : callable, optional
-        What is done once in a process; it counts in the first run.
     """
     start, first = time.perf_counter(), None
-    if warm is not None:
-        warm()
     for tolerance in TOLERANCES:
         found = run(tolerance)
         first = time.perf_counter() - start if first is None else first
@@ -133,24 +156,61 @@ def mean_time(run: Callable[[], object]) -> float:
 def own_entries(
     mechanism: Mechanism,
     law: FrictionLaw,
-    run: Callable[[EventDriven], object],
-    error_of: Callable[[object], float],
+    t_end: float,
+    error_of: Callable[[Trajectory], float],
+    error_of_kernel: Callable[[Kernel], float],
     largest: float,
     tiers: Sequence[str],
     setting: str = "tolerance",
 ) -> tuple[Entry, ...]:
-    """Return stickslip's entries, one a tier; `setting` is the tolerance that counts."""
+    """Return stickslip's entries: the kernel, then whole calls; `setting` is what counts."""
+
+    @functools.cache
+    def kernel() -> Kernel:
+        return Kernel(mechanism, law, t_end)
+
+    def call(tier: str, tolerance: float) -> Trajectory:
+        solver = EventDriven(tier=tier, **{setting: tolerance})
+        return simulate(mechanism, law, t_end=t_end, solver=solver, throw=False)
 
     def entry(tier: str) -> Entry:
-        return at_error(
-            TIERS[tier],
-            lambda tolerance: run(EventDriven(tier=tier, **{setting: tolerance})),
-            error_of,
-            largest,
-            warm=(lambda: prepare(mechanism, law)) if tier == "compiled" else None,
-        )
+        return at_error(TIERS[tier], functools.partial(call, tier), error_of, largest)
 
-    return tuple(entry(tier) for tier in tiers)
+    own = (at_error(KERNEL, lambda tolerance: kernel().run(tolerance), error_of_kernel, largest),)
+    return (*(own if "compiled" in tiers else ()), *(entry(tier) for tier in tiers))
+
+
+def faster(
+    work: str, least: float, entries: Sequence[object], peer: str, reason: str
+) -> tuple[Target, ...]:
+    """Return the target of being some times faster than a peer, or nothing without a kernel."""
+    times = {e.solver: e.median for e in entries if not isinstance(e, Missing)}
+    (other,) = (solver for solver in times if solver.startswith(peer))
+    if KERNEL not in times:
+        return ()
+    ratio = times[other] / times[KERNEL]
+    return (
+        Target(
+            work=work, goal=f">= {least:g} x {peer}", measured=f"{ratio:.0f} x",
+            met=ratio >= least, reason=reason,
+        ),
+    )  # fmt: skip
+
+
+def within(
+    work: str, most: float, entries: Sequence[object], unit: str, reason: str
+) -> tuple[Target, ...]:
+    """Return the target of a time of the kernel in "us" or "ms", or nothing without a kernel."""
+    times = {e.solver: e.median for e in entries if not isinstance(e, Missing)}
+    if KERNEL not in times:
+        return ()
+    value = times[KERNEL] * {"us": 1e6, "ms": 1e3}[unit]
+    return (
+        Target(
+            work=work, goal=f"<= {most:g} {unit}", measured=f"{value:.3g} {unit}",
+            met=value <= most, reason=reason,
+        ),
+    )  # fmt: skip
 
 
 def if_installed(library: str, solver: str, make: Callable[[], Entry]) -> Entry | Missing:

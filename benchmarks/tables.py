@@ -1,16 +1,19 @@
 """The tables and notes of the page, in Markdown."""
 
+from collections.abc import Sequence
+
 from benchmarks.block.problem import HEAVY, LIGHT
 from benchmarks.engines import Held, Holding
-from benchmarks.measuring import Entry, Missing, Result
+from benchmarks.measuring import Entry, Missing, Result, Section, Target
 
 EQUAL = (
     "case", "solver", "tolerance", "error", "first run, ms", "median, ms", "spread, ms",
-    "time over stickslip's compiled",
+    "time over the kernel's",
 )  # fmt: skip
+TARGETS = ("work", "target", "measured", "met", "why not")
 BLOCK = (
     "engine", "levels", "travel error", f"creep at {LIGHT:g} N, m", f"slide at {HEAVY:g} N, m",
-    "first run, ms", "median, ms", "spread, ms", "time over stickslip's compiled",
+    "first run, ms", "median, ms", "spread, ms", "time over stickslip's",
 )  # fmt: skip
 
 
@@ -89,6 +92,25 @@ def equal_error(results: list[Result]) -> list[str]:
         *dict.fromkeys(missing),
         "",
     ]
+
+
+def targets(found: Sequence[Target]) -> list[str]:
+    """Return the table of targets; work with several stands once."""
+    rows = []
+    for i, target in enumerate(found):
+        known = i > 0 and found[i - 1].work == target.work
+        same = known and not found[i - 1].met and found[i - 1].reason == target.reason
+        reason = "" if target.met else "as above" if same else target.reason
+        rows.append([
+            "" if known else target.work, target.goal, target.measured,
+            "yes" if target.met else "no", reason,
+        ])  # fmt: skip
+    return [*table(TARGETS, rows), ""]
+
+
+def section(found: Section) -> list[str]:
+    """Return a part with a table of its own."""
+    return [*table(found.heads, [list(row) for row in found.rows]), "", *found.notes, ""]
 
 
 def in_engines(holding: Holding) -> list[str]:

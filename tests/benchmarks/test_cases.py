@@ -4,10 +4,23 @@ import importlib.util
 
 import numpy as np
 import pytest
-from benchmarks import belt, decay, engines, lugre, measuring, sampled, tables
+from benchmarks import (
+    belt,
+    compiling,
+    decay,
+    engines,
+    ensembles,
+    lugre,
+    measuring,
+    sampled,
+    sensitivities,
+    tables,
+    variations,
+)
 from benchmarks.block import by_scipy
 from benchmarks.block.problem import LIGHT, TRAVEL
-from benchmarks.measuring import Missing
+from benchmarks.kernel import Kernel
+from benchmarks.measuring import KERNEL, Entry, Missing, Target
 
 PYTHON = ("python",)
 HAND = ("decay", "belt")
@@ -19,10 +32,13 @@ def results():
         # the others take seconds, and each has the decay
         patch.setattr(measuring, "METHODS", ("DOP853",))
         slow = belt.run(repeats=1, tiers=PYTHON)
+        # the plain tier takes a minute to get below 1e-8
+        patch.setattr(lugre, "ERROR", 1e-5)
+        stiff = lugre.run(repeats=1, tiers=PYTHON)
     return {
         "decay": decay.run(repeats=1, tiers=PYTHON),
         "belt": slow,
-        "lugre": lugre.run(repeats=1, tiers=PYTHON),
+        "lugre": stiff,
         "sampled": sampled.run(repeats=1, tiers=PYTHON, samples=600),
     }
 
@@ -37,7 +53,7 @@ def holding():
 @pytest.mark.parametrize("case", ["decay", "belt", "lugre", "sampled"])
 def test_every_solver_of_a_benchmark_stays_below_the_stated_error(results, case):
     result = results[case]
-    assert result.entries[0].solver == "stickslip, plain Python"
+    assert result.entries[0].solver == measuring.TIERS["python"]
     for entry in result.entries:
         if not isinstance(entry, Missing):
             assert entry.error <= result.error
@@ -45,9 +61,11 @@ def test_every_solver_of_a_benchmark_stays_below_the_stated_error(results, case)
 
 
 @pytest.mark.slow
-def test_the_compiled_tier_is_an_entry_of_its_own():
-    entry, *_ = decay.run(repeats=1).entries
-    assert entry.solver == "stickslip, compiled"
+def test_the_kernel_alone_is_an_entry_of_its_own_and_what_targets_are_about():
+    result = decay.run(repeats=1)
+    first, second, *_ = result.entries
+    assert (first.solver, second.solver) == (KERNEL, measuring.TIERS["compiled"])
+    assert [target.goal for target in result.targets] == ["<= 12 us", ">= 200 x SciPy DOP853"]
 
 
 def test_the_belt_has_the_stated_number_of_changes():
@@ -129,3 +147,103 @@ def test_a_row_without_numbers_says_why(holding):
     lines = tables.in_engines(holding)
     assert any("SciPy RK45, sign(v)" in line and "gave up" in line for line in lines)
     assert any("Siconos" in line and "not on PyPI" in line for line in lines)
+
+
+def test_the_kernel_alone_makes_the_run_of_a_whole_call_again_and_again():
+    kernel = Kernel(decay.RIG, decay.LAW, decay.T_END, compiled=False)
+    for _ in range(2):
+        found = decay.of_kernel(kernel.run(1e-9))
+        # closed form, up to rounding
+        assert measuring.largest_error(found, decay.exact()) < 1e-13
+    places, _ = kernel.states([0.0, decay.T_END])
+    assert places[1] == kernel.final()[0]
+
+
+def test_a_kernel_takes_other_numbers_for_its_next_run():
+    kernel = Kernel(decay.RIG, decay.LAW, decay.T_END, compiled=False)
+    kernel.change("mechanism.stiffness", 4 * decay.K)
+    # twice the frequency
+    assert kernel.run(1e-9).changes()[0] == pytest.approx(decay.exact()[0] / 2, rel=1e-13)
+
+
+def test_an_ensemble_finds_the_closed_form_of_each_run_and_scipy_makes_the_first(monkeypatch):
+    monkeypatch.setattr(ensembles, "PART", 1)
+    found = ensembles.run(repeats=1, tiers=PYTHON, rows=2, many=0)
+    assert len(found.rows) == 6
+    assert {target.goal for target in found.targets} == {
+        ">= 600 x SciPy DOP853", ">= 5,000 x SciPy DOP853",
+    }  # fmt: skip
+
+
+def test_the_closed_form_of_the_ensemble_is_that_of_the_single_run():
+    varied = {path: np.array([value]) for path, value in zip(
+        ensembles.RANGES, (decay.K, decay.X_0, decay.MU), strict=True
+    )}  # fmt: skip
+    stop, place = ensembles.exact(varied)
+    *_, last, rest = decay.exact()
+    # rounding
+    assert (stop[0], place[0]) == pytest.approx((last, rest), rel=1e-14)
+
+
+def test_memory_is_the_most_the_process_itself_has_had():
+    before = ensembles.peak()
+    held = np.ones(8_000_000)
+    assert ensembles.peak() >= before
+    assert ensembles.peak() > held.nbytes
+
+
+@pytest.mark.parametrize("case", sensitivities.CASES[:2], ids=lambda case: case.modes)
+def test_sensitivities_agree_with_their_reference(case):
+    row, _, error = sensitivities.measured(case, repeats=1, compiled=False)
+    assert row[0] == case.title
+    assert error <= case.error
+
+
+def test_references_of_sensitivities_are_the_differences_of_closed_forms():
+    numbers = [decay.M, decay.K, decay.X_0, decay.G, decay.MU]
+    known = variations.swinging(1.1)
+    for i, number in enumerate(numbers):
+        ends = []
+        for side in (1, -1):
+            own = [complex(n) for n in numbers]
+            own[i] += side * 1e-6 * number
+            ends.append(np.real(variations.swing(1.1, *own)))
+        # central differences of width 1e-6: rounding of 1e-16 over it
+        np.testing.assert_allclose(
+            (ends[0] - ends[1]) / (2e-6 * number), known[:, i], rtol=1e-8, atol=1e-9
+        )
+
+
+def test_compile_times_stand_in_a_table_without_being_measured_here():
+    asked = []
+
+    def timed(folder, count):
+        asked.append(folder)
+        return [float(len(asked))] * count
+
+    found = compiling.run(2, timed)
+    assert len(set(asked)) == 1
+    assert [row[1:] for row in found.rows] == [("1.00", "2.00")] * 2
+
+
+def entry(solver, seconds):
+    return Entry(
+        solver=solver, tolerance=1e-9, error=0.0, first=1.0, run=lambda: None, times=(seconds,)
+    )
+
+
+def test_a_target_is_met_by_the_kernel_and_says_why_if_not():
+    entries = [entry(KERNEL, 1e-5), entry("SciPy DOP853, events by hand", 1e-3)]
+    (slow,) = measuring.faster("decay", 200.0, entries, "SciPy DOP853", "too many steps")
+    (short,) = measuring.within("decay", 12.0, entries, "us", "too many steps")
+    assert (slow.met, short.met) == (False, True)
+    *_, first, second, _ = tables.targets([slow, short])
+    assert "100 x" in first
+    assert "too many steps" in first
+    assert "10 us" in second
+    assert "too many steps" not in second
+
+
+def test_a_reason_that_holds_for_several_targets_stands_once():
+    missed = Target(work="decay", goal="1", measured="2", met=False, reason="too many steps")
+    assert "\n".join(tables.targets([missed, missed])).count("too many steps") == 1

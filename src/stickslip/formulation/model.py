@@ -189,9 +189,7 @@ def _text(
     quantities: list[se.Symbol],
 ) -> str:
     """Write the module's own part: what the kernels find under these names."""
-    y, t = symbols.states, symbols.t
-
-    closed = symbols.closed
+    y, t, closed = symbols.states, symbols.t, symbols.closed
     rates = {mode: [closed(e) for e in equations.rates] for mode, equations in modes.items()}
     guards = _guards(mechanics, modes, room, closed)
     flags = [switch.symbol for switch in switches]
