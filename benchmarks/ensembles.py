@@ -223,7 +223,9 @@ def peak() -> int:
 
 def in_child(rows: int) -> dict[str, float]:
     text = f"from benchmarks.ensembles import child; child({rows})"
-    run = subprocess.run([sys.executable, "-c", text], check=True, capture_output=True, text=True)
+    run = subprocess.run(
+        [sys.executable, "-c", text], check=True, stdout=subprocess.PIPE, text=True
+    )
     return json.loads(run.stdout)
 
 

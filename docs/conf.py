@@ -39,6 +39,7 @@ nb_execution_mode = "force"  # a cache would not notice a change in the package
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_merge_streams = True
+nb_output_stderr = "remove"  # what an empty cache has to say is no part of a page
 nb_ipywidgets_js: dict[str, dict[str, str]] = {}  # pages load nothing from the network
 nb_render_image_options = {"width": "100%"}
 

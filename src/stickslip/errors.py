@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing_extensions import override
 
 __all__ = [
+    "CompilationError",
     "ConvergenceError",
     "InputError",
     "ParameterError",
@@ -51,6 +52,10 @@ class TracingError(StickslipError, TypeError):
 
 class SimulationError(StickslipError, RuntimeError):
     """A run ended before its time or could not be certified."""
+
+
+class CompilationError(StickslipError, RuntimeError):
+    """Equations could not be compiled."""
 
 
 class ConvergenceError(StickslipError, RuntimeError):

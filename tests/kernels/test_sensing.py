@@ -146,7 +146,7 @@ def test_event_times_count_from_the_front_or_the_back_and_are_nan_beyond():
             np.testing.assert_array_equal(runs[f"first {reason}"][row], front)
             np.testing.assert_array_equal(runs[f"last {reason}"][row], back)
             assert runs[f"count {reason}"][row] == len(known)
-    assert runs["count stop"].sum() > 3
+    assert runs["count reversal"].sum() > 6
 
 
 def test_outputs_beyond_the_end_of_a_run_that_ended_early_are_nan():

@@ -70,7 +70,8 @@ class Dual:
 
     def __maths__(self, name: str, *arguments):
         if name == "exp":
-            return Dual(math.exp(self.x), math.exp(self.x) * self.d)
+            grown = math.exp(min(self.x, 700.0))  # stages beyond a stop have no meaning
+            return Dual(grown, grown * self.d)
         if name == "sin":
             return Dual(math.sin(self.x), math.cos(self.x) * self.d)
         if name == "sign":

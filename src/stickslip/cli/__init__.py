@@ -37,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _leave(f"{what}{error.strerror or error}.", BAD_INPUT)
     except SystemExit as leaving:
         if leaving.code == CANCELLED:  # how typer passes an interrupt on
-            return _leave("Cancelled; nothing was written.", CANCELLED)
+            return _leave("Cancelled; no result was written.", CANCELLED)
         raise
     return 0
 

@@ -139,6 +139,34 @@ def paper(
 
 
 @app.command()
+def warmup(
+    rig: Annotated[
+        Path | None, typer.Option("--rig", help="Only the mechanism and laws of this rig file.")
+    ] = None,
+    mechanisms: Annotated[
+        list[str] | None,
+        typer.Option("--mechanism", help="Only this one, e.g. spring-block; may be repeated."),
+    ] = None,
+    laws: Annotated[
+        str | None, typer.Option("--laws", help="Only these, e.g. coulomb,viscous.")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option("--jobs", min=1, help="Processes; one a core if not given.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Compile equations ahead of time, for container images and continuous integration.
+
+    Every mechanism with its defaults, without and with a drive, is compiled with every law with its
+    defaults, for single runs and for ensembles; or the mechanism of a rig file with its laws. Other
+    values of parameters need no compiling. What is there already is left alone.
+    """
+    from stickslip.cli.warmup import run
+
+    run(rig, mechanisms or [], laws, jobs=jobs, as_json=as_json)
+
+
+@app.command()
 def schema() -> None:
     """Print the JSON schema of rig files."""
     from stickslip.cli.schema import run

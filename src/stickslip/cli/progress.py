@@ -1,35 +1,48 @@
-"""Progress of work on several laws, on stderr."""
+"""Progress of work on several laws, and of compiling their equations, on stderr."""
 
 from collections.abc import Sequence
 from types import TracebackType
 from typing import Self, final
 
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+)
 
 from stickslip.cli.output import stderr
 
-__all__ = ["Watching"]
+__all__ = ["Compiling", "Watching"]
+
+
+def _bars() -> Progress:
+    return Progress(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[runs]}"),
+        TimeElapsedColumn(),
+        console=stderr(),
+        transient=True,
+    )
 
 
 @final
-class Watching:
-    """A bar that counts laws and names the one in work; callable as ``watch(name, runs)``."""
+class Compiling:
+    """A bar that is there while equations are compiled; callable as ``report(done, total, what)``.
 
-    def __init__(self, names: Sequence[str], verb: str) -> None:
-        self._names = list(names)
-        self._progress = Progress(
-            TextColumn(f"{verb} {{task.fields[law]}}", markup=False),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TextColumn("{task.fields[runs]} runs"),
-            TimeElapsedColumn(),
-            console=stderr(),
-            transient=True,
-        )
-        self._task = self._progress.add_task("", total=len(self._names), law="", runs=0)
+    It stands among the bars of other work, if there is any.
+    """
+
+    def __init__(self, bars: Progress | None = None) -> None:
+        self._bars = bars or _bars()
+        self._task: TaskID | None = None
 
     def __enter__(self) -> Self:
-        self._progress.start()
+        self._bars.start()
         return self
 
     def __exit__(
@@ -38,9 +51,45 @@ class Watching:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._progress.stop()
+        self._bars.stop()
+
+    def __call__(self, done: int, total: int, what: str) -> None:
+        """Note how many modules are done, and for what one is compiled."""
+        if self._task is None:
+            self._task = self._bars.add_task("", total=total, runs="")
+        description = f"Compiling, once: {what}"
+        self._bars.update(self._task, completed=done, description=description)
+        if done == total:
+            self._bars.remove_task(self._task)
+            self._task = None
+
+
+@final
+class Watching:
+    """A bar that counts laws and names the one in work; callable as ``watch(name, runs)``."""
+
+    def __init__(self, names: Sequence[str], verb: str) -> None:
+        self._names, self._verb = list(names), verb
+        self._bars = _bars()
+        self._task = self._bars.add_task(f"{verb} ", total=len(self._names), runs="0 runs")
+        self.compiling = Compiling(self._bars)
+        """Shows what is compiled before the work begins."""
+
+    def __enter__(self) -> Self:
+        self._bars.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._bars.stop()
 
     def __call__(self, name: str, runs: int) -> None:
         """Note that a law has had so many runs."""
         done = self._names.index(name) if name in self._names else 0
-        self._progress.update(self._task, completed=done, law=name, runs=runs)
+        self._bars.update(
+            self._task, completed=done, description=f"{self._verb} {name}", runs=f"{runs} runs"
+        )

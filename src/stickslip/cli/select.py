@@ -51,8 +51,7 @@ def run(
     rig = load_rig(path, overrides=overrides(changes))
     measurement = _measurement(rig, data)
     chosen = _chosen(rig, laws)
-    with Watching(list(chosen), "Fitting") as watch:
-        verdict = select(rig.mechanism, measurement, chosen, t_end=rig.t_end, watch=watch)
+    verdict = _selected(rig, measurement, chosen)
     content = document("select", {"rig": rig.title, "digest": rig.digest, **verdict.to_dict()})
     if as_json:
         print_json(content)
@@ -69,6 +68,19 @@ def run(
     if enforce and not _criteria_hold(verdict.best):
         note("A criterion of the paper fails for the law that is named; the report says which.")
         raise typer.Exit(CRITERIA_FAILED)
+
+
+def _selected(rig: Rig, measurement: Measurement, laws: Mapping[str, FrictionLaw]) -> Verdict:
+    """Select with a bar for what is compiled and one for what is fitted."""
+    with Watching(list(laws), "Fitting") as watch:
+        return select(
+            rig.mechanism,
+            measurement,
+            laws,
+            t_end=rig.t_end,
+            watch=watch,
+            compiling=watch.compiling,
+        )
 
 
 def _measurement(rig: Rig, data: Path | None) -> Measurement:

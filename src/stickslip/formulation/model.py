@@ -33,6 +33,8 @@ def _rounded(number: int, step: int) -> int:
 class Model:
     """The equations of a mechanism with a law, ready to be run, and the meaning of each number."""
 
+    title: str
+    """Mechanism and law in words."""
     shape: str
     """Program text: the constants on which the kernels depend."""
     text: str
@@ -45,6 +47,8 @@ class Model:
     """Place of the first parameter in the vector of a run."""
     drives: tuple[str, ...]
     """Names of the drives; each owns three places at the beginning: value, slope, start."""
+    has_slopes: bool
+    """Whether the text has the derivatives with respect to parameters."""
     switch_events: tuple[tuple[str, str] | None, ...]
     """What each switch is called in events, when it comes true and when it ceases to hold."""
     impact_events: tuple[str | None, ...]
@@ -136,12 +140,14 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw, slopes: bool) -> Model:
     room = _rounded(len(board.switches), FEW_SWITCHES)
     quantities = _quantities(symbols, index.values()) if slopes else []
     return Model(
+        title=f"{type(mechanism).__name__} with {type(law).__name__}",
         shape=_shape(symbols, mechanics, modes, room, max(index.values(), default=0) + 1),
         text=_text(symbols, mechanics, modes, list(board.switches.values()), room, quantities),
         states=(*mechanism.coordinates, *mechanism.rates, *bristles_of(law)),
         parameter_paths=tuple(index),
         first_parameter=min(index.values(), default=0),
         drives=tuple(symbols.drives),
+        has_slopes=slopes,
         switch_events=tuple(switch.events for switch in board.switches.values()),
         impact_events=impact_events(mechanics.walls, mechanism.coordinates, mechanics.slip),
     )

@@ -4,7 +4,8 @@ from collections.abc import Callable, Sequence
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
+from stickslip.identification.compiling import compile_for
 from stickslip.identification.exact import fit_one
 from stickslip.identification.least_squares import fit_several
 from stickslip.identification.results import Fit
@@ -12,7 +13,6 @@ from stickslip.identification.starts import starting_law
 from stickslip.identification.travel import TravelModel, Trial, trials_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
-from stickslip.solver import prepare
 
 __all__ = ["fit", "fit_trials", "payable"]
 
@@ -91,8 +91,7 @@ def fit_trials(
     model = TravelModel(law, names, t_end, watch)
     if len(trials) == 1:
         return fit_one(model, trials[0])
-    if isinstance(law, BristleLaw):  # many slow runs: worth the seconds that compiling takes
-        prepare(trials[0].mechanism, law)
+    compile_for(trials, [law])
     return fit_several(model, trials)
 
 

@@ -6,6 +6,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import LAWS, FrictionLaw
 from stickslip.identification import starting_law
+from stickslip.identification.compiling import compile_for
 from stickslip.identification.travel import trials_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
@@ -15,6 +16,7 @@ from stickslip.selection.scoring import simpler_within_doubt
 from stickslip.selection.separation import separations
 from stickslip.selection.verdict import Candidate, Verdict
 from stickslip.selection.words import wording
+from stickslip.solver import Progress
 
 __all__ = ["select"]
 
@@ -26,6 +28,7 @@ def select(
     *,
     t_end: float = 10.0,
     watch: Watch | None = None,
+    compiling: Progress | None = None,
 ) -> Verdict:
     """Fit every law to measured travels, compare them, and say what the data cannot tell.
 
@@ -42,6 +45,8 @@ def select(
         Time after which a body counts as stopped [s].
     watch : callable, optional
         Called with the name of a law and the number of its runs so far.
+    compiling : callable, optional
+        Called as the `progress` of `stickslip.solver.warm_up`, if equations have to be compiled.
 
     Returns
     -------
@@ -68,6 +73,7 @@ def select(
         raise InputError("there is no friction law to try: give at least one in `laws`.")
     scored = len({trial.setting for trial in trials}) > 1
     ordinary = _ordinary(laws)
+    compile_for(trials, named.values(), progress=compiling)
     candidates = [
         try_law(name, law, trials, t_end=t_end, ordinary=name in ordinary, watch=watch)
         for name, law in named.items()

@@ -15,6 +15,7 @@ from stickslip.solver.outputs import (
     Samples,
     Sensitivity,
 )
+from stickslip.solver.warming import Progress, WarmUp, warm_up
 
 __all__ = [
     "EventCount",
@@ -27,8 +28,11 @@ __all__ = [
     "Method",
     "Min",
     "Output",
+    "Progress",
     "Samples",
     "Sensitivity",
     "Solver",
+    "WarmUp",
     "prepare",
+    "warm_up",
 ]

@@ -14,8 +14,7 @@ from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.event_driven import EventDriven
-from stickslip.solver.execution import FIRST_ROWS, prepare
-from stickslip.solver.modules import is_loaded
+from stickslip.solver.execution import FIRST_ROWS
 from stickslip.solver.outputs import Output, asked, is_gradient
 from stickslip.solver.runner import Runner, runner_of
 from stickslip.solver.sensitivities import Directions, directions_of
@@ -69,7 +68,7 @@ class Chunk:
 def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
     """Run some rows, whose parameters stand in `columns`, an array (rows,) by path."""
     model = job.model()
-    runner = runner_of(model, compiled=job.solver.tier != "python")
+    runner = _runner(job)
     module, vector = runner.module, runner.flat
     rows = len(next(iter(columns.values())))
     driven = {path: column for path, column in columns.items() if path.count(".") > 1}
@@ -123,6 +122,10 @@ def _settings(job: Job, runner: Runner, along: Directions) -> list[Any]:
     ]
 
 
+def _runner(job: Job) -> Runner:
+    return runner_of(job.model(), compiled=job.solver.tier != "python", ensembles=True)
+
+
 def _places(model: Model, module: ModuleType, columns: Mapping[str, Array]) -> list[float]:
     """Return where in the vector of a run each column goes."""
     paths = {path: model.first_parameter + i for i, path in enumerate(model.parameter_paths)}
@@ -156,8 +159,7 @@ def run_chunks(
     keep: Callable[[Chunk], bool],
 ) -> None:
     """Run all rows and hand over each chunk as it comes; `keep` says whether to go on."""
-    if job.solver.tier != "python" and not is_loaded(formulate(job.mechanism, job.law)):
-        prepare(job.mechanism, job.law)
+    _runner(job)  # compiled here, if it has to be, and not in all threads at once
     own = ThreadPoolExecutor(os.cpu_count() or 1) if executor is None else None
     pool = executor or own
     assert pool is not None

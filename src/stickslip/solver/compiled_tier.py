@@ -10,7 +10,8 @@ from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-jit = njit(nogil=True, cache=True, error_model="numpy")
+jit = njit(nogil=True, error_model="numpy")
+kept = njit(nogil=True, cache=True, error_model="numpy")  # where machine code goes into a file
 
 
 @intrinsic

@@ -1,6 +1,5 @@
 """Runs a model in one of the two tiers: plain Python at once, or compiled by numba."""
 
-import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
@@ -8,9 +7,9 @@ from typing import Literal, TypeAlias
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.solver.modules import is_loaded
+from stickslip.solver.modules import is_loaded, load_compiled
 from stickslip.solver.runner import Runner, runner_of
-from stickslip.solver.tables import Inputs, gather
+from stickslip.solver.tables import Inputs
 
 __all__ = ["Record", "Tier", "execute", "prepare"]
 
@@ -18,7 +17,6 @@ Tier: TypeAlias = Literal["auto", "python", "compiled"]
 
 FIRST_ROWS = 64
 """Rows of steps and of events that a run begins with room for."""
-LOG = logging.getLogger("stickslip")
 
 
 @dataclass(frozen=True)
@@ -72,16 +70,4 @@ def prepare(mechanism: Mechanism, law: FrictionLaw) -> None:
     Afterwards runs of the same equations in this process are compiled ones, whatever their
     parameters.
     """
-    model = formulate(mechanism, law)
-    if is_loaded(model):
-        return
-    LOG.info("compiling the equations once; later processes load them")
-    execute(
-        model,
-        gather(mechanism, law, model),
-        [0.0] * len(model.states),
-        t_end=1e-9,
-        tolerance=1e-6,
-        limit=10,
-        tier="compiled",
-    )
+    load_compiled(formulate(mechanism, law))

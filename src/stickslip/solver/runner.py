@@ -29,7 +29,7 @@ class Runner:
 
     def flat(self, numbers: ArrayLike) -> Any:
         """Return an array's numbers one after the other, as the tier takes them."""
-        values = np.ascontiguousarray(numbers, dtype=np.float64).ravel()
+        values = np.array(numbers, dtype=np.float64, order="C").ravel()  # one that can be written
         return values if self.address else values.tolist()
 
     def zeros(self, size: int) -> Any:
@@ -51,9 +51,12 @@ class Runner:
         return w
 
 
-def runner_of(model: Model, *, compiled: bool) -> Runner:
-    """Return the runner of a tier; the compiled one compiles what is not there yet."""
+def runner_of(model: Model, *, compiled: bool, ensembles: bool = False) -> Runner:
+    """Return the runner of a tier; the compiled one compiles what is not there yet.
+
+    What single runs need is compiled, or what ensembles do.
+    """
     if not compiled:
         return Runner(load(model), 0)
-    machine = load_compiled(model)
+    machine = load_compiled(model, ensembles=ensembles)
     return Runner(machine.kernels, machine.address)

@@ -95,6 +95,8 @@ CALLED = (
     "walls",
 )
 """Functions of the equations that the kernels call."""
+KEPT = "run"
+"""The one kernel with a file of its own, beside the entries: those of ensembles build on it."""
 PLAIN = """
 def jit(function):
     return function
@@ -140,17 +142,17 @@ enter_sense = sense
 enter_batch_sensed = batch_sensed
 """
 ENTRIES = """
-@jit
+@kept
 def enter_run(w, whole, table, bounds, t_end, rtol, cap, limit, log, events):
     return run(pointer(w), pointer(whole), table, bounds, t_end, rtol, cap, limit, log, events)
 
 
-@jit
+@kept
 def enter_play(log, count, times, table, w, states, forces, rows):
     play(log, count, times, table, pointer(w), states, forces, rows)
 
 
-@jit
+@kept
 def enter_batch(
     count, columns, places, base, tables, bounds, caps, outputs, arguments, t_end, rtol, limit,
     w, whole, log, events, results, statuses, evidence
@@ -161,7 +163,7 @@ def enter_batch(
     )
 
 
-@jit
+@kept
 def enter_batch_sensed(
     count, columns, places, base, tables, bounds, caps, outputs, arguments, t_end, rtol, limit,
     w, whole, log, events, results, statuses, evidence, starts, slopes, own, q, gradients
@@ -173,14 +175,14 @@ def enter_batch_sensed(
     )
 
 
-@jit
+@kept
 def enter_sense(log, count, events, number, times, table, dtable, own, q, w, out):
     sense(log, count, events, number, times, table, dtable, own, q, pointer(w), out)
 """
 EQUATIONS = """
 from numba import cfunc, njit, types
 
-jit = njit(nogil=True, cache=True, error_model="numpy")
+jit = njit(nogil=True, error_model="numpy")
 SIGNATURE = types.void(
     types.int64, types.int64, types.int64, types.float64, types.CPointer(types.float64),
     types.int64, types.int64
@@ -230,7 +232,8 @@ def _head(compiled: bool) -> str:
 
 def _marked(text: str) -> str:
     """Put every function under the decorator of its tier."""
-    return DEFINITION.sub(r"@jit\ndef \1", text)
+    marked = DEFINITION.sub(r"@jit\ndef \1", text)
+    return marked.replace(f"@jit\ndef {KEPT}(", f"@kept\ndef {KEPT}(")
 
 
 def _joined(*parts: str) -> str:

@@ -1,0 +1,136 @@
+"""The command that compiles ahead of time."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import stickslip.cli.warmup as command
+from stickslip.cli import main
+from stickslip.errors import CompilationError
+from stickslip.friction import laws
+from stickslip.mechanisms import mechanisms
+from stickslip.solver import WarmUp
+
+RIG = """
+[mechanism]
+type = "axis"
+inertia = 1.0
+[friction]
+kinetic_coefficient = 0.25
+"""
+
+
+@pytest.fixture
+def run(capsys, monkeypatch, tmp_path):
+    """Run a command in an empty folder; return exit code, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments):
+        try:
+            code = main(arguments)
+        except SystemExit as leaving:
+            code = leaving.code or 0
+        seen = capsys.readouterr()
+        return code, seen.out, " ".join(seen.err.split())
+
+    return call
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """Compile nothing; return what was asked for."""
+    seen = {}
+
+    def remembered(pairs, *, jobs, progress):
+        progress(0, 2, "a pair")
+        progress(2, 2, "a pair")
+        seen.update(pairs=pairs, jobs=jobs)
+        return WarmUp(
+            kernels_compiled=2, kernels_found=1, equations_compiled=3, equations_found=4,
+            seconds=31.25, folder=Path("/cache"),
+        )  # fmt: skip
+
+    monkeypatch.setattr(command, "warm_up", remembered)
+    return seen
+
+
+def test_one_mechanism_with_two_laws_is_compiled_once(run, monkeypatch, tmp_path):
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "cache"))
+    task = ("warmup", "--mechanism", "towed-block", "--laws", "coulomb,viscous", "--json")
+    code, out, _ = run(*task)
+    content = json.loads(out)
+    assert code == 0
+    assert content["schema"] == "stickslip/warmup/1"
+    assert [pair["law"] for pair in content["pairs"]] == ["coulomb", "viscous"]
+    assert content["kernels"] == {"compiled": 1, "found": 0}
+    assert content["equations"] == {"compiled": 2, "found": 0}
+    assert content["cache"] == str(tmp_path / "cache")
+    content = json.loads(run(*task)[1])
+    assert content["kernels"] == {"compiled": 0, "found": 1}
+    assert content["equations"] == {"compiled": 0, "found": 2}
+
+
+def test_the_result_is_one_line(run, asked):
+    code, out, _ = run("warmup", "--jobs", "3")
+    assert code == 0
+    assert out == (
+        "Compiled in 31.2 s: kernels 2, equations 3. There already: kernels 1, equations 4."
+        " Cache: /cache\n"
+    )
+    assert asked["jobs"] == 3
+
+
+def test_by_default_it_takes_every_mechanism_and_every_law(run, asked):
+    run("warmup")
+    seen = {(rig.name, law.name) for rig, law in asked["pairs"]}
+    assert seen == {(rig, law) for rig in mechanisms() for law in laws()}
+    driven = {rig.name for rig, _ in asked["pairs"] if rig.drives()}
+    assert driven == {"spring-block", "axis"}
+
+
+def test_a_rig_file_brings_its_mechanism_and_its_laws(run, asked, tmp_path):
+    (tmp_path / "rig.toml").write_text(RIG)
+    run("warmup", "--rig", "rig.toml")
+    assert {(rig.name, law.name) for rig, law in asked["pairs"]} == {("axis", "coulomb")}
+    run("warmup", "--rig", "rig.toml", "--laws", "lugre")
+    assert {(rig.name, law.name) for rig, law in asked["pairs"]} == {("axis", "lugre")}
+
+
+BAD = [
+    (["--rig", "rig.toml", "--mechanism", "axis"], "not both"),
+    (["--rig", "nowhere.toml"], "nowhere.toml"),
+    (["--mechanism", "axes"], "Did you mean 'axis'"),
+    (["--laws", "coulom"], "Did you mean 'coulomb'"),
+    (["--laws", ""], "unknown friction law"),
+    (["--jobs", "0"], "--jobs"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "fragment"), BAD, ids=lambda value: str(value)[:50])
+def test_bad_input_gives_one_message(run, arguments, fragment):
+    code, out, err = run("warmup", *arguments)
+    assert (code, out) == (2, "")
+    assert fragment in err
+
+
+def test_a_cache_that_cannot_be_written_to_is_refused(run, monkeypatch, tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "file" / "cache"))
+    code, out, err = run("warmup", "--laws", "coulomb")
+    assert (code, out) == (2, "")
+    assert "would be lost" in err
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "words"),
+    [(CompilationError("a process died"), 3, "a process died"), (KeyboardInterrupt(), 130, "Canc")],
+)
+def test_a_failure_and_an_interrupt_have_their_exit_codes(run, monkeypatch, error, code, words):
+    def failing(*_arguments, **_settings):
+        raise error
+
+    monkeypatch.setattr(command, "warm_up", failing)
+    left, out, err = run("warmup")
+    assert (left, out) == (code, "")
+    assert words in err
