@@ -239,23 +239,25 @@ def million(repeats: int, rows: int) -> tuple[list[tuple[str, ...]], list[str], 
     row = (f"{rows:,} with exact modes", "stickslip, ensemble(...), 2 threads", "1.0e-09",
            f"{worst:.0e}", f"{1e3 * seconds:.0f}", f"{1e6 * seconds / rows:#.3g}", "")  # fmt: skip
     note = (
-        f"- {rows:,} runs in a process of their own: {certified:,} certified, at most"
-        f" {many[0]['peak'] / 1e6:.0f} MB; {rows // 10:,} runs need {few['peak'] / 1e6:.0f} MB,"
+        f"- {rows:,} runs in a process of their own, median of {len(many)}: {certified:,} certified,"
+        f" at most {many[0]['peak'] / 1e6:.0f} MB; {rows // 10:,} runs need {few['peak'] / 1e6:.0f} MB,"
         f" so a run costs {growth:.0f} bytes, of which {HELD} are its numbers, outputs and"
-        " certificate, which the caller gets."
+        " certificate, which the caller has."
     )
     work = f"{rows:,} spring-block runs, certificate on"
     return [row], [note], [
         Target(work=work, goal="< 10 s", measured=f"{seconds:.2f} s", met=seconds < 10.0,
                reason=WHY_MANY),
-        Target(work=work, goal="memory flat",
-               measured=f"{growth:.0f} bytes a run, {HELD} of them results",
-               met=growth < 1.5 * HELD, reason=WHY_MANY),
+        Target(work=work, goal="memory flat but for results",
+               measured=f"{many[0]['peak'] / 1e6:.0f} MB, {growth:.0f} bytes a run,"
+               f" {HELD} of them results",
+               met=growth < 1.25 * HELD, reason=WHY_MANY),
     ]  # fmt: skip
 
 
-HELD = 8 * (3 + 2 + 1 + 5 + 1) + 1
-"""Bytes a run that an ensemble holds: parameters, outputs, status, evidence, steps, certified."""
+HELD = 8 * (2 * 3 + 2 + 1 + 5 + 1) + 1
+"""Bytes a run of what the caller has: parameters given and kept, outputs, status, evidence, steps,
+certified."""
 
 
 def run(

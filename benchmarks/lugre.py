@@ -31,7 +31,7 @@ LOOSE = 1e-6
 """A tolerance that has a line of its own in the growth of steps."""
 WORK = "LuGre (sigma0 = 1e5), error 1e-8"
 WHY = (
-    "Rodas5P, of order 5, needs 2000 steps for this error; its linear algebra is a quarter of the"
+    "Rodas5P, of order 5, needs 2000 steps for this error; its stages are a quarter of the"
     " time, the equations a third, the exponential among them an eighth of all"
 )
 WHY_GROWTH = "the tighter the tolerance, the more the steps grow"

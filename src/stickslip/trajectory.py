@@ -204,10 +204,10 @@ class Trajectory:
         >>> float(run.at(1.0).sensitivity("x", "kinetic_coefficient")[0].round(9))
         -0.81549439
         """
-        if state not in self.states:
-            raise UnknownNameError("state", state, self.states)
         if self.differentiate is None:
             raise InputError("this run has no sensitivities: use solver=EventDriven().")
+        if state not in self.states:
+            raise UnknownNameError("state", state, self.states)
         found = self.differentiate(self.t, [parameter])
         return found[:, self.states.index(state), 0]
 

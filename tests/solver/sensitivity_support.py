@@ -229,9 +229,11 @@ class Oracle:
 
         ends.terminal, ends.direction = True, -mode or -1  # type: ignore[attr-defined]
         flat = np.concatenate([[part.x, *part.d] for part in y])
+        # where bristles relax, steps as long as stability allows have a poor interpolation
+        longest = 1e-3 if isinstance(self.case.law, BristleLaw) else 0.05
         return solve_ivp(
             rhs, span, flat, method="DOP853", rtol=1e-12, atol=1e-14, dense_output=True,
-            events=ends, max_step=0.05,
+            events=ends, max_step=longest,
         )  # fmt: skip
 
     def solve(self) -> tuple[list[tuple[float, Any]], Callable[[Any], Any]]:

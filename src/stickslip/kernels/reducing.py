@@ -72,23 +72,21 @@ def extremum(
         restore(log, row, table, w)
         first = max((since - log[at]) / log[at + 2], 0.0)
         width = ((log[at + 1] - log[at]) / log[at + 2] - first) / SAMPLES
-        before = -math.inf
-        here = side * state_in(first, state, w)
-        best = max(best, here)
+        top = side * state_in(first, state, w)
+        lowest = top
+        place = first
         for s in range(1, SAMPLES + 1):
-            after = side * state_in(first + s * width, state, w)
-            # a peak lies near `here`, and may be higher than any before it
-            if (
-                s > 1
-                and before <= here
-                and after <= here
-                and here + (here - min(before, after)) > best
-            ):
-                high = first + s * width
-                best = max(best, peak_in(state, side, high - 2.0 * width, high, w))
-            best = max(best, after)
-            before = here
-            here = after
+            here = side * state_in(first + s * width, state, w)
+            lowest = min(lowest, here)
+            if here > top:
+                top = here
+                place = first + s * width
+        best = max(best, top)
+        # a peak lies beside the highest sample, and above it by less than the samples differ
+        if top + (top - lowest) > best:
+            low = max(place - width, first)
+            high = min(place + width, first + SAMPLES * width)
+            best = max(best, peak_in(state, side, low, high, w))
     return side * best
 
 

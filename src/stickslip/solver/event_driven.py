@@ -45,8 +45,9 @@ TIGHTEST = 1e-13
 class EventDriven(Solver):
     """Integrates each mode with its own smooth equations and locates every change of mode.
 
-    Smooth modes take DOP853 steps, modes with bristles Rodas5P steps. Errors are judged against
-    the largest value each state has had, so any scale of units serves.
+    Linear modes are propagated by their exact series, other smooth modes take DOP853 steps, modes
+    with bristles and stiff ones Rodas5P steps. Errors are judged against the largest value each
+    state has had, so any scale of units serves.
 
     Examples
     --------
