@@ -239,10 +239,10 @@ def million(repeats: int, rows: int) -> tuple[list[tuple[str, ...]], list[str], 
     row = (f"{rows:,} with exact modes", "stickslip, ensemble(...), 2 threads", "1.0e-09",
            f"{worst:.0e}", f"{1e3 * seconds:.0f}", f"{1e6 * seconds / rows:#.3g}", "")  # fmt: skip
     note = (
-        f"- {rows:,} runs in a process of their own, median of {len(many)}: {certified:,} certified,"
-        f" at most {many[0]['peak'] / 1e6:.0f} MB; {rows // 10:,} runs need {few['peak'] / 1e6:.0f} MB,"
-        f" so a run costs {growth:.0f} bytes, of which {HELD} are its numbers, outputs and"
-        " certificate, which the caller has."
+        f"- {rows:,} runs in a process of their own, median of {len(many)}: {certified:,}"
+        f" certified, at most {many[0]['peak'] / 1e6:.0f} MB; {rows // 10:,} runs need"
+        f" {few['peak'] / 1e6:.0f} MB, so a run costs {growth:.0f} bytes, of which {HELD} are its"
+        " numbers, outputs and certificate, which the caller has."
     )
     work = f"{rows:,} spring-block runs, certificate on"
     return [row], [note], [

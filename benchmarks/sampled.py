@@ -37,8 +37,8 @@ PART = 500
 ERROR = 1e-9
 WORK = "25,000 sampled inputs, Coulomb + viscous"
 WHY = (
-    "a step a sample, of 0.2 us: series, guards, books and record are made anew for each; no part"
-    " is above a sixth"
+    "a step a sample, some 0.25 us: series, guards, books and record are made anew for each; no"
+    " part is above a sixth"
 )
 
 LAW = CoulombViscous(

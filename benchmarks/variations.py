@@ -49,8 +49,7 @@ def fading(
 
     def acceleration(t: float, v: float, side: int) -> tuple[float, list[float], float]:
         e = math.exp(-((v / v_s) ** 2))
-        friction = side * (mu_k + (mu_s - mu_k) * e) + sigma_2 * v
-        a = (drive(t) - friction) / inertia
+        a = (drive(t) - side * (mu_k + (mu_s - mu_k) * e) - sigma_2 * v) / inertia
         by_v_s = side * (mu_s - mu_k) * e * 2.0 * v**2 / v_s**3
         slopes = [-a, *(-side * f for f in (1.0 - e, e)), -by_v_s, -v]
         by_v = side * (mu_s - mu_k) * e * 2.0 * v / v_s**2 - sigma_2
@@ -65,8 +64,7 @@ def fading(
         return y[1]
 
     stop.terminal = True
-    t, y = math.asin(mu_s / 2.0) / (2.0 * math.pi), np.zeros(12)
-    side = 1
+    t, y, side = math.asin(mu_s / 2.0) / (2.0 * math.pi), np.zeros(12), 1
     while t < t_end:
         stop.direction = -side
         run = solve_ivp(

@@ -78,8 +78,8 @@ class Dual:
             return math.copysign(1.0, self.x)
         assert name == "power", name
         base, n = (value(argument) for argument in arguments)
-        if base <= 0.0:
-            return Dual(base**n, 0.0 * self.d)
+        if base <= 0.0:  # as in stickslip.maths.power
+            return Dual(base**n if float(n).is_integer() else 0.0, 0.0 * self.d)
         by_base = n * base ** (n - 1.0) * slope(arguments[0])
         return Dual(base**n, by_base + math.log(base) * base**n * slope(arguments[1]))
 
