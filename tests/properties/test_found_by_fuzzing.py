@@ -18,8 +18,11 @@ from stickslip import (
     PiecewiseLinear,
     Pulse,
     Ramp,
+    Sine,
     SpringBlock,
     Status,
+    Stribeck,
+    TowedBlock,
     Viscous,
     simulate,
 )
@@ -100,13 +103,14 @@ def test_a_pendulum_may_start_from_rest_under_a_torque_that_grows_late():
     assert run.status is Status.LIFT_OFF
 
 
+@pytest.mark.parametrize("rate", [1.0, -1.0])
 @pytest.mark.parametrize("start", [0.0, 1.0])
-def test_a_chain_on_bristles_may_start_from_rest_under_a_force_that_grows(start):
+def test_a_chain_on_bristles_may_start_from_rest_under_a_force_that_grows(start, rate):
     law = LuGre(
         kinetic_coefficient=0.25, static_coefficient=0.4, stribeck_velocity=0.01,
         bristle_stiffness=1e3, bristle_damping=1.0,
     )  # fmt: skip
-    chain = Chain(mass=1.0, free=1.0, stiffness=1.0, drive=Ramp(rate=1.0, start=start))
+    chain = Chain(mass=1.0, free=1.0, stiffness=1.0, drive=Ramp(rate=rate, start=start))
     solver = EventDriven(max_steps=2000)
     run = simulate(chain, law, t_end=start + 2.0, solver=solver, throw=False)
     assert run.status is Status.END_TIME
@@ -137,3 +141,90 @@ def test_a_block_that_starts_where_its_spring_ends_slides_to_rest():
     way = 1e-3**2 / (2.0 * 0.25 * 9.81)
     assert math.isclose(run["x"][-1] - 0.1, way, rel_tol=1e-8)  # 1e-7 m beside 0.1 m
     assert run.status is Status.AT_REST
+
+
+def test_a_body_that_stops_at_once_and_waits_long_breaks_away():
+    law = Stribeck(
+        kinetic_coefficient=0.0, static_coefficient=1.0, stribeck_velocity=1.0, exponent=2.0
+    )
+    axis = Axis(inertia=1.0, drive=Ramp(rate=1.0))
+    run = simulate(axis, law, t_end=3.0, y0={"v": 1e-149}, throw=False)
+    assert run.status is Status.END_TIME  # the step that met the stop is no step at 1 s
+
+
+@pytest.mark.parametrize("stiffness", [1e4, 3e5, 1e6])
+def test_what_is_held_by_stiff_parts_stays_where_it_is(stiffness):
+    chain = Chain(mass=1.0, free=1.0, stiffness=stiffness, damping=stiffness, drive=Ramp(rate=1.0))
+    run = simulate(chain, COULOMB, t_end=1.0, throw=False)
+    assert run.certificate.stick_drift == 0.0
+    assert run.certificate.certified
+
+
+@pytest.mark.parametrize("exponent", [1.0, 2.0])
+def test_a_speed_that_starts_on_a_switch_of_the_law_falls_below_it(exponent):
+    law = Stribeck(
+        kinetic_coefficient=0.1, static_coefficient=0.2, stribeck_velocity=1.0, exponent=exponent
+    )
+    lift = Sine(amplitude=0.1, frequency=1.0)
+    layer = 36.0 ** (1.0 / exponent)
+    rig = ShakenBlock(mass=1.0, gravity=1.0, lift=lift)
+    solver = EventDriven(max_steps=100)
+    run = simulate(rig, law, t_end=1.0, y0={"v": layer}, solver=solver, throw=False)
+    assert run.status is Status.END_TIME
+    assert math.isclose(run["v"][-1], layer - 0.1, rel_tol=1e-12)  # mu g t, the lift averaged out
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_body_that_nothing_holds_follows_a_spring_from_rest(side):
+    drive = Sine(amplitude=side, frequency=1.0, phase=math.pi / 2.0)
+    chain = Chain(mass=1.0, free=1.0, stiffness=1.0, drive=drive)
+    law = Viscous(viscous_coefficient=0.0)
+    solver = EventDriven(max_steps=100)
+    run = simulate(chain, law, t_end=1e-2, solver=solver, throw=False)
+    assert run.status is Status.END_TIME
+    assert math.isclose(run["x"][-1], side * 1e-8 / 24.0, rel_tol=1e-3)  # cos(2 pi t) is 1 - 2e-3
+
+
+@pytest.mark.parametrize("start", [0.1, 1.0, 1000.0])
+def test_what_begins_to_swing_late_takes_no_more_steps_for_the_rounding_of_the_time(start):
+    cart = PendulumCart(
+        mass=1.0, ball=1.0, length=1.0, gravity=1.0, torque=Ramp(rate=1.0, start=start)
+    )
+    run = simulate(cart, Viscous(viscous_coefficient=0.0), t_end=start + 1.0, throw=False)
+    assert run.status is Status.END_TIME
+    assert run.certificate.steps < 100
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_speed_too_small_to_matter_does_not_hide_which_way_a_body_is_drawn(side):
+    block = TowedBlock(mass=1.0, stiffness=1.0, speed=-side)
+    start = {"x": -1e-158 * side, "v": 1e-155 * side}
+    run = simulate(block, Viscous(viscous_coefficient=0.0), t_end=1.0, y0=start, throw=False)
+    assert run.status is Status.END_TIME
+    assert math.isclose(run["x"][-1], -side * (1.0 - math.sin(1.0)), rel_tol=1e-12)
+
+
+def test_a_run_whose_energy_is_no_number_is_not_certified():
+    cart = PendulumCart(mass=0.00765, ball=0.0215, length=1000.0)
+    law = Coulomb(kinetic_coefficient=6.4, static_coefficient=6.6)
+    start = {"theta": 387.0, "v": -7300.0, "omega": 103.0}  # where rigid bodies with friction jam
+    certificate = simulate(cart, law, t_end=64.0, y0=start, throw=False).certificate
+    assert math.isfinite(certificate.energy_end) or not certificate.certified
+
+
+def test_a_body_that_nothing_holds_may_come_to_rest_but_for_rounding():
+    axis = Axis(
+        inertia=0.0012552377361036936, stiffness=4620.611363484122, damping=1.2695733068710922,
+        load=0.0, offset=-30.450970745262726,
+        drive=PiecewiseLinear(
+            times=(0.030258028818262582, 0.033713096051166104, 0.06863737856814581,
+                   0.09485292147115842, 0.16230306971950806, 0.3184570231576693,
+                   0.33919793273836457),
+            values=(0.003880962278637666, 0.008845558350097312, -0.0038101380802272778,
+                    0.003882914086570834, -0.060128977247773045, -0.012436512170767014,
+                    0.008845558350097312),
+        ),
+    )  # fmt: skip
+    law = Viscous(viscous_coefficient=0.002189941466615451)
+    run = simulate(axis, law, t_end=0.4273258122437777, y0={"v": -3.6192565145260387}, throw=False)
+    assert run.status is Status.END_TIME

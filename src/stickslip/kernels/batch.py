@@ -69,7 +69,7 @@ def keep_evidence(
     first = energy_of(int(log[4]), log[0], w)
     size = max(abs(first), abs(last), w[GROSS])
     mismatch = abs(last - first - w[SUPPLIED] + w[TAKEN] + w[LOST])
-    evidence[at] = mismatch / size if size > 0.0 else 0.0
+    evidence[at] = mismatch / size if mismatch != 0.0 else 0.0  # what is no number stays none
     evidence[at + 1] = w[VIOLATION]
     evidence[at + 2] = w[RESIDUAL]
     evidence[at + 3] = whole[STEPS]

@@ -28,7 +28,12 @@ PROBE = 1e-3
 PROBES = 8
 """Stretches that are tried, each shorter by the same factor."""
 PROBED = 1e-9
-"""Size of a state over its change in that stretch."""
+"""Size of a state over its change in that stretch, at least."""
+BLURRED = 4e4
+"""Time over that stretch at which its rounding blurs all that a growing load does in it.
+
+What tolerates less than the rounding of the time takes short steps until the state is larger.
+"""
 SLOW_CHANGE = 0.01
 """Change of every state in a step, over its size, that is slow."""
 SLOW_STEPS = 15
@@ -46,7 +51,7 @@ def choose_stepper(stop: float, w: Vector, whole: Vector) -> None:
         whole[STEPPER] = EXACT if w[VALUES] > 0.0 else SMOOTH
     if whole[STEPPER] != EXACT:
         probe_sizes(stop, w, whole)
-        if w[STEP] == 0.0:
+        if not stop + w[STEP] > stop:  # none yet, or one left over from an event soon after 0
             w[STEP] = FIRST_SHARE * (stop - w[TIME])
 
 
@@ -65,10 +70,16 @@ def probe_sizes(stop: float, w: Vector, whole: Vector) -> None:
             return
         error = rodas_step(mode, int(whole[FLAGS]), w[TIME], h, w, 1.0)
         if error <= 1.0 and w[Y1 + SLIP] * mode >= 0.0:
+            blurred = abs(w[TIME]) / (BLURRED * h)
+            share = max(PROBED, min(1.0, blurred * blurred))
             for i in range(N_STATES):
-                w[SCALE + i] = max(w[SCALE + i], PROBED * abs(w[Y1 + i] - w[Y + i]))
+                w[SCALE + i] = max(w[SCALE + i], share * abs(w[Y1 + i] - w[Y + i]))
             return
-        h *= PROBE
+        if HAS_BRISTLES and error <= 1.0 and w[Y + SLIP] == 0.0 and mode == int(whole[MODE]):
+            mode = -mode  # what leads to the body tells only later which way it will be drawn
+        else:
+            h *= PROBE
+            mode = int(whole[MODE])
 
 
 def watch_stiffness(h: float, w: Vector, whole: Vector) -> None:

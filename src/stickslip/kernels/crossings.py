@@ -9,11 +9,20 @@ from stickslip.kernels.layout import (
     POINT,
     POLYNOMIAL,
     REACHED,
+    SERIES,
     SLOPES,
     VALUES,
     Y,
 )
-from stickslip.kernels.model import N_GUARDS, N_STATES, SLIP, field, guard_slopes, guards
+from stickslip.kernels.model import (
+    N_COORDINATES,
+    N_GUARDS,
+    N_STATES,
+    SLIP,
+    field,
+    guard_slopes,
+    guards,
+)
 from stickslip.kernels.polynomials import FALLS_AT_ONCE, first_fall
 from stickslip.kernels.roots import NO_GUARD
 from stickslip.kernels.tier import Vector
@@ -53,6 +62,9 @@ def quiet_start(flags: int, t: float, h: float, w: Vector) -> None:
         size += abs(w[MATRIX + SLIP * N_STATES + i] * w[Y + i])
     if abs(w[POLYNOMIAL + 1]) <= BALANCED * h * size:
         w[POLYNOMIAL + 1] = 0.0
+        if N_COORDINATES == 1 and w[DRIFT + SLIP] == 0.0:  # nor is there anything to follow
+            for k in range(2, SERIES + 1):
+                w[POLYNOMIAL + k] = 0.0
 
 
 def first_crossing(mode: int, flags: int, t: float, h: float, w: Vector) -> int:

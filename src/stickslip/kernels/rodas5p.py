@@ -4,7 +4,7 @@ import math
 
 from stickslip.kernels.layout import DENSE, DRIFT, MATRIX, PIVOTS, STAGES, Y1, Y
 from stickslip.kernels.lu import lu_factor, lu_solve
-from stickslip.kernels.model import N_STATES, field, jacobian, time_slope
+from stickslip.kernels.model import N_COORDINATES, N_STATES, SLIP, field, jacobian, time_slope
 from stickslip.kernels.rodas5p_tableau import (
     A_RODAS,
     C_RODAS,
@@ -53,6 +53,9 @@ def rodas_step(mode: int, flags: int, t: float, h: float, w: Vector, rtol: float
                 total += C_RODAS[row + j] * w[STAGES + j * n + i]
             w[stage + i] += total / h + h * SLOPES_RODAS[s] * w[DRIFT + i]
         lu_solve(w, MATRIX, n, PIVOTS, stage)
+        if mode == 0:  # a held body stays where it is, whatever pivots round to
+            w[stage + SLIP - N_COORDINATES] = 0.0
+            w[stage + SLIP] = 0.0
     for i in range(n):
         w[Y1 + i] += w[STAGES + 7 * n + i]
     return rodas_error(h, w, rtol)

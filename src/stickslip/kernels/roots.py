@@ -8,7 +8,7 @@ from stickslip.kernels.model import HAS_BRISTLES, N_GUARDS, SLIP, guards
 from stickslip.kernels.tier import Vector
 from stickslip.kernels.walls import FIRST_WALL
 
-__all__ = ["NO_GUARD", "first_violation", "guard_values", "note_sizes"]
+__all__ = ["NO_GUARD", "first_violation", "guard_values", "note_sizes", "rises"]
 
 NO_GUARD = -1
 NOT_ARMED = -2
@@ -139,6 +139,14 @@ def first_violation(mode: int, flags: int, t: float, h: float, w: Vector) -> int
             best = guard
     w[FRACTION] = min(w[FRACTION], 1.0)
     return best
+
+
+def rises(guard: int, w: Vector) -> bool:
+    """Whether one guard is positive at any of the samples."""
+    highest = w[SAMPLED + guard]
+    for s in range(1, SAMPLES + 1):
+        highest = max(highest, w[SAMPLED + s * N_GUARDS + guard])
+    return highest > 0.0
 
 
 def note_sizes(w: Vector) -> None:

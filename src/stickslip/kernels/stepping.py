@@ -24,7 +24,7 @@ from stickslip.kernels.layout import (
 )
 from stickslip.kernels.model import HAS_BRISTLES, jacobian
 from stickslip.kernels.rodas5p import rodas_dense, rodas_step
-from stickslip.kernels.roots import NO_GUARD, first_violation, note_sizes
+from stickslip.kernels.roots import NO_GUARD, first_violation, note_sizes, rises
 from stickslip.kernels.series import series_step
 from stickslip.kernels.tier import Vector
 from stickslip.kernels.walls import FIRST_WALL, approach
@@ -138,15 +138,17 @@ def advance(stop: float, w: Vector, whole: Vector, rtol: float, cap: float) -> i
 
     On return FRACTION and LENGTH hold the fraction of the step that holds and its length. A body
     that starts from rest towards a guard that would be violated at once gets shorter steps before
-    that is believed. A step that ends beyond an event is taken again up to just beyond it: the
-    mode's equations, and so the error estimate, mean little where the mode does not hold, and the
-    dense output is best where the step ends. Neither concerns the series of a linear mode, but for
+    that is believed; it is, too, where they are so short that the guard does not change at all. A
+    step that ends beyond an event is taken again up to just beyond it: the mode's equations, and so
+    the error estimate, mean little where the mode does not hold, and the dense output is best where
+    the step ends. Neither concerns the series of a linear mode, but for
     bounces.
     """
+    exact = whole[STEPPER] == EXACT
+    slot = STRIDE if exact else STEP
+    before = w[slot]
+    doubted = NO_GUARD
     while True:
-        exact = whole[STEPPER] == EXACT
-        slot = STRIDE if exact else STEP
-        before = w[slot]
         h = accepted_step(stop, w, whole, rtol, cap, slot)
         if h == 0.0:
             return NO_GUARD
@@ -157,7 +159,14 @@ def advance(stop: float, w: Vector, whole: Vector, rtol: float, cap: float) -> i
             shorter = bounce_length(guard, h, w)
         else:
             guard = first_violation(mode, flags, w[TIME], h, w)
-            shorter = retry_length(guard, h, w)
+            shorter = 0.0
+            if guard == NO_GUARD and doubted != NO_GUARD and not rises(doubted, w):
+                guard = doubted
+                w[FRACTION] = 0.0
+            else:
+                shorter = retry_length(guard, h, w)
+            if shorter > 0.0:
+                doubted = guard if w[FRACTION] == 0.0 else NO_GUARD
         if shorter > 0.0:
             w[slot] = shorter
             continue

@@ -113,6 +113,8 @@ def transition(guard: int, w: Vector, whole: Vector) -> float:
     elif guard == STOP:
         w[Y + SLIP] = 0.0
         whole[MODE] = mode_from_rest(flags, w)
+        if whole[MODE] == mode and not HAS_BRISTLES:  # forces balance but for their rounding
+            whole[MODE] = 0
     elif abs(mode) == 2:
         whole[MODE] = -mode // 2
     elif HAS_BRISTLES:

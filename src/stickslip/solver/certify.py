@@ -67,7 +67,7 @@ def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     size = max(abs(start), abs(end), float(w[playback.module.GROSS]))
     mismatch = abs(end - start - supplied + taken + lost)
     return {
-        "energy_error": mismatch / size if size > 0 else 0.0,
+        "energy_error": mismatch / size if mismatch != 0 else 0.0,  # what is no number stays none
         "energy_start": start,
         "energy_end": end,
         "work_supplied": supplied,
