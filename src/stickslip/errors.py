@@ -34,7 +34,7 @@ class UnknownNameError(InputError, LookupError):
     """A name that is not known; the message lists the nearest known ones."""
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
-        known = tuple(sorted(known))
+        name, known = str(name), tuple(sorted(known))
         self.kind, self.name, self.known = kind, name, known
         close = nearest(name, known)
         hint = f"Did you mean {close}?" if close else f"Known: {', '.join(known) or 'none'}."

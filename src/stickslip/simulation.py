@@ -113,7 +113,8 @@ def ensemble(
         Last time of every run [s].
     outputs : sequence of str or mapping, optional
         States whose final values are kept, or `Final`, `Max`, `Min`, `Mean`, `Samples`,
-        `EventTimes` and `EventCount` by name. The final values of all states if not given.
+        `EventTimes`, `EventCount` and `Sensitivity` by name. The final values of all states if not
+        given.
     y0 : mapping or sequence, optional
         Initial states that do not vary, as in `simulate`.
     solver : EventDriven, optional
@@ -156,6 +157,8 @@ def ensemble(
     solver = EventDriven(tier="compiled") if solver is None else solver
     if not isinstance(solver, EventDriven):
         raise InputError(f"solver must be an EventDriven(...), got {solver!r}.")
+    if solver.estimate_error:
+        raise InputError("ensembles make no error estimate: use simulate for some of the runs.")
     last = END.check("ensemble", "t_end", t_end)
     start = _initial_state("ensemble", mechanism, law, y0)
     return run_ensemble(

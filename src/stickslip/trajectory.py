@@ -28,7 +28,7 @@ class Status(enum.Enum):
     NOT_FINITE = "The state grew beyond all numbers."
     HELD = "A coordinate that does not slip is pressed against its stop: not solved any further."
     ZENO = "Events follow each other without end: the state cannot be continued."
-    CANCELLED = "Was cancelled before it began."
+    CANCELLED = "Was cancelled."
 
     @property
     def complete(self) -> bool:
@@ -202,7 +202,7 @@ class Trajectory:
         >>> block = SpringBlock(mass=1.0, drive=Pulse(level=10.0, duration=0.1))
         >>> run = simulate(block, Coulomb(kinetic_coefficient=0.25), t_end=1.0)
         >>> float(run.at(1.0).sensitivity("x", "kinetic_coefficient")[0].round(9))
-        -0.81549439
+        -0.815494393
         """
         if self.differentiate is None:
             raise InputError("this run has no sensitivities: use solver=EventDriven().")

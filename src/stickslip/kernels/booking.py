@@ -34,7 +34,6 @@ from stickslip.kernels.tier import Vector
 
 __all__ = ["add_work", "close_step", "record"]
 
-
 FEW_TERMS = 6
 """A series that ends so early is that of a very short step, over which few nodes do."""
 

@@ -11,7 +11,6 @@ from stickslip.kernels.walls import FIRST_WALL
 __all__ = ["NO_GUARD", "first_violation", "guard_values", "note_sizes", "rises"]
 
 NO_GUARD = -1
-NOT_ARMED = -2
 QUIET = 1e-12
 """Share of the largest speed so far below which a reversal of a bristle law is left unnoticed.
 

@@ -333,6 +333,16 @@ def pass_instant(
     return k
 
 
+def hold(mode: int, w: Vector, q: int, m: int) -> None:
+    """Take away what a body that is held at the start does not do."""
+    if mode == 0:  # it loses a small velocity at once
+        now = columns_at(0, q, m)
+        for c in range(m):
+            w[now + SLIP * m + c] = 0.0
+    if abs(mode) == 2:  # what follows depends on what an impact at the start would do
+        lose(w, q, m)
+
+
 def sense(
     log: Vector,
     count: int,
@@ -357,9 +367,7 @@ def sense(
     k = 0
     while k < number and events[k * EVENT_COLUMNS] <= log[0]:
         k += 1
-    if log[3] == 0.0:  # a held body loses its velocity at once
-        for c in range(m):
-            w[now + SLIP * m + c] = 0.0
+    hold(int(log[3]), w, q, m)
     for row in range(count):
         at = row * ROW_COLUMNS
         last = row == count - 1

@@ -141,8 +141,7 @@ def advance(stop: float, w: Vector, whole: Vector, rtol: float, cap: float) -> i
     that is believed; it is, too, where they are so short that the guard does not change at all. A
     step that ends beyond an event is taken again up to just beyond it: the mode's equations, and so
     the error estimate, mean little where the mode does not hold, and the dense output is best where
-    the step ends. Neither concerns the series of a linear mode, but for
-    bounces.
+    the step ends. Neither concerns the series of a linear mode, but for bounces.
     """
     exact = whole[STEPPER] == EXACT
     slot = STRIDE if exact else STEP

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.errors import InputError
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
@@ -159,6 +160,8 @@ def run_chunks(
     keep: Callable[[Chunk], bool],
 ) -> None:
     """Run all rows and hand over each chunk as it comes; `keep` says whether to go on."""
+    if not (executor is None or hasattr(executor, "submit")):
+        raise InputError(f"executor must be a concurrent.futures.Executor, got {executor!r}.")
     _runner(job)  # compiled here, if it has to be, and not in all threads at once
     own = ThreadPoolExecutor(os.cpu_count() or 1) if executor is None else None
     pool = executor or own
@@ -191,5 +194,6 @@ def _collect(
     done, waiting = wait(pending, return_when=FIRST_COMPLETED)
     going = True
     for future in done:
-        going = keep(future.result()) and going
+        chunk = future.result()
+        going = going and keep(chunk)
     return waiting, going

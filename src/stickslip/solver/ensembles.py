@@ -24,6 +24,8 @@ from stickslip.trajectory import Ensemble, Status
 __all__ = ["run_ensemble"]
 
 Array = NDArray[np.float64]
+RESERVED = ("status", "certified")
+"""Columns that a table of an ensemble has of itself."""
 
 
 def run_ensemble(
@@ -47,7 +49,8 @@ def run_ensemble(
 
     def keep(chunk: Chunk) -> bool:
         parts.add(chunk)
-        return progress is None or progress(parts.done, count) is not False
+        answer = None if progress is None else progress(parts.done, count)
+        return answer is None or bool(answer)
 
     run_chunks(job, starts_within_stops(mechanism, columns, y0), executor, keep)
     return parts.joined(columns)
@@ -103,8 +106,14 @@ def _outputs(
     model: Model,
     outputs: Sequence[str] | Mapping[str, Output] | None,
 ) -> Mapping[str, Output]:
-    if isinstance(outputs, str):
+    if isinstance(outputs, (str, Output)):
         raise InputError(f"outputs must be a sequence of names or a mapping, got {outputs!r}.")
+    for name in outputs or ():
+        if not _is_name(name):
+            raise InputError(
+                f"outputs must be names of states, or a mapping from other names than"
+                f" {', '.join(RESERVED)} to Final, Max, ...; got {name!r}."
+            )
     if outputs is None or not isinstance(outputs, Mapping):
         return {name: Final(name) for name in (model.states if outputs is None else outputs)}
     for name, output in outputs.items():
@@ -120,14 +129,22 @@ def _outputs(
     }
 
 
+def _is_name(name: object) -> bool:
+    return isinstance(name, str) and name not in RESERVED
+
+
 def _columns(
     mechanism: Mechanism, law: FrictionLaw, model: Model, varied: Mapping[str, ArrayLike]
 ) -> tuple[dict[str, Array], int]:
     """Return what varies by full path, checked, and the number of runs."""
+    if not isinstance(varied, Mapping):
+        raise InputError(f"parameters must be a mapping from paths to arrays, got {varied!r}.")
     known = _quantities(mechanism, law, model)
     given = {
         full_path(path, list(known)): _numbers(path, values) for path, values in varied.items()
     }
+    if len(given) < len(varied):
+        raise InputError("parameters must name each only once, got: " + ", ".join(varied))
     lengths = {len(values) for values in given.values() if values.ndim}
     if len(lengths) != 1:
         sizes = ", ".join(f"{path} {np.size(values)}" for path, values in given.items()) or "none"

@@ -158,7 +158,7 @@ class Mean(Output):
         if not np.all(length > 0.0):
             raise InputError(f"Mean.last [s] must be above 0 s, got {length.min():g} s.")
         since = t_end - length
-        return Columns(codes.MEAN, _state(model, self.state), since, since + length)
+        return Columns(codes.MEAN, _state(model, self.state), since, 0.0 * since + t_end)
 
 
 @final
@@ -206,8 +206,10 @@ class EventTimes(Output):
 
     @override
     def columns(self, model: Model, t_end: float) -> Columns:
-        if self.count == 0:
-            raise InputError("EventTimes.count must not be 0.")
+        if self.count == 0 or self.count != int(self.count):
+            raise InputError(
+                f"EventTimes.count must be a whole number other than 0, got {self.count!r}."
+            )
         which = np.arange(self.count) if self.count > 0 else np.arange(-1, self.count - 1, -1)
         numbers = which.astype(np.float64)
         return Columns(codes.EVENT_TIME, _reason(model, self.reason), numbers, 0.0 * numbers)

@@ -117,14 +117,31 @@ def schedule_slopes(
     drives = list(twin.drives().values())
     begins = np.repeat(tables.reshape(runs, -1, 1 + 3 * len(drives))[:, :, 0], m, axis=0)
     parts = [[_columns(part.pieces(), runs * m) for part in _parts(drive)] for drive in drives]
-    starts = begins.astype(np.complex128)
-    for first in (table[0] for tables_of in parts for table in tables_of):
-        for j in range(first.shape[1]):
-            here = begins == first[:, j : j + 1].real
-            starts += np.where(here & (starts.imag == 0.0), 1j * first[:, j : j + 1].imag, 0.0)
+    starts, apart = _moved_starts([table[0] for own in parts for table in own], begins)
     rows = [_merged(tables_of, starts) for tables_of in parts]
     found = np.concatenate([starts[:, :, None], *rows], axis=2).imag / IMAGINARY
+    found[apart, 0] = np.nan
     return np.asarray(found.reshape(runs, m, *found.shape[1:]).transpose(0, 2, 3, 1))
+
+
+def _moved_starts(
+    tables: Sequence[NDArray[Any]], begins: Array
+) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    """Return starts with the imaginary parts of their pieces, and where these move apart.
+
+    Pieces that start together but move differently change places: that has no derivative here.
+    """
+    starts = begins.astype(np.complex128)
+    seen = np.zeros(begins.shape, dtype=bool)
+    apart = np.zeros(begins.shape, dtype=bool)
+    for table in tables:
+        for j in range(table.shape[1]):
+            own = table[:, j : j + 1]
+            here = begins == own.real
+            apart |= here & seen & (starts.imag != own.imag)
+            starts += np.where(here & ~seen, 1j * own.imag, 0.0)
+            seen |= here
+    return starts, apart
 
 
 def _parts(drive: Drive) -> Iterator[Drive]:
