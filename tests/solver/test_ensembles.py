@@ -343,7 +343,7 @@ OUTPUTS = {
     "an unknown state": (["y"], "unknown state in outputs 'y'"),
     "what is no output": ({"x": "x"}, r"outputs\['x'\] must be Final"),
     "an unknown reason": ({"t": EventTimes("stopp")}, "reason in outputs 'stopp'.*'stop'"),
-    "no events": ({"t": EventTimes("stop", count=0)}, "must not be 0"),
+    "no events": ({"t": EventTimes("stop", count=0)}, "other than 0"),
     "a time beyond the end": ({"x": Samples("x", [0.5, 1.5])}, r"Samples\.times.*t_end = 1 s"),
     "a start beyond the end": ({"x": Max("x", since=2.0)}, r"Max\.since.*t_end = 1 s"),
     "too many cycles": ({"x": Mean("x", last=2.0)}, r"Mean\.last.*t_end = 1 s"),
