@@ -10,7 +10,7 @@ import math
 import numbers
 import types
 import typing
-from collections.abc import Callable, Hashable, Iterator, Mapping
+from collections.abc import Callable, Collection, Hashable, Iterator, Mapping
 from typing import Any, TypeVar
 
 from stickslip.errors import ParameterError, UnknownNameError
@@ -19,6 +19,7 @@ __all__ = [
     "Parametrised",
     "Quantity",
     "fields_of",
+    "full_path",
     "named",
     "parameters",
     "shadow",
@@ -284,6 +285,16 @@ def _vary_member(member: Any, prefix: str, changes: Mapping[str, float | None]) 
             items[int(place)] = vary(items[int(place)], f"{prefix}.{place}", {path: value})
         return tuple(items)
     raise UnknownNameError("parameter", next(iter(changes)), [])
+
+
+def full_path(path: str, known: Collection[str]) -> str:
+    """Return the full path for a full path, or for a last name that only one of the known has."""
+    if path in known:
+        return path
+    same = [full for full in known if full.rpartition(".")[2] == path]
+    if len(same) == 1:
+        return same[0]
+    raise UnknownNameError("parameter", path, same or known)
 
 
 def named(registry: Mapping[str, Any], name: str, kind: str) -> Any:

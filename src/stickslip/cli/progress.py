@@ -30,16 +30,11 @@ def _bars() -> Progress:
     )
 
 
-@final
-class Compiling:
-    """A bar that is there while equations are compiled; callable as ``report(done, total, what)``.
+class _Shown:
+    """Bars that are there within a `with`."""
 
-    It stands among the bars of other work, if there is any.
-    """
-
-    def __init__(self, bars: Progress | None = None) -> None:
-        self._bars = bars or _bars()
-        self._task: TaskID | None = None
+    def __init__(self, bars: Progress) -> None:
+        self._bars = bars
 
     def __enter__(self) -> Self:
         self._bars.start()
@@ -52,6 +47,18 @@ class Compiling:
         trace: TracebackType | None,
     ) -> None:
         self._bars.stop()
+
+
+@final
+class Compiling(_Shown):
+    """A bar that is there while equations are compiled; callable as ``report(done, total, what)``.
+
+    It stands among the bars of other work, if there is any.
+    """
+
+    def __init__(self, bars: Progress | None = None) -> None:
+        super().__init__(bars or _bars())
+        self._task: TaskID | None = None
 
     def __call__(self, done: int, total: int, what: str) -> None:
         """Note how many modules are done, and for what one is compiled."""
@@ -65,27 +72,15 @@ class Compiling:
 
 
 @final
-class Watching:
+class Watching(_Shown):
     """A bar that counts laws and names the one in work; callable as ``watch(name, runs)``."""
 
     def __init__(self, names: Sequence[str], verb: str) -> None:
+        super().__init__(_bars())
         self._names, self._verb = list(names), verb
-        self._bars = _bars()
         self._task = self._bars.add_task(f"{verb} ", total=len(self._names), runs="0 runs")
         self.compiling = Compiling(self._bars)
         """Shows what is compiled before the work begins."""
-
-    def __enter__(self) -> Self:
-        self._bars.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._bars.stop()
 
     def __call__(self, name: str, runs: int) -> None:
         """Note that a law has had so many runs."""

@@ -21,7 +21,7 @@ from stickslip.cli.output import (
 )
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig
-from stickslip.friction import PRINTED_FORMS, BristleLaw, FrictionLaw, PrintedForm, law_type
+from stickslip.friction import PRINTED_FORMS, FrictionLaw, PrintedForm, bristles_of, law_type
 from stickslip.identification import starting_law
 from stickslip.report.numbers import residue
 from stickslip.selection import criteria_of
@@ -97,7 +97,7 @@ def _start(rig: Rig, law: FrictionLaw) -> Mapping[str, float]:
     """Return how the first trial begins; bristles that the law does not have are left out."""
     if rig.measurement is None:
         return {}
-    bristles = law.bristles if isinstance(law, BristleLaw) else ()
+    bristles = bristles_of(law)
     known = (*rig.mechanism.coordinates, *rig.mechanism.rates, *bristles)
     initial = rig.measurement.records()[0].initial
     return {name: value for name, value in initial.items() if name in known}

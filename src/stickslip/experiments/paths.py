@@ -4,7 +4,7 @@ import dataclasses
 
 from stickslip.errors import UnknownNameError
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Parametrised, Quantity, fields_of
+from stickslip.quantities import Parametrised, Quantity, fields_of, full_path
 
 __all__ = ["PREFIX", "all_paths", "canonical", "quantity_at"]
 
@@ -43,13 +43,7 @@ def canonical(mechanism: Mechanism, path: str) -> str:
     >>> canonical(SpringBlock(mass=1.0), "compression")
     'mechanism.compression'
     """
-    known = all_paths(mechanism, PREFIX)
-    if path in known:
-        return path
-    same = [full for full in known if full.rpartition(".")[2] == path]
-    if len(same) == 1:
-        return same[0]
-    raise UnknownNameError("parameter", path, known)
+    return full_path(path, all_paths(mechanism, PREFIX))
 
 
 def quantity_at(mechanism: Mechanism, path: str) -> Quantity:

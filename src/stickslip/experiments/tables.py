@@ -186,7 +186,7 @@ def choice(tables: Mapping[str, type[Table]]) -> Any:
     options = tuple(tables.values())
     if len(options) == 1:
         return options[0]
-    return Annotated[Union[options], Field(discriminator="type")]  # noqa: UP007
+    return Annotated[Union[options], Field(discriminator="type")]  # noqa: UP007  # the options are found at run time
 
 
 def _hint(cls: type[Parametrised], name: str) -> Any:

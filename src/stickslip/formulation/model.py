@@ -13,7 +13,7 @@ from stickslip.formulation.mechanics import Mechanics, derive_mechanics
 from stickslip.formulation.modes import Mode, ModeEquations, mode_equations
 from stickslip.formulation.stops import impact_events, wall_guards, wall_rows
 from stickslip.formulation.trace import Switch, Switchboard, Traced, expression
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.kernels.codes import SWITCH
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow, structure
@@ -162,11 +162,6 @@ def _places(mechanism: Mechanism, law: FrictionLaw) -> dict[str, int]:
     roots = ((mechanism, "mechanism"), (law, "friction"))
     paths = [path for root, prefix in roots for path, _, _ in parameters(root, prefix)]
     return {path: first + i for i, path in enumerate(paths)}
-
-
-def bristles_of(law: FrictionLaw) -> tuple[str, ...]:
-    """Return the names of the bristle states that a law has."""
-    return law.bristles if isinstance(law, BristleLaw) else ()
 
 
 def _symbols(

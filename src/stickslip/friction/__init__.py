@@ -1,6 +1,6 @@
 """Friction laws: each one a file, each with its source."""
 
-from stickslip.friction.base import BristleLaw, FrictionLaw, SetValuedLaw
+from stickslip.friction.base import BristleLaw, FrictionLaw, SetValuedLaw, bristles_of
 from stickslip.friction.coulomb import Coulomb
 from stickslip.friction.coulomb_viscous import CoulombViscous
 from stickslip.friction.dahl import Dahl
@@ -25,6 +25,7 @@ __all__ = [
     "SetValuedLaw",
     "Stribeck",
     "Viscous",
+    "bristles_of",
     "law_type",
     "laws",
 ]

@@ -7,7 +7,7 @@ from typing import ClassVar, final
 from stickslip.maths import Scalar, sign
 from stickslip.quantities import Parametrised
 
-__all__ = ["BristleLaw", "FrictionLaw", "SetValuedLaw"]
+__all__ = ["BristleLaw", "FrictionLaw", "SetValuedLaw", "bristles_of"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,3 +117,8 @@ class BristleLaw(FrictionLaw, ABC):
     @abstractmethod
     def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
         """Return the friction force [N] after long sliding at a constant velocity [m/s]."""
+
+
+def bristles_of(law: FrictionLaw) -> tuple[str, ...]:
+    """Return the names of the bristle states that a law has; none where it is set-valued."""
+    return law.bristles if isinstance(law, BristleLaw) else ()

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.simulation import simulate
@@ -28,7 +28,7 @@ class Trial:
     def start(self, law: FrictionLaw) -> Mapping[str, float]:
         """Return the initial states that a mechanism with a law has."""
         known = {*self.mechanism.coordinates, *self.mechanism.rates}
-        known.update(law.bristles if isinstance(law, BristleLaw) else ())
+        known.update(bristles_of(law))
         return {name: value for name, value in self.initial.items() if name in known}
 
     @property

@@ -66,7 +66,7 @@ def finish_step(
         handle_event(guard, start, w, whole, events)
     if whole[STATUS] == RUNNING and w[TIME] >= t_end:
         whole[STATUS] = END_TIME
-    elif w[TIME] >= stop:
+    elif whole[STATUS] == RUNNING and w[TIME] >= stop:
         enter_pieces(table, w, whole)
         settle(w, whole, events)
     if guard != NO_GUARD or w[TIME] >= stop:

@@ -15,7 +15,7 @@ kept = njit(nogil=True, cache=True, error_model="numpy")  # where machine code g
 
 
 @intrinsic
-def pointer(typing_context, array):  # noqa: ARG001  # the signature is numba's
+def pointer(typing_context, array):
     """Return a pointer to the first element of an array."""
 
     def generate(context, builder, signature, arguments):
@@ -27,10 +27,10 @@ def pointer(typing_context, array):  # noqa: ARG001  # the signature is numba's
 
 
 @intrinsic
-def call_model(typing_context, w, place, name, mode, flags, t, at, to):  # noqa: ARG001
+def call_model(typing_context, w, place, name, mode, flags, t, at, to):
     """Call the equations, whose address stands in the vector of the run as the bits of a number."""
 
-    def generate(context, builder, signature, arguments):  # noqa: ARG001
+    def generate(context, builder, signature, arguments):
         vector, place, *others = arguments
         whole, real = ir.IntType(64), ir.DoubleType()
         places = builder.bitcast(vector, whole.as_pointer())

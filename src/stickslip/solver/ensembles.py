@@ -12,12 +12,11 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity, parameters, vary
+from stickslip.quantities import Quantity, full_path, parameters, vary
 from stickslip.solver.batch import Chunk, Job, run_chunks
 from stickslip.solver.certify import passes
 from stickslip.solver.event_driven import STATUS, EventDriven
 from stickslip.solver.outputs import Final, Output, asked, is_gradient, value_of
-from stickslip.solver.sensitivities import full_path
 from stickslip.solver.starts import narrowest, starts_within_stops
 from stickslip.trajectory import Ensemble, Status
 

@@ -9,7 +9,7 @@ from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError
 from stickslip.formulation import Model, formulate
-from stickslip.friction import BristleLaw, FrictionLaw, PrintedForm
+from stickslip.friction import BristleLaw, FrictionLaw, PrintedForm, bristles_of
 from stickslip.kernels import codes
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
@@ -151,7 +151,7 @@ def _trajectory(
     """Wrap what the kernels recorded."""
     module, whole = record.runner.module, record.whole
     playback = Playback.from_log(model, record.runner, inputs, record.log, whole[module.STEPS])
-    bristles = law.bristles if isinstance(law, BristleLaw) else ()
+    bristles = bristles_of(law)
     return Trajectory(
         t=playback.times(),
         names=(*model.states, "friction", "normal_force", "mode"),

@@ -7,27 +7,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import UnknownNameError
 from stickslip.formulation import formulate
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import full_path
 from stickslip.solver.execution import Record
 from stickslip.solver.runner import Runner, runner_of
 from stickslip.solver.tables import Inputs, schedule_slopes
 
-__all__ = ["Directions", "Sensing", "directions_of", "full_path"]
+__all__ = ["Directions", "Sensing", "directions_of"]
 
 Array = NDArray[np.float64]
-
-
-def full_path(path: str, known: Sequence[str]) -> str:
-    """Return the full path for a full path, or for a last name that only one has."""
-    same = [full for full in known if path in (full, full.rpartition(".")[2])]
-    if path in known:
-        return path
-    if len(same) == 1:
-        return same[0]
-    raise UnknownNameError("parameter", path, same or known)
 
 
 @dataclass(frozen=True)
