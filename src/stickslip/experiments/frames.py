@@ -51,6 +51,10 @@ class Frame:
         ParameterError
             If a cell is not a finite number, or the unit is of another kind.
         """
+        return self.scaled(name, self.raw(name), target)
+
+    def raw(self, name: str) -> NDArray[np.float64]:
+        """Return a column (n,) as the numbers that stand there, all finite."""
         column = self.data[self.names[name]]
         values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
         bad = np.flatnonzero(~np.isfinite(values))
@@ -62,7 +66,7 @@ class Frame:
             raise ParameterError(
                 f"{self.place(name, int(bad[0]))}: must be a finite number, got {got}."
             )
-        return self.scaled(name, values, target)
+        return values
 
     def scaled(
         self, name: str, values: NDArray[np.float64], target: str | None

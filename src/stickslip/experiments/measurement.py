@@ -30,12 +30,16 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "velocity": Quantity("v", "m/s"),
         "force": Quantity("u", "N"),
         "friction": Quantity("F", "N"),
+        "load": Quantity("N", "N"),
+        "spring_force": Quantity("F_s", "N"),
+        "pull": Quantity("x_p", "m"),
+        "reference": Quantity("x_r", "m"),
         "travel": Quantity("s", "m"),
     }
 )
 """What can be measured, by name."""
 
-SAMPLED = ("position", "velocity", "force", "friction")
+SAMPLED = tuple(name for name in QUANTITIES if name != "travel")
 """What a time series has one value of for each time."""
 
 
@@ -56,6 +60,14 @@ class Measurement:
         Applied force [N].
     friction : array (n,) or float, optional
         Friction force [N], with the sign of the slip velocity.
+    load : array (n,) or float, optional
+        Normal force [N]; one number if it stays the same.
+    spring_force : array (n,) or float, optional
+        Force of the spring that pulls the body [N].
+    pull : array (n,) or float, optional
+        Position of the far end of that spring [m].
+    reference : array (n,) or float, optional
+        Position that a controller was asked for [m].
     travel : float or array (n,), optional
         Distance [m] from the start to the final rest; an array is repeats of one run.
     uncertainty : mapping of str to float, optional
@@ -100,6 +112,10 @@ class Measurement:
     velocity: Array | float | None = None
     force: Array | float | None = None
     friction: Array | float | None = None
+    load: Array | float | None = None
+    spring_force: Array | float | None = None
+    pull: Array | float | None = None
+    reference: Array | float | None = None
     travel: Array | float | None = None
     uncertainty: Mapping[str, float] = field(default_factory=dict)
     uncertainty_kind: Uncertainty = "standard"
@@ -269,7 +285,7 @@ def _check_time(record: Measurement, sizes: Mapping[str, int]) -> None:
     if set(sizes.values()) != {time.size}:
         raise InputError(f"All arrays must be as long as time ({time.size}), got {_listed(sizes)}.")
     for name in SAMPLED:
-        if isinstance(getattr(record, name), float):
+        if name != "load" and isinstance(getattr(record, name), float):  # a weight stays
             raise InputError(
                 f"Measurement.{name} is one number beside {time.size} times: give an array."
             )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.measurement import QUANTITIES, SAMPLED, Measurement, Uncertainty
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity
 
 if TYPE_CHECKING:
     from stickslip.experiments.frames import Frame
@@ -19,6 +20,7 @@ def load_measurement(
     *,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
+    gain: Mapping[str, float] | None = None,
     uncertainty: Mapping[str, float] | float | None = None,
     uncertainty_kind: Uncertainty = "standard",
     overrides: Mapping[str, float] | None = None,
@@ -45,6 +47,9 @@ def load_measurement(
         these columns and those whose names fit; a column is used once.
     units : mapping of str to str, optional
         Quantity or parameter path -> unit of its column.
+    gain : mapping of str to float, optional
+        By quantity of a record, the factor that makes SI of its column's numbers: newtons per
+        volt of an amplifier and its motor, or -1 for a sensor that counts the other way.
     uncertainty, uncertainty_kind, overrides, initial, offset
         As in `Measurement`, in SI; for a table of trials, of every trial that says nothing else.
     name : str
@@ -91,7 +96,7 @@ def load_measurement(
     try:
         if "travel" in frame.names and "time" not in frame.names:
             return read_trials(frame, common, name, mechanism)
-        return _record(frame, common, name)
+        return _record(frame, gain or {}, common, name)
     except UnknownNameError:
         raise
     except InputError as error:
@@ -101,12 +106,20 @@ def load_measurement(
         ) from None
 
 
-def _record(frame: "Frame", common: Mapping[str, Any], name: str) -> Measurement:
+def _record(
+    frame: "Frame", gain: Mapping[str, float], common: Mapping[str, Any], name: str
+) -> Measurement:
     """Return the record of a file, all columns that are quantities converted to SI."""
     values: dict[str, Any] = {}
     for quantity, unit in {"time": "s", **{key: QUANTITIES[key].unit for key in SAMPLED}}.items():
-        if quantity in frame.names:
+        if quantity in frame.names and quantity in gain:
+            factor = Quantity("g", "").check("gain", quantity, gain[quantity])
+            values[quantity] = factor * frame.raw(quantity)
+        elif quantity in frame.names:
             values[quantity] = frame.numbers(quantity, unit)
+    for quantity in gain:
+        if quantity not in values:
+            raise UnknownNameError("quantity in gain", quantity, values)
     if not set(values) - {"time"}:
         listed = ", ".join(map(repr, list(frame.names)[:12]))
         raise InputError(
