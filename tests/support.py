@@ -27,6 +27,7 @@ DECADES: Mapping[str, tuple[float, float]] = {
     "1/m": (2.0, 4.0),
     "s/m": (-2.0, 0.5),
     "N s/m": (-2.0, 0.5),
+    "N s^2/m^2": (-2.0, 0.5),
 }
 """Powers of ten between which a parameter of a law is drawn, by unit: what rigs have."""
 
@@ -60,7 +61,7 @@ def laws(draw: st.DrawFn, kind: type[FrictionLaw], *, plain: bool = False) -> An
 def example_of(kind: type[FrictionLaw]) -> Any:
     """Return one law of a kind with everyday parameters."""
     values: dict[str, float] = {}
-    typical = {"1": 0.25, "m/s": 0.01, "1/m": 1e3, "s/m": 0.5, "N s/m": 0.4}
+    typical = {"1": 0.25, "m/s": 0.01, "1/m": 1e3, "s/m": 0.5, "N s/m": 0.4, "N s^2/m^2": 0.2}
     for name, quantity in fields_of(kind).items():
         if quantity.structural:
             continue

@@ -24,6 +24,7 @@ __all__ = [
     "parameters",
     "shadow",
     "structure",
+    "unchecked",
     "vary",
 ]
 
@@ -190,12 +191,20 @@ def parameters(root: Parametrised, prefix: str) -> Iterator[tuple[str, Quantity,
                     yield from parameters(item, f"{path}.{index}")
 
 
+def unchecked(kind: type[T], **values: Any) -> T:
+    """Make an object from values that were checked elsewhere, or that are symbols of tracing."""
+    made = object.__new__(kind)
+    for name, value in values.items():
+        object.__setattr__(made, name, value)
+    return made
+
+
 def shadow(root: T, prefix: str, symbol: Callable[[str], Any]) -> T:
     """Copy `root` with each parameter of the equations replaced by `symbol(path)`, unchecked.
 
     This is how equations written for numbers are traced: the same methods run on symbols.
     """
-    twin = object.__new__(type(root))
+    values = {}
     quantities = fields_of(type(root))
     for field in dataclasses.fields(root):
         value = getattr(root, field.name)
@@ -210,8 +219,8 @@ def shadow(root: T, prefix: str, symbol: Callable[[str], Any]) -> T:
                 shadow(item, f"{path}.{index}", symbol) if isinstance(item, Parametrised) else item
                 for index, item in enumerate(value)
             )
-        object.__setattr__(twin, field.name, value)
-    return twin
+        values[field.name] = value
+    return unchecked(type(root), **values)
 
 
 def structure(root: Parametrised) -> tuple[Hashable, ...]:

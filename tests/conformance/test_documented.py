@@ -19,7 +19,22 @@ from stickslip.quantities import fields_of
 FIRST = (*LAWS.values(), *MECHANISMS.values())
 ALL = (*FIRST, *PRINTED_FORMS.values())
 KEBAB = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
-UNITS = {"1", "m", "kg", "m/s", "m/s^2", "N", "N/m", "N s/m", "1/m", "s/m", "rad", "s", "Hz"}
+UNITS = {
+    "1",
+    "m",
+    "kg",
+    "m/s",
+    "m/s^2",
+    "N",
+    "N/m",
+    "N s/m",
+    "N s^2/m^2",
+    "1/m",
+    "s/m",
+    "rad",
+    "s",
+    "Hz",
+}
 
 
 def called(kind):

@@ -9,7 +9,7 @@ import symengine as se
 from stickslip.errors import TracingError
 from stickslip.formulation.mechanics import Mechanics
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
-from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw
+from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
 from stickslip.kernels.codes import BREAK_BACKWARD, BREAK_FORWARD, LIFT_OFF, STOP, SWITCH
 
 __all__ = ["Mode", "ModeEquations", "mode_equations"]
@@ -52,8 +52,8 @@ class _Context:
     def traced(self, value: se.Expr) -> Traced:
         return Traced(value, self.board)
 
-    def level(self, normal: se.Expr) -> se.Expr:
-        return expression(self.law.break_away(self.traced(normal)))
+    def level(self, normal: se.Expr, direction: int) -> se.Expr:
+        return expression(towards(self.law, direction).break_away(self.traced(normal)))
 
     def varies(self, e: se.Expr) -> bool:
         return bool({str(s) for s in e.free_symbols} - self.constants)
@@ -82,7 +82,7 @@ def mode_equations(
         board.signs = {str(velocity): int(mode)}
         modes[mode] = _with_switches(_slip(context, mode), context)
         board.signs = {}
-    if isinstance(law, SetValuedLaw) or (isinstance(law, BristleLaw) and law.static_switch):
+    if not isinstance(law, BristleLaw) or law.static_switch:
         modes[Mode.STICK] = _with_switches(_stick(context), context)
     for wall in mechanics.walls:
         if wall.coordinate == mechanics.slip:
@@ -93,7 +93,7 @@ def mode_equations(
 
 
 def _slip(context: _Context, mode: Mode) -> ModeEquations:
-    law, v = context.law, context.velocity
+    law, v = towards(context.law, int(mode)), context.velocity
     load = se.Symbol("N")
     if isinstance(law, SetValuedLaw):
         speed = context.traced(v * int(mode))
@@ -123,7 +123,7 @@ def _slip(context: _Context, mode: Mode) -> ModeEquations:
     return ModeEquations(
         rates=rates,
         guards={STOP: v * int(mode), **context.lift_off(normal)},
-        contact=[friction, normal, friction, context.level(normal)],
+        contact=[friction, normal, friction, context.level(normal, int(mode))],
         power=[context.mechanics.supplied, friction * v],
     )
 
@@ -131,19 +131,20 @@ def _slip(context: _Context, mode: Mode) -> ModeEquations:
 def _stick(context: _Context) -> ModeEquations:
     held = {context.velocity: 0}
     accelerations, normal, needed = context.mechanics.sticking()
-    level = context.level(normal)
+    ahead, back = (context.level(normal, side) for side in (1, -1))
     rates = [
         *context.coordinate_rates,
         *accelerations,
         *[se.Integer(0)] * len(context.bristles),
     ]
-    parts = [e.subs(held) for e in (normal, needed, level)]
-    normal, needed, level = parts
+    parts = [e.subs(held) for e in (normal, needed, ahead, back)]
+    normal, needed, ahead, back = parts
+    level = ahead if ahead == back else se.Piecewise((ahead, needed > 0), (back, True))
     return ModeEquations(
         rates=[e.subs(held) for e in rates],
         guards={
-            BREAK_FORWARD: level - needed,
-            BREAK_BACKWARD: level + needed,
+            BREAK_FORWARD: ahead - needed,
+            BREAK_BACKWARD: back + needed,
             **context.lift_off(normal),
         },
         contact=[needed, normal, needed, level],
@@ -168,9 +169,11 @@ def _pressed(context: _Context, side: int) -> ModeEquations:
         rates = [*rates[: len(rates) - len(z)], *relaxing]
         missing = side * (needed - friction)
     else:
-        missing = level + side * needed
-        taken = side * needed > level
-        friction = se.Piecewise((side * level, taken), (needed, True))
+        # friction resists the stop's side with the level of the other direction's slip
+        leaving, holding = (context.level(normal, -side), context.level(normal, side))
+        missing = leaving.subs(held) + side * needed
+        taken = side * needed > holding.subs(held)
+        friction = se.Piecewise((side * holding.subs(held), taken), (needed, True))
     leave = BREAK_BACKWARD if side > 0 else BREAK_FORWARD
     return replace(
         equations,

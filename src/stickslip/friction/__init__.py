@@ -1,11 +1,21 @@
 """Friction laws: each one a file, each with its source."""
 
-from stickslip.friction.base import BristleLaw, FrictionLaw, SetValuedLaw, bristles_of
+from stickslip.friction.base import (
+    BristleLaw,
+    DirectionalLaw,
+    FrictionLaw,
+    SetValuedLaw,
+    bristles_of,
+    towards,
+)
 from stickslip.friction.coulomb import Coulomb
 from stickslip.friction.coulomb_viscous import CoulombViscous
 from stickslip.friction.dahl import Dahl
+from stickslip.friction.direction_dependent import DirectionDependent
 from stickslip.friction.lugre import LuGre
+from stickslip.friction.power_viscous import PowerViscous
 from stickslip.friction.published import PRINTED_FORMS, PrintedForm
+from stickslip.friction.quadratic_drag import QuadraticDrag
 from stickslip.friction.registry import LAWS, law_type, laws
 from stickslip.friction.sources import SOURCES
 from stickslip.friction.stribeck import Stribeck
@@ -19,13 +29,18 @@ __all__ = [
     "Coulomb",
     "CoulombViscous",
     "Dahl",
+    "DirectionDependent",
+    "DirectionalLaw",
     "FrictionLaw",
     "LuGre",
+    "PowerViscous",
     "PrintedForm",
+    "QuadraticDrag",
     "SetValuedLaw",
     "Stribeck",
     "Viscous",
     "bristles_of",
     "law_type",
     "laws",
+    "towards",
 ]

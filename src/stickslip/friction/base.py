@@ -4,10 +4,19 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from stickslip.maths import Scalar, sign
+from typing_extensions import override
+
+from stickslip.maths import Scalar, sign, where
 from stickslip.quantities import Parametrised
 
-__all__ = ["BristleLaw", "FrictionLaw", "SetValuedLaw", "bristles_of"]
+__all__ = [
+    "BristleLaw",
+    "DirectionalLaw",
+    "FrictionLaw",
+    "SetValuedLaw",
+    "bristles_of",
+    "towards",
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,6 +90,46 @@ class SetValuedLaw(FrictionLaw, ABC):
 
 
 @dataclass(frozen=True, kw_only=True)
+class DirectionalLaw(FrictionLaw, ABC):
+    """A law that is one function of the slip speed forwards and another one backwards."""
+
+    @abstractmethod
+    def towards(self, direction: int) -> SetValuedLaw:
+        """Return the law of one direction.
+
+        Parameters
+        ----------
+        direction : int
+            1 forwards, -1 backwards.
+        """
+
+    @final
+    @override
+    def break_away(self, load: Scalar) -> Scalar:
+        ahead, back = (self.towards(side).break_away(load) for side in (1, -1))
+        return where(ahead < back, ahead, back)
+
+    @final
+    def force(self, velocity: Scalar, load: Scalar) -> Scalar:
+        """Return the friction force at a slip velocity, 0 at rest.
+
+        Examples
+        --------
+        >>> from stickslip import DirectionDependent
+        >>> law = DirectionDependent(
+        ...     forward_kinetic_coefficient=20.0,
+        ...     backward_kinetic_coefficient=22.0,
+        ...     forward_viscous_coefficient=160.0,
+        ...     backward_viscous_coefficient=240.0,
+        ... )
+        >>> law.force(0.1, load=1.0), law.force(-0.1, load=1.0)
+        (36.0, -46.0)
+        """
+        ahead, back = (self.towards(side).force(velocity, load) for side in (1, -1))
+        return where(velocity < 0.0, back, ahead)
+
+
+@dataclass(frozen=True, kw_only=True)
 class BristleLaw(FrictionLaw, ABC):
     """A law whose contact deflects before it slips: bristles are states of their own."""
 
@@ -117,6 +166,11 @@ class BristleLaw(FrictionLaw, ABC):
     @abstractmethod
     def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
         """Return the friction force [N] after long sliding at a constant velocity [m/s]."""
+
+
+def towards(law: FrictionLaw, direction: int) -> FrictionLaw:
+    """Return the law that holds in one direction of slip; most hold in both."""
+    return law.towards(direction) if isinstance(law, DirectionalLaw) else law
 
 
 def bristles_of(law: FrictionLaw) -> tuple[str, ...]:

@@ -20,6 +20,8 @@ ROUNDED = 1e-12
 class Dahl(BristleLaw):
     """Elastic at small displacement, Coulomb friction at large: hysteresis without stiction.
 
+    A viscous part may stand beside the bristles.
+
     Examples
     --------
     >>> law = Dahl.from_forces(load=9.81, kinetic_force=2.4525, bristle_stiffness=1e5)
@@ -30,11 +32,16 @@ class Dahl(BristleLaw):
     name: ClassVar[str] = "dahl"
     title: ClassVar[str] = "Dahl"
     formula: ClassVar[str] = (
-        r"F = \sigma_0 z N, \quad \dot z = v\, \operatorname{sgn}(r)\, |r|^n, \quad"
+        r"F = \sigma_0 z N + \sigma_2 v, \quad \dot z = v\, \operatorname{sgn}(r)\, |r|^n, \quad"
         r" r = 1 - \frac{\sigma_0 z}{\mu_k} \operatorname{sgn} v"
     )
     sources: ClassVar[tuple[str, ...]] = ("dahl1968",)
-    fit_order: ClassVar[tuple[str, ...]] = ("kinetic_coefficient", "bristle_stiffness")
+    fit_order: ClassVar[tuple[str, ...]] = (
+        "kinetic_coefficient",
+        "bristle_stiffness",
+        "viscous_coefficient",
+        "exponent",
+    )
 
     kinetic_coefficient: Annotated[float, Quantity("mu_k", above=0)]
     """Friction force over the normal force after long sliding."""
@@ -42,6 +49,8 @@ class Dahl(BristleLaw):
     """Slope of friction against displacement at the start, over the normal force."""
     exponent: Annotated[float, Quantity("n", above=0, structural=True)] = 1.0
     """Sharpness of yielding: 1 is Dahl's plain law, towards 0 elastic then perfectly plastic."""
+    viscous_coefficient: Annotated[float, Quantity("sigma_2", "N s/m", low=0)] = 0.0
+    """Growth of the friction force with the slip speed."""
 
     @classmethod
     def from_forces(
@@ -51,6 +60,7 @@ class Dahl(BristleLaw):
         kinetic_force: float,
         bristle_stiffness: float,
         exponent: float = 1.0,
+        viscous_coefficient: float = 0.0,
         static_switch: bool = False,
     ) -> Self:
         """Build the law from a force [N] and a stiffness [N/m] measured at a load [N]."""
@@ -59,13 +69,14 @@ class Dahl(BristleLaw):
             kinetic_coefficient=kinetic_force / load,
             bristle_stiffness=bristle_stiffness / load,
             exponent=exponent,
+            viscous_coefficient=viscous_coefficient,
             static_switch=static_switch,
         )
 
     @override
     def force(self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar) -> Scalar:
         (z,) = bristles
-        return self.bristle_stiffness * z * load
+        return self.bristle_stiffness * z * load + self.viscous_coefficient * velocity
 
     @override
     def bristle_rates(
@@ -78,7 +89,9 @@ class Dahl(BristleLaw):
 
     @override
     def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
-        return self.kinetic_coefficient * load * sign(velocity)
+        return (
+            self.kinetic_coefficient * load * sign(velocity) + self.viscous_coefficient * velocity
+        )
 
     @override
     def break_away(self, load: Scalar) -> Scalar:

@@ -10,7 +10,10 @@ from stickslip.friction.base import FrictionLaw
 from stickslip.friction.coulomb import Coulomb
 from stickslip.friction.coulomb_viscous import CoulombViscous
 from stickslip.friction.dahl import Dahl
+from stickslip.friction.direction_dependent import DirectionDependent
 from stickslip.friction.lugre import LuGre
+from stickslip.friction.power_viscous import PowerViscous
+from stickslip.friction.quadratic_drag import QuadraticDrag
 from stickslip.friction.stribeck import Stribeck
 from stickslip.friction.viscous import Viscous
 from stickslip.quantities import named
@@ -18,7 +21,20 @@ from stickslip.quantities import named
 __all__ = ["LAWS", "law_type", "laws"]
 
 LAWS: Mapping[str, type[FrictionLaw]] = MappingProxyType(
-    {law.name: law for law in (Coulomb, Viscous, CoulombViscous, Stribeck, Dahl, LuGre)}
+    {
+        law.name: law
+        for law in (
+            Coulomb,
+            Viscous,
+            CoulombViscous,
+            DirectionDependent,
+            PowerViscous,
+            QuadraticDrag,
+            Stribeck,
+            Dahl,
+            LuGre,
+        )
+    }
 )
 """The laws that come with the package, by kebab-case name."""
 

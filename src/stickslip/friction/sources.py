@@ -33,6 +33,16 @@ SOURCES = MappingProxyType(
             "C. Canudas de Wit, P. Tsiotras. Dynamic tire friction models for vehicle traction"
             " control. 38th IEEE Conference on Decision and Control, 1999."
         ),
+        "newton1687": "I. Newton. Philosophiae naturalis principia mathematica, book II. 1687.",
+        "bittencourt2012": (
+            "A. C. Bittencourt, S. Gunnarsson. Static friction in a robot joint: modeling and"
+            " identification of load and temperature effects. Journal of Dynamic Systems,"
+            " Measurement, and Control 134(5), 2012."
+        ),
+        "janot2019": (
+            "A. Janot, M. Gautier, M. Brunot. Data set and reference models of EMPS. Workshop on"
+            " Nonlinear System Identification Benchmarks, 2019."
+        ),
         "otter1999": (
             "M. Otter, H. Elmqvist, S. E. Mattsson. Hybrid modeling in Modelica based on the"
             " synchronous data flow principle. CACSD'99, Hawaii, 1999."

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.characterize import presliding_length, presliding_loop
-from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw
+from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
 from stickslip.plots.series import Array, Sizes, scale_of
 from stickslip.plots.svg import Draw
 from stickslip.plots.theme import C1, INK, LINE, MUTED, label_at
@@ -150,16 +150,22 @@ def _characteristic(law: FrictionLaw, load: float, v_max: float) -> tuple[Array,
     """Return velocity and force; at rest an upright line between the break-away levels."""
     # Closer towards zero, where a static surplus fades within millimetres a second.
     speed = v_max * np.concatenate([np.geomspace(1e-6, 0.02, 120), np.linspace(0.021, 1.0, 150)])
+    (back, held_back), (ahead, held) = (
+        _one_way(towards(law, direction), speed, load) for direction in (-1, 1)
+    )
+    v = np.concatenate([-speed[::-1], [0.0, 0.0], speed])
+    return v, np.concatenate([-back[::-1], [-held_back, held], ahead])
+
+
+def _one_way(law: FrictionLaw, speed: Array, load: float) -> tuple[Array, float]:
+    """Return the sizes of the force at slip speeds, and of what holds at rest."""
     if isinstance(law, SetValuedLaw):
         force = np.asarray(law.sliding(speed, load)) + np.zeros_like(speed)
-        held = float(law.break_away(load))
-    elif isinstance(law, BristleLaw):
+        return force, float(law.break_away(load))
+    if isinstance(law, BristleLaw):
         force = np.asarray(law.steady(speed, load)) + np.zeros_like(speed)
-        held = float(force[0])
-    else:
-        force, held = np.full_like(speed, np.nan), 0.0
-    v = np.concatenate([-speed[::-1], [0.0, 0.0], speed])
-    return v, np.concatenate([-force[::-1], [-held, held], force])
+        return force, float(force[0])
+    return np.full_like(speed, np.nan), 0.0
 
 
 def _say_break_away(axes: Axes, level: float) -> None:

@@ -20,6 +20,9 @@ from stickslip.solver import Progress
 
 __all__ = ["select"]
 
+PLAIN = ("coulomb", "viscous", "coulomb-viscous", "stribeck", "dahl", "lugre")
+"""What a few travels can be compared with: they have no direction and no more than a slope."""
+
 
 def select(
     mechanism: Mechanism,
@@ -40,7 +43,7 @@ def select(
         One travel or several trials.
     laws : mapping or sequence, optional
         The candidates; instances bring start values and assumptions, types take ordinary ones.
-        All registered laws if not given.
+        If not given, the six that the source paper compares.
     t_end : float
         Time after which a body counts as stopped [s].
     watch : callable, optional
@@ -99,7 +102,7 @@ def _named(
 ) -> dict[str, FrictionLaw]:
     if isinstance(laws, Mapping):
         return dict(laws)
-    chosen = list(LAWS.values()) if laws is None else list(laws)
+    chosen = [LAWS[name] for name in PLAIN] if laws is None else list(laws)
     made = [starting_law(law) if isinstance(law, type) else law for law in chosen]
     return {law.name: law for law in made}
 
@@ -110,7 +113,7 @@ def _ordinary(
     """Return the names of the laws whose values nobody gave."""
     if isinstance(laws, Mapping):
         return set()
-    chosen = list(LAWS.values()) if laws is None else list(laws)
+    chosen = [LAWS[name] for name in PLAIN] if laws is None else list(laws)
     return {law.name for law in chosen if isinstance(law, type)}
 
 

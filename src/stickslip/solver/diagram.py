@@ -6,7 +6,15 @@ from types import ModuleType
 from typing import Self
 
 from stickslip.formulation import formulate
-from stickslip.friction import BristleLaw, Coulomb, FrictionLaw, PrintedForm, SetValuedLaw
+from stickslip.friction import (
+    BristleLaw,
+    Coulomb,
+    DirectionalLaw,
+    FrictionLaw,
+    PrintedForm,
+    SetValuedLaw,
+    towards,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.equations import Equations
 from stickslip.solver.tables import gather
@@ -30,7 +38,7 @@ class Diagram:
         stand_in = Coulomb(kinetic_coefficient=0.0)
         model = formulate(mechanism, stand_in)
         equations = Equations(model, gather(mechanism, stand_in, model))
-        bristles = () if isinstance(law, SetValuedLaw) else _bristles(law)
+        bristles = _bristles(law)
         return cls(equations, law, bristles, equations.module.SLIP)
 
     @property
@@ -57,7 +65,7 @@ class Diagram:
             return self.law.force(v, z, normal, needed), normal
         if isinstance(self.law, BristleLaw):
             return self.law.force(v, z, normal), normal
-        assert isinstance(self.law, SetValuedLaw)
+        assert isinstance(self.law, SetValuedLaw | DirectionalLaw)
         return self.law.force(v, normal), normal
 
     def holds(self, t: float, y: Sequence[float]) -> bool:
@@ -68,7 +76,8 @@ class Diagram:
             return self.law.force(0.0, z, normal, needed) == needed
         if isinstance(self.law, BristleLaw) and not self.law.static_switch:
             return False
-        return bool(abs(needed) <= self.law.break_away(normal))
+        level = towards(self.law, 1 if needed > 0.0 else -1).break_away(normal)
+        return bool(abs(needed) <= level)
 
     def rates(self, t: float, y: Sequence[float], held: bool) -> list[float]:
         """Return the time derivatives of the state."""
@@ -79,7 +88,7 @@ class Diagram:
         if held:
             accelerations[self.slip - n] = 0.0
         bristle_rates: tuple[float, ...] = (0.0,) * len(z)
-        if z and not held and not isinstance(self.law, SetValuedLaw):
+        if z and not held and isinstance(self.law, BristleLaw | PrintedForm):
             bristle_rates = _bristle_rates(self.law, v, z, normal)
         return [*y[n : 2 * n], *accelerations, *bristle_rates]
 

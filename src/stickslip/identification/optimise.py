@@ -1,0 +1,205 @@
+"""Levenberg and Marquardt's least squares with bounds, from several starts."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import ConvergenceError
+from stickslip.identification.problem import Linearised, Problem
+from stickslip.identification.unknowns import Unknowns
+
+__all__ = ["Found", "Watch", "improve", "search", "step_of"]
+
+Array = NDArray[np.float64]
+Watch = Callable[[float], object]
+"""Called with the least root mean square so far; answers False to stop with what there is."""
+
+JITTER = 0.4
+"""Further starts are the first one times e^(+-JITTER), by coordinate."""
+AGREE = 0.01
+"""Starts agree if their costs differ by less than this share."""
+FLAT = 1e-4
+"""The search ends when a step lowers the cost by less than this share."""
+FURTHER = 4
+"""Starts added when the first ones disagree."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Found:
+    """The least cost found, and what each start came to."""
+
+    best: Linearised
+    costs: tuple[float, ...]
+    """Cost each start ended with, the first start first."""
+    values: Array
+    """Values each start ended with (starts, p)."""
+    evaluations: int
+    """How often the record was predicted."""
+    cancelled: bool = False
+
+    @property
+    def agreeing(self) -> int:
+        """How many starts came to the least cost."""
+        least = min(self.costs)
+        return sum(cost <= least * (1.0 + AGREE) for cost in self.costs)
+
+
+class _Stopped(Exception):
+    """The watcher does not want to go on."""
+
+
+@dataclass
+class _Counter:
+    watch: Watch | None
+    least: float = math.inf
+    count: int = 0
+
+    def __call__(self, seen: Linearised) -> None:
+        self.count += 1
+        self.least = min(self.least, seen.rms)
+        if self.watch is not None and self.watch(self.least) is False:
+            raise _Stopped
+
+
+def search(
+    problem: Problem,
+    *,
+    starts: int = 4,
+    seed: int = 0,
+    tried: Sequence[Array] = (),
+    watch: Watch | None = None,
+) -> Found:
+    """Return the least cost over several starts.
+
+    Parameters
+    ----------
+    problem : Problem
+        Its unknowns give the first start.
+    starts : int
+        Number of starts; as many as `FURTHER` more if they disagree.
+    seed : int
+        Of the jitter of further starts.
+    tried : sequence of array (p,)
+        Values known to be worth a start, used before jittered ones.
+    watch : callable, optional
+        Called with the least root mean square so far; False ends the search with the best so far.
+
+    Raises
+    ------
+    ConvergenceError
+        If the record cannot be predicted from any start.
+    """
+    unknowns, counter = problem.unknowns, _Counter(watch)
+    random = np.random.default_rng(seed)
+    ends: list[Linearised] = []
+    costs: list[float] = []
+    cancelled = False
+    wanted, number = starts, 0
+    while number < wanted and not cancelled:
+        values = _start(unknowns, number, tried, random)
+        number += 1
+        try:
+            end, cancelled = improve(problem, values, counter=counter)
+        except ConvergenceError:
+            costs.append(math.inf)
+            continue
+        ends.append(end)
+        costs.append(end.cost)
+        least = min(costs)
+        doubtful = sum(cost <= least * (1.0 + AGREE) for cost in costs) < (len(costs) + 1) // 2
+        if number == wanted == starts > 1 and doubtful:
+            wanted = starts + FURTHER
+    if not ends:
+        raise ConvergenceError(
+            f"the record cannot be predicted from any of {number} starts near"
+            f" {', '.join(f'{item.path} = {item.start:.3g}' for item in unknowns.items)}."
+        )
+    best = min(ends, key=lambda end: end.cost)
+    return Found(
+        best=best,
+        costs=tuple(costs),
+        values=np.array([end.values for end in ends]),
+        evaluations=counter.count,
+        cancelled=cancelled,
+    )
+
+
+def _start(
+    unknowns: Unknowns, number: int, tried: Sequence[Array], random: np.random.Generator
+) -> Array:
+    """Return the values of a start: the first one, those tried, then jittered ones."""
+    if number == 0:
+        return unknowns.start
+    if number <= len(tried):
+        return tried[number - 1]
+    factors = np.exp(JITTER * random.choice((-1.0, 1.0), size=len(unknowns)))
+    base = tried[(number - 1) % len(tried)] if tried else unknowns.start
+    return unknowns.values(unknowns.coordinates(base * factors))
+
+
+def improve(
+    problem: Problem,
+    values: Array,
+    *,
+    counter: Callable[[Linearised], None] | None = None,
+    rounds: int = 30,
+) -> tuple[Linearised, bool]:
+    """Descend from values (p,); return the end, and whether the watcher stopped it.
+
+    Raises
+    ------
+    ConvergenceError
+        If the record cannot be predicted at the start.
+    """
+    unknowns = problem.unknowns
+    low, high = unknowns.limits()
+    at = unknowns.coordinates(values)
+    here = problem.linearise(unknowns.values(at))
+    if not math.isfinite(here.cost):
+        raise ConvergenceError("the record cannot be predicted from this start.")
+    damping = 1e-3
+    try:
+        if counter is not None:
+            counter(here)
+        for _ in range(rounds):
+            table = here.slopes @ unknowns.slopes(at)
+            step, promised = step_of(table, here.residual, at, low, high, damping)
+            if promised <= FLAT * here.cost and damping <= 1e-3:
+                break
+            trial = np.clip(at + step, low, high)
+            there = problem.linearise(unknowns.values(trial), here)
+            if counter is not None:
+                counter(there)
+            gained = here.cost - there.cost
+            if math.isfinite(there.cost) and gained > 0.0:
+                damping = max(damping / 10.0, 1e-12)
+                at, here = trial, there
+                if gained <= FLAT * here.cost:
+                    break
+            else:
+                damping *= 10.0
+                if damping > 1e6 or promised <= FLAT * here.cost:
+                    break
+    except _Stopped:
+        return here, True
+    return here, False
+
+
+def step_of(
+    table: Array, residual: Array, at: Array, low: Array, high: Array, damping: float
+) -> tuple[Array, float]:
+    """Return a damped step (p,) that leaves no bound, and what it promises to take off the cost."""
+    slope = table.T @ residual
+    free = ~(((at <= low) & (slope < 0.0)) | ((at >= high) & (slope > 0.0)))
+    step = np.zeros_like(at)
+    if not free.any():
+        return step, 0.0
+    square = table[:, free].T @ table[:, free]
+    scale = np.maximum(np.diag(square), 1e-30 * max(float(np.trace(square)), 1e-300))
+    step[free] = np.linalg.lstsq(square + damping * np.diag(scale), slope[free], rcond=None)[0]
+    step = np.clip(at + step, low, high) - at
+    change = table @ step
+    return step, float(2.0 * residual @ change - change @ change)

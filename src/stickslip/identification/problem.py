@@ -1,0 +1,97 @@
+"""A record as residuals that depend on unknowns: what every route gives to the optimiser."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.identification.unknowns import Unknowns
+
+__all__ = ["Linearised", "Problem"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Linearised:
+    """Residuals and their slopes at some values, with what is local to a segment eliminated."""
+
+    values: Array
+    """Values of the unknowns (p,)."""
+    residual: Array
+    """Measured less predicted (n,); infinite where the prediction failed."""
+    slopes: Array
+    """Derivatives of the prediction by the values (n, p)."""
+    segment: NDArray[np.intp]
+    """Segment each row belongs to (n,)."""
+    memory: object = None
+    """What the problem wants to be handed when it linearises near by."""
+
+    @property
+    def cost(self) -> float:
+        """Sum of squares."""
+        return float(self.residual @ self.residual)
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals."""
+        return float(np.sqrt(self.cost / len(self.residual)))
+
+    def of(self, segments: NDArray[np.bool_]) -> "Linearised":
+        """Return the rows of some segments, given as a mask (segments,)."""
+        rows = segments[self.segment]
+        return Linearised(
+            values=self.values,
+            residual=self.residual[rows],
+            slopes=self.slopes[rows],
+            segment=self.segment[rows],
+        )
+
+
+class Problem(ABC):
+    """Residuals of one or several records as a function of unknowns, segment by segment."""
+
+    @property
+    @abstractmethod
+    def unknowns(self) -> Unknowns:
+        """What is looked for."""
+
+    @property
+    @abstractmethod
+    def spans(self) -> Array:
+        """Record, first and last time of each segment (segments, 3)."""
+
+    @property
+    @abstractmethod
+    def quantity(self) -> str:
+        """Name of what the residuals are of, as in `QUANTITIES`."""
+
+    @property
+    @abstractmethod
+    def times(self) -> Array:
+        """Time of each row (n,) [s]."""
+
+    @abstractmethod
+    def linearise(
+        self,
+        values: Array,
+        near: Linearised | None = None,
+        *,
+        only: Sequence[int] | None = None,
+        slopes: bool = True,
+    ) -> Linearised:
+        """Return residuals and slopes at values (p,).
+
+        Parameters
+        ----------
+        values : array (p,)
+            Values of the unknowns.
+        near : Linearised, optional
+            An earlier answer for near values, from which local states are carried on.
+        only : sequence of int, optional
+            Segments that are wanted; all if not given.
+        slopes : bool
+            Whether slopes are needed; zeros may stand for them if not.
+        """

@@ -1,0 +1,233 @@
+"""Multiple shooting: a record is simulated segment by segment, each from a state of its own.
+
+The initial states of segments are eliminated to first order: their part of the residuals is
+projected out, and they follow the other unknowns from one linearisation to the next.
+"""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.drives import Drive
+from stickslip.errors import ParameterError
+from stickslip.friction import FrictionLaw, bristles_of
+from stickslip.identification.problem import Linearised, Problem
+from stickslip.identification.unknowns import Unknowns
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import unchecked, vary
+from stickslip.solver import EventDriven
+from stickslip.trajectory import Trajectory
+
+__all__ = ["Segment", "Shooting"]
+
+Array = NDArray[np.float64]
+
+NEGLIGIBLE = 1e-7
+"""Singular values of the local states' slopes, over the largest, that are not told from 0."""
+SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_steps=200_000)
+"""Six digits below the noise of any record; the default would be twice as slow."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Segment:
+    """A stretch of a record and what drives the mechanism in it."""
+
+    record: int
+    """Which record it is of."""
+    start: float
+    """First time in the record [s]."""
+    mechanism: Mechanism
+    """As set in this record, with the drive of this stretch; times count from its start."""
+    times: Array
+    """Times (n,) [s] from the start, at which it is compared."""
+    measured: Array
+    """What was measured there (n,)."""
+    guess: Array
+    """First guess of coordinates and rates (m,)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Local:
+    """One segment, linearised: what is needed to carry its initial state on."""
+
+    state: Array
+    """Initial state (m,)."""
+    residual: Array
+    slopes: Array
+    """By the unknowns (n, p)."""
+    basis: Array
+    """Orthonormal columns of what initial states can do (n, r)."""
+    inverse: Array
+    """Initial state by residual (m, n)."""
+
+    def near(self, change: Array) -> Array:
+        """Return the initial state that fits best where the unknowns have changed by (p,)."""
+        return self.state + self.inverse @ (self.residual - self.slopes @ change)
+
+    def projected(self, columns: Array) -> Array:
+        """Return columns less what initial states can do."""
+        return columns - self.basis @ (self.basis.T @ columns)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Shooting(Problem):
+    """Positions (or velocities) of segments simulated with the measured drive."""
+
+    law: FrictionLaw
+    unknowns_: Unknowns
+    segments: tuple[Segment, ...]
+    quantity_: str = "position"
+    threads: int = 2
+    _paths: tuple[str, ...] = field(init=False, default=())
+
+    @property
+    @override
+    def unknowns(self) -> Unknowns:
+        return self.unknowns_
+
+    @property
+    @override
+    def quantity(self) -> str:
+        return self.quantity_
+
+    @property
+    @override
+    def spans(self) -> Array:
+        return np.array(
+            [[s.record, s.start + s.times[0], s.start + s.times[-1]] for s in self.segments]
+        )
+
+    @property
+    @override
+    def times(self) -> Array:
+        return np.concatenate([s.start + s.times for s in self.segments])
+
+    @override
+    def linearise(
+        self,
+        values: Array,
+        near: Linearised | None = None,
+        *,
+        only: Sequence[int] | None = None,
+        slopes: bool = True,
+    ) -> Linearised:
+        chosen = range(len(self.segments)) if only is None else only
+        known: Mapping[int, _Local] = near.memory if near is not None else {}  # type: ignore[assignment]
+        change = np.zeros(len(values)) if near is None else values - near.values
+        try:
+            law, mechanisms = self._changed(values)
+        except ParameterError:
+            return _failed(values, [self.segments[k] for k in chosen], chosen)
+
+        def one(k: int) -> _Local | None:
+            segment, mechanism = self.segments[k], mechanisms[id(self.segments[k].mechanism)]
+            before = known.get(k)
+            if before is not None:
+                return self._shot(segment, mechanism, law, before.near(change), slopes=slopes)
+            first = self._shot(segment, mechanism, law, self._first_state(segment, law), slopes=False)
+            if first is None:
+                return None
+            state = first.near(np.zeros(len(values)))
+            return self._shot(segment, mechanism, law, state, slopes=slopes)
+
+        with ThreadPoolExecutor(self.threads) as pool:
+            shots = list(pool.map(one, chosen))
+        return self._joined(values, chosen, shots)
+
+    def _changed(self, values: Array) -> tuple[FrictionLaw, Mapping[int, Mechanism]]:
+        """Return the law and, by identity, the segments' mechanisms with other values."""
+        pairs = dict(zip(self.unknowns.paths, map(float, values), strict=True))
+        own = {path: value for path, value in pairs.items() if path.startswith("mechanism.")}
+        law = vary(self.law, "friction", {p: v for p, v in pairs.items() if p not in own})
+        return law, {
+            id(s.mechanism): vary(s.mechanism, "mechanism", own) if own else s.mechanism
+            for s in self.segments
+        }
+
+    def _first_state(self, segment: Segment, law: FrictionLaw) -> Array:
+        return np.concatenate([segment.guess, np.zeros(len(bristles_of(law)))])
+
+    def _shot(
+        self,
+        segment: Segment,
+        mechanism: Mechanism,
+        law: FrictionLaw,
+        state: Array,
+        *,
+        slopes: bool,
+    ) -> _Local | None:
+        """Return a segment simulated from a state; None if the run fails."""
+        if not np.all(np.isfinite(state)):
+            return None
+        end = float(segment.times[-1])
+        run = SOLVER.run(mechanism, law, y0=state.tolist(), t_end=end)
+        if not run.status.complete:
+            return None
+        column = run.states.index(_state_of(mechanism, self.quantity))
+        paths = [*(self.unknowns.paths if slopes else ()), *(f"initial.{n}" for n in run.states)]
+        assert run.differentiate is not None
+        table = run.differentiate(segment.times, paths)[:, column, :]
+        table = np.where(np.isfinite(table), table, 0.0)
+        count = len(paths) - len(run.states)
+        own, local = table[:, :count], table[:, count:]
+        basis, inverse = _inverted(local)
+        return _Local(
+            state=state,
+            residual=segment.measured - _seen(run, segment.times, column),
+            slopes=own if slopes else np.zeros((len(segment.times), len(self.unknowns))),
+            basis=basis,
+            inverse=inverse,
+        )
+
+    def _joined(
+        self, values: Array, chosen: Sequence[int], shots: Sequence[_Local | None]
+    ) -> Linearised:
+        done = [shot for shot in shots if shot is not None]
+        if len(done) < len(shots):
+            return _failed(values, [self.segments[k] for k in chosen], chosen)
+        return Linearised(
+            values=values,
+            residual=np.concatenate([shot.projected(shot.residual) for shot in done]),
+            slopes=np.concatenate([shot.projected(shot.slopes) for shot in done]),
+            segment=np.repeat(chosen, [len(shot.residual) for shot in done]),
+            memory=dict(zip(chosen, done, strict=True)),
+        )
+
+
+def _state_of(mechanism: Mechanism, quantity: str) -> str:
+    """Return the name of the state that a quantity is of the slipping body."""
+    slip = mechanism.contacts()[0].slip
+    if quantity == "position":
+        return slip
+    return mechanism.rates[mechanism.coordinates.index(slip)]
+
+
+def _seen(run: Trajectory, times: Array, column: int) -> Array:
+    return run.at(times)[run.states[column]]
+
+
+def _inverted(local: Array) -> tuple[Array, Array]:
+    """Return the space of the columns (n, r), and what gives initial states by residuals (m, n)."""
+    scale = np.linalg.norm(local, axis=0)
+    scale[scale == 0.0] = 1.0
+    u, s, v = np.linalg.svd(local / scale, full_matrices=False)
+    kept = s > NEGLIGIBLE * s[0]
+    inverse = (v[kept].T / s[kept]) @ u[:, kept].T
+    return u[:, kept], inverse / scale[:, None]
+
+
+def _failed(values: Array, segments: Sequence[Segment], chosen: Sequence[int]) -> Linearised:
+    sizes = [len(s.times) for s in segments]
+    return Linearised(
+        values=values,
+        residual=np.full(sum(sizes), np.inf),
+        slopes=np.zeros((sum(sizes), len(values))),
+        segment=np.repeat(chosen, sizes),
+        memory={},
+    )
