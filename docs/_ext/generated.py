@@ -101,7 +101,7 @@ def printed_forms() -> Iterator[str]:
 def commands() -> Iterator[str]:
     """All commands of the command line, from the text of their own help."""
     group: Any = typer.main.get_command(command_line)
-    for name, command in group.commands.items():
+    for name, command in leaves(group):
         parameters = [parameter for parameter in command.params if parameter.name != "help"]
         places = [f"[{p.name.upper()}]" for p in parameters if is_argument(p)]
         options = [] if len(places) == len(parameters) else ["[OPTIONS]"]
@@ -111,6 +111,15 @@ def commands() -> Iterator[str]:
         if parameters:
             rows = ((called(p), p.help or "", preset(p)) for p in parameters)
             yield from table(("argument or option", "meaning", "default"), rows)
+
+
+def leaves(group: Any, above: str = "") -> Iterator[tuple[str, Any]]:
+    """Commands by all their words, those of groups too."""
+    for name, command in group.commands.items():
+        if hasattr(command, "commands"):
+            yield from leaves(command, f"{above}{name} ")
+        else:
+            yield above + name, command
 
 
 def is_argument(parameter: Any) -> bool:

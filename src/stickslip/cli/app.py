@@ -24,6 +24,7 @@ Set = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace a report that is already there.")]
 Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder of the report.")]
+Record = Annotated[str, typer.Argument(metavar="NAME", help="A record, see `data list`.")]
 Enforce = Annotated[
     bool, typer.Option("--enforce", help="Exit with 4 if a criterion of the paper fails.")
 ]
@@ -185,3 +186,39 @@ def cite(
     from stickslip.cli.cite import run
 
     run(laws or [], as_json=as_json)
+
+
+data = typer.Typer(
+    no_args_is_help=True, help="Public friction records: what there is, and where the files are."
+)
+app.add_typer(data, name="data")
+
+
+@data.command("list")
+def data_list(as_json: Json = False) -> None:
+    """List the records of the catalogue and where their files are."""
+    from stickslip.cli.data import run_list
+
+    run_list(as_json=as_json)
+
+
+@data.command("show")
+def data_show(name: Record, as_json: Json = False) -> None:
+    """Show a record in full: source, licence, columns, files, what is known."""
+    from stickslip.cli.data import run_show
+
+    run_show(name, as_json=as_json)
+
+
+@data.command("path")
+def data_path(
+    name: Record,
+    file: Annotated[
+        str | None, typer.Option("--file", help="One of its files; the first if not given.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Print the path of a record's table, downloading and converting it if necessary."""
+    from stickslip.cli.data import run_path
+
+    run_path(name, file, as_json=as_json)

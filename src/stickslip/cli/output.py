@@ -5,7 +5,7 @@ import json
 import math
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -47,8 +47,17 @@ def note(text: str) -> None:
     stderr().print(text, markup=False)
 
 
-def show_table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Print a table; what looks like markup of the console is text."""
+def show_table(
+    title: str,
+    heads: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    *,
+    whole: Collection[str] = (),
+) -> None:
+    """Print a table; what looks like markup of the console is text.
+
+    Cells below the heads in `whole` are never broken, so that they can be copied.
+    """
     table = Table(
         title=Text(title) if title else None,
         title_justify="left",
@@ -58,7 +67,12 @@ def show_table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) 
     )
     for i, head in enumerate(heads):
         numeric = all(_is_number(row[i]) for row in rows)
-        table.add_column(Text(head), justify="right" if numeric else "left", overflow="fold")
+        table.add_column(
+            Text(head),
+            justify="right" if numeric else "left",
+            overflow="fold",
+            no_wrap=head in whole,
+        )
     for row in rows:
         table.add_row(*map(Text, row))
     stdout().print(table)

@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.drives import Drive
 from stickslip.errors import ParameterError
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.identification.problem import Linearised, Problem
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import unchecked, vary
+from stickslip.quantities import vary
 from stickslip.solver import EventDriven
 from stickslip.trajectory import Trajectory
 
@@ -130,7 +129,9 @@ class Shooting(Problem):
             before = known.get(k)
             if before is not None:
                 return self._shot(segment, mechanism, law, before.near(change), slopes=slopes)
-            first = self._shot(segment, mechanism, law, self._first_state(segment, law), slopes=False)
+            first = self._shot(
+                segment, mechanism, law, self._first_state(segment, law), slopes=False
+            )
             if first is None:
                 return None
             state = first.near(np.zeros(len(values)))

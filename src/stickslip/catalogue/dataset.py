@@ -1,0 +1,255 @@
+"""A record of the catalogue: what is known of it, and its files where they are wanted."""
+
+import dataclasses
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Literal, final
+
+from stickslip.catalogue.convert import convert
+from stickslip.catalogue.entry import Column, DataFile, Known
+from stickslip.catalogue.fetch import download, sha256_of
+from stickslip.catalogue.places import (
+    Place,
+    by_hand,
+    cache_folder,
+    named_folder,
+    web_address,
+)
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.experiments import Measurement, load_measurement
+
+__all__ = ["Dataset"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Dataset:
+    """A record of the catalogue.
+
+    Examples
+    --------
+    >>> from stickslip import catalogue
+    >>> axis = catalogue.dataset("emps")
+    >>> axis.kind, list(axis.files), axis.licence
+    ('measured', ['train'], 'none stated: read, never copy')
+    """
+
+    name: str
+    title: str
+    kind: Literal["measured", "reference simulation"]
+    citation: str
+    licence: str
+    """As stated upstream; "none stated: read, never copy" where nothing is."""
+    repository: str
+    """Owner and name on GitHub."""
+    commit: str = ""
+    """Commit of the upstream files; empty where the catalogue cannot fetch them."""
+    format: str = ""
+    """Of the upstream files: ``"mat"`` or ``"tsv"``."""
+    sampling: str = ""
+    columns: tuple[Column, ...]
+    files: Mapping[str, DataFile]
+    """By name; the first is taken where none is named."""
+    load: float | None = None
+    """Normal force of a measurement [N] where no column has it."""
+    known: Known = field(default_factory=lambda: MappingProxyType({}))
+    """What is known of the experiment."""
+    published: Mapping[str, Known] = field(default_factory=lambda: MappingProxyType({}))
+    """Results that others printed, by method."""
+    notes: str = ""
+
+    def file(self, name: str | None = None) -> DataFile:
+        """Return what is known of a file, of the first if none is named.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such file.
+
+        Examples
+        --------
+        >>> from stickslip import catalogue
+        >>> catalogue.dataset("spring_pulled_slider").file("k168_v4300").rows
+        7521
+        """
+        name = next(iter(self.files)) if name is None else name
+        if name not in self.files:
+            raise UnknownNameError(f"file of {self.name}", name, self.files)
+        return self.files[name]
+
+    def folder(self) -> Path:
+        """Return the folder of the cache where files of this record are kept.
+
+        A file fetched by hand is put there; it is converted when it is asked for.
+
+        Examples
+        --------
+        >>> from stickslip import catalogue
+        >>> catalogue.dataset("emps").folder().parts[-2:]
+        ('emps', '956aa7ecd730')
+        """
+        # A later catalogue may point to a later commit, whose tables are others.
+        return cache_folder() / self.name / self.commit[:12]
+
+    def place(self, file: str | None = None) -> Place:
+        """Return where a file is, without fetching it.
+
+        Examples
+        --------
+        >>> from stickslip import catalogue
+        >>> catalogue.dataset("emps").place() in catalogue.Place
+        True
+        """
+        wanted = self.file(file)
+        if self._own(wanted) is not None:
+            return Place.LOCAL
+        if not wanted.source:
+            return Place.ELSEWHERE
+        there = (self.folder() / wanted.file_name, self._raw(wanted))
+        return Place.CACHED if any(path.is_file() for path in there) else Place.UPSTREAM
+
+    def path(self, file: str | None = None, *, report: Callable[[str], None] | None = None) -> Path:
+        """Return a file of this record, after downloading and converting it if necessary.
+
+        The folder named by ``STICKSLIP_DATA`` comes first, as ``<folder>/<name>/<file>.parquet``;
+        then the user's cache; then the upstream repository, or the server that
+        ``STICKSLIP_DATA_URL`` names in its place.
+
+        Parameters
+        ----------
+        file : str, optional
+            One of `files`; the first if not given.
+        report : callable, optional
+            Is told before something is downloaded.
+
+        Returns
+        -------
+        Path
+            A table with the columns of `columns`.
+
+        Raises
+        ------
+        InputError
+            If the file can neither be found nor downloaded; the message says where to get it and
+            where to put it.
+
+        Warns
+        -----
+        UserWarning
+            If a file under ``STICKSLIP_DATA`` is not the one that the catalogue knows.
+
+        Examples
+        --------
+        >>> from tempfile import TemporaryDirectory
+        >>> from unittest.mock import patch
+        >>> from stickslip import catalogue
+        >>> record = catalogue.dataset("rate_and_state_reference")
+        >>> with TemporaryDirectory() as own, patch.dict("os.environ", STICKSLIP_DATA=own):
+        ...     Path(own, record.name).mkdir()
+        ...     Path(own, record.name, "truth.json").touch()
+        ...     record.path().name
+        'truth.json'
+        """
+        wanted = self.file(file)
+        own = self._own(wanted)
+        if own is not None:
+            _compare(own, wanted)
+            return own
+        target = self.folder() / wanted.file_name
+        if wanted.source and target.is_file():
+            return target
+        raw = self._upstream(wanted, report)
+        convert(raw, target, form=self.format, columns=self.columns, file=wanted)
+        return target
+
+    def measurement(self, file: str | None = None) -> Measurement:
+        """Return a file as a measurement in SI; it is downloaded if necessary.
+
+        Parameters
+        ----------
+        file : str, optional
+            One of `files`; the first if not given.
+
+        Returns
+        -------
+        Measurement
+            With the quantities that `columns` names, each by its gain.
+
+        Raises
+        ------
+        InputError
+            If this is a reference simulation, or the file cannot be had.
+
+        Examples
+        --------
+        >>> from tempfile import TemporaryDirectory
+        >>> from unittest.mock import patch
+        >>> import pandas as pd
+        >>> from stickslip import catalogue
+        >>> record = catalogue.dataset("reciprocating_tribometer")
+        >>> table = {"t_s": [0.0, 0.1], "normal_N": [5.0, 5.0], "x_m": [0.0, 1e-3]}
+        >>> with TemporaryDirectory() as own, patch.dict("os.environ", STICKSLIP_DATA=own):
+        ...     file = Path(own, record.name, "record.parquet")
+        ...     file.parent.mkdir()
+        ...     pd.DataFrame({**table, "friction_N": [-2.0, -2.5]}).to_parquet(file)
+        ...     record.measurement("record").friction
+        array([2. , 2.5])
+        """
+        wanted = self.file(file)
+        if self.kind != "measured":
+            raise InputError(
+                f"{self.name} is a reference simulation and no measurement: read its table itself,"
+                f" which is at catalogue.dataset({self.name!r}).path()."
+            )
+        used = [column for column in self.columns if column.quantity]
+        measurement = load_measurement(
+            self.path(file),
+            columns={column.quantity: column.name for column in used},
+            gain={column.quantity: column.gain for column in used if column.gain != 1.0},
+            name=f"{self.name} {wanted.name}",
+        )
+        return (
+            measurement if self.load is None else dataclasses.replace(measurement, load=self.load)
+        )
+
+    def _own(self, file: DataFile) -> Path | None:
+        """Return the file under ``STICKSLIP_DATA``, if it is there."""
+        folder = named_folder()
+        path = folder / self.name / file.file_name if folder else None
+        return path if path is not None and path.is_file() else None
+
+    def _raw(self, file: DataFile) -> Path:
+        return self.folder() / Path(file.source).name
+
+    def _upstream(self, file: DataFile, report: Callable[[str], None] | None) -> Path:
+        """Return the upstream file, downloaded unless it is there with its checksum."""
+        if not file.source:
+            raise InputError(
+                f"{self.name}: {file.file_name} is not where STICKSLIP_DATA says"
+                f" ({named_folder() or 'it names no folder'}), and the catalogue cannot download"
+                f" it. It was made from {self.repository} by hand: put it into the folder"
+                f" {self.name} of the folder that STICKSLIP_DATA names."
+            )
+        raw = self._raw(file)
+        if raw.is_file() and sha256_of(raw) == file.source_sha256:
+            return raw
+        url = web_address(self.repository, self.commit, file.source)
+        if report is not None:
+            report(f"Downloading {raw.name} from {url}")
+        page = by_hand(self.repository, self.commit, file.source)
+        download(url, raw, file.source_sha256, page=page)
+        return raw
+
+
+def _compare(path: Path, file: DataFile) -> None:
+    """Warn of a file that is not the one whose results are known."""
+    found = sha256_of(path) if file.sha256 else ""
+    if found != file.sha256:
+        warnings.warn(
+            f"{path} is not the file that the catalogue knows: its sha256 is {found}, that of the"
+            f" known file {file.sha256}. It is used as it is; published results may not hold.",
+            stacklevel=3,
+        )

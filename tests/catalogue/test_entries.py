@@ -1,0 +1,101 @@
+"""The entries: complete, consistent in themselves, and lighter than what they lead to."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from stickslip import catalogue
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.experiments import QUANTITIES
+
+RECORDS = [catalogue.dataset(name) for name in catalogue.names()]
+MEASURED = [record for record in RECORDS if record.kind == "measured"]
+FILES = [(record, file) for record in RECORDS for file in record.files.values()]
+SHA256 = re.compile(r"[0-9a-f]{64}")
+
+
+def name_of(value):
+    return getattr(value, "name", None)
+
+
+def test_names_are_in_order_and_hold_measured_and_simulated_records():
+    assert list(catalogue.names()) == sorted(catalogue.names())
+    assert {record.kind for record in RECORDS} == {"measured", "reference simulation"}
+    assert [record.name for record in MEASURED] == [
+        "emps",
+        "reciprocating_tribometer",
+        "rock_velocity_step",
+        "spring_pulled_slider",
+    ]
+
+
+@pytest.mark.parametrize("record", RECORDS, ids=name_of)
+def test_a_record_says_whose_it_is_and_under_which_licence(record):
+    assert record.title
+    assert record.citation
+    assert record.licence
+    assert re.fullmatch(r"[\w.-]+/[\w.-]+", record.repository)
+    assert record.files
+    assert record.columns
+
+
+@pytest.mark.parametrize("record", MEASURED, ids=name_of)
+def test_a_measured_record_can_be_fetched_and_converted(record):
+    assert re.fullmatch(r"[0-9a-f]{40}", record.commit)
+    assert record.format in {"mat", "tsv"}
+    assert all(column.source for column in record.columns)
+    assert all(SHA256.fullmatch(file.source_sha256) for file in record.files.values())
+
+
+@pytest.mark.parametrize("record", MEASURED, ids=name_of)
+def test_columns_are_quantities_of_a_measurement_each_once(record):
+    quantities = [column.quantity for column in record.columns if column.quantity]
+    assert set(quantities) <= {"time", *QUANTITIES}
+    assert "time" in quantities
+    assert len(quantities) == len(set(quantities)) >= 2
+
+
+@pytest.mark.parametrize(("record", "file"), FILES, ids=name_of)
+def test_a_part_says_how_many_rows_it_has(record, file):
+    assert file.about
+    assert file.rows is not None or not file.part
+    assert not file.sha256 or SHA256.fullmatch(file.sha256)
+
+
+def test_a_record_without_a_licence_is_said_to_be_one():
+    unlicensed = [one.name for one in RECORDS if one.licence.startswith("none stated: read, never")]
+    assert unlicensed == [
+        "emps",
+        "modelica_brake",
+        "modelica_coupled_clutches",
+        "modelica_friction",
+    ]
+
+
+def test_the_package_holds_entries_and_no_records():
+    folder = Path(catalogue.__path__[0])
+    assert {path.suffix for path in folder.rglob("*") if path.is_file()} <= {".py", ".pyc", ".toml"}
+
+
+def test_an_unknown_record_lists_the_nearest():
+    with pytest.raises(UnknownNameError, match=r"'emsp'\. Did you mean 'emps'\?"):
+        catalogue.dataset("emsp")
+
+
+def test_a_reference_simulation_is_no_measurement():
+    with pytest.raises(InputError, match="modelica_brake is a reference simulation"):
+        catalogue.dataset("modelica_brake").measurement()
+
+
+def test_reading_the_catalogue_loads_no_library_of_data_or_networks():
+    code = (
+        "from stickslip import catalogue; import sys;"
+        "[catalogue.dataset(name).place() for name in catalogue.names()]; print(*sys.modules)"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert {"pandas", "pooch", "pyarrow", "requests", "scipy"}.isdisjoint(run.stdout.split())
