@@ -12,8 +12,8 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     help="Which friction model fits a mechanism, with which parameters, and how surely.",
-    epilog="Exit codes: 0 done, 2 bad input, 3 no convergence or no law fits, 4 criteria failed,"
-    " 130 cancelled.",
+    epilog="Exit codes: 0 done, 2 bad input or data, 3 no convergence or no law fits,"
+    " 4 criteria failed, 130 cancelled.",
 )
 
 Rig = Annotated[Path | None, typer.Argument(help="Rig file (TOML); the paper's rig if not given.")]
@@ -67,6 +67,41 @@ def select(
     from stickslip.cli.select import run
 
     run(rig, data, changes or [], laws, output, force=force, as_json=as_json, enforce=enforce)
+
+
+@app.command()
+def check(
+    files: Annotated[
+        list[Path],
+        typer.Argument(metavar="FILE", help="CSV, Parquet or MATLAB files; several are trials."),
+    ],
+    columns: Annotated[
+        list[str] | None,
+        typer.Option("--columns", metavar="NAME=COLUMN,...", help="E.g. position=q,force=u."),
+    ] = None,
+    units: Annotated[
+        list[str] | None,
+        typer.Option("--unit", metavar="NAME=UNIT,...", help="Of columns, e.g. position=mm."),
+    ] = None,
+    gain: Annotated[
+        list[str] | None,
+        typer.Option("--gain", metavar="NAME=FACTOR,...", help="To SI, e.g. force=35.15."),
+    ] = None,
+    repair: Annotated[
+        list[str] | None,
+        typer.Option("--repair", metavar="sort,gaps", help="Order the times, drop what is empty."),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder for a picture and the findings.")
+    ] = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Say what a measurement can tell and what is wrong with it; exit with 2 at an error."""
+    from stickslip.cli.check import Reading, run
+
+    reading = Reading(columns=columns, units=units, gain=gain, repair=repair)
+    run(files, reading, output, force=force, as_json=as_json)
 
 
 @app.command()

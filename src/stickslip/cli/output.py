@@ -148,13 +148,14 @@ def refuse_overwriting(path: Path, folder: Path, *, force: bool) -> None:
                 part.rmdir()
 
 
-def write_folder(folder: Path, files: Mapping[str, str]) -> None:
-    """Write text files into a folder; each appears whole, and all were made before the first."""
+def write_folder(folder: Path, files: Mapping[str, str | bytes]) -> None:
+    """Write files into a folder; each appears whole, and all were made before the first."""
     made: dict[Path, Path] = {}
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in files.items():
-            made[folder / name] = _beside(folder / name, text.encode("utf-8"))
+            content = text if isinstance(text, bytes) else text.encode("utf-8")
+            made[folder / name] = _beside(folder / name, content)
         for path, temporary in made.items():
             temporary.replace(path)
     except OSError as error:

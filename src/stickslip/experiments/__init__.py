@@ -1,5 +1,6 @@
-"""Experiments: rigs, measurements and trials, read from files or built from arrays."""
+"""Experiments: rigs, measurements and trials, from files or arrays, and what is wrong with them."""
 
+from stickslip.experiments.checks import Checks, Finding, check
 from stickslip.experiments.load import load_rig, rig_schema
 from stickslip.experiments.measurement import QUANTITIES, Measurement
 from stickslip.experiments.records import load_measurement
@@ -7,9 +8,12 @@ from stickslip.experiments.rig import Published, Rig
 
 __all__ = [
     "QUANTITIES",
+    "Checks",
+    "Finding",
     "Measurement",
     "Published",
     "Rig",
+    "check",
     "load_measurement",
     "load_rig",
     "rig_schema",

@@ -1,8 +1,6 @@
-"""Columns of CSV and Parquet files, by the quantity they hold."""
+"""Columns of CSV, Parquet and MATLAB files, by the quantity they hold."""
 
-import csv
 import re
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +11,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.toml import check_file, decode
+from stickslip.experiments.matlab import read_mat
+from stickslip.experiments.texts import read_text
+from stickslip.experiments.toml import check_file
 from stickslip.experiments.units import factor, shown
 
 __all__ = ["Frame", "read_frame"]
@@ -53,18 +53,29 @@ class Frame:
         """
         return self.scaled(name, self.raw(name), target)
 
-    def raw(self, name: str) -> NDArray[np.float64]:
-        """Return a column (n,) as the numbers that stand there, all finite."""
+    def raw(
+        self, name: str, *, holes: bool = False, repairable: bool = False
+    ) -> NDArray[np.float64]:
+        """Return a column (n,) as the numbers that stand there.
+
+        All are finite, unless `holes` lets cells be empty, NaN or infinite. `repairable` says that
+        the caller has an option that would.
+        """
         column = self.data[self.names[name]]
         values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
-        bad = np.flatnonzero(~np.isfinite(values))
+        wrong = ~np.isfinite(values)
+        if holes:  # what is a number or nothing at all may stay
+            wrong &= column.notna().to_numpy() & np.isnan(values)
         if _is_other(column):
-            bad = np.arange(len(column))
+            wrong = np.ones(len(column), dtype=bool)
+        bad = np.flatnonzero(wrong)
         if bad.size:
             cell = column.iloc[int(bad[0])]
             got = "nothing" if pd.isna(cell) else shown(cell)
+            hole = pd.isna(cell) or not np.isnan(values[bad[0]])
+            cure = ' To drop such samples give repair="gaps".' if repairable and hole else ""
             raise ParameterError(
-                f"{self.place(name, int(bad[0]))}: must be a finite number, got {got}."
+                f"{self.place(name, int(bad[0]))}: must be a finite number, got {got}.{cure}"
             )
         return values
 
@@ -101,56 +112,20 @@ def read_frame(path: str | Path, *, columns: Mapping[str, str], units: Mapping[s
     file, suffix = str(path), Path(path).suffix.lower()
     first_row = 1
     if suffix in {".csv", ".tsv", ".txt"}:
-        data, first_row = _csv(Path(path))
+        data, first_row = read_text(Path(path))
     elif suffix in {".parquet", ".pq"}:
         data = _parquet(Path(path))
+    elif suffix == ".mat":
+        data = read_mat(Path(path), set(columns.values()))
     else:
         raise InputError(
-            f"{file}: must be a .csv, .tsv, .txt or .parquet file, got {suffix or 'no ending'}."
+            f"{file}: must be a .csv, .tsv, .txt, .parquet or .mat file, got"
+            f" {suffix or 'no ending'}."
             " Save a spreadsheet as CSV."
         )
     if data.empty:
         raise InputError(f"{file}: has no rows.")
     return _named(file, data, first_row, columns, units)
-
-
-def _csv(path: Path) -> tuple[pd.DataFrame, int]:
-    """Return a CSV table and the line of its first row; lines before the header may be comments."""
-    try:
-        lines = decode(path.read_bytes(), str(path)).splitlines()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}.") from None
-    start = next((i for i, line in enumerate(lines) if line.strip() and line[0] != "#"), None)
-    if start is None:
-        raise InputError(f"{path}: has no header.")
-    header, sample = lines[start], "\n".join(lines[start + 1 : start + 20])
-    separator = max(",;\t", key=header.count)
-    comma = separator != "," and re.search(r"\d,\d", sample) is not None
-    names = next(csv.reader([header], delimiter=separator))
-    twice = [name for name in names if names.count(name) > 1]
-    if twice:
-        raise InputError(f"{path}: two columns are called {twice[0]!r}.")
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", pd.errors.ParserWarning)
-            data = pd.read_csv(
-                path,
-                sep=separator,
-                decimal="," if comma else ".",
-                skiprows=start,
-                index_col=False,
-                low_memory=False,
-                skip_blank_lines=False,
-                encoding="utf-8-sig",
-            )
-    except (pd.errors.ParserError, pd.errors.ParserWarning, ValueError) as error:
-        reason = str(error).strip().splitlines()[0].rstrip(".")
-        raise InputError(
-            f"{path}: rows and header do not fit ({reason}). Every row needs"
-            f" {len(names)} cells, parted by {separator!r}."
-        ) from None
-    data = data[[column for column, name in zip(data, names, strict=True) if name.strip()]]
-    return data.dropna(how="all"), start + 2
 
 
 def _parquet(path: Path) -> pd.DataFrame:

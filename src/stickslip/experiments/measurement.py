@@ -294,7 +294,8 @@ def _check_time(record: Measurement, sizes: Mapping[str, int]) -> None:
         i = int(late[0])
         raise InputError(
             f"Measurement.time (t) [s] must increase strictly, got {time[i]:.12g} before"
-            f" {time[i + 1]:.12g} at index {i + 1}. Sort the samples and remove doubles."
+            f" {time[i + 1]:.12g} at index {i + 1}. Sort the samples and remove doubles; a"
+            ' file is read so with repair="sort".'
         )
 
 

@@ -1,11 +1,14 @@
-"""Measurements from CSV and Parquet files: a record in time, or a table of trials."""
+"""Measurements from CSV, Parquet and MATLAB files: a record in time, or a table of trials."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.measurement import QUANTITIES, SAMPLED, Measurement, Uncertainty
+from stickslip.experiments.repair import Repair, repaired, repairs
+from stickslip.experiments.units import shown
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 
@@ -16,7 +19,7 @@ __all__ = ["load_measurement"]
 
 
 def load_measurement(
-    path: str | Path,
+    path: str | Path | Iterable[str | Path],
     *,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
@@ -28,20 +31,24 @@ def load_measurement(
     offset: Mapping[str, float] | None = None,
     name: str = "",
     mechanism: Mechanism | None = None,
+    repair: Repair | Sequence[Repair] | None = None,
 ) -> Measurement:
-    r"""Read a measurement from a CSV or Parquet file.
+    r"""Read a measurement from a CSV, Parquet or MATLAB file, or its trials from several.
 
     A file with a column ``travel`` and without time is a table of trials, one a row. Its other
     columns may be ``uncertainty``, ``uncertainty_kind``, ``name``, ``provenance``, ``initial.x``
     and the like, and parameter paths such as ``mechanism.compression``. Every other file is one
-    record, with the columns ``time``, ``position``, ``velocity``, ``force``, ``friction``; what
-    else it has is left alone. A header may carry its unit, as ``travel [mm]``; without one, and
-    without an entry in `units`, numbers are in SI.
+    record, with the columns ``time``, ``position``, ``velocity``, ``force``, ``friction``,
+    ``load``, ``spring_force``, ``pull``, ``reference``; what else it has is left alone. A header
+    may carry its unit, as ``travel [mm]``; without one, and without an entry in `units`, numbers
+    are in SI. The columns of a MATLAB file are its vectors of one length; a field of a struct is
+    called ``struct.field``.
 
     Parameters
     ----------
-    path : str or Path
-        A ``.csv``, ``.tsv``, ``.txt`` or ``.parquet`` file.
+    path : str, Path or iterable of these
+        A ``.csv``, ``.tsv``, ``.txt``, ``.parquet`` or ``.mat`` file. Several files make a
+        measurement with several trials, each called like its file.
     columns : mapping of str to str, optional
         Quantity or parameter path -> name of its column, where they differ. A record then has
         these columns and those whose names fit; a column is used once.
@@ -51,12 +58,17 @@ def load_measurement(
         By quantity of a record, the factor that makes SI of its column's numbers: newtons per
         volt of an amplifier and its motor, or -1 for a sensor that counts the other way.
     uncertainty, uncertainty_kind, overrides, initial, offset
-        As in `Measurement`, in SI; for a table of trials, of every trial that says nothing else.
+        As in `Measurement`, in SI; for several trials, of every one that says nothing else.
     name : str
         What the measurement is called; the file's name if not given.
     mechanism : Mechanism, optional
         Checks parameter paths and the units of their columns at once, and lets the plain last name
         of a parameter stand for its path.
+    repair : {"sort", "gaps"} or sequence of these, optional
+        ``"sort"``: order the samples of a record by time, drop those that are there twice, and
+        average those of one time that differ. ``"gaps"``: drop samples that are not finite in
+        every column. What was done stands in `Measurement.provenance`. Nothing is repaired unless
+        it is asked for.
 
     Returns
     -------
@@ -66,7 +78,7 @@ def load_measurement(
     Raises
     ------
     InputError
-        If the file cannot be read or used; the message names file, column and row.
+        If a file cannot be read or used; the message names file, column and row.
 
     Examples
     --------
@@ -79,11 +91,6 @@ def load_measurement(
     >>> [(trial.travel, dict(trial.overrides)) for trial in trials]
     [(0.072, {'mechanism.compression': 0.06}), (0.2, {'mechanism.compression': 0.1})]
     """
-    # Imported here so that measurements built in Python do without pandas.
-    from stickslip.experiments.frames import read_frame
-    from stickslip.experiments.trials import read_trials
-
-    frame = read_frame(path, columns=columns or {}, units=units or {})
     common: dict[str, Any] = {
         "uncertainty_kind": uncertainty_kind,
         "overrides": overrides or {},
@@ -92,38 +99,95 @@ def load_measurement(
     }
     if uncertainty is not None:
         common["uncertainty"] = uncertainty
-    name = name or Path(path).stem
-    try:
-        if "travel" in frame.names and "time" not in frame.names:
-            return read_trials(frame, common, name, mechanism)
-        return _record(frame, gain or {}, common, name)
-    except UnknownNameError:
-        raise
-    except InputError as error:
-        text = str(error)
-        raise type(error)(
-            text if text.startswith(frame.file) else f"{frame.file}: {text}"
-        ) from None
+    reading = _Reading(
+        columns=columns or {},
+        units=units or {},
+        gain=gain or {},
+        common=common,
+        mechanism=mechanism,
+        repair=repairs(repair),
+    )
+    if isinstance(path, str | Path) or not isinstance(path, Iterable):
+        return reading.one(path, name)
+    return reading.several(list(path), name)
 
 
-def _record(
-    frame: "Frame", gain: Mapping[str, float], common: Mapping[str, Any], name: str
-) -> Measurement:
-    """Return the record of a file, all columns that are quantities converted to SI."""
-    values: dict[str, Any] = {}
-    for quantity, unit in {"time": "s", **{key: QUANTITIES[key].unit for key in SAMPLED}}.items():
-        if quantity in frame.names and quantity in gain:
-            factor = Quantity("g", "").check("gain", quantity, gain[quantity])
-            values[quantity] = factor * frame.raw(quantity)
-        elif quantity in frame.names:
-            values[quantity] = frame.numbers(quantity, unit)
-    for quantity in gain:
-        if quantity not in values:
-            raise UnknownNameError("quantity in gain", quantity, values)
-    if not set(values) - {"time"}:
-        listed = ", ".join(map(repr, list(frame.names)[:12]))
-        raise InputError(
-            f"{frame.file}: no column is called {', '.join(SAMPLED)} or travel; it has {listed}."
-            ' Say which is which, as columns={"position": "..."}.'
-        )
-    return Measurement(**values, **common, name=name, provenance=Path(frame.file).name)
+@dataclass(frozen=True, kw_only=True)
+class _Reading:
+    """How files are read."""
+
+    columns: Mapping[str, str]
+    units: Mapping[str, str]
+    gain: Mapping[str, float]
+    common: Mapping[str, Any]
+    mechanism: Mechanism | None
+    repair: tuple[Repair, ...]
+
+    def several(self, paths: Sequence[str | Path], name: str) -> Measurement:
+        """Return the trials of several files, each called like its file."""
+        if not paths:
+            raise InputError("load_measurement needs at least one file, got an empty list.")
+        stems = [Path(path).stem for path in paths]
+        # Files of one name in several folders are told apart by these.
+        names = stems if len(set(stems)) == len(stems) else [str(path) for path in paths]
+        read = [self.one(path, own) for path, own in zip(paths, names, strict=True)]
+        trials = tuple(record for one in read for record in one.records())
+        return Measurement(trials=trials, name=name)
+
+    def one(self, path: str | Path, name: str) -> Measurement:
+        """Return the measurement of one file."""
+        # Imported here so that measurements built in Python do without pandas.
+        from stickslip.experiments.frames import read_frame
+        from stickslip.experiments.trials import read_trials
+
+        frame = read_frame(path, columns=self.columns, units=self.units)
+        name = name or Path(path).stem
+        try:
+            if "travel" in frame.names and "time" not in frame.names:
+                if self.repair:
+                    raise InputError("repair is for records in time, not for tables of trials.")
+                return read_trials(frame, self.common, name, self.mechanism)
+            return self._record(frame, name)
+        except UnknownNameError:
+            raise
+        except InputError as error:
+            text = str(error)
+            raise type(error)(
+                text if text.startswith(frame.file) else f"{frame.file}: {text}"
+            ) from None
+
+    def _record(self, frame: "Frame", name: str) -> Measurement:
+        """Return the record of a file, all columns that are quantities converted to SI."""
+        wanted = {"time": "s", **{key: QUANTITIES[key].unit for key in SAMPLED}}
+        factors = {
+            quantity: Quantity("g", "").check("gain", quantity, factor)
+            for quantity, factor in self.gain.items()
+        }
+        values: dict[str, Any] = {}
+        for quantity in wanted:
+            if quantity in frame.names:
+                holes = "gaps" in self.repair
+                values[quantity] = frame.raw(quantity, holes=holes, repairable=True)
+        for quantity in factors:
+            if quantity not in values:
+                raise UnknownNameError("quantity in gain", quantity, values)
+        if not set(values) - {"time"}:
+            raise InputError(_nothing_known(frame))
+        done: tuple[str, ...] = ()
+        if self.repair:
+            values, done = repaired(values, self.repair)
+        for quantity, numbers in values.items():
+            if quantity in factors:
+                values[quantity] = factors[quantity] * numbers
+            else:
+                values[quantity] = frame.scaled(quantity, numbers, wanted[quantity])
+        origin = "; ".join([Path(frame.file).name, *done])
+        return Measurement(**values, **self.common, name=name, provenance=origin)
+
+
+def _nothing_known(frame: "Frame") -> str:
+    listed = ", ".join(map(shown, list(frame.names)[:12]))
+    return (
+        f"{frame.file}: no column is called {', '.join(SAMPLED)} or travel; it has {listed}."
+        ' Say which is which, as columns={"position": "..."}.'
+    )

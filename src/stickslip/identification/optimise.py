@@ -47,7 +47,7 @@ class Found:
         return sum(cost <= least * (1.0 + AGREE) for cost in self.costs)
 
 
-class _Stopped(Exception):
+class _StoppedError(Exception):
     """The watcher does not want to go on."""
 
 
@@ -61,7 +61,7 @@ class _Counter:
         self.count += 1
         self.least = min(self.least, seen.rms)
         if self.watch is not None and self.watch(self.least) is False:
-            raise _Stopped
+            raise _StoppedError
 
 
 def search(
@@ -183,7 +183,7 @@ def improve(
                 damping *= 10.0
                 if damping > 1e6 or promised <= FLAT * here.cost:
                     break
-    except _Stopped:
+    except _StoppedError:
         return here, True
     return here, False
 

@@ -6,7 +6,7 @@ projected out, and they follow the other unknowns from one linearisation to the 
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import final
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import ParameterError
-from stickslip.friction import FrictionLaw, bristles_of
+from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.problem import Linearised, Problem
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
@@ -30,6 +30,10 @@ NEGLIGIBLE = 1e-7
 """Singular values of the local states' slopes, over the largest, that are not told from 0."""
 SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_steps=200_000)
 """Six digits below the noise of any record; the default would be twice as slow."""
+
+
+SETTLED = 0.02
+"""Bristles are settled that the first velocity bends within this share of a segment."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,7 +59,7 @@ class _Local:
     """One segment, linearised: what is needed to carry its initial state on."""
 
     state: Array
-    """Initial state (m,)."""
+    """Initial coordinates and rates (m,)."""
     residual: Array
     slopes: Array
     """By the unknowns (n, p)."""
@@ -83,7 +87,6 @@ class Shooting(Problem):
     segments: tuple[Segment, ...]
     quantity_: str = "position"
     threads: int = 2
-    _paths: tuple[str, ...] = field(init=False, default=())
 
     @property
     @override
@@ -129,9 +132,7 @@ class Shooting(Problem):
             before = known.get(k)
             if before is not None:
                 return self._shot(segment, mechanism, law, before.near(change), slopes=slopes)
-            first = self._shot(
-                segment, mechanism, law, self._first_state(segment, law), slopes=False
-            )
+            first = self._shot(segment, mechanism, law, segment.guess, slopes=False)
             if first is None:
                 return None
             state = first.near(np.zeros(len(values)))
@@ -151,9 +152,6 @@ class Shooting(Problem):
             for s in self.segments
         }
 
-    def _first_state(self, segment: Segment, law: FrictionLaw) -> Array:
-        return np.concatenate([segment.guess, np.zeros(len(bristles_of(law)))])
-
     def _shot(
         self,
         segment: Segment,
@@ -167,15 +165,17 @@ class Shooting(Problem):
         if not np.all(np.isfinite(state)):
             return None
         end = float(segment.times[-1])
-        run = SOLVER.run(mechanism, law, y0=state.tolist(), t_end=end)
+        start = [*state.tolist(), *_settled(mechanism, law, state, end)]
+        run = SOLVER.run(mechanism, law, y0=start, t_end=end)
         if not run.status.complete:
             return None
         column = run.states.index(_state_of(mechanism, self.quantity))
-        paths = [*(self.unknowns.paths if slopes else ()), *(f"initial.{n}" for n in run.states)]
+        inner = run.states[: 2 * len(mechanism.coordinates)]
+        paths = [*(self.unknowns.paths if slopes else ()), *(f"initial.{n}" for n in inner)]
         assert run.differentiate is not None
         table = run.differentiate(segment.times, paths)[:, column, :]
         table = np.where(np.isfinite(table), table, 0.0)
-        count = len(paths) - len(run.states)
+        count = len(paths) - len(inner)
         own, local = table[:, :count], table[:, count:]
         basis, inverse = _inverted(local)
         return _Local(
@@ -199,6 +199,23 @@ class Shooting(Problem):
             segment=np.repeat(chosen, [len(shot.residual) for shot in done]),
             memory=dict(zip(chosen, done, strict=True)),
         )
+
+
+def _settled(mechanism: Mechanism, law: FrictionLaw, state: Array, end: float) -> list[float]:
+    """Return bristles that slip has settled before the segment, or 0 where slip is too slow.
+
+    They are not free like the other initial states: what they do in the first micrometres, an
+    initial velocity does nearly as well, and both together are torn apart by noise.
+    """
+    if not isinstance(law, BristleLaw):
+        return []
+    slip = mechanism.coordinates.index(mechanism.contacts()[0].slip)
+    v = float(state[slip + len(mechanism.coordinates)])
+    if len(law.bristles) != 1 or v == 0.0:
+        return [0.0] * len(law.bristles)
+    at_rest, moved = (law.force(v, (z,), 1.0) for z in (0.0, 1e-6))
+    z = 1e-6 * float((law.steady(v, 1.0) - at_rest) / (moved - at_rest))
+    return [z if abs(z) < SETTLED * abs(v) * end else 0.0]
 
 
 def _state_of(mechanism: Mechanism, quantity: str) -> str:

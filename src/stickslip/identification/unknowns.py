@@ -1,4 +1,4 @@
-"""What a fit looks for: parameters with bounds, seen by the optimiser on a scale that suits them."""
+"""What a fit looks for: parameters with bounds, and how the optimiser sees them."""
 
 import math
 from collections.abc import Mapping, Sequence

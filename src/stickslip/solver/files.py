@@ -13,6 +13,7 @@ import os
 import shutil
 import sys
 import tempfile
+import threading
 import warnings
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -46,10 +47,15 @@ def name_of(text: str) -> str:
     return "stickslip_" + hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
+_LOADING = threading.RLock()
+
+
 def module_of(text: str, *, compiled: bool = False) -> ModuleType:
     """Return the module of a text, from memory, from its file, or new."""
     name = name_of(text)
-    return sys.modules[name] if name in sys.modules else _from_file(name, text, compiled=compiled)
+    with _LOADING:  # a module is known by its name before it is whole
+        known = sys.modules.get(name)
+        return _from_file(name, text, compiled=compiled) if known is None else known
 
 
 def _from_file(name: str, text: str, *, compiled: bool) -> ModuleType:

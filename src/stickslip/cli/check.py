@@ -1,0 +1,122 @@
+"""``stickslip check``."""
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import typer
+
+from stickslip.cli.output import (
+    document,
+    json_text,
+    note,
+    print_json,
+    refuse_overwriting,
+    stdout,
+    write_folder,
+)
+from stickslip.errors import InputError
+from stickslip.experiments import Checks, Measurement, check, load_measurement
+
+__all__ = ["Reading", "run"]
+
+BAD_DATA = 2
+MARKS = {"info": ("  ", ""), "warning": ("! ", "yellow"), "error": ("✗ ", "red")}
+FORMATS = ("svg", "png")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    """How the files are read, as the options say it."""
+
+    columns: Sequence[str] | None
+    units: Sequence[str] | None
+    gain: Sequence[str] | None
+    repair: Sequence[str] | None
+
+
+def run(
+    files: Sequence[Path], reading: Reading, output: Path | None, *, force: bool, as_json: bool
+) -> None:
+    """Check, print the sentences, draw an overview if asked for one."""
+    if output is not None:
+        refuse_overwriting(output, output, force=force)
+    measurement = _load(files, reading)
+    found = check(measurement)
+    records = measurement.records()
+    origins = {"records": [{"name": r.name, "provenance": r.provenance} for r in records]}
+    content = document("check", {**found.to_dict(), **origins})
+    if as_json:
+        print_json(content)
+    else:
+        _show(measurement, found)
+    if output is not None:
+        note("Drawing the overview ...")
+        write_folder(output, {**_pictures(measurement), "checks.json": json_text(content)})
+        if not as_json:
+            stdout().print(f"\nFindings and pictures: {output}", markup=False)
+    if found.worst == "error":
+        note("No fit should be made from this as it is.")
+        raise typer.Exit(BAD_DATA)
+
+
+def _load(files: Sequence[Path], reading: Reading) -> Measurement:
+    texts = [part.strip() for given in reading.repair or () for part in given.split(",")]
+    return load_measurement(
+        files[0] if len(files) == 1 else files,
+        columns=_pairs("--columns", "position=q_m", reading.columns),
+        units=_pairs("--unit", "position=mm", reading.units),
+        gain=_numbers(_pairs("--gain", "force=35.15", reading.gain)),
+        repair=texts,  # type: ignore[arg-type]  # checked where it is used
+    )
+
+
+def _pairs(option: str, example: str, given: Sequence[str] | None) -> dict[str, str]:
+    """Split ``name=value`` pairs, parted by commas."""
+    found = {}
+    for pair in (part for text in given or () for part in text.split(",")):
+        name, equals, value = pair.partition("=")
+        if not equals or not name.strip() or not value.strip():
+            raise InputError(f"{option} takes NAME=VALUE such as {example}, got {pair!r}.")
+        found[name.strip()] = value.strip()
+    return found
+
+
+def _numbers(pairs: Mapping[str, str]) -> dict[str, float]:
+    try:
+        return {name: float(value) for name, value in pairs.items()}
+    except ValueError:
+        listed = ", ".join(f"{name}={value}" for name, value in pairs.items())
+        raise InputError(f"--gain takes numbers such as force=35.15, got {listed}.") from None
+
+
+def _show(measurement: Measurement, found: Checks) -> None:
+    console = stdout()
+    for record in measurement.records():
+        if "; " in record.provenance:  # something was repaired
+            console.print(f"  {record.provenance}", markup=False, style="dim")
+    for finding in found.findings:
+        mark, style = MARKS[finding.severity]
+        console.print(f"{mark}{finding}", markup=False, style=style)
+
+
+def _name(measurement: Measurement, index: int, ending: str) -> str:
+    return f"overview-{index + 1}.{ending}" if measurement.trials else f"overview.{ending}"
+
+
+def _pictures(measurement: Measurement) -> dict[str, str | bytes]:
+    """Return an overview of each record in both formats."""
+    from stickslip.plots import draw_overview, overview_size, save
+
+    files: dict[str, str | bytes] = {}
+    if measurement.kind == "scalars":
+        return files
+    with tempfile.TemporaryDirectory() as folder:
+        for index, record in enumerate(measurement.records()):
+            for ending in FORMATS:
+                name = _name(measurement, index, ending)
+                size = overview_size(record)
+                path = save(draw_overview(record), Path(folder, name), size=size, title=record.name)
+                files[name] = path.read_bytes()
+    return files

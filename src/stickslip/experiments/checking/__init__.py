@@ -1,0 +1,1 @@
+"""What may be wrong with a record, one family of remarks a module."""

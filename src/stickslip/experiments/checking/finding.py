@@ -1,0 +1,56 @@
+"""One remark about a measurement."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, Literal
+
+from typing_extensions import override
+
+__all__ = ["SEVERITIES", "Finding", "Severity"]
+
+Severity = Literal["info", "warning", "error"]
+SEVERITIES: tuple[Severity, ...] = ("info", "warning", "error")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """One remark about a measurement, as a sentence with its numbers.
+
+    Examples
+    --------
+    >>> one = Finding(kind="gap", sentence="Gap of 0.3 s after 12.5 s.", severity="warning")
+    >>> str(one)
+    'Gap of 0.3 s after 12.5 s.'
+    """
+
+    kind: str
+    """What it is about, such as ``"sampling"`` or ``"drift"``."""
+    sentence: str
+    """The remark, with numbers and units."""
+    severity: Severity = "info"
+    """``"error"`` where no fit should be made from the record as it is."""
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    """The numbers of the sentence, SI."""
+    record: str = ""
+    """Name of the trial it is about, where there are several."""
+
+    def __post_init__(self) -> None:
+        """Keep the numbers as plain floats that nobody changes."""
+        numbers = {str(name): float(value) for name, value in self.numbers.items()}
+        object.__setattr__(self, "numbers", MappingProxyType(numbers))
+
+    @override
+    def __str__(self) -> str:
+        """Return the sentence, after the name of its trial."""
+        return f"{self.record}: {self.sentence}" if self.record else self.sentence
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain texts and numbers."""
+        return {
+            "kind": self.kind,
+            "severity": self.severity,
+            "sentence": self.sentence,
+            "numbers": dict(self.numbers),
+            "record": self.record,
+        }

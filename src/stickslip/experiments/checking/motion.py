@@ -1,0 +1,159 @@
+"""What the motion of a record can tell: directions, rests, slow parts."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.experiments.checking.finding import Finding
+from stickslip.experiments.measurement import Array, Measurement
+from stickslip.experiments.signals import (
+    CUTOFF,
+    interval_of,
+    noise_of,
+    smooth,
+    step_of,
+    velocity_of,
+)
+from stickslip.experiments.wording import count, number, percent, quantities, quantity
+
+__all__ = ["Motion", "motion_of", "rests", "reversals", "slow"]
+
+SLOW: Final = 0.05
+HYSTERESIS: Final = 0.01
+"""Speed over the largest below which a direction is not believed, where there is no noise."""
+RESTING: Final = 1e-3
+SWING: Final = 0.005
+"""Way over the whole stroke that a direction must last to be believed."""
+SURE: Final = 5.0
+"""Standard deviations of its noise that a speed must have to be one."""
+SHORTEST: Final = 10
+"""Samples that a rest has at least."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """The velocity of a record and what of it is noise."""
+
+    time: Array
+    velocity: Array
+    """Filtered [m/s]."""
+    noise: float
+    """Standard deviation of its noise [m/s]."""
+
+    @property
+    def fastest(self) -> float:
+        """The largest speed [m/s], single samples left out in long records."""
+        speed = np.abs(self.velocity)
+        return float(np.quantile(speed, 0.999)) if speed.size > 5000 else float(speed.max())
+
+    @property
+    def sure(self) -> float:
+        """Speed above which a direction is believed [m/s]."""
+        return max(HYSTERESIS * self.fastest, SURE * self.noise)
+
+    @cached_property
+    def directions(self) -> NDArray[np.int64]:
+        """1, -1, or 0 where the speed is too low or the way too short to tell."""
+        found = np.sign(np.where(np.abs(self.velocity) > self.sure, self.velocity, 0.0)).astype(int)
+        first = np.flatnonzero(np.diff(found, prepend=2))
+        steps = np.diff(self.time, append=self.time[-1]) * self.velocity
+        ways = np.add.reduceat(steps, first)
+        path = np.cumsum(steps)
+        # A filter swings about a velocity that jumps, by a little way.
+        short = np.abs(ways) < SWING * float(np.ptp(path))
+        return np.where(np.repeat(short, np.diff(first, append=found.size)), 0, found)
+
+
+def motion_of(record: Measurement) -> Motion | None:
+    """Return how a record moves, or None if it says nothing about that."""
+    time = record.time
+    if time is None or (record.position is None and record.velocity is None):
+        return None
+    dt = interval_of(time)
+    if record.velocity is not None:
+        raw = velocity_of(record)
+        # A low pass at a share of the sampling leaves that share of both sides of white noise.
+        noise = noise_of(raw, step_of(raw)) * np.sqrt(2 * CUTOFF)
+        return Motion(time=time, velocity=smooth(time, raw), noise=float(noise))
+    position = np.asarray(record.values("position"))
+    # The same for the derivative, whose spectrum grows with the frequency squared.
+    share = 2 * np.pi * np.sqrt(2 * CUTOFF**3 / 3)
+    noise = noise_of(position, step_of(position)) * share / dt
+    return Motion(time=time, velocity=velocity_of(record), noise=float(noise))
+
+
+def reversals(motion: Motion) -> Iterator[Finding]:
+    """Count the changes of direction, and say what follows from there being none."""
+    seen = motion.directions[motion.directions != 0]
+    if not seen.size:
+        noise, fastest = quantities([motion.noise, motion.fastest], "m/s")
+        yield Finding(
+            kind="reversals",
+            severity="warning",
+            sentence=(
+                f"No speed, {fastest} at most, rises above its noise of {noise} for sure:"
+                " directions are not known. Filter the position, or sample it more finely."
+            ),
+            numbers={"noise": motion.noise, "fastest": motion.fastest},
+        )
+        return
+    changes = int(np.count_nonzero(np.diff(seen)))
+    numbers = {"reversals": changes, "forward_share": float(np.mean(seen > 0))}
+    if changes:
+        yield Finding(
+            kind="reversals",
+            sentence=(
+                f"The direction changes {number(changes, 7) + ' times' if changes > 1 else 'once'};"
+                f" {percent(numbers['forward_share'])} of the moving samples go forward."
+            ),
+            numbers=numbers,
+        )
+        return
+    way = "forward" if seen[0] > 0 else "backward"
+    yield Finding(
+        kind="reversals",
+        severity="warning",
+        sentence=(
+            f"No reversals: the motion goes {way} only, so that friction level and offset are one"
+            " number here."
+        ),
+        numbers=numbers,
+    )
+
+
+def rests(motion: Motion) -> Iterator[Finding]:
+    """Say for how long nothing moves."""
+    still = np.abs(motion.velocity) <= max(RESTING * motion.fastest, SURE * motion.noise)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(int)))
+    first, last = edges[::2], edges[1::2] - 1
+    long = last - first + 1 >= SHORTEST
+    first, last = first[long], last[long]
+    span = float(motion.time[-1] - motion.time[0])
+    if not first.size:
+        yield Finding(kind="rests", sentence="Nothing rests for long.", numbers={"duration": 0.0})
+        return
+    total = float(np.sum(motion.time[last] - motion.time[first]))
+    yield Finding(
+        kind="rests",
+        sentence=(
+            f"At rest for {quantity(total, 's')} of {quantity(span, 's')}"
+            f" ({percent(total / span)}), in {count(int(first.size), 'stretch', 'stretches')}."
+        ),
+        numbers={"duration": total, "share": total / span, "stretches": first.size},
+    )
+
+
+def slow(motion: Motion) -> Iterator[Finding]:
+    """Say how much of the record is slow, where laws differ most."""
+    speed, fastest = np.abs(motion.velocity), motion.fastest
+    if fastest == 0.0:
+        return
+    share = float(np.mean(speed < SLOW * fastest))
+    text = f"{percent(share)} of the samples are slower than {quantity(SLOW * fastest, 'm/s')},"
+    text += f" 5 % of the largest speed of {quantity(fastest, 'm/s')}"
+    text += "." if share else ": friction near rest cannot be told from this record."
+    yield Finding(kind="low speed", sentence=text, numbers={"share": share, "fastest": fastest})

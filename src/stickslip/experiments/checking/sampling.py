@@ -1,0 +1,106 @@
+"""Times of the samples: how many, how evenly spaced, where some are missing."""
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from stickslip.experiments.checking.finding import Finding
+from stickslip.experiments.measurement import Array
+from stickslip.experiments.signals import GAP, interval_of
+from stickslip.experiments.wording import count, number, percent, quantity
+
+__all__ = ["gaps", "length", "sampling"]
+
+FEWEST: Final = 10
+FEW: Final = 50
+EVEN: Final = 0.01
+"""Deviation of a step of time from the usual one, over it, that still counts as even."""
+UNEVEN: Final = 0.2
+SEEN: Final = 1e-5
+"""Deviation below which only the last digits of the times differ."""
+SHOWN: Final = 3
+
+
+def length(time: Array) -> Iterator[Finding]:
+    """Say whether a record is too short for anything."""
+    n = time.size
+    if n >= FEW:
+        return
+    sentence = "what follows from so few is uncertain."
+    if n < FEWEST:
+        sentence = f"a fit needs {FEWEST} at the very least."
+    yield Finding(
+        kind="length",
+        severity="error" if n < FEWEST else "warning",
+        sentence=f"The record has only {count(n, 'sample')}: {sentence}",
+        numbers={"samples": n},
+    )
+
+
+def sampling(time: Array) -> Iterator[Finding]:
+    """Say how many samples there are, at which rate, and how evenly spaced."""
+    steps, dt = np.diff(time), interval_of(time)
+    regular = steps[steps <= GAP * dt]
+    off = np.abs(regular - dt) / dt
+    worst, typical = float(off.max()), float(np.sqrt(np.mean(off**2)))
+    odd = float(np.mean(off > 0.5))
+    rate, span = 1.0 / dt, float(time[-1] - time[0])
+    text = f"{count(time.size, 'sample')} at {quantity(rate, 'Hz')} over {quantity(span, 's')}"
+    if worst <= EVEN:
+        least = "below 0.001 %" if worst < SEEN else percent(worst)
+        between = " between gaps" if regular.size < steps.size else ""
+        text += f", evenly spaced{between} (largest deviation {least})."
+    elif odd and odd < EVEN:
+        missing = int(np.sum(np.rint(regular / dt) - 1))
+        text += (
+            f", evenly spaced but for {count(int(np.sum(off > 0.5)), 'step')}"
+            f" ({count(missing, 'single sample')} missing)."
+        )
+    else:
+        text += f", steps scatter by {percent(typical)} (largest deviation {percent(worst)})."
+        if typical > UNEVEN:
+            text += " Velocities from positions are uncertain."
+    yield Finding(
+        kind="sampling",
+        severity="warning" if typical > UNEVEN else "info",
+        sentence=text,
+        numbers={
+            "samples": time.size,
+            "rate": rate,
+            "duration": span,
+            "largest_deviation": worst,
+            "scatter": typical,
+        },
+    )
+
+
+def gaps(time: Array) -> Iterator[Finding]:
+    """Say where samples are missing: steps over three times the usual one."""
+    steps, dt = np.diff(time), interval_of(time)
+    at = np.flatnonzero(steps > GAP * dt)
+    if not at.size:
+        return
+    largest = at[np.argsort(steps[at], kind="stable")[::-1]][:SHOWN]
+    for i in np.sort(largest):
+        missing = round(float(steps[i]) / dt) - 1
+        yield Finding(
+            kind="gap",
+            severity="warning",
+            sentence=(
+                f"Gap of {quantity(float(steps[i]), 's')} after {quantity(float(time[i]), 's', 6)}"
+                f" ({count(missing, 'sample')} missing)."
+            ),
+            numbers={"time": float(time[i]), "duration": float(steps[i]), "samples": missing},
+        )
+    if at.size > SHOWN:
+        total = float(np.sum(steps[at]))
+        yield Finding(
+            kind="gap",
+            severity="warning",
+            sentence=(
+                f"{number(at.size, 6)} gaps of more than {number(GAP)} usual steps in all,"
+                f" {percent(total / float(time[-1] - time[0]))} of the time; the longest are named."
+            ),
+            numbers={"gaps": at.size, "duration": total},
+        )

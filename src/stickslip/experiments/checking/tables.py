@@ -1,0 +1,120 @@
+"""Friction maps and single numbers: what they cover, how often, how surely."""
+
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+import numpy as np
+
+from stickslip.experiments.checking.finding import Finding, Severity
+from stickslip.experiments.measurement import QUANTITIES, Array, Measurement
+from stickslip.experiments.wording import count, percent, quantities
+
+__all__ = ["coverage", "settings"]
+
+FEWEST: Final = 3
+FEW_SPEEDS: Final = 5
+ALIKE: Final = 1e-6
+
+
+def coverage(record: Measurement) -> Iterator[Finding]:
+    """Say which velocities a friction map has."""
+    velocity = np.asarray(record.values("velocity"))
+    friction = np.asarray(record.values("friction"))
+    speed = np.abs(velocity)
+    distinct = _distinct(velocity)
+    moving = velocity != 0
+    numbers = {
+        "points": velocity.size,
+        "velocities": distinct,
+        "slowest": float(speed.min()),
+        "fastest": float(speed.max()),
+        "forward_share": float(np.mean(velocity > 0)),
+    }
+    if not moving.any():
+        yield _map("error", "All velocities are 0: no motion was recorded.", numbers)
+        return
+    low, high = quantities([float(velocity.min()), float(velocity.max())], "m/s")
+    few = distinct < FEWEST
+    text = f"{count(velocity.size, 'point')} at {count(distinct, 'velocity', 'velocities')}"
+    text += f" from {low} to {high}"
+    text += f": a curve needs at least {FEWEST}." if few else "."
+    yield _map("warning" if distinct < FEW_SPEEDS else "info", text, numbers)
+    if velocity.min() >= 0 or velocity.max() <= 0:
+        way = "forward" if velocity.max() > 0 else "backward"
+        text = f"All velocities are {way}: friction level and offset are one number here."
+        yield _map("warning", text, numbers)
+    if distinct == velocity.size:
+        text = "No velocity is repeated: scatter cannot be told from the shape of the curve."
+        yield _map("info", text, numbers)
+    against = float(np.mean((velocity * friction)[moving] < 0))
+    if against > 0.8:
+        text = f"Friction opposes the velocity sign on {percent(against)} of the points: the rule"
+        text += " here is that friction has the sign of the slip velocity; use gain −1."
+        sign = {"opposite_share": against}
+        yield Finding(kind="friction sign", severity="error", sentence=text, numbers=sign)
+
+
+def _map(severity: Severity, sentence: str, numbers: dict[str, float]) -> Finding:
+    return Finding(kind="coverage", severity=severity, sentence=sentence, numbers=numbers)
+
+
+def _distinct(values: Array) -> int:
+    ordered = np.sort(values)
+    largest = float(np.abs(ordered).max())
+    return 1 + int(np.count_nonzero(np.diff(ordered) > ALIKE * largest))
+
+
+def settings(records: Sequence[Measurement]) -> Iterator[Finding]:
+    """Say how many settings single numbers come from, and whether their doubt is known."""
+    kinds = {tuple(sorted({**record.overrides, **record.initial}.items())) for record in records}
+    apart = {
+        (name, *sorted({**record.overrides, **record.initial}.items()))
+        for record in records
+        for name in record.quantities()
+    }
+    readings = sum(
+        int(np.size(getattr(record, name))) for record in records for name in record.quantities()
+    )
+    repeats = readings - len(apart)
+    text = f"{count(readings, 'reading')} at {count(len(kinds), 'setting')}"
+    text += f", {count(repeats, 'repeat')}." if repeats else ", none repeated."
+    if len(kinds) == 1:
+        text += " One setting fits one parameter and ranks no models."
+    yield Finding(
+        kind="settings",
+        severity="warning" if len(kinds) == 1 else "info",
+        sentence=text,
+        numbers={"readings": readings, "settings": len(kinds), "repeats": repeats},
+    )
+    bare = sum(not record.uncertainty for record in records)
+    if bare:
+        none = bare == len(records)
+        which = "No reading has an" if none else f"{bare} of {len(records)} readings have no"
+        yield Finding(
+            kind="uncertainty",
+            severity="warning",
+            sentence=f"{which} uncertainty: give it, such as half the last digit.",
+            numbers={"without": bare},
+        )
+    for name in sorted({name for record in records for name in record.quantities()}):
+        yield from _negative(name, records)
+
+
+def _negative(name: str, records: Sequence[Measurement]) -> Iterator[Finding]:
+    if QUANTITIES[name].unit != "m":
+        return
+    values = np.concatenate(
+        [np.atleast_1d(r.values(name)) for r in records if getattr(r, name) is not None]
+    )
+    if float(np.abs(values).max()) > 100.0:
+        largest = float(np.abs(values).max())
+        yield Finding(
+            kind="units",
+            severity="warning",
+            sentence=f"{name.capitalize()} reaches {largest:g} m: are these really metres?",
+            numbers={name: largest},
+        )
+    elif name == "travel" and not values.any():
+        yield Finding(
+            kind="constant", severity="error", sentence="Every travel is 0: no motion was recorded."
+        )

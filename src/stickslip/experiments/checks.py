@@ -1,0 +1,211 @@
+"""What a measurement can tell and what is wrong with it, before anything is fitted."""
+
+import html
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+import numpy as np
+from typing_extensions import override
+
+from stickslip.errors import InputError
+from stickslip.experiments.checking import agreement, level, motion, sampling, tables, values
+from stickslip.experiments.checking.finding import SEVERITIES, Finding, Severity
+from stickslip.experiments.measurement import Measurement
+from stickslip.experiments.rig import check_record
+from stickslip.experiments.wording import quantity
+from stickslip.mechanisms import Mechanism
+
+__all__ = ["Checks", "Finding", "check"]
+
+MARKS = {"info": "", "warning": "Warning: ", "error": "Error: "}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Checks:
+    """What was found about a measurement.
+
+    Examples
+    --------
+    >>> from stickslip import Measurement, check
+    >>> found = check(Measurement(travel=0.2, uncertainty=0.005))
+    >>> found.worst, [finding.kind for finding in found.findings]
+    ('warning', ['settings'])
+    """
+
+    findings: tuple[Finding, ...]
+    """In the order in which they are read."""
+    name: str = ""
+    """Of the measurement."""
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """All findings as sentences, each after the name of its trial where there are several."""
+        return tuple(map(str, self.findings))
+
+    @property
+    def worst(self) -> Severity:
+        """``"error"`` if no fit should be made, ``"warning"``, or ``"info"``."""
+        ranks = [SEVERITIES.index(finding.severity) for finding in self.findings]
+        return SEVERITIES[max(ranks, default=0)]
+
+    def of(self, kind: str) -> tuple[Finding, ...]:
+        """Return the findings of a kind.
+
+        Parameters
+        ----------
+        kind : str
+            Such as ``"gap"``.
+
+        Returns
+        -------
+        tuple of Finding
+            None of them if there is nothing to say.
+
+        Examples
+        --------
+        >>> from stickslip import Measurement, check
+        >>> len(check(Measurement(travel=0.2, uncertainty=0.005)).of("settings"))
+        1
+        """
+        return tuple(finding for finding in self.findings if finding.kind == kind)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the findings as plain texts and numbers."""
+        return {
+            "name": self.name,
+            "worst": self.worst,
+            "findings": [finding.to_dict() for finding in self.findings],
+        }
+
+    @override
+    def __str__(self) -> str:
+        """Return one sentence a line, warnings and errors marked."""
+        return "\n".join(f"{MARKS[f.severity]}{f}" for f in self.findings)
+
+    @override
+    def __repr__(self) -> str:
+        return f"<Checks of {self.name or 'a measurement'}, {self.worst}\n{self}>"
+
+    def _repr_html_(self) -> str:
+        lines = []
+        for finding in self.findings:
+            # No line ends between a number and its unit.
+            text = re.sub(r"(?<=\d) (?=[%×A-Za-zµ])", "&nbsp;", html.escape(str(finding)))
+            mark = MARKS[finding.severity]
+            lines.append(f"<li>{f'<strong>{mark}</strong>' if mark else ''}{text}</li>")
+        return f"<ul>{''.join(lines)}</ul>"
+
+
+def check(measurement: Measurement, *, mechanism: Mechanism | None = None) -> Checks:
+    """Say what a measurement can tell and what is wrong with it.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        A record in time, a friction map, or readings; several trials are checked one by one.
+    mechanism : Mechanism, optional
+        What was measured: its parameters must be those that trials override, and positions must
+        lie between its stops.
+
+    Returns
+    -------
+    Checks
+        Sentences with numbers, warnings and errors.
+
+    Raises
+    ------
+    InputError
+        If it is no measurement.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import Measurement, check
+    >>> time = np.arange(2000) / 1000
+    >>> record = Measurement(time=time, position=0.05 * np.sin(2 * np.pi * time))
+    >>> print(check(record).sentences[0])
+    2,000 samples at 1 kHz over 2 s, evenly spaced (largest deviation below 0.001 %).
+    """
+    if not isinstance(measurement, Measurement):
+        raise InputError(
+            f"check takes a Measurement, got {type(measurement).__name__}: read a file with"
+            " load_measurement."
+        )
+    records = measurement.records()
+    found: list[Finding] = []
+    if measurement.kind == "scalars":
+        found += tables.settings(records)
+    for number, record in enumerate(records, 1):
+        label = (record.name or f"trial {number}") if measurement.trials else ""
+        own = [*_record(record), *_fits(record, mechanism)]
+        found += [replace(finding, record=label) for finding in own]
+    return Checks(findings=tuple(found), name=measurement.name)
+
+
+def _record(record: Measurement) -> Iterator[Finding]:
+    """Yield the findings about one record."""
+    huge = [*values.unusable(record)]
+    yield from huge
+    if huge:
+        return
+    if record.kind == "friction-map":
+        yield from tables.coverage(record)
+        yield from values.plausible(record, None)
+    if record.time is None:
+        return
+    yield from sampling.length(record.time)
+    yield from sampling.sampling(record.time)
+    yield from sampling.gaps(record.time)
+    still = [*values.constant(record), *values.unmoved(record)]
+    yield from still
+    moving = None if any(f.severity == "error" for f in still) else motion.motion_of(record)
+    yield from values.plausible(record, moving)
+    if record.time.size < sampling.FEWEST:
+        return
+    yield from values.jumps(record)
+    yield from values.saturated(record)
+    yield from values.quantised(record)
+    yield from values.lifted(record)
+    if record.position is None and record.velocity is None:
+        yield Finding(
+            kind="motion",
+            sentence="There is neither position nor velocity: directions and rests are not known.",
+        )
+    if moving is not None:
+        yield from agreement.velocity_and_position(record)
+        yield from agreement.friction_sign(record, moving)
+        yield from motion.reversals(moving)
+        yield from motion.rests(moving)
+        yield from motion.slow(moving)
+    levels = list(level.levels(record, moving))
+    yield from level.drift(levels)
+    yield from level.effective(record, levels)
+
+
+def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
+    """Yield what does not fit the mechanism."""
+    if mechanism is None:
+        return
+    try:
+        check_record(mechanism, record, record.name or "the record")
+    except InputError as error:
+        yield Finding(kind="mechanism", severity="error", sentence=str(error))
+    if record.position is None:
+        return
+    position = np.atleast_1d(record.values("position"))
+    bounds = (("lower_stop", -1.0, position.min()), ("upper_stop", 1.0, position.max()))
+    for name, side, reached in bounds:
+        stop = getattr(mechanism, name, None)
+        if stop is not None and side * (float(reached) - float(stop)) > 0:
+            yield Finding(
+                kind="mechanism",
+                severity="warning",
+                sentence=(
+                    f"Position reaches {quantity(float(reached), 'm')}, beyond {name} of the"
+                    f" mechanism at {quantity(float(stop), 'm')}: other zeros or other units?"
+                ),
+                numbers={"reached": float(reached), "stop": float(stop)},
+            )

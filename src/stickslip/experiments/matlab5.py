@@ -1,0 +1,137 @@
+"""The structure of MATLAB files of version 5 to 7, checked before they are read.
+
+SciPy trusts the sizes in such a file, and one whose bytes have shifted may take the whole process
+down. See MathWorks, MAT-File Format, "Level 5 MAT-File Format".
+"""
+
+import math
+import struct
+import zlib
+from collections.abc import Iterator, Sequence
+from typing import Final, NamedTuple
+
+__all__ = ["check_structure", "is_level_5"]
+
+HEADER: Final = 128
+MATRIX: Final = 14
+COMPRESSED: Final = 15
+DEEPEST: Final = 20
+SIZES: Final = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8}
+"""Bytes of a number by the type of its element."""
+NAMES: Final = {1, 16}
+"""Types of a name: plain bytes, or UTF-8 where other programs write it."""
+LONGEST_TEXT: Final = 1_000_000
+CELL, STRUCT, CHAR = 1, 2, 4
+NUMERIC: Final = range(6, 16)
+
+
+class Element(NamedTuple):
+    """One piece of a file."""
+
+    kind: int
+    body: memoryview
+
+
+def is_level_5(data: bytes) -> bool:
+    r"""Whether a file says that it is of version 5 to 7.
+
+    Examples
+    --------
+    >>> is_level_5(b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"), is_level_5(b"")
+    (True, False)
+    """
+    return data[124:HEADER] in {b"\x00\x01IM", b"\x01\x00MI"}
+
+
+def check_structure(data: bytes) -> None:
+    """Check that all sizes in a file fit each other.
+
+    Raises
+    ------
+    ValueError
+        If they do not.
+    """
+    order = "<" if data[126:HEADER] == b"IM" else ">"
+    for element in _elements(memoryview(data)[HEADER:], order):
+        if element.kind == COMPRESSED:
+            for inner in _elements(memoryview(zlib.decompress(element.body)), order):
+                _check_variable(inner, order)
+        else:
+            _check_variable(element, order)
+
+
+def _elements(data: memoryview, order: str) -> Iterator[Element]:
+    """Yield the pieces that follow each other."""
+    place = 0
+    while place < len(data):
+        if place + 8 > len(data):
+            raise ValueError("it ends within a tag")
+        kind, size = struct.unpack_from(f"{order}II", data, place)
+        if kind >> 16:  # a small one: its size and up to four bytes share the tag
+            kind, size, start, after = kind & 0xFFFF, kind >> 16, place + 4, place + 8
+            if size > 4:
+                raise ValueError("a small element is too large")
+        else:
+            start = place + 8
+            # All but compressed ones end on a multiple of eight.
+            after = start + size + (0 if kind == COMPRESSED else -size % 8)
+        if start + size > len(data):
+            raise ValueError("it is cut short")
+        yield Element(kind, data[start : start + size])
+        place = after
+
+
+def _check_variable(element: Element, order: str, depth: int = DEEPEST) -> None:
+    if element.kind != MATRIX or not depth:
+        raise ValueError("an element is no variable")
+    if not len(element.body):
+        return
+    parts = list(_elements(element.body, order))
+    if parts[0].kind != 6 or len(parts[0].body) != 8:
+        raise ValueError("a variable has no flags")
+    kind = struct.unpack(f"{order}II", parts[0].body)[0] & 0xFF
+    if kind > NUMERIC[-1]:  # objects of classes, which are left alone
+        return
+    if (
+        len(parts) < 3
+        or parts[1].kind not in {5, 6}
+        or len(parts[1].body) % 4
+        or len(parts[1].body) < 8
+    ):
+        raise ValueError("a variable has no shape")
+    shape = struct.unpack(f"{order}{len(parts[1].body) // 4}i", parts[1].body)
+    if min(shape) < 0 or parts[2].kind not in NAMES:
+        raise ValueError("a variable has no name")
+    _check_content(kind, math.prod(shape), parts[3:], order, depth)
+
+
+def _check_content(kind: int, size: int, parts: Sequence[Element], order: str, depth: int) -> None:
+    """Check that a variable has as many values as its shape says."""
+    if kind in NUMERIC:
+        for part in parts:
+            if SIZES.get(part.kind, 0) * size != len(part.body):
+                raise ValueError("a variable has another size than its shape")
+        if not 1 <= len(parts) <= 2:
+            raise ValueError("a variable has no values")
+    elif kind == CHAR:
+        # Other programs leave out blanks at the end of a text.
+        if size > max(LONGEST_TEXT, sum(len(part.body) for part in parts)):
+            raise ValueError("a text is shorter than its shape")
+    elif kind in {CELL, STRUCT}:
+        fields = 1
+        if kind == STRUCT:
+            fields, parts = _fields(parts, order), parts[2:]
+        if len(parts) != fields * size:
+            raise ValueError("a struct or cell has another size than its shape")
+        for part in parts:
+            _check_variable(part, order, depth - 1)
+
+
+def _fields(parts: Sequence[Element], order: str) -> int:
+    """Return how many fields a struct has."""
+    if len(parts) < 2 or parts[0].kind not in {5, 6} or len(parts[0].body) != 4:
+        raise ValueError("a struct has no fields")
+    width = int(struct.unpack(f"{order}i", parts[0].body)[0])
+    if width <= 0 or len(parts[1].body) % width:
+        raise ValueError("the names of fields do not fit")
+    return len(parts[1].body) // width

@@ -1,0 +1,261 @@
+"""Velocities, accelerations and noise of a record, from what was sampled."""
+
+from typing import Final
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.experiments.measurement import Array, Measurement
+
+__all__ = ["acceleration_of", "interval_of", "noise_of", "smooth", "step_of", "velocity_of"]
+
+CUTOFF: Final = 0.1
+"""Corner of the low pass over the sampling frequency: 100 Hz where 1 kHz was sampled."""
+ORDER: Final = 4
+GAP: Final = 3.0
+"""A step of time longer than so many usual ones is a gap, across which nothing is filtered."""
+PADDED: Final = 10.0
+"""Periods of the corner frequency by which ends are continued."""
+MOST_PIECES: Final = 1000
+SHORTEST: Final = 30
+"""Samples that a piece needs to be filtered; the ends of a shorter one would be all of it."""
+NEAR: Final = 20.0
+"""Distances of levels over their step that are looked at first."""
+FEWEST_LEVELS: Final = 20
+MOST_LEVELS: Final = 2**24
+"""Levels that a converter has at most; finer steps are the digits of a number."""
+
+
+def velocity_of(record: Measurement, *, cutoff: float | None = None) -> Array:
+    r"""Return the velocity of a record: as measured, or from its position.
+
+    A position passes a Butterworth filter of order 4 forward and backward, so that nothing is
+    delayed, and is then differentiated by central differences. Gaps are not filtered across.
+
+    Parameters
+    ----------
+    record : Measurement
+        A record in time with a velocity or a position.
+    cutoff : float, optional
+        Corner frequency [Hz] of the filter; a tenth of the sampling frequency if not given. With
+        one, a measured velocity is filtered as well.
+
+    Returns
+    -------
+    array (n,)
+        Velocity [m/s] at the times of the record.
+
+    Raises
+    ------
+    InputError
+        If the record has neither.
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 2.0, 2001)
+    >>> record = Measurement(time=t, position=0.1 * np.sin(2 * np.pi * t))
+    >>> error = velocity_of(record) - 0.2 * np.pi * np.cos(2 * np.pi * t)
+    >>> bool(np.abs(error[50:-50]).max() < 1e-4)
+    True
+    """
+    time = _time(record)
+    if record.velocity is not None:
+        measured = np.asarray(record.values("velocity"))
+        return measured if cutoff is None else smooth(time, measured, cutoff)
+    position = _position(record, "velocity")
+    return np.gradient(smooth(time, position, cutoff), time)
+
+
+def acceleration_of(record: Measurement, *, cutoff: float | None = None) -> Array:
+    r"""Return the acceleration of a record, from its position or else its velocity.
+
+    Parameters
+    ----------
+    record : Measurement
+        A record in time with a position or a velocity.
+    cutoff : float, optional
+        As for `velocity_of`.
+
+    Returns
+    -------
+    array (n,)
+        Acceleration [m/s²] at the times of the record.
+
+    Raises
+    ------
+    InputError
+        If the record has neither.
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 2.0, 2001)
+    >>> record = Measurement(time=t, velocity=3.0 * t)
+    >>> bool(np.allclose(acceleration_of(record), 3.0))
+    True
+    """
+    time = _time(record)
+    if record.velocity is not None:
+        return np.gradient(smooth(time, np.asarray(record.values("velocity")), cutoff), time)
+    filtered = smooth(time, _position(record, "acceleration"), cutoff)
+    return np.gradient(np.gradient(filtered, time), time)
+
+
+def _time(record: Measurement) -> Array:
+    if record.trials or record.time is None:
+        raise InputError(
+            "A velocity needs one record in time: ask each of Measurement.records() that has one."
+        )
+    return record.time
+
+
+def _position(record: Measurement, what: str) -> Array:
+    if record.position is None:
+        raise InputError(
+            f"The {what} of a record needs its position or velocity, got"
+            f" {', '.join(record.quantities())}."
+        )
+    return np.asarray(record.values("position"))
+
+
+def interval_of(time: Array) -> float:
+    """Return the usual step of time [s].
+
+    Examples
+    --------
+    >>> interval_of(np.array([0.0, 0.1, 0.2, 0.9]))
+    0.1
+    """
+    return float(np.median(np.diff(time)))
+
+
+def smooth(time: Array, values: Array, cutoff: float | None = None) -> Array:
+    """Return samples through a low pass that delays nothing, piece by piece between gaps.
+
+    Parameters
+    ----------
+    time, values : array (n,)
+        The samples; where they are not evenly spaced, they are taken so by linear interpolation.
+    cutoff : float, optional
+        Corner frequency [Hz]; a tenth of the sampling frequency if not given.
+
+    Returns
+    -------
+    array (n,)
+        At the same times.
+
+    Raises
+    ------
+    InputError
+        If the corner is not between 0 and half the sampling frequency.
+
+    Examples
+    --------
+    >>> t = np.arange(500) * 0.01
+    >>> bool(np.allclose(smooth(t, 2.0 + t), 2.0 + t))
+    True
+    """
+    from scipy.signal import butter
+
+    dt = interval_of(time)
+    corner = CUTOFF if cutoff is None else cutoff * dt
+    if not 0 < corner < 0.4999:  # half of it is where the filter has no form
+        raise InputError(
+            f"The cutoff must lie between 0 and half the sampling frequency, {0.5 / dt:g} Hz,"
+            f" got {cutoff!r}."
+        )
+    sections = butter(ORDER, 2 * corner, output="sos")
+    cuts = np.flatnonzero(np.diff(time) > GAP * dt) + 1
+    if cuts.size > MOST_PIECES:  # such a record is more gaps than samples: left as it is
+        return values
+    found = np.array(values, dtype=float)
+    for piece in np.split(np.arange(time.size), cuts):
+        if piece.size >= SHORTEST:
+            span = slice(piece[0], piece[-1] + 1)
+            found[span] = _low_pass(sections, corner, time[span], found[span])
+    return found
+
+
+def _low_pass(sections: Array, corner: float, time: Array, values: Array) -> Array:
+    from scipy.signal import sosfiltfilt
+
+    steps, dt = np.diff(time), interval_of(time)
+    # The ends go on as they ran, for so long that the filter has forgotten how it began.
+    pad = min(round(PADDED / corner), values.size - 1)
+    if np.ptp(steps) < 0.05 * dt:
+        return np.asarray(sosfiltfilt(sections, values, padlen=pad), dtype=float)
+    even = np.linspace(time[0], time[-1], max(round((time[-1] - time[0]) / dt) + 1, time.size))
+    filtered = sosfiltfilt(sections, np.interp(even, time, values), padlen=pad)
+    return np.asarray(np.interp(time, even, filtered), dtype=float)
+
+
+def step_of(values: Array) -> float:
+    """Return the step in which values come, such as that of an encoder, or 0 if there is none.
+
+    Examples
+    --------
+    >>> step_of(np.round(np.sin(np.arange(100.0)), 2)), step_of(np.sin(np.arange(100.0)))
+    (0.01, 0.0)
+    """
+    # A long record says no more than a part of it, and sorting is what takes time.
+    levels = np.unique(values[:200_000])
+    if levels.size < 3:
+        return 0.0
+    apart = np.diff(levels)
+    span = float(levels[-1] - levels[0])
+    apart = apart[apart > max(span, float(np.abs(levels).max())) * 1e-9]  # the last digits
+    if apart.size < 2:
+        return 0.0
+    # The least of all may be an accident of rounding, and that of nearly all several steps.
+    guesses = (float(apart.min()), float(np.quantile(apart, 0.01, method="lower")))
+    steps = [_common(levels - levels[0], apart, guess) for guess in guesses]
+    step = next((one for one in steps if one and span / one <= MOST_LEVELS), 0.0)
+    return float(f"{step:.5g}")
+
+
+def _common(levels: Array, apart: Array, guess: float) -> float:
+    """Return the step of which levels and their distances are multiples, near a guess, or 0."""
+    near = apart[apart < NEAR * guess]
+    step = float(np.sum(near) / np.sum(np.rint(near / guess)))
+    if near.size < min(FEWEST_LEVELS, apart.size) or not _whole(near / step):
+        return 0.0
+    # Ever farther, as the step is known better: near its peak a sine has levels of whole numbers.
+    reach = NEAR
+    while step * reach < NEAR * levels[-1]:
+        within = levels[(levels > 0) & (levels < reach * step)]
+        if within.size:
+            step = float(np.sum(within) / np.sum(np.rint(within / step)))
+            if not _whole(within / step):
+                return 0.0
+        reach *= NEAR
+    return step
+
+
+def _whole(ratio: Array) -> bool:
+    """Whether nearly all are whole numbers; of random ones a fifth would seem so."""
+    return bool(np.mean(np.abs(ratio - np.rint(ratio)) < 0.1) >= 0.98)
+
+
+def noise_of(values: Array, step: float = 0.0) -> float:
+    """Return the standard deviation of the noise of samples, from what no smooth motion explains.
+
+    Parameters
+    ----------
+    values : array (n,)
+        Evenly spaced samples.
+    step : float
+        Step in which they come; its rounding is the least noise.
+
+    Returns
+    -------
+    float
+        From the median size of third differences, which single jumps do not move.
+
+    Examples
+    --------
+    >>> noise_of(np.arange(10.0)), round(noise_of(np.arange(10.0), step=1.0), 3)
+    (0.0, 0.289)
+    """
+    third = np.diff(values, 3)
+    spread = float(np.median(np.abs(third))) / 0.6745 / np.sqrt(20.0) if third.size else 0.0
+    rounding = 1e-15 * float(np.abs(values).max())  # what differences of floats leave
+    return max(spread if spread > 20 * rounding else 0.0, step / float(np.sqrt(12.0)))

@@ -1,0 +1,132 @@
+"""Tables in text files: CSV in its dialects, and what only looks like one."""
+
+import csv
+import itertools
+import re
+import warnings
+from pathlib import Path
+from typing import Final
+
+import pandas as pd
+
+from stickslip.errors import InputError
+from stickslip.experiments.toml import decode
+from stickslip.experiments.units import shown
+
+__all__ = ["read_text"]
+
+HEAD: Final = 65_536
+"""Bytes that are enough to see that a file is no text."""
+LOOKED_AT: Final = 50
+"""Rows that are enough to see that a text is no table."""
+LONGEST_LINE: Final = 100_000
+LEAST_CODE: Final = 32
+_NUMBER: Final = re.compile(r"\s*[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?\s*")
+_WORDS: Final = {"", "nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none", "true", "false"}
+
+
+def read_text(path: Path) -> tuple[pd.DataFrame, int]:
+    """Return a CSV table and the line of its first row; lines before the header may be comments."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}.") from None
+    _check_text(path, data[:HEAD])
+    lines, start = _head(path, decode(data, str(path)))
+    header, sample = lines[0], lines[1:]
+    separator = max(",;\t", key=header.count)
+    comma = separator != "," and re.search(r"\d,\d", "\n".join(sample[:20])) is not None
+    names = next(csv.reader([header], delimiter=separator))
+    _check_table(path, names, sample, separator)
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise InputError(f"{path}: two columns are called {shown(twice[0])}.")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", pd.errors.ParserWarning)
+            table = pd.read_csv(
+                path,
+                sep=separator,
+                decimal="," if comma else ".",
+                skiprows=start,
+                index_col=False,
+                low_memory=False,
+                skip_blank_lines=False,
+                encoding="utf-8-sig",
+            )
+    except (pd.errors.ParserError, pd.errors.ParserWarning, ValueError) as error:
+        reason = str(error).strip().splitlines()[0].rstrip(".")
+        raise InputError(
+            f"{path}: rows and header do not fit ({reason}). Every row needs"
+            f" {len(names)} cells, parted by {separator!r}."
+        ) from None
+    table = table[[column for column, name in zip(table, names, strict=True) if name.strip()]]
+    return table.dropna(how="all"), start + 2
+
+
+def _check_text(path: Path, head: bytes) -> None:
+    if head.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise InputError(f"{path}: is UTF-16. Save it as UTF-8.")
+    bare = sum(code < LEAST_CODE and code not in b"\t\n\r\f" for code in head)
+    if b"\0" in head or bare > len(head) / 100:
+        raise InputError(
+            f"{path}: is a binary file, not a table of text. Give a CSV, Parquet or MATLAB file,"
+            " with the ending that says which."
+        )
+
+
+def _head(path: Path, text: str) -> tuple[list[str], int]:
+    """Return the header with some rows below it, and how many lines stand before it."""
+    position = start = 0
+    # Cut by hand: a long file has more lines than anybody asks for.
+    while position < len(text):
+        end = text.find("\n", position)
+        line = text[position : len(text) if end < 0 else end]
+        if line.strip() and line[0] != "#":
+            break
+        position, start = (len(text) if end < 0 else end + 1), start + 1
+    if position >= len(text):
+        raise InputError(f"{path}: has no header.")
+    part = text[position : position + 20 * LONGEST_LINE]
+    lines = list(itertools.islice(part.splitlines(), LOOKED_AT + 1))
+    if len(lines[0]) > LONGEST_LINE:
+        raise InputError(
+            f"{path}: is no table: its first line has {len(lines[0]):,} characters or more."
+            " A table begins with a line of column names."
+        )
+    return lines, start
+
+
+def _check_table(path: Path, names: list[str], sample: list[str], separator: str) -> None:
+    """Refuse what is no table before megabytes of it are parsed."""
+    rows = [row for row in sample if row.strip()]
+    if all(_NUMBER.fullmatch(name) for name in names):
+        raise InputError(
+            f"{path}: its first line holds numbers, not names. Put a line above it that names the"
+            " columns, such as time,position."
+        )
+    if not rows:
+        return
+    if len(names) == 1:
+        _check_single(path, names[0], rows)
+    cells = [cell.strip().strip('"') for row in rows for cell in row.split(separator)]
+    if not any(_NUMBER.fullmatch(cell) or cell.lower() in _WORDS for cell in cells):
+        raise InputError(
+            f"{path}: is no table: there is not one number in its first {len(rows)} rows; the"
+            f" first begins with {shown(rows[0][:40])}. A table has a line of column names and"
+            " below it rows of numbers, parted by commas, semicolons or tabs."
+        )
+
+
+def _check_single(path: Path, name: str, rows: list[str]) -> None:
+    """Refuse a single column whose rows are parted by something else."""
+    for mark, words in (("|", "'|'"), (None, "blanks"), (":", "':'")):
+        parts = [row.split(mark) for row in rows]
+        several = [cells for cells in parts if len(cells) > 1]
+        # A time of day such as 12:30 is one cell, so that names must be parted as well.
+        alike = len(several) == len(rows) and len(name.split(mark)) > 1
+        if alike and all(_NUMBER.fullmatch(cells[0]) for cells in several):
+            raise InputError(
+                f"{path}: has a single column {shown(name)}, and its rows are parted by {words}."
+                " Part the cells by commas, semicolons or tabs."
+            )

@@ -1,0 +1,566 @@
+"""Checks: every remark appears where it should, and a clean record gets no warning."""
+
+import json
+
+import numpy as np
+import pytest
+
+from stickslip import Axis, Checks, Measurement, SpringBlock, check, load_measurement
+from stickslip.errors import InputError
+from stickslip.experiments.checking.level import independent
+
+RATE = 1000.0
+
+
+def parts(size=8000, seed=1, **changes):
+    """A clean record: two sines under Coulomb and viscous friction, an encoder of 0.1 µm."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(size) / RATE
+    slow, fast = 2 * np.pi * 0.37, 2 * np.pi
+    position = 0.05 * np.sin(fast * time) + 0.02 * np.sin(slow * time)
+    velocity = 0.05 * fast * np.cos(fast * time) + 0.02 * slow * np.cos(slow * time)
+    acceleration = np.gradient(velocity, time)
+    force = 20 * np.sign(velocity) + 100 * velocity + 2 * acceleration
+    found = {
+        "time": time,
+        "position": np.round(position + rng.normal(0, 1e-6, size), 7),
+        "force": force + rng.normal(0, 0.5, size),
+    }
+    return {**found, **changes}
+
+
+def true_velocity(size=8000):
+    time = np.arange(size) / RATE
+    slow, fast = 2 * np.pi * 0.37, 2 * np.pi
+    return 0.05 * fast * np.cos(fast * time) + 0.02 * slow * np.cos(slow * time)
+
+
+def found(kind, **changes):
+    return check(Measurement(**parts(**changes))).of(kind)
+
+
+CLEAN = check(Measurement(**parts()))
+
+
+def test_a_clean_record_gets_no_warning():
+    assert [f for f in CLEAN.findings if f.severity != "info"] == []
+    assert CLEAN.worst == "info"
+
+
+@pytest.mark.parametrize("seed", range(2, 12))
+def test_a_clean_record_gets_no_warning_by_chance(seed):
+    assert check(Measurement(**parts(seed=seed))).worst == "info"
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "length", "gap", "jump", "saturation", "drift", "constant", "units", "velocity",
+        "friction sign", "load", "motion", "mechanism",
+    ],
+)  # fmt: skip
+def test_nothing_is_said_of_what_a_clean_record_does_not_have(kind):
+    assert CLEAN.of(kind) == ()
+
+
+# --- sampling
+
+
+def test_sampling_is_said_with_its_rate():
+    (one,) = CLEAN.of("sampling")
+    assert one.sentence == (
+        "8,000 samples at 1 kHz over 8 s, evenly spaced (largest deviation below 0.001 %)."
+    )
+    assert one.numbers["rate"] == pytest.approx(1000.0)
+
+
+def test_steps_of_time_that_scatter_are_a_warning():
+    rng = np.random.default_rng(0)
+    time = np.cumsum(rng.uniform(0.2, 1.8, 8000)) / RATE
+    (one,) = found("sampling", time=time)
+    assert one.severity == "warning"
+    # of a uniform spread of 0.2 to 1.8 about its median the root mean square is 0.8 over root 3
+    assert one.numbers["scatter"] == pytest.approx(0.8 / np.sqrt(3), rel=0.05)
+
+
+def test_single_samples_that_are_missing_are_counted():
+    kept = np.delete(np.arange(8000), [1000, 2000, 3000])
+    record = Measurement(**{name: values[kept] for name, values in parts().items()})
+    assert "evenly spaced but for 3 steps (3 single samples missing)" in check(record).sentences[0]
+
+
+def test_a_gap_is_placed_and_counted():
+    kept = np.concatenate([np.arange(3000), np.arange(3300, 8000)])
+    record = Measurement(**{name: values[kept] for name, values in parts().items()})
+    (gap,) = check(record).of("gap")
+    assert gap.sentence == "Gap of 0.301 s after 2.999 s (300 samples missing)."
+    assert gap.severity == "warning"
+    assert check(record).of("jump") == ()
+
+
+def test_many_gaps_are_summed_up():
+    kept = np.flatnonzero(np.arange(8000) % 800 > 10)
+    record = Measurement(**{name: values[kept] for name, values in parts().items()})
+    gaps = check(record).of("gap")
+    assert len(gaps) == 4
+    assert gaps[-1].numbers["gaps"] == 9
+
+
+@pytest.mark.parametrize(("size", "severity"), [(2, "error"), (9, "error"), (49, "warning")])
+def test_a_short_record_is_said_to_be_short(size, severity):
+    (one,) = found("length", size=size)
+    assert one.severity == severity
+    assert f"only {size} samples" in one.sentence
+
+
+def test_fifty_samples_are_not_called_short():
+    assert found("length", size=50) == ()
+
+
+# --- single signals
+
+
+def test_a_jump_of_position_is_found_at_its_sample():
+    position = parts()["position"].copy()
+    position[3000:] += 0.005
+    (jump,) = found("jump", position=position)
+    assert jump.numbers["time"] == pytest.approx(2.999)
+    # the body itself moves by at most 0.4 mm in a sample
+    assert jump.numbers["step"] == pytest.approx(0.005, abs=4e-4)
+
+
+def test_a_single_bad_sample_is_one_jump():
+    position = parts()["position"].copy()
+    position[5000] -= 0.01
+    (jump,) = found("jump", position=position)
+    assert jump.numbers["time"] == pytest.approx(4.999)
+
+
+def test_many_jumps_are_summed_up():
+    position = parts()["position"].copy()
+    position[500::500] += 0.01
+    jumps = found("jump", position=position)
+    assert len(jumps) == 4
+    assert jumps[-1].numbers["jumps"] == 15
+
+
+def test_a_coarse_encoder_does_not_jump():
+    assert found("jump", position=np.round(parts()["position"], 3)) == ()
+
+
+def test_a_body_that_starts_and_stops_does_not_jump():
+    time = np.arange(4000) / RATE
+    position = np.where(time % 1 < 0.5, 0.0, 0.1 * (time % 1 - 0.5))
+    position = position + 0.05 * np.floor(time)
+    assert check(Measurement(time=time, position=position)).of("jump") == ()
+
+
+def test_a_force_that_is_cut_off_is_saturated_at_both_ends():
+    cut = np.clip(parts()["force"], -30, 30)
+    above, below = found("saturation", force=cut)
+    assert (above.numbers["level"], below.numbers["level"]) == (30.0, -30.0)
+    assert above.numbers["share"] == np.mean(cut == 30.0)
+    assert above.severity == "warning"
+
+
+def test_the_rounded_peaks_of_a_coarse_force_are_not_saturated():
+    time = np.arange(20_000) / RATE
+    force = np.round(np.sin(2 * np.pi * time / 5), 2)
+    assert np.unique(force).size == 201
+    assert check(Measurement(time=time, force=force)).of("saturation") == ()
+
+
+@pytest.mark.parametrize("name", ["position", "velocity"])
+def test_no_motion_is_an_error(name):
+    still = Measurement(time=np.arange(100.0), **{name: np.zeros(100)})
+    (one,) = check(still).of("constant")
+    assert one.severity == "error"
+    assert one.sentence.endswith("never changes: no motion was recorded.")
+
+
+def test_a_position_of_nothing_but_noise_is_no_motion():
+    rng = np.random.default_rng(0)
+    still = Measurement(time=np.arange(5000) / RATE, position=rng.normal(0.1, 1e-6, 5000))
+    (one,) = check(still).of("constant")
+    assert one.severity == "error"
+    assert one.numbers["noise"] == pytest.approx(1e-6, rel=0.1)  # 5000 values: 2 %
+
+
+@pytest.mark.parametrize(("name", "severity"), [("force", "info"), ("friction", "warning")])
+def test_a_force_that_never_changes_is_named(name, severity):
+    (one,) = found("constant", **{name: np.full(8000, 12.0)})
+    assert (one.severity, one.numbers[name]) == (severity, 12.0)
+    assert "12 N" in one.sentence
+
+
+def test_an_even_load_is_no_remark():
+    assert found("constant", load=np.full(8000, 5.0)) == ()
+
+
+def test_a_load_that_is_lifted_is_named():
+    load = np.full(8000, 5.0)
+    load[:800] = -0.001
+    (one,) = found("load", load=load)
+    assert one.numbers["share"] == 0.1
+
+
+def test_the_step_of_an_encoder_is_found():
+    (one,) = CLEAN.of("quantisation")
+    assert one.numbers["step"] == pytest.approx(1e-7, rel=1e-3)
+    assert one.severity == "info"
+    (one,) = found("quantisation", position=np.round(parts()["position"] / 0.004) * 0.004)
+    assert one.numbers["step"] == pytest.approx(0.004)
+    assert one.severity == "warning"
+    assert "steps of 4 mm" in one.sentence
+
+
+def test_numbers_without_steps_have_none():
+    assert found("quantisation", position=0.05 * np.sin(parts()["time"])) == ()
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"position": 1000 * np.sin(np.arange(8000) / 3000)}, "are these really metres?"),
+        ({"position": 1e-7 * np.sin(np.arange(8000) / 300)}, "are these really metres?"),
+        ({"position": 40 * np.sin(np.arange(8000) / 100)}, "really metres and seconds?"),
+        ({"velocity": 1000 * true_velocity()}, "are these really m/s?"),
+        ({"force": 1e8 * np.sin(np.arange(8000) / 300)}, "are these really newtons?"),
+    ],
+)
+def test_numbers_that_no_rig_has_are_questioned(changes, words):
+    (one,) = found("units", **changes)
+    assert one.severity == "warning"
+    assert words in one.sentence
+
+
+@pytest.mark.parametrize("name", ["position", "force"])
+def test_numbers_that_overflow_are_one_error(name):
+    checks = check(Measurement(**parts(**{name: 1e300 * np.sin(parts()["time"])})))
+    assert [f.severity for f in checks.findings] == ["error"]
+
+
+def test_times_that_overflow_are_one_error():
+    for times in ([0.0, 1.0, 1e300], [0.0, 1e-300, 2e-300]):
+        checks = check(Measurement(time=times, position=[0.0, 1.0, 2.0]))
+        assert [f.severity for f in checks.findings] == ["error"]
+
+
+@pytest.mark.parametrize("size", [2, 3, 5, 11, 31])
+@pytest.mark.parametrize("name", ["position", "velocity", "force", "friction", "reference"])
+def test_any_single_signal_of_any_length_gets_sentences(name, size):
+    checks = check(Measurement(time=np.arange(size) / 10, **{name: np.sin(np.arange(size))}))
+    assert all(sentence.endswith((".", "?")) for sentence in checks.sentences)
+    assert checks.of("sampling")
+
+
+# --- signals beside each other
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [
+        (1000.0, "velocity looks like mm/s"),
+        (0.001, "position looks like mm"),
+        (-1.0, "one of them counts the other way"),
+        (1.7, "1.7 times the derivative"),
+    ],
+)
+def test_a_velocity_in_another_unit_is_an_error_with_its_factor(factor, words):
+    (one,) = found("velocity", velocity=factor * true_velocity())
+    assert one.severity == "error"
+    assert words in one.sentence
+    assert one.numbers["factor"] == pytest.approx(factor, rel=1e-3)  # noise of 1 µm at 100 Hz
+
+
+def test_a_velocity_that_agrees_is_said_to():
+    (one,) = found("velocity", velocity=true_velocity())
+    assert one.severity == "info"
+    assert one.numbers["factor"] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_velocity_of_something_else_is_a_warning():
+    (one,) = found("velocity", velocity=0.3 * np.sin(2 * np.pi * 3.1 * parts()["time"]))
+    assert one.severity == "warning"
+    assert "does not follow" in one.sentence
+
+
+def test_friction_of_the_wrong_sign_is_an_error_with_its_cure():
+    (one,) = found("friction sign", friction=-20 * np.sign(true_velocity()))
+    assert one.severity == "error"
+    assert "use gain −1" in one.sentence
+    assert one.numbers["opposite_share"] > 0.99
+
+
+def test_friction_of_the_right_sign_is_said_to_be_so():
+    (one,) = found("friction sign", friction=20 * np.sign(true_velocity()))
+    assert one.severity == "info"
+    assert one.numbers["same_share"] > 0.99
+
+
+def test_friction_without_a_clear_direction_is_a_warning():
+    rng = np.random.default_rng(0)
+    # signs by chance, and a tenth of them none
+    signs = np.sign(rng.normal(size=8000)) * np.sign(true_velocity())
+    signs[rng.random(8000) < 0.1] = 0.0
+    (one,) = found("friction sign", friction=20 * signs)
+    assert one.severity == "warning"
+    assert one.numbers["same_share"] == pytest.approx(0.45, abs=0.03)  # 2 % by chance
+
+
+# --- motion
+
+
+def test_reversals_are_counted():
+    (one,) = CLEAN.of("reversals")
+    # the fast sine has two extremes a second, and the slow one is too slow to add any
+    assert one.numbers["reversals"] == 16
+
+
+def test_noise_reverses_nothing():
+    rng = np.random.default_rng(3)
+    time = np.arange(8000) / RATE
+    position = 0.1 * time + rng.normal(0, 2e-5, 8000)
+    (one,) = check(Measurement(time=time, position=position)).of("reversals")
+    assert one.numbers["reversals"] == 0
+
+
+def test_a_motion_that_noise_hides_is_a_warning():
+    rng = np.random.default_rng(3)
+    time = np.arange(8000) / RATE
+    position = 0.01 * time + rng.normal(0, 2e-5, 8000)
+    (one,) = check(Measurement(time=time, position=position)).of("reversals")
+    assert one.severity == "warning"
+    assert "directions are not known" in one.sentence
+
+
+@pytest.mark.parametrize(("sign", "way"), [(1, "forward"), (-1, "backward")])
+def test_one_direction_leaves_level_and_offset_as_one_number(sign, way):
+    time = np.arange(8000) / RATE
+    position = sign * (time + 0.1 * np.sin(time))
+    (one,) = check(Measurement(time=time, position=position)).of("reversals")
+    assert one.severity == "warning"
+    assert f"goes {way} only" in one.sentence
+    assert "friction level and offset are one number here" in one.sentence
+
+
+def test_rests_are_timed():
+    time = np.arange(10_000) / RATE
+    position = 0.1 * np.clip(np.sin(2 * np.pi * time / 5), -0.5, 0.5)
+    (one,) = check(Measurement(time=time, position=position)).of("rests")
+    # the sine is beyond half for a third of each half period; the filter takes some of it away
+    assert one.numbers["stretches"] == 4
+    assert one.numbers["share"] == pytest.approx(2 / 3, abs=0.03)
+
+
+def test_a_record_without_rests_says_so():
+    assert CLEAN.of("rests")[0].sentence == "Nothing rests for long."
+
+
+def test_the_slow_share_is_that_of_a_sine():
+    time = np.arange(10_000) / RATE
+    position = 0.1 * np.sin(2 * np.pi * time / 2)
+    (one,) = check(Measurement(time=time, position=position)).of("low speed")
+    # the cosine is below a twentieth for 2 asin(1/20) of pi
+    assert one.numbers["share"] == pytest.approx(2 * np.arcsin(0.05) / np.pi, abs=2e-3)
+
+
+def test_a_record_without_low_speed_says_what_that_costs():
+    time = np.arange(8000) / RATE
+    (one,) = check(Measurement(time=time, position=time + 0.1 * np.sin(time))).of("low speed")
+    assert "friction near rest cannot be told" in one.sentence
+
+
+def test_a_record_without_motion_says_that_it_has_none():
+    record = Measurement(time=np.arange(500) / RATE, force=np.sin(np.arange(500.0)))
+    assert check(record).of("motion")[0].severity == "info"
+
+
+# --- levels
+
+
+def test_a_force_that_drifts_is_flagged_with_both_means():
+    force = parts()["force"] + np.linspace(0, 20, 8000)
+    (one,) = found("drift", force=force)
+    assert one.severity == "warning"
+    assert one.numbers["second"] - one.numbers["first"] == pytest.approx(10.0, abs=0.5)
+
+
+def test_a_small_but_sure_drift_is_no_warning():
+    (one,) = found("drift", force=parts()["force"] + np.linspace(0, 2, 8000))
+    assert one.severity == "info"
+
+
+def test_independent_values_of_a_running_mean_are_fewer_by_its_length():
+    rng = np.random.default_rng(1)
+    white = rng.normal(size=20_000)
+    assert independent(white) > 19_000
+    # AR(1) with 0.9: (1 - 0.9)/(1 + 0.9) of the samples, 5 % by the scatter of its estimate
+    slow = np.zeros(20_000)
+    for i in range(1, slow.size):
+        slow[i] = 0.9 * slow[i - 1] + white[i]
+    assert independent(slow) == pytest.approx(20_000 * 0.1 / 1.9, rel=0.2)
+
+
+def test_the_effective_size_says_of_what():
+    (one,) = CLEAN.of("effective size")
+    assert one.numbers["samples"] == 8000
+    assert "force less what acceleration, velocity and direction explain" in one.sentence
+    (one,) = check(Measurement(time=parts()["time"], position=parts()["position"])).of(
+        "effective size"
+    )
+    assert "position less its smooth part" in one.sentence
+
+
+def test_a_record_worth_few_values_is_a_warning():
+    time = np.arange(8000) / RATE
+    record = Measurement(time=time, spring_force=1 + np.sin(time))
+    (one,) = check(record).of("effective size")
+    assert one.severity == "warning"
+
+
+# --- tables
+
+
+def test_a_friction_map_says_what_it_covers():
+    speeds = np.linspace(-0.3, 0.3, 7)
+    both = np.repeat(speeds, 3)
+    checks = check(Measurement(velocity=both, friction=20 * np.sign(both) + both))
+    assert checks.sentences == ("21 points at 7 velocities from −0.3 m/s to 0.3 m/s.",)
+    assert checks.worst == "info"
+
+
+def test_a_friction_map_of_one_direction_without_repeats_says_so():
+    checks = check(Measurement(velocity=[0.1, 0.2, 0.3, 0.4], friction=[1.0, 2.0, 3.0, 4.0]))
+    text = "\n".join(checks.sentences)
+    assert "All velocities are forward" in text
+    assert "No velocity is repeated" in text
+    assert checks.worst == "warning"
+
+
+def test_a_friction_map_of_the_wrong_sign_is_an_error():
+    checks = check(Measurement(velocity=[-0.2, -0.1, 0.1, 0.2], friction=[2.0, 1.0, -1.0, -2.0]))
+    assert checks.of("friction sign")[0].severity == "error"
+
+
+def test_a_friction_map_at_rest_is_an_error():
+    assert check(Measurement(velocity=[0.0, 0.0], friction=[1.0, 2.0])).worst == "error"
+
+
+def test_readings_are_counted_by_setting():
+    trials = tuple(
+        Measurement(travel=0.1 * i, uncertainty=0.01, overrides={"mechanism.compression": 0.1 * k})
+        for i, k in enumerate([1, 1, 2], 1)
+    )
+    checks = check(Measurement(trials=trials))
+    assert checks.sentences == ("3 readings at 2 settings, 1 repeat.",)
+    assert checks.worst == "info"
+
+
+def test_two_quantities_of_one_run_are_no_repeats():
+    checks = check(Measurement(travel=0.2, velocity=0.1, uncertainty={"travel": 1e-3}))
+    assert checks.sentences[0].startswith("2 readings at 1 setting, none repeated.")
+
+
+def test_one_setting_and_a_missing_uncertainty_are_warnings():
+    checks = check(Measurement(travel=0.2))
+    assert [f.kind for f in checks.findings] == ["settings", "uncertainty"]
+    assert checks.worst == "warning"
+
+
+def test_travels_that_cannot_be_are_named():
+    assert check(Measurement(travel=200.0)).of("units")[0].severity == "warning"
+    assert check(Measurement(travel=0.0)).worst == "error"
+
+
+# --- the whole
+
+
+def test_trials_are_checked_one_by_one():
+    good = Measurement(**parts(), name="good")
+    still = Measurement(time=np.arange(100.0), position=np.zeros(100), name="still")
+    checks = check(Measurement(trials=(good, still)))
+    assert {f.record for f in checks.findings} == {"good", "still"}
+    assert {f.record for f in checks.findings if f.severity == "error"} == {"still"}
+    assert any(sentence.startswith("still: Position never") for sentence in checks.sentences)
+
+
+def test_a_mechanism_checks_overrides_and_stops():
+    wrong = Measurement(travel=0.2, uncertainty=0.01, overrides={"mechanism.mas": 1.0})
+    (one,) = check(wrong, mechanism=SpringBlock(mass=1.0)).of("mechanism")
+    assert one.severity == "error"
+    axis = Axis(inertia=95.0, upper_stop=0.06)
+    (one,) = check(Measurement(**parts()), mechanism=axis).of("mechanism")
+    assert "upper_stop" in one.sentence
+    roomy = Axis(inertia=95.0, upper_stop=0.1)
+    assert check(Measurement(**parts()), mechanism=roomy).worst == "info"
+
+
+def test_checks_become_plain_json_and_html():
+    content = json.loads(json.dumps(CLEAN.to_dict()))
+    assert content["worst"] == "info"
+    assert [f["sentence"] for f in content["findings"]] == list(CLEAN.sentences)
+    page = Checks(findings=CLEAN.findings)._repr_html_()
+    assert page.count("<li>") == len(CLEAN.findings)
+    assert "1&nbsp;kHz" in page
+    assert "1 kHz" in str(CLEAN)
+
+
+def test_what_is_no_measurement_is_refused_with_a_cure():
+    with pytest.raises(InputError, match="read a file with load_measurement"):
+        check("data.csv")
+
+
+# --- measured records
+
+WEIGHT = 0.0307 * 9.81
+
+
+def spring(data_dir, name):
+    return load_measurement(
+        data_dir / "spring_pulled_slider" / f"{name}.parquet",
+        columns={"time": "t_s", "spring_force": "F_over_mg"},
+        gain={"spring_force": WEIGHT},
+    )
+
+
+def test_the_slider_that_drifts_is_flagged_with_its_means(data_dir):
+    (one,) = check(spring(data_dir, "k168_v4300")).of("drift")
+    assert one.severity == "warning"
+    # F/mg as printed for its halves, to the last digit: it is not said where they meet
+    assert one.numbers["first"] == pytest.approx(0.518 * WEIGHT, abs=0.001 * WEIGHT)
+    assert one.numbers["second"] == pytest.approx(0.490 * WEIGHT, abs=0.001 * WEIGHT)
+
+
+def test_the_slider_and_the_axis_that_stay_are_not_flagged(data_dir):
+    steady = check(spring(data_dir, "k1002_v4300"))
+    assert [f for f in steady.of("drift") if f.severity != "info"] == []
+    assert check(axis(data_dir)).of("drift") == ()
+
+
+def axis(data_dir):
+    return load_measurement(
+        data_dir / "emps" / "train.parquet",
+        columns={"time": "t_s", "position": "q_meas_m", "force": "force_N"},
+    )
+
+
+def test_the_axis_record_is_clean(data_dir):
+    checks = check(axis(data_dir))
+    assert checks.worst == "info"
+    assert checks.sentences[0].startswith("24,841 samples at 1 kHz over 24.8 s, evenly spaced")
+    # four strokes to and fro
+    assert checks.of("reversals")[0].numbers["reversals"] == 7
+
+
+def test_the_tribometer_counts_friction_the_other_way(data_dir):
+    file = data_dir / "reciprocating_tribometer" / "train.parquet"
+    columns = {"time": "t_s", "position": "x_m", "friction": "friction_N", "load": "normal_N"}
+    (one,) = check(load_measurement(file, columns=columns)).of("friction sign")
+    assert one.severity == "error"
+    turned = load_measurement(file, columns=columns, gain={"friction": -1})
+    assert check(turned).of("friction sign")[0].severity == "info"
+
+
+def test_a_record_of_three_quarters_of_a_million_samples_is_checked(data_dir):
+    assert check(spring(data_dir, "k168_v42")).of("sampling")[0].numbers["samples"] == 751_281

@@ -1,0 +1,281 @@
+"""Files that are not plain tables: MATLAB, several at once, disordered, or no tables at all."""
+
+import h5py
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from stickslip import check, load_measurement
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+
+TIME = np.arange(100) / 100
+POSITION = np.sin(TIME)
+
+
+@pytest.fixture
+def write(tmp_path, monkeypatch):
+    """Writes a file into an empty working folder and returns its name."""
+    monkeypatch.chdir(tmp_path)
+
+    def writer(text, name="data.csv"):
+        data = text if isinstance(text, bytes) else text.encode()
+        (tmp_path / name).write_bytes(data)
+        return name
+
+    return writer
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def newer(path, content):
+    """Write a file as MATLAB 7.3 does: HDF5 behind a block of text, arrays transposed."""
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, value in content.items():
+            file[name] = np.asarray(value).T
+            file[name].attrs["MATLAB_class"] = np.bytes_("double")
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
+
+
+# --- MATLAB
+
+
+@pytest.mark.parametrize("compressed", [False, True], ids=["v6", "v7"])
+def test_vectors_of_a_matlab_file_are_columns(folder, compressed):
+    content = {"time": TIME[:, None], "position": POSITION[None, :], "gain": 35.0}
+    savemat("data.mat", content, do_compression=compressed)
+    record = load_measurement("data.mat")
+    np.testing.assert_array_equal(record.time, TIME)
+    np.testing.assert_array_equal(record.position, POSITION)
+    assert (record.name, record.provenance) == ("data", "data.mat")
+
+
+def test_vectors_of_a_new_matlab_file_are_columns(folder):
+    newer(folder / "data.mat", {"t": TIME[:, None], "q": POSITION[:, None], "K": np.eye(3)})
+    record = load_measurement("data.mat", columns={"time": "t", "position": "q"})
+    np.testing.assert_array_equal(record.time, TIME)
+    np.testing.assert_array_equal(record.position, POSITION)
+
+
+def test_whole_numbers_are_numbers(folder):
+    savemat("data.mat", {"time": np.arange(5, dtype=np.uint16), "position": np.arange(5, 10)})
+    np.testing.assert_array_equal(load_measurement("data.mat").position, [5, 6, 7, 8, 9])
+
+
+@pytest.mark.parametrize("version", ["older", "newer"])
+def test_a_field_of_a_struct_is_named_with_it(folder, version):
+    if version == "older":
+        savemat("data.mat", {"rig": {"t": TIME, "inner": {"q": POSITION}, "note": "a text"}})
+    else:
+        newer(folder / "data.mat", {"rig/t": TIME, "rig/inner/q": POSITION})
+    columns = {"time": "rig.t", "position": "rig.inner.q"}
+    record = load_measurement("data.mat", columns=columns)
+    np.testing.assert_array_equal(record.position, POSITION)
+
+
+def test_vectors_of_another_length_are_left_alone(folder):
+    savemat("data.mat", {"t": TIME, "q": POSITION, "a": TIME[:9], "b": TIME[:9], "c": TIME[:9]})
+    record = load_measurement("data.mat", columns={"time": "t", "position": "q"})
+    assert record.time.size == 100
+    with pytest.raises(UnknownNameError, match=r"column of data.mat: 't'"):
+        load_measurement("data.mat", columns={"time": "t", "position": "a", "velocity": "b"})
+
+
+def test_a_matlab_file_without_vectors_lists_what_it_has(folder):
+    savemat("data.mat", {"K": np.eye(3), "mass": 95.0, "note": "a text"})
+    with pytest.raises(InputError) as caught:
+        load_measurement("data.mat")
+    text = str(caught.value)
+    assert "data.mat: has no vector of numbers; it has K (3 × 3 float64), mass (1 × 1" in text
+    assert "note (1 text)" in text
+
+
+def test_a_new_matlab_file_without_vectors_lists_what_it_has(folder):
+    newer(folder / "data.mat", {"K": np.eye(3)})
+    with pytest.raises(InputError, match=r"it has K \(3 × 3 float64\)"):
+        load_measurement("data.mat")
+
+
+@pytest.mark.parametrize("start", [b"", b"MATLAB 5.0 MAT-file", b"\x89HDF\r\n\x1a\n"])
+def test_what_is_no_matlab_file_is_refused(write, start):
+    noise = np.random.default_rng(0).bytes(5000)
+    with pytest.raises(InputError, match=r"data\.mat: is not a MATLAB file, or is damaged") as seen:
+        load_measurement(write(start + noise, "data.mat"))
+    assert "\n" not in str(seen.value)
+
+
+def test_a_mat_file_cut_short_is_refused(folder):
+    savemat("whole.mat", {"time": TIME, "position": POSITION})
+    (folder / "data.mat").write_bytes((folder / "whole.mat").read_bytes()[:500])
+    with pytest.raises(InputError, match=r"is not a MATLAB file, or is damaged"):
+        load_measurement("data.mat")
+
+
+def test_a_mat_file_whose_bytes_have_shifted_is_refused(folder):
+    content = {"rig": {"time": TIME[:9], "q": POSITION[:9]}, "time": TIME, "position": POSITION}
+    savemat("whole.mat", content)
+    whole = (folder / "whole.mat").read_bytes()
+    rng = np.random.default_rng(0)
+    for _ in range(300):
+        place = int(rng.integers(128, len(whole)))
+        again = whole[:place] + whole[place : place + 20] + whole[place:]
+        (folder / "data.mat").write_bytes(again)
+        # whatever is inserted moves the end of a variable away from where its size says
+        with pytest.raises(InputError, match=r"data\.mat: "):
+            load_measurement("data.mat")
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_cells_texts_and_empty_fields_are_left_alone(folder, order):
+    cells = np.array([np.eye(2), "a text", TIME], dtype=object)
+    content = {"time": TIME.astype(f"{order}f8"), "position": POSITION, "c": cells}
+    savemat("data.mat", {**content, "s": {"a": [], "b": "", "c": 1 + 2j}, "flag": True})
+    np.testing.assert_array_equal(load_measurement("data.mat").time, TIME)
+
+
+# --- several files
+
+
+def test_several_files_are_trials_called_like_them(write):
+    files = [write("time,position\n0,0\n1,1\n", name) for name in ("run 1.csv", "run 2.csv")]
+    whole = load_measurement(files, name="both", uncertainty=0.1)
+    assert [record.name for record in whole.records()] == ["run 1", "run 2"]
+    assert [record.provenance for record in whole.records()] == files
+    assert (whole.name, whole.kind) == ("both", "series")
+    assert len(load_measurement(files[:1]).trials) == 1
+
+
+def test_files_of_one_name_are_told_apart_by_their_folders(folder):
+    for name in "ab":
+        (folder / name).mkdir()
+        (folder / name / "run.csv").write_text("time,position\n0,0\n1,1\n")
+    whole = load_measurement(["a/run.csv", "b/run.csv"])
+    assert [record.name for record in whole.records()] == ["a/run.csv", "b/run.csv"]
+
+
+def test_rows_of_several_tables_are_trials_of_one_measurement(write):
+    files = [write(f"travel\n0.{i}\n0.{i}5\n", f"{i}.csv") for i in (1, 2)]
+    assert [r.travel for r in load_measurement(files).records()] == [0.1, 0.15, 0.2, 0.25]
+
+
+def test_no_files_and_mixed_files_are_refused(write):
+    with pytest.raises(InputError, match=r"at least one file"):
+        load_measurement([])
+    files = [write("travel\n0.1\n", "a.csv"), write("time,position\n0,0\n1,1\n", "b.csv")]
+    with pytest.raises(InputError, match=r"of one kind"):
+        load_measurement(files)
+
+
+# --- repair
+
+DISORDERED = "time,position\n0,0\n2,4\n1,1\n1,1\n3,8\n3,10\n"
+
+
+def test_nothing_is_repaired_unasked_and_the_cure_is_named(write):
+    with pytest.raises(InputError, match=r'must increase strictly.*repair="sort"'):
+        load_measurement(write(DISORDERED))
+    with pytest.raises(ParameterError, match=r'line 3: .*got nothing.*repair="gaps"'):
+        load_measurement(write("time,position\n0,0\n1,\n2,4\n"))
+
+
+def test_samples_are_sorted_and_doubles_resolved_and_counted(write):
+    record = load_measurement(write(DISORDERED), repair="sort")
+    np.testing.assert_array_equal(record.time, [0, 1, 2, 3])
+    np.testing.assert_array_equal(record.position, [0, 1, 4, 9])
+    assert record.provenance == (
+        "data.csv; sorted by time (2 samples were late); 1 exact double dropped;"
+        " 1 time with different values averaged"
+    )
+
+
+def test_samples_that_are_not_finite_are_dropped_and_counted(write):
+    file = write("time,position,force\n0,0,1\n1,,1\n2,4,inf\n,5,1\n4,6,1\n")
+    record = load_measurement(file, repair="gaps")
+    np.testing.assert_array_equal(record.time, [0, 4])
+    assert record.provenance == "data.csv; 3 samples that were not finite dropped"
+
+
+def test_repairs_go_together_in_any_order(write):
+    file = write(DISORDERED + "nan,5\n")
+    for steps in (["sort", "gaps"], ["gaps", "sort"]):
+        assert load_measurement(file, repair=steps).time.size == 4
+
+
+def test_a_sound_record_is_not_changed_by_repair(write):
+    rng = np.random.default_rng(0)
+    rows = "\n".join(f"{t!r},{x!r}" for t, x in enumerate(map(float, rng.normal(size=500))))
+    file = write(f"time,position\n{rows}\n")
+    plain, repaired = load_measurement(file), load_measurement(file, repair=["sort", "gaps"])
+    np.testing.assert_array_equal(plain.position, repaired.position)
+    assert repaired.provenance == "data.csv"
+
+
+def test_a_word_is_no_gap(write):
+    with pytest.raises(ParameterError, match=r"line 3: must be a finite number, got 'far'"):
+        load_measurement(write("time,position\n0,0\n1,far\n2,4\n"), repair="gaps")
+
+
+@pytest.mark.parametrize(
+    ("text", "repair", "message"),
+    [
+        ("time,position\n0,\n1,nan\n", "gaps", "data.csv: no sample is finite in all columns"),
+        ("time,position\n0,1\n0,1\n", "sort", "at least 2 times"),
+        ("time,position\n0,1\n,2\n", "sort", 'line 3: .*got nothing.*repair="gaps"'),
+        ("velocity,friction\n1,1\n2,2\n", "sort", 'repair="sort" needs a column of times'),
+        ("travel\n1\n2\n", "sort", "repair is for records in time"),
+        ("time,position\n0,0\n1,1\n", "srt", "unknown repair 'srt'. Did you mean 'sort'"),
+    ],
+)
+def test_what_no_repair_cures_stays_an_error(write, text, repair, message):
+    with pytest.raises(InputError, match=message):
+        load_measurement(write(text), repair=repair)
+
+
+def test_a_repaired_record_still_tells_of_its_gap(write):
+    rows = [
+        f"{t / 100},{np.sin(t / 10)}" if not 50 <= t < 80 else f"{t / 100}," for t in range(200)
+    ]
+    record = load_measurement(write("time,position\n" + "\n".join(rows) + "\n"), repair="gaps")
+    (gap,) = check(record).of("gap")
+    assert gap.numbers["samples"] == 30
+
+
+# --- no tables
+
+NOISE = np.random.default_rng(1).bytes(5_000_000)
+PROSE = "It was a bright, cold day in April, and the clocks were striking.\n"
+
+NO_TABLES = {
+    "binary": (NOISE, "is a binary file, not a table of text"),
+    "zeros": (b"\x00" * 1000, "is a binary file"),
+    "utf-16": ("time,position\n0,0\n".encode("utf-16"), "is UTF-16"),
+    "prose": (PROSE * 300_000, "is no table: there is not one number in its first 50 rows"),
+    "one line": ("word " * 4_000_000, "is no table: its first line has .* characters or more"),
+    "one line of cells": ("a," * 10_000_000, "is no table: its first line has"),
+    "names": ("1.5,2.5\n" * 10, "its first line holds numbers, not names"),
+    "blanks": ("time position\n0 1\n1 2\n", "single column 'time position'.*parted by blanks"),
+    "bars": ("time|position\n0|1\n1|2\n", "single column .*parted by '|'"),
+    "web page": ("<!DOCTYPE html>\n<html><body>Not found</body></html>\n", "is no table"),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), NO_TABLES.values(), ids=NO_TABLES)
+def test_what_is_no_table_gives_one_short_message(write, text, message):
+    with pytest.raises(InputError, match=message) as caught:
+        load_measurement(write(text))
+    assert str(caught.value).startswith("data.csv: ")
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 400
+
+
+def test_a_single_column_of_numbers_is_a_table(write):
+    assert load_measurement(write("travel [mm]\n72\n200\n")).records()[1].travel == 0.2
+
+
+def test_a_table_with_words_beside_its_numbers_is_read(write):
+    file = write("note,time,position\nfirst run,0,0\nstill on,1,1\n")
+    assert load_measurement(file).time.size == 2
