@@ -55,6 +55,7 @@ _HOME = {
     "Stop": "mechanisms",
     "Stribeck": "friction",
     "Sum": "drives",
+    "TravelFit": "identification",
     "TowedBlock": "mechanisms",
     "Trajectory": "trajectory",
     "Verdict": "selection",

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from stickslip.errors import ConvergenceError
 from stickslip.friction import FrictionLaw
 from stickslip.identification.bracketing import NEAR, positive_root, positive_roots
-from stickslip.identification.results import Estimate, Fit
+from stickslip.identification.results import Estimate, TravelFit
 from stickslip.identification.travel import TravelModel, Trial
 from stickslip.quantities import Quantity, fields_of, parameters
 
@@ -17,7 +17,7 @@ INTERVALS = {"rounding": "rounding range", "interval": "stated interval", "stand
 NORMAL_95 = 1.959963984540054
 
 
-def fit_one(model: TravelModel, trial: Trial) -> Fit:
+def fit_one(model: TravelModel, trial: Trial) -> TravelFit:
     """Find the value of the one free parameter that gives the travel, and those at its ends."""
     (path,) = model.free
     known = {name: (quantity, value) for name, quantity, value in parameters(model.law, "friction")}
@@ -40,7 +40,7 @@ def fit_one(model: TravelModel, trial: Trial) -> Fit:
         positive_root(miss(trial.travel + side * spread), best, low=low, high=high, reach=NEAR)
         for side in (-1.0, 1.0)
     ]
-    return Fit(
+    return TravelFit(
         law=model.with_values([best]),
         mechanism=trial.mechanism,
         estimates=(_estimate(path, quantity, best, ends if spread else [], trial.kind),),

@@ -8,7 +8,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification.compiling import compile_for
 from stickslip.identification.exact import fit_one
 from stickslip.identification.least_squares import fit_several
-from stickslip.identification.results import Fit
+from stickslip.identification.results import Fit, TravelFit
 from stickslip.identification.starts import starting_law
 from stickslip.identification.travel import TravelModel, Trial, trials_of
 from stickslip.mechanisms import Mechanism
@@ -80,7 +80,7 @@ def fit_trials(
     free: Sequence[str] | None = None,
     t_end: float = 10.0,
     watch: Callable[[int], None] | None = None,
-) -> Fit:
+) -> TravelFit:
     """Fit to trials as `fit` does to a measurement."""
     names = payable(law, trials) if free is None else [_path(law, name) for name in free]
     if len(names) > len(trials):

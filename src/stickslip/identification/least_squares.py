@@ -10,7 +10,7 @@ from scipy import stats
 
 from stickslip.errors import ConvergenceError
 from stickslip.identification.exact import room_for
-from stickslip.identification.results import Estimate, Fit
+from stickslip.identification.results import Estimate, TravelFit
 from stickslip.identification.travel import TravelModel, Trial
 from stickslip.quantities import Quantity, parameters
 
@@ -22,7 +22,7 @@ LEAST_UNCERTAINTY = 1e-3
 """Share of the mean travel taken as standard error where none is stated."""
 
 
-def fit_several(model: TravelModel, trials: Sequence[Trial]) -> Fit:
+def fit_several(model: TravelModel, trials: Sequence[Trial]) -> TravelFit:
     """Fit the free parameters to all trials."""
     measured = np.array([trial.travel for trial in trials])
     errors = _standard_errors(trials)
@@ -45,7 +45,7 @@ def fit_several(model: TravelModel, trials: Sequence[Trial]) -> Fit:
     best = [float(result.params[f"u{i}"].value) for i in range(len(model.free))]
     freedom = len(trials) - len(best)
     excess = max(1.0, float(np.sum(np.square(result.residual))) / freedom) if freedom else 1.0
-    return Fit(
+    return TravelFit(
         law=model.with_values(best),
         mechanism=trials[0].mechanism,
         estimates=tuple(

@@ -2,17 +2,20 @@
 
 import html
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, final
 
 from typing_extensions import override
 
+from stickslip.experiments.writing import rig_toml
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity
+from stickslip.quantities import Quantity, full_path
 
-__all__ = ["Estimate", "Fit"]
+__all__ = ["Estimate", "Fit", "TravelFit"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,6 +64,19 @@ class Estimate:
     def _repr_html_(self) -> str:
         return f"<p>{html.escape(str(self))}, {html.escape(self.interval)}</p>"
 
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the estimate as plain numbers and strings; None where an end is infinite."""
+        return {
+            "parameter": self.path,
+            "symbol": self.quantity.symbol,
+            "unit": self.quantity.unit,
+            "value": self.value,
+            "low": self.low if math.isfinite(self.low) else None,
+            "high": self.high if math.isfinite(self.high) else None,
+            "interval": self.interval,
+            "reason": self.reason,
+        }
+
 
 def _three(value: float) -> str:
     """Return a number with three digits, zeros kept."""
@@ -68,8 +84,53 @@ def _three(value: float) -> str:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fit:
-    """A law whose free parameters make a mechanism behave as measured.
+class Fit(ABC):
+    """A law whose free parameters make a mechanism behave as measured."""
+
+    law: FrictionLaw
+    """The law with its fitted parameters."""
+    mechanism: Mechanism
+    """The mechanism: as measured first, with what was fitted of it."""
+    estimates: tuple[Estimate, ...]
+    """The free parameters."""
+
+    @final
+    def to_law(self) -> FrictionLaw:
+        """Return the fitted law."""
+        return self.law
+
+    @final
+    def estimate(self, name: str) -> Estimate:
+        """Return the estimate of a parameter, by its path or its last name."""
+        known = {estimate.path: estimate for estimate in self.estimates}
+        return known[full_path(name, list(known))]
+
+    @final
+    def to_toml(self) -> str:
+        """Return mechanism and law as the text of a rig file, which `load_rig` reads."""
+        return rig_toml(self.mechanism, self.law, title=str(self))
+
+    @final
+    def save(self, path: str | Path) -> None:
+        """Write `to_toml` to a file that ``stickslip simulate`` takes."""
+        Path(path).write_text(self.to_toml(), encoding="utf-8")
+
+    @override
+    def __repr__(self) -> str:
+        return f"<Fit: {self}>"
+
+    def _repr_html_(self) -> str:
+        return f"<p>{html.escape(str(self))}</p>"
+
+    @abstractmethod
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the fit as plain numbers and strings."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False)
+class TravelFit(Fit):
+    """A fit to travels.
 
     Examples
     --------
@@ -81,12 +142,6 @@ class Fit:
     mu_k = 0.255 (0.249 to 0.261)
     """
 
-    law: FrictionLaw
-    """The law with its fitted parameters."""
-    mechanism: Mechanism
-    """The mechanism as measured first."""
-    estimates: tuple[Estimate, ...]
-    """The free parameters."""
     measured: tuple[float, ...]
     """Travels [m], one a trial."""
     predicted: tuple[float, ...]
@@ -106,39 +161,16 @@ class Fit:
             f" {', '.join(map(str, self.estimates))}; largest residual {worst:.2g} mm"
         )
 
-    @override
-    def __repr__(self) -> str:
-        return f"<Fit: {self}>"
-
-    def _repr_html_(self) -> str:
-        return f"<p>{html.escape(str(self))}</p>"
-
-    def to_law(self) -> FrictionLaw:
-        """Return the fitted law."""
-        return self.law
-
     @property
     def residuals(self) -> tuple[float, ...]:
         """Measured less predicted travel [m], one a trial."""
         return tuple(m - p for m, p in zip(self.measured, self.predicted, strict=True))
 
+    @override
     def to_dict(self) -> Mapping[str, Any]:
-        """Return the fit as plain numbers and strings."""
         return {
             "law": self.law.name,
-            "estimates": [
-                {
-                    "parameter": estimate.path,
-                    "symbol": estimate.quantity.symbol,
-                    "unit": estimate.quantity.unit,
-                    "value": estimate.value,
-                    "low": estimate.low if math.isfinite(estimate.low) else None,
-                    "high": estimate.high if math.isfinite(estimate.high) else None,
-                    "interval": estimate.interval,
-                    "reason": estimate.reason,
-                }
-                for estimate in self.estimates
-            ],
+            "estimates": [estimate.to_dict() for estimate in self.estimates],
             "measured_travel": list(self.measured),
             "predicted_travel": list(self.predicted),
             "runs": self.runs,

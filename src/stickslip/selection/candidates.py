@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from stickslip.errors import ConvergenceError, ParameterError, SimulationError
 from stickslip.friction import FrictionLaw
 from stickslip.identification.fitting import fit_trials
-from stickslip.identification.results import Fit
+from stickslip.identification.results import TravelFit
 from stickslip.identification.travel import TravelModel, Trial
 from stickslip.quantities import parameters, vary
 from stickslip.selection.criteria import Criteria, criteria_of
@@ -69,7 +69,7 @@ def _seen(
 def _held_out(
     law: FrictionLaw,
     trials: Sequence[Trial],
-    fit: Fit,
+    fit: TravelFit,
     t_end: float,
     report: Callable[[int], None] | None,
 ) -> tuple[float, ...]:
@@ -80,14 +80,16 @@ def _held_out(
     return held_out_errors(law, trials, free=free, t_end=t_end, watch=report)
 
 
-def _assumed(law: FrictionLaw, fit: Fit) -> tuple[str, ...]:
+def _assumed(law: FrictionLaw, fit: TravelFit) -> tuple[str, ...]:
     """Return the names of the parameters that were taken as given."""
     free = {estimate.path for estimate in fit.estimates}
     paths = [path for path, _, _ in parameters(law, "friction")]
     return tuple(path.rpartition(".")[2] for path in paths if path not in free)
 
 
-def _influence(fit: Fit, trial: Trial, assumed: Sequence[str], t_end: float) -> Mapping[str, float]:
+def _influence(
+    fit: TravelFit, trial: Trial, assumed: Sequence[str], t_end: float
+) -> Mapping[str, float]:
     """Return how far each given parameter moves the travel [m], changed by half."""
     found = {}
     for name in assumed:

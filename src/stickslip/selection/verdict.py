@@ -9,7 +9,7 @@ from typing_extensions import override
 
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
-from stickslip.identification import Fit
+from stickslip.identification import TravelFit
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.selection.criteria import Criteria
@@ -32,7 +32,7 @@ class Candidate:
     """The law as given."""
     given: Criteria
     """What the mechanism does with it; in the first trial where there are several."""
-    fit: Fit | None
+    fit: TravelFit | None
     """The fit; None if no value explains the measurement."""
     run: Trajectory | None
     """The fitted run; of the first trial where there are several."""

@@ -1,0 +1,146 @@
+"""Estimates with their doubt, and what a record cannot tell, in words."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.identification.inference import Inference
+from stickslip.identification.problem import Linearised
+from stickslip.identification.results import Estimate
+from stickslip.identification.unknowns import Unknown, Unknowns
+
+__all__ = ["INTERVAL", "bounds_met", "estimates_of", "sentences_of", "step_intervals"]
+
+Array = NDArray[np.float64]
+
+INTERVAL = "95 %"
+CLOSE = 1e-6
+"""Distance from a bound, over the bound's size or the range, at which it counts as met."""
+WIDEST = math.log(30.0)
+"""An interval of a logarithm this wide to either side is none."""
+TOGETHER = 0.95
+"""Correlation from which two estimates are one number and a split of it."""
+MOST_CONDITION = 300.0
+"""Condition of the scaled slopes beyond which estimates are not separable."""
+
+
+def bounds_met(unknowns: Unknowns, values: Array) -> Mapping[str, str]:
+    """Return which unknowns ended at a bound, by path: ``"lower"`` or ``"upper"``."""
+    found = {}
+    low, high = unknowns.limits()
+    at = unknowns.coordinates(values)
+    for i, item in enumerate(unknowns.items):
+        size = max(abs(item.start), 1e-300) if not item.log else 1.0
+        if at[i] <= low[i] + CLOSE * size:
+            found[item.path] = "lower"
+        elif at[i] >= high[i] - CLOSE * size:
+            found[item.path] = "upper"
+    return found
+
+
+def estimates_of(
+    unknowns: Unknowns, seen: Linearised, inference: Inference, at_bounds: Mapping[str, str]
+) -> tuple[Estimate, ...]:
+    """Return the estimates with 95 % intervals, and why an interval is not bounded."""
+    found = []
+    for i, item in enumerate(unknowns.items):
+        value, half = float(seen.values[i]), float(inference.half_widths[i])
+        low, high, reason = value - half, value + half, ""
+        if item.path in at_bounds:
+            low, high, reason = -math.inf, math.inf, _bound_reason(item, at_bounds[item.path])
+        elif not math.isfinite(half):
+            low, high, reason = -math.inf, math.inf, "the record does not depend on it"
+        elif item.log:
+            spread = half / value
+            low, high = value * math.exp(-min(spread, 700.0)), value * math.exp(min(spread, 700.0))
+            if spread > WIDEST:
+                low, high = -math.inf, math.inf
+                reason = "the record leaves its order of magnitude open"
+        found.append(
+            Estimate(
+                path=item.path,
+                quantity=item.quantity,
+                value=value,
+                low=low,
+                high=high,
+                interval=INTERVAL,
+                reason=reason,
+            )
+        )
+    return tuple(found)
+
+
+def _bound_reason(item: Unknown, side: str) -> str:
+    if item.above and side == "lower":
+        return f"it went down to {item.above.rpartition('.')[2]}: no surplus is seen"
+    return f"it ran to its {side} bound"
+
+
+def step_intervals(
+    unknowns: Unknowns, seen: Linearised, inference: Inference
+) -> Mapping[str, tuple[float, float, float]]:
+    """Return by path surplus, lower and upper end, for unknowns that stand above another."""
+    found = {}
+    paths = list(unknowns.paths)
+    for i, item in enumerate(unknowns.items):
+        if item.above not in paths:
+            continue
+        j = paths.index(item.above)
+        c = inference.covariance
+        variance = c[i, i] + c[j, j] - 2.0 * c[i, j]
+        half = inference.quantile * math.sqrt(max(variance, 0.0))
+        step = float(seen.values[i] - seen.values[j])
+        found[item.path] = (step, step - half, step + half)
+    return found
+
+
+def sentences_of(
+    unknowns: Unknowns,
+    seen: Linearised,
+    inference: Inference,
+    at_bounds: Mapping[str, str],
+    estimates: Sequence[Estimate],
+) -> tuple[str, ...]:
+    """Return what the record cannot tell."""
+    lines = [
+        f"{estimate.path.rpartition('.')[2]} ({estimate.quantity.symbol}) is undetermined:"
+        f" {estimate.reason}."
+        for estimate in estimates
+        if estimate.reason
+    ]
+    for path, (step, low, high) in step_intervals(unknowns, seen, inference).items():
+        if path not in at_bounds and low <= 0.0:
+            item = unknowns.items[unknowns.paths.index(path)]
+            unit = "" if item.quantity.unit == "1" else f" {item.quantity.unit}"
+            lines.append(
+                f"No step from {item.quantity.symbol} to sliding can be told from 0:"
+                f" {step:.3g}{unit}, interval {low:.3g} to {high:.3g}."
+            )
+    lines += _together(unknowns, seen, inference, at_bounds)
+    if inference.condition > MOST_CONDITION:
+        symbols = ", ".join(item.quantity.symbol for item in unknowns.items)
+        lines.append(
+            f"{symbols} cannot all be separated by this record: condition number"
+            f" {inference.condition:.2g}, where {MOST_CONDITION:g} is the most that is taken."
+        )
+    return tuple(lines)
+
+
+def _together(
+    unknowns: Unknowns, seen: Linearised, inference: Inference, at_bounds: Mapping[str, str]
+) -> list[str]:
+    """Return sentences on pairs of estimates that move together."""
+    lines = []
+    table = inference.correlation
+    for i, one in enumerate(unknowns.items):
+        for j, other in enumerate(unknowns.items[:i]):
+            free = one.path not in at_bounds and other.path not in at_bounds
+            if free and np.isfinite(table[i, j]) and abs(table[i, j]) > TOGETHER:
+                lines.append(
+                    f"{other.quantity.symbol} and {one.quantity.symbol} trade off"
+                    f" (correlation {table[i, j]:.2f}): their combination is better known than"
+                    " either."
+                )
+    return lines

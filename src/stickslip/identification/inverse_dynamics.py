@@ -1,0 +1,244 @@
+"""Inverse dynamics: friction levels by linear least squares from forces and filtered positions."""
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.experiments import Measurement
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary
+
+__all__ = ["InverseDynamics", "inverse_dynamics", "mass_of"]
+
+Array = NDArray[np.float64]
+
+HUBER = 1.345
+"""Residuals beyond this many standard deviations weigh less; 95 % as efficient as least squares."""
+BUTTERWORTH = 4
+"""Order of the position's filter."""
+POSITION_SHARE = 10.0
+"""The position's filter passes a 10th of the sampling frequency if nothing else is asked for."""
+PARALLEL_SHARE = 50.0
+"""The filter of all regressors passes a 50th of it, where nothing is decimated."""
+MARGIN = 49
+"""Samples dropped at the start, where filters and differences begin."""
+LEAST = 3 * MARGIN
+"""Samples a record must have."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class InverseDynamics:
+    """What linear least squares on forces says, with the usual standard deviations.
+
+    They are those of largest likelihood for independent errors, too small for filtered signals.
+    """
+
+    names: tuple[str, ...]
+    """``"inertia"``, ``"viscous"``, ``"level"``, ``"offset"``; ``"viscous+"`` and so on by
+    direction."""
+    values: Array
+    """Estimates (p,)."""
+    deviations: Array
+    """Their standard deviations (p,)."""
+    relative_error: float
+    """Root mean square of the residuals over that of the forces."""
+    time: Array
+    """Times (n,) [s] of the rows."""
+    velocity: Array
+    """Filtered velocities (n,) [m/s]."""
+    friction: Array
+    """Force less inertia and springs (n,) [N]: friction and offset."""
+    residual: Array
+    """Forces less those of the regression (n,) [N]."""
+
+    def __getitem__(self, name: str) -> float:
+        """Return an estimate by name."""
+        return float(self.values[self.names.index(name)])
+
+
+def inverse_dynamics(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    unknown: Sequence[str] = ("inertia",),
+    directional: bool = False,
+    offset: bool = True,
+    cutoff: float | None = None,
+    decimate: int = 1,
+    robust: bool = False,
+) -> InverseDynamics:
+    """Fit inertia, viscous part, level and offset to a record of position and force.
+
+    The position, and then all regressors alike, are filtered forward and backward, so that nothing
+    is delayed; velocity and acceleration are central differences.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        An `Axis` or `SpringBlock`: one coordinate.
+    measurement : Measurement
+        Records in time with position, and the force applied if there is one.
+    unknown : sequence of str
+        ``("inertia",)`` if the mass is looked for, else empty.
+    directional : bool
+        Whether each direction has its own viscous part and level.
+    offset : bool
+        Whether a constant force is looked for.
+    cutoff : float, optional
+        Of the position's filter [Hz]; a 10th of the sampling frequency if not given.
+    decimate : int
+        Every how manieth row is kept, after a filter that forbids aliases; 1 keeps all rows, and
+        filters them at a 50th of the sampling frequency.
+    robust : bool
+        Whether large residuals weigh less (Huber).
+
+    Returns
+    -------
+    InverseDynamics
+        Estimates and what they leave.
+
+    Raises
+    ------
+    InputError
+        If there is no position in time or too little of it.
+
+    Source: M. Gautier, "Dynamic identification of robots with power model", 1997; filtered as in
+    A. Janot et al., EMPS, 2019.
+    """
+    parts = []
+    for record in measurement.records():
+        set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
+        parts.append(_columns(set_up, record, cutoff, decimate, directional=directional))
+    whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    rest, inertial = whole["forces"], whole["mass"] * whole["inertia"]
+    names = [name for name in whole if name.startswith(("viscous", "level"))]
+    names = [*(("inertia",) if unknown else ()), *names, *(("offset",) if offset else ())]
+    table = np.column_stack([whole[name] for name in names])
+    wanted = rest if unknown else rest - inertial
+    values, weights = _solved(table, wanted, robust=robust)
+    residual = wanted - table @ values
+    return InverseDynamics(
+        names=tuple(names),
+        values=values,
+        deviations=_deviations(table, residual, weights),
+        relative_error=float(np.linalg.norm(residual) / np.linalg.norm(wanted)),
+        time=whole["time"],
+        velocity=whole["velocity"],
+        friction=wanted - values[0] * whole["inertia"] if unknown else wanted,
+        residual=residual,
+    )
+
+
+def _columns(
+    mechanism: Mechanism,
+    record: Measurement,
+    cutoff: float | None,
+    decimate: int,
+    *,
+    directional: bool,
+) -> dict[str, Array]:
+    """Return the columns of the regression for one record, by name."""
+    time, x, v, a, applied = _signals(record, cutoff)
+    mass, forces = _known_forces(mechanism, x, v, applied)
+    columns = {"forces": forces, "inertia": a, "velocity": v}
+    for name, column in (("viscous", v), ("level", np.sign(v))):
+        if directional:
+            columns[name + "+"] = np.where(v > 0.0, column, 0.0)
+            columns[name + "-"] = np.where(v < 0.0, column, 0.0)
+        else:
+            columns[name] = column
+    columns["offset"] = np.ones_like(v)
+    found = {name: _decimated(column, decimate) for name, column in columns.items()}
+    found["mass"] = np.full_like(found["forces"], mass)
+    found["time"] = time[(len(time) - 1) % decimate :: decimate]
+    return found
+
+
+def _signals(record: Measurement, cutoff: float | None) -> tuple[Array, ...]:
+    """Return times, positions, velocities, accelerations and forces of one record, filtered."""
+    from scipy import signal
+
+    if not isinstance(record.time, np.ndarray) or "position" not in record.quantities():
+        raise InputError("inverse dynamics needs the position in time.")
+    dt = float(np.ptp(record.time)) / (len(record.time) - 1)
+    x = np.asarray(record.values("position"))
+    if len(x) < LEAST:
+        raise InputError(f"inverse dynamics needs at least {LEAST} samples, got {len(x)}.")
+    share = 2.0 / POSITION_SHARE if cutoff is None else min(2.0 * cutoff * dt, 0.99)
+    smooth = _both_ways(signal.butter(BUTTERWORTH, share), x)
+    v = np.gradient(smooth, dt)
+    force = np.asarray(record.values("force")) if "force" in record.quantities() else 0.0 * x
+    found = (record.time, smooth, v, np.gradient(v, dt), force)
+    return tuple(column[MARGIN:] for column in found)
+
+
+def _decimated(column: Array, every: int) -> Array:
+    """Return every so manieth value of a filtered column; the last one is kept."""
+    from scipy import signal
+
+    if every == 1:
+        return _both_ways(signal.butter(BUTTERWORTH, 2.0 / PARALLEL_SHARE), column)
+    smooth = _both_ways(signal.cheby1(8, 0.05, 0.8 / every), column)
+    return smooth[(len(smooth) - 1) % every :: every]
+
+
+def _both_ways(coefficients: tuple[Array, Array], column: Array) -> Array:
+    from scipy import signal
+
+    b, a = coefficients
+    smooth: Array = signal.filtfilt(b, a, column, padlen=3 * (max(len(a), len(b)) - 1))
+    return smooth
+
+
+def _known_forces(mechanism: Mechanism, x: Array, v: Array, applied: Array) -> tuple[float, Array]:
+    """Return the mass, and the forces on it but for friction and a constant."""
+    if len(mechanism.coordinates) != 1:
+        raise InputError(
+            f"inverse dynamics needs a mechanism of one coordinate, and"
+            f" {type(mechanism).__name__} has {len(mechanism.coordinates)}."
+        )
+    if "offset" in mechanism.__dataclass_fields__:
+        mechanism = vary(mechanism, "mechanism", {"mechanism.offset": 0.0})
+    (name,) = mechanism.coordinates
+    q: Mapping[str, Any] = defaultdict(float, {name: x})
+    q_dot: Mapping[str, Any] = defaultdict(float, {name: v})
+    h = 1e-6 * max(float(np.ptp(x)), 1e-9)
+    ahead, back = (
+        mechanism.potential_energy(0.0, defaultdict(float, {**q, name: x + side * h})) + 0.0 * x
+        for side in (1.0, -1.0)
+    )
+    forces = mechanism.forces(0.0, q, q_dot, {"drive": applied})[name]
+    return mass_of(mechanism), np.asarray(forces - (ahead - back) / (2.0 * h) + 0.0 * x)
+
+
+def mass_of(mechanism: Mechanism) -> float:
+    """Return what the one coordinate of a mechanism moves [kg]."""
+    (name,) = mechanism.coordinates
+    one = mechanism.kinetic_energy(defaultdict(float), defaultdict(float, {name: 1.0}))
+    return 2.0 * float(one)
+
+
+def _solved(table: Array, wanted: Array, *, robust: bool) -> tuple[Array, Array]:
+    """Return least-squares values, and the weights of rows where large residuals weigh less."""
+    weights = np.ones(len(wanted))
+    values = np.linalg.lstsq(table, wanted, rcond=None)[0]
+    for _ in range(20 if robust else 0):
+        residual = wanted - table @ values
+        deviation = 1.4826 * float(np.median(np.abs(residual))) or 1.0
+        weights = np.minimum(1.0, HUBER * deviation / np.maximum(np.abs(residual), 1e-300))
+        root = np.sqrt(weights)
+        values = np.linalg.lstsq(root[:, None] * table, root * wanted, rcond=None)[0]
+    return np.asarray(values, dtype=float), weights
+
+
+def _deviations(table: Array, residual: Array, weights: Array) -> Array:
+    root = np.sqrt(weights)[:, None]
+    variance = float((weights * residual) @ residual) / len(residual)
+    inverse = np.linalg.pinv((root * table).T @ (root * table), hermitian=True)
+    deviations: Array = np.sqrt(variance * np.diag(inverse))
+    return deviations

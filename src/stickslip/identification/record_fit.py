@@ -1,0 +1,319 @@
+"""A fit to records in time, and what it says of records it has not seen."""
+
+import html
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.experiments import QUANTITIES, Measurement
+from stickslip.identification.inference import Inference, bootstrap
+from stickslip.identification.optimise import Found, improve
+from stickslip.identification.problem import Linearised, Problem
+from stickslip.identification.results import Fit
+from stickslip.identification.unknowns import Unknowns
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Build", "Prediction", "RecordFit", "Score"]
+
+Array = NDArray[np.float64]
+Build: TypeAlias = Callable[[Measurement, float | None], Problem]
+"""Makes the problem of another record, with the same unknowns and segments of a length [s]."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Score:
+    """How far predictions are off, each segment started from its own fitted state."""
+
+    rms: float
+    """Root mean square of measured less predicted."""
+    quantity: str
+    """Of what, as in `QUANTITIES`."""
+    horizon: float
+    """Length of the segments [s]."""
+    blocks: tuple[float, ...]
+    """Root mean square of each segment."""
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        return QUANTITIES[self.quantity].unit
+
+    @override
+    def __str__(self) -> str:
+        """Return the error and what it is of, in one line."""
+        return (
+            f"{self.rms:.3g} {self.unit} ({self.quantity}, {len(self.blocks)} segments of"
+            f" {self.horizon:.3g} s)"
+        )
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prediction:
+    """Predicted segments beside what was measured."""
+
+    quantity: str
+    """Of what, as in `QUANTITIES`."""
+    record: NDArray[np.intp]
+    """Record of each row (n,)."""
+    segment: NDArray[np.intp]
+    """Segment of each row (n,)."""
+    t: Array
+    """Times (n,) [s]."""
+    residual: Array
+    """Measured less predicted (n,)."""
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the columns as a pandas DataFrame."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "record": self.record,
+                "segment": self.segment,
+                "t": self.t,
+                "residual": self.residual,
+            }
+        )
+
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class RecordFit(Fit):
+    """A fit to records in time: estimates, residuals, and how each start ended."""
+
+    route: str
+    """How: ``"shooting"``, ``"force-map"`` or ``"inverse-dynamics"``."""
+    measurement: Measurement
+    """What was fitted."""
+    problem: Problem = field(repr=False)
+    """The record as residuals."""
+    build: Build = field(repr=False)
+    """Makes the same problem of other records."""
+    found: Found
+    """Least cost and restarts."""
+    inference: Inference
+    """Covariance, condition and effective sample size."""
+    at_bounds: Mapping[str, str]
+    """Which parameters ended at a bound, by path: ``"lower"`` or ``"upper"``."""
+    sentences: tuple[str, ...]
+    """What the record cannot tell, in words."""
+
+    @override
+    def __str__(self) -> str:
+        """Return the law, its estimates and how far off it is, in one line."""
+        quantity = QUANTITIES[self.problem.quantity]
+        return (
+            f"{self.law.title} fitted to {self.problem.quantity}:"
+            f" {', '.join(map(str, self.estimates))}; residual {self.rms:.3g} {quantity.unit}"
+        )
+
+    @override
+    def _repr_html_(self) -> str:
+        rows = "".join(f"<li>{html.escape(str(estimate))}</li>" for estimate in self.estimates)
+        notes = "".join(f"<p>{html.escape(line)}</p>" for line in self.sentences)
+        return f"<p>{html.escape(self.law.title)}</p><ul>{rows}</ul>{notes}"
+
+    @property
+    def unknowns(self) -> Unknowns:
+        """What was looked for."""
+        return self.problem.unknowns
+
+    @property
+    def values(self) -> Array:
+        """Best values of the unknowns (p,)."""
+        return self.found.best.values
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals, in the unit of the quantity compared."""
+        return self.found.best.rms
+
+    @property
+    def residual(self) -> Array:
+        """Measured less predicted (n,), what is local to segments taken out."""
+        return self.found.best.residual
+
+    @property
+    def scale(self) -> Array:
+        """Derivatives of the values by what the optimiser saw; 0 for those at a bound."""
+        return scale_of(self.unknowns, self.found.best.values, self.at_bounds)
+
+    def predict(
+        self, measurement: Measurement | None = None, *, horizon: float | None = None
+    ) -> Prediction:
+        """Predict a record segment by segment, each from its own fitted initial state.
+
+        Parameters
+        ----------
+        measurement : Measurement, optional
+            What is predicted; what was fitted if not given.
+        horizon : float, optional
+            Length of the segments [s]; that of the fit if not given.
+
+        Returns
+        -------
+        Prediction
+            Residuals by time and segment.
+        """
+        problem, seen = self._seen(measurement, horizon)
+        return Prediction(
+            quantity=problem.quantity,
+            record=problem.spans[seen.segment, 0].astype(int),
+            segment=seen.segment,
+            t=problem.times,
+            residual=seen.residual,
+        )
+
+    def score(
+        self, measurement: Measurement | None = None, *, horizon: float | None = None
+    ) -> Score:
+        """Return the error of predictions, arguments as in `predict`."""
+        problem, seen = self._seen(measurement, horizon)
+        squares = [
+            float(np.mean(seen.residual[seen.segment == k] ** 2)) for k in range(len(problem.spans))
+        ]
+        lengths = problem.spans[:, 2] - problem.spans[:, 1]
+        return Score(
+            rms=seen.rms,
+            quantity=problem.quantity,
+            horizon=float(np.median(lengths)),
+            blocks=tuple(math.sqrt(square) for square in squares),
+        )
+
+    def _seen(
+        self, measurement: Measurement | None, horizon: float | None
+    ) -> tuple[Problem, Linearised]:
+        if measurement is None and horizon is None:
+            return self.problem, self.found.best
+        problem = self.build(self.measurement if measurement is None else measurement, horizon)
+        return problem, settled(problem, self.values)
+
+    def bootstrap(self, *, draws: int = 2000, seed: int = 0) -> Array:
+        """Return estimates (draws, p) with blocks of the record drawn anew."""
+        changes = bootstrap(self.found.best, self.scale, draws=draws, seed=seed)
+        return self.values + changes
+
+    def profile(self, name: str, values: Sequence[float]) -> Array:
+        """Return the least sum of squares (n,) with one parameter held at each of the values.
+
+        Parameters
+        ----------
+        name : str
+            Path or last name of an unknown.
+        values : sequence of float
+            Where it is held.
+        """
+        path = self.estimate(name).path
+        index = self.unknowns.paths.index(path)
+        costs = []
+        for value in values:
+            held = _Held(self.problem, index, float(value))
+            end, _ = improve(held, np.delete(self.values, index))
+            costs.append(end.cost)
+        return np.array(costs)
+
+    @override
+    def to_dict(self) -> Mapping[str, Any]:
+        found = self.found
+        return {
+            "law": self.law.name,
+            "route": self.route,
+            "quantity": self.problem.quantity,
+            "residual_rms": self.rms,
+            "estimates": [estimate.to_dict() for estimate in self.estimates],
+            "correlation": self.inference.correlation.tolist(),
+            "condition": self.inference.condition,
+            "effective_samples": self.inference.effective,
+            "at_bounds": dict(self.at_bounds),
+            "restarts": [math.sqrt(cost / len(self.residual)) for cost in found.costs],
+            "restarts_agreeing": found.agreeing,
+            "evaluations": found.evaluations,
+            "cancelled": found.cancelled,
+            "cannot_tell": list(self.sentences),
+        }
+
+
+def settled(
+    problem: Problem,
+    values: Array,
+    *,
+    only: Sequence[int] | None = None,
+    rounds: int = 2,
+) -> Linearised:
+    """Return residuals at values with the segments' initial states fitted."""
+    seen = problem.linearise(values, only=only, slopes=False)
+    for _ in range(rounds - 1):
+        if not math.isfinite(seen.cost):
+            break
+        seen = problem.linearise(values, seen, only=only, slopes=False)
+    return seen
+
+
+def scale_of(unknowns: Unknowns, values: Array, at_bounds: Mapping[str, str]) -> Array:
+    """Return the derivatives of values by coordinates, 0 for those that a bound holds."""
+    scale = unknowns.slopes(unknowns.coordinates(values))
+    for i, path in enumerate(unknowns.paths):
+        if path in at_bounds:
+            scale[:, i] = 0.0
+    return scale
+
+
+@final
+class _Held(Problem):
+    """A problem with one unknown held at a value."""
+
+    def __init__(self, whole: Problem, index: int, value: float) -> None:
+        self.whole, self.index, self.value = whole, index, value
+        items = whole.unknowns.items
+        known = {**(whole.unknowns.known or {}), items[index].path: value}
+        self._unknowns = Unknowns(items[:index] + items[index + 1 :], known)
+
+    @property
+    @override
+    def unknowns(self) -> Unknowns:
+        return self._unknowns
+
+    @property
+    @override
+    def spans(self) -> Array:
+        return self.whole.spans
+
+    @property
+    @override
+    def quantity(self) -> str:
+        return self.whole.quantity
+
+    @property
+    @override
+    def times(self) -> Array:
+        return self.whole.times
+
+    @override
+    def linearise(
+        self,
+        values: Array,
+        near: Linearised | None = None,
+        *,
+        only: Sequence[int] | None = None,
+        slopes: bool = True,
+    ) -> Linearised:
+        full = np.insert(values, self.index, self.value)
+        before = near.memory if near is not None else None
+        assert before is None or isinstance(before, Linearised)
+        seen = self.whole.linearise(full, before, only=only, slopes=slopes)
+        return Linearised(
+            values=values,
+            residual=seen.residual,
+            slopes=np.delete(seen.slopes, self.index, axis=1),
+            segment=seen.segment,
+            memory=seen,
+        )
