@@ -6,6 +6,7 @@ whose numeric fields are annotated with a `Quantity`. Everything that needs to k
 """
 
 import dataclasses
+import functools
 import math
 import numbers
 import types
@@ -140,6 +141,7 @@ def _alternatives(hint: Any) -> tuple[Any, ...]:
     return typing.get_args(hint) if is_union else (hint,)
 
 
+@functools.cache
 def _optional(cls: type, name: str) -> bool:
     return type(None) in _alternatives(_hints(cls)[name])
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from stickslip import LAWS
 from stickslip.cli import main
 from stickslip.errors import InputError
 
@@ -48,7 +49,7 @@ def test_version_names_the_package(run):
 def test_models_lists_every_registered_law(run):
     _, out, _ = run("models", "--json")
     names = [law["name"] for law in json.loads(out)["laws"]]
-    assert names == ["coulomb", "viscous", "coulomb-viscous", "stribeck", "dahl", "lugre"]
+    assert names == list(LAWS)
     _, out, _ = run("models")
     assert all(name in out for name in names)
 

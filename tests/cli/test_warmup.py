@@ -89,6 +89,29 @@ def test_by_default_it_takes_every_mechanism_and_every_law(run, asked):
     assert driven == {"spring-block", "axis"}
 
 
+def test_a_rig_without_values_brings_the_laws_that_select_would_try(run, asked, tmp_path):
+    (tmp_path / "rig.toml").write_text(RIG.partition("[friction]")[0])
+    run("warmup", "--rig", "rig.toml")
+    six = {"coulomb", "viscous", "coulomb-viscous", "stribeck", "dahl", "lugre"}
+    assert {law.name for _, law in asked["pairs"]} == six
+
+
+@pytest.mark.parametrize(
+    ("table", "name"),
+    [
+        ("[friction.power-viscous]\nviscous_coefficient = 0.5", "power-viscous"),
+        ("[friction.quadratic-drag]\nquadratic_coefficient = 0.5", "quadratic-drag"),
+        ("quadratic_coefficient = 0.5", "quadratic-drag"),
+    ],
+)
+def test_a_law_on_request_is_brought_by_its_table_or_by_what_only_it_has(
+    run, asked, tmp_path, table, name
+):
+    (tmp_path / "rig.toml").write_text(f"{RIG}{table}\n")
+    run("warmup", "--rig", "rig.toml")
+    assert {law.name for _, law in asked["pairs"]} == {"coulomb", name}
+
+
 def test_a_rig_file_brings_its_mechanism_and_its_laws(run, asked, tmp_path):
     (tmp_path / "rig.toml").write_text(RIG)
     run("warmup", "--rig", "rig.toml")

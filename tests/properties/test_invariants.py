@@ -5,17 +5,29 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from tests.support import RIGS, SET_VALUED, decade, laws, nearly, spring_blocks
+from tests.support import (
+    RIGID,
+    RIGS,
+    decade,
+    held_by,
+    laws,
+    mirrored_law,
+    mirrors,
+    nearly,
+    spring_blocks,
+)
 
-from stickslip import LAWS, Coulomb, EventDriven, Pulse, SpringBlock, simulate
+from stickslip import LAWS, Coulomb, EventDriven, PowerViscous, Pulse, SpringBlock, simulate
 from stickslip.drives import Drive, PiecewiseLinear, Sum
 from stickslip.friction import BristleLaw
 from stickslip.quantities import Parametrised, fields_of
 
 each_law = pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
-set_valued = pytest.mark.parametrize("kind", SET_VALUED, ids=lambda kind: kind.name)
+rigid = pytest.mark.parametrize("kind", RIGID, ids=lambda kind: kind.name)
+SCALABLE = [kind for kind in LAWS.values() if kind is not PowerViscous]
+"""Laws without a speed of their own that is no parameter; see tests/friction/test_power_viscous."""
 rigs = st.one_of(*RIGS.values())
 starts = st.fixed_dictionaries({"x": nearly(-0.1, 0.1), "v": nearly(-0.5, 0.5) | st.just(0.0)})
 FEW = settings(max_examples=12)
@@ -78,20 +90,18 @@ def mirrored(value):
 @each_law
 @FEW
 @given(data=st.data(), rig=rigs, y0=starts)
-def test_a_mirrored_rig_moves_in_mirror_image_to_the_last_bit(kind, data, rig, y0):
+def test_a_mirrored_rig_moves_in_mirror_image(kind, data, rig, y0):
+    # which way bristles face at rest without a force is a convention, and their turning an event
+    assume(kind in RIGID or y0["v"] != 0)
     law = data.draw(laws(kind))
     run = simulate(rig, law, t_end=T_END, y0=y0, throw=False)
-    image = simulate(
-        mirrored(rig), law, t_end=T_END, y0={k: -v for k, v in y0.items()}, throw=False
-    )
-    np.testing.assert_array_equal(image.t, run.t)
-    for name in ("x", "v", "friction"):
-        np.testing.assert_array_equal(image[name], -run[name])
-    assert [event.reason for event in image.events] == [event.reason for event in run.events]
+    start = {name: -value for name, value in y0.items()}
+    image = simulate(mirrored(rig), mirrored_law(law), t_end=T_END, y0=start, throw=False)
+    mirrors(run, image, kind)
 
 
 POWERS = {
-    "m": 1, "m/s": 1, "m/s^2": 1, "N": 1, "N/s": 1, "1/m": -1, "s/m": -1,
+    "m": 1, "m/s": 1, "m/s^2": 1, "N": 1, "N/s": 1, "1/m": -1, "s/m": -1, "N s^2/m^2": -1,
     "1": 0, "kg": 0, "N/m": 0, "N s/m": 0, "s": 0, "Hz": 0, "rad": 0,
 }  # fmt: skip
 """How a quantity grows with all lengths and forces, times and masses being kept."""
@@ -113,7 +123,7 @@ def scaled(value, factor):
     return dataclasses.replace(value, **changes)
 
 
-@each_law
+@pytest.mark.parametrize("kind", SCALABLE, ids=lambda kind: kind.name)
 @FEW
 @given(data=st.data(), rig=rigs, y0=starts, doublings=st.integers(-20, 20))
 def test_a_rig_a_million_times_larger_or_smaller_moves_alike_to_the_last_bit(
@@ -170,14 +180,14 @@ def test_every_run_is_certified(kind, data, rig, y0):
     assert run.certificate.stick_drift == 0
 
 
-@set_valued
+@rigid
 @settings(max_examples=20)
 @given(data=st.data(), rig=rigs, y0=starts)
 def test_friction_stays_in_its_cone_and_a_stuck_body_does_not_move(kind, data, rig, y0):
     law = data.draw(laws(kind))
     run = simulate(rig, law, t_end=T_END, y0=y0).sampled(301)
     stuck = run["mode"] == 0
-    level = law.break_away(run["normal_force"])
+    level = held_by(law, run["friction"], run["normal_force"])
     # located to rounding, so that the level is met to rounding at either end of a stick
     assert np.all(np.abs(run["friction"][stuck]) <= level[stuck] * (1 + 1e-9) + 1e-12)
     assert np.all(run["v"][stuck] == 0)
@@ -186,7 +196,7 @@ def test_friction_stays_in_its_cone_and_a_stuck_body_does_not_move(kind, data, r
     assert np.all(run["friction"] * run["v"] >= -1e-12)  # rounding of the speed at an event
 
 
-@set_valued
+@rigid
 @settings(max_examples=20)
 @given(data=st.data(), y0=starts)
 def test_without_a_drive_friction_only_takes_energy(kind, data, y0):
@@ -199,7 +209,7 @@ def test_without_a_drive_friction_only_takes_energy(kind, data, y0):
     assert np.all(np.diff(energy) <= 1e-9 * energy.max())  # the certificate's limit
 
 
-@set_valued
+@rigid
 @FEW
 @given(data=st.data(), rig=rigs, y0=starts)
 def test_a_coarser_tolerance_gives_the_same_run_coarsely(kind, data, rig, y0):

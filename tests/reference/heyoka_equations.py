@@ -12,7 +12,7 @@ from typing import Any
 
 import heyoka as hy
 
-from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw
+from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, towards
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import shadow
 
@@ -118,8 +118,8 @@ class Equations:
     friction: hy.expression
     """Friction force; while stuck the one that is needed."""
     normal: hy.expression
-    level: hy.expression
-    """Largest friction force at rest."""
+    levels: tuple[hy.expression, hy.expression]
+    """Largest friction force at rest, against forward and against backward slip."""
     numbers: Mapping[str, int]
     switches: list[Switch]
 
@@ -148,7 +148,10 @@ def equations(mechanism: Mechanism, law: FrictionLaw) -> Equations:
     press = acceleration[contact.normal] if held else N - plain(contact.load)
     rub = stuck * acceleration[contact.slip] + (1.0 - stuck) * (F - sliding)
     solved = _solved(press, rub, N, F)
-    level = plain(friction_twin.break_away(Symbol(N, tracing)))
+    ahead, back = (
+        hy.subs(plain(towards(friction_twin, side).break_away(Symbol(N, tracing))), solved)
+        for side in (1, -1)
+    )
 
     moving = {name: hy.subs(acceleration[name], solved) for name in twin.coordinates}
     moving[contact.slip] = (1.0 - stuck) * moving[contact.slip]
@@ -161,7 +164,7 @@ def equations(mechanism: Mechanism, law: FrictionLaw) -> Equations:
         slip=len(moving) + list(moving).index(contact.slip),
         friction=solved[F],
         normal=solved[N],
-        level=hy.subs(level, solved),
+        levels=(ahead, back),
         numbers=tracing.numbers,
         switches=list(tracing.switches.values()),
     )
@@ -212,10 +215,12 @@ def _friction(
 ) -> tuple[hy.expression, list[hy.expression]]:
     """Return the friction of a slipping contact and the rates of the bristles."""
     velocity, load = Symbol(v, tracing), Symbol(N, tracing)
-    if isinstance(law, SetValuedLaw):
+    if not isinstance(law, BristleLaw):
         forward = tracing.number("direction")
-        return forward * plain(law.sliding(Symbol(forward * v, tracing), load)), []
-    assert isinstance(law, BristleLaw)
+        speed = Symbol(forward * v, tracing)
+        ahead, back = (plain(towards(law, side).sliding(speed, load)) for side in (1, -1))
+        chosen = 0.5 * (1.0 + forward) * ahead + 0.5 * (1.0 - forward) * back
+        return forward * (chosen if isinstance(law, DirectionalLaw) else ahead), []
     bristles = tuple(Symbol(e, tracing) for e in z)
     rates = law.bristle_rates(velocity, bristles, load)
     return plain(law.force(velocity, bristles, load)), [plain(rate) for rate in rates]

@@ -68,18 +68,19 @@ class Path:
 def _machines(model: Equations) -> tuple[Any, Any]:
     """Return the integrator, and the function that looks at a state.
 
-    The function gives friction, normal force, break-away level, acceleration and margins.
+    The function gives friction, normal force, both break-away levels, acceleration and margins.
     """
     stuck, direction = (hy.par[model.numbers[name]] for name in ("stuck", "direction"))
     velocity, acceleration = model.rates[model.slip]
+    ahead, back = model.levels
     guards = [
         direction * velocity + stuck,
-        stuck * (model.level - model.friction) + (1.0 - stuck),
-        stuck * (model.level + model.friction) + (1.0 - stuck),
+        stuck * (ahead - model.friction) + (1.0 - stuck),
+        stuck * (back + model.friction) + (1.0 - stuck),
         *[hy.par[model.numbers[switch.side]] * switch.margin for switch in model.switches],
     ]
     margins = [switch.margin for switch in model.switches]
-    outputs = [model.friction, model.normal, model.level, acceleration, *margins]
+    outputs = [model.friction, model.normal, ahead, back, acceleration, *margins]
     key = str([model.rates, guards, outputs])
     if key not in COMPILED:
         falling = hy.event_direction.negative
@@ -177,7 +178,7 @@ class Oracle:
         return list(self.numbers.values())[:count]
 
     def _look(self, state: Any, t: float) -> Any:
-        """Return friction, normal force, break-away level, acceleration and margins."""
+        """Return friction, normal force, both break-away levels, acceleration and margins."""
         time = {"time": t} if self.look.is_time_dependent else {}
         return self.look(state, pars=self._vector(self.look.nparams), **time)
 
@@ -185,7 +186,7 @@ class Oracle:
         """Set switches and mode as the state asks for at the start of a piece."""
         ta, before = self.integrator, self.mode
         for _ in self.model.switches:  # as often as they can stand in each other
-            margins = self._look(ta.state, ta.time)[4:]
+            margins = self._look(ta.state, ta.time)[5:]
             for switch, margin in zip(self.model.switches, margins, strict=True):
                 self.numbers[switch.side] = 1.0 if margin > 0 else -1.0
         if ta.state[self.model.slip] == 0.0:
@@ -200,8 +201,8 @@ class Oracle:
         ta = self.integrator
         ta.state[self.model.slip] = 0.0
         self._enter(0)
-        needed, _, level, *_ = self._look(ta.state, ta.time)
-        if self.can_stick and abs(needed) <= level:
+        needed, _, ahead, back, *_ = self._look(ta.state, ta.time)
+        if self.can_stick and -back <= needed <= ahead:
             return
         self._enter(self._heading() if self.bristles else int(np.sign(needed)))
 
@@ -220,7 +221,7 @@ class Oracle:
         """Make the transition that a guard asks for, and note it down."""
         ta, before, slope = self.integrator, self.mode, math.inf
         if guard == STOP:
-            slope = float(self._look(ta.state, ta.time)[3])
+            slope = float(self._look(ta.state, ta.time)[4])
             if self.can_stick:
                 self._leave_rest()
             else:

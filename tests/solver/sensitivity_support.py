@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 
 from stickslip import Axis, EventDriven, SpringBlock, simulate
 from stickslip.drives import Sum
-from stickslip.friction import BristleLaw
+from stickslip.friction import BristleLaw, towards
 from stickslip.maths import where
 from stickslip.quantities import parameters, shadow, vary
 
@@ -193,12 +193,13 @@ class Oracle:
             force = self.law.force(x_dot, tuple(y[2:]), load)
             rates = self.law.bristle_rates(x_dot, tuple(y[2:]), load)
         else:
-            force, rates = mode * self.law.sliding(mode * x_dot, load), ()
+            force, rates = mode * towards(self.law, mode).sliding(mode * x_dot, load), ()
         return [x_dot, (self.push(t, y, piece) - force) / mass, *rates]
 
     def to_break_away(self, t: float, y: list[Dual], piece: int) -> Any:
         """Return what is left of the break-away level."""
-        return self.law.break_away(self.load()) - abs(self.push(t, y, piece))
+        push = self.push(t, y, piece)
+        return towards(self.law, 1 if value(push) > 0.0 else -1).break_away(self.load()) - abs(push)
 
     def mode_from_rest(self, t: float, y: list[Dual], piece: int) -> int:
         """Return what a body at rest does."""

@@ -96,7 +96,9 @@ def _measurement(rig: Rig, data: Path | None) -> Measurement:
 def _chosen(rig: Rig, names: str | None) -> Mapping[str, FrictionLaw]:
     """Return the laws to try: those of the rig, and ordinary values for others asked for."""
     if names is None:
-        return rig.laws or {name: starting_law(law) for name, law in known_laws().items()}
+        return rig.laws or {
+            name: starting_law(law) for name, law in known_laws().items() if not law.on_request
+        }
     chosen = {}
     for name in (part.strip() for part in names.split(",")):
         kind = law_type(name)

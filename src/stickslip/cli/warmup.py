@@ -59,8 +59,9 @@ def _of_rig(
     """Return the mechanism of a rig with the laws that `stickslip select` would try."""
     rig = load_rig(path)
     if chosen is None:
-        own = rig.laws or {name: starting_law(law) for name, law in known_laws().items()}
-        return [(rig.mechanism, law) for law in own.values()]
+        usual = [law for law in known_laws().values() if not law.on_request]
+        own = list(rig.laws.values()) or [starting_law(law) for law in usual]
+        return [(rig.mechanism, law) for law in own]
     return [(rig.mechanism, rig.laws.get(law.name) or starting_law(law)) for law in chosen]
 
 

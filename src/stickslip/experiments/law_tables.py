@@ -32,7 +32,9 @@ def python_name(law: str) -> str:
 
 @functools.cache
 def force_parameters(law: type[FrictionLaw]) -> Mapping[str, tuple[str, Quantity]]:
-    """Return what a law takes in forces: key -> the field it becomes over the load, its quantity.
+    """Return what a law takes in forces: key -> the field it becomes, its quantity.
+
+    What the field has in another unit is divided by the load.
 
     Examples
     --------
@@ -51,6 +53,8 @@ def force_parameters(law: type[FrictionLaw]) -> Mapping[str, tuple[str, Quantity
             symbol, unit = quantity.symbol.replace("mu_", "F_"), "N"
         elif quantity.unit in _PER_LOAD:
             symbol, unit = quantity.symbol, _PER_LOAD[quantity.unit]
+        elif quantity.unit == "N s/m":  # a viscous part does not depend on the load
+            symbol, unit = quantity.symbol, quantity.unit
         else:
             continue
         found[key] = field, dataclasses.replace(quantity, symbol=symbol, unit=unit, at_least=None)

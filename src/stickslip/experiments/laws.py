@@ -35,7 +35,7 @@ def known_laws(friction: Table, file: str, overridden: Collection[str]) -> Known
         missing = [key for key in _required(law) if key not in values]
         if missing and own is not None:
             raise ParameterError(_missing(law, missing[0], file))
-        if missing:
+        if missing or (own is None and law.on_request and not _is_meant(law, values)):
             continue
         found[name] = _build(law, values, file, overridden)
         marked = [
@@ -44,6 +44,17 @@ def known_laws(friction: Table, file: str, overridden: Collection[str]) -> Known
         if marked:
             assumed[name] = tuple(marked)
     return Known(found, assumed)
+
+
+def _is_meant(law: type[FrictionLaw], values: Collection[str]) -> bool:
+    """Return whether shared values are among them that no other law has."""
+    others = {
+        field.name
+        for other in laws().values()
+        if other is not law
+        for field in dataclasses.fields(other)
+    }
+    return any(key not in others for key in values)
 
 
 def _required(law: type[FrictionLaw]) -> list[str]:
@@ -61,7 +72,7 @@ def _own(
     given = forces.given()
     load = given.pop("load")
     for key, force in given.items():
-        field, _ = force_parameters(law)[key]
+        field, quantity = force_parameters(law)[key]
         normalised = f"friction.{law.name}.{field}"
         if field in values and normalised in overridden:
             continue
@@ -70,7 +81,8 @@ def _own(
                 f"{file}: {normalised} and friction.{law.name}.forces.{key} give the same"
                 " parameter twice: leave one out."
             )
-        values[field] = Given(force.value / load, force.assumed)
+        scale = 1.0 if quantity.unit == fields_of(law)[field].unit else load
+        values[field] = Given(force.value / scale, force.assumed)
     return values
 
 

@@ -38,6 +38,8 @@ class FrictionLaw(Parametrised, ABC):
     """Keys of `stickslip.friction.sources.SOURCES`."""
     fit_order: ClassVar[tuple[str, ...]]
     """Parameters in the order in which scarce data should pay for them."""
+    on_request: ClassVar[bool] = False
+    """Whether it is tried only where it is named: few travels cannot tell it from simpler laws."""
 
     @abstractmethod
     def break_away(self, load: Scalar) -> Scalar:

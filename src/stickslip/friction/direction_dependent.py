@@ -46,6 +46,7 @@ class DirectionDependent(DirectionalLaw):
         "forward_viscous_coefficient",
         "backward_viscous_coefficient",
     )
+    on_request: ClassVar[bool] = True
 
     forward_kinetic_coefficient: Annotated[float, Quantity("mu_+", low=0)]
     """Friction force over the normal force as a forward speed goes to zero."""

@@ -6,16 +6,27 @@ from typing import Annotated, ClassVar, final
 from typing_extensions import override
 
 from stickslip.friction.base import SetValuedLaw
-from stickslip.maths import Scalar, power
+from stickslip.maths import Scalar, power, where
 from stickslip.quantities import Quantity
 
 __all__ = ["PowerViscous"]
+
+PLATEAU = 1e-6
+"""Speed [m/s] below which the part that depends on the speed is proportional to it.
+
+The slope of a power below 1 has no bound towards v = 0: a body that creeps there would ask for ever
+shorter steps, and lubricants do not thin at such speeds either.
+"""
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class PowerViscous(SetValuedLaw):
     """A level, and a part that grows with a power of the speed: shear-thinning lubricants.
+
+    Below a micrometre a second, `PLATEAU`, the power gives way to the straight line that meets it
+    there. With no level a body creeps to rest along this line in no finite time, as with viscous
+    friction.
 
     Examples
     --------
@@ -27,8 +38,9 @@ class PowerViscous(SetValuedLaw):
     name: ClassVar[str] = "power-viscous"
     title: ClassVar[str] = "Coulomb + power of speed"
     formula: ClassVar[str] = (
-        r"F = \left(\mu_k N + \sigma_2 v_1 |v / v_1|^n\right) \operatorname{sgn} v, \quad"
-        r" v_1 = 1\,\mathrm{m/s}, \quad |F| \le \mu_k N \text{ at rest}"
+        r"F = \left(\mu_k N + \sigma_2 |v| (w / v_1)^{n - 1}\right) \operatorname{sgn} v, \quad"
+        r" w = \max(|v|, 10^{-6} v_1), \quad v_1 = 1\,\mathrm{m/s},"
+        r" \quad |F| \le \mu_k N \text{ at rest}"
     )
     sources: ClassVar[tuple[str, ...]] = ("coulomb1785", "bittencourt2012")
     fit_order: ClassVar[tuple[str, ...]] = (
@@ -36,6 +48,7 @@ class PowerViscous(SetValuedLaw):
         "viscous_coefficient",
         "exponent",
     )
+    on_request: ClassVar[bool] = True
 
     kinetic_coefficient: Annotated[float, Quantity("mu_k", low=0)]
     """Friction force over the normal force as the speed goes to zero."""
@@ -47,7 +60,9 @@ class PowerViscous(SetValuedLaw):
     @override
     def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
         mu_k, sigma_2, n = self.kinetic_coefficient, self.viscous_coefficient, self.exponent
-        return mu_k * load + sigma_2 * power(speed, n)
+        # named by its switch, the end of the plateau is stepped onto and not over
+        w = where(speed < PLATEAU, PLATEAU, speed)
+        return mu_k * load + sigma_2 * power(w, n - 1.0) * speed
 
     @override
     def break_away(self, load: Scalar) -> Scalar:

@@ -38,6 +38,7 @@ class QuadraticDrag(SetValuedLaw):
         "viscous_coefficient",
         "quadratic_coefficient",
     )
+    on_request: ClassVar[bool] = True
 
     kinetic_coefficient: Annotated[float, Quantity("mu_k", low=0)]
     """Friction force over the normal force as the speed goes to zero."""

@@ -138,8 +138,11 @@ class Shooting(Problem):
             state = first.near(np.zeros(len(values)))
             return self._shot(segment, mechanism, law, state, slopes=slopes)
 
-        with ThreadPoolExecutor(self.threads) as pool:
-            shots = list(pool.map(one, chosen))
+        if self.threads == 1:
+            shots = list(map(one, chosen))
+        else:
+            with ThreadPoolExecutor(self.threads) as pool:
+                shots = list(pool.map(one, chosen))
         return self._joined(values, chosen, shots)
 
     def _changed(self, values: Array) -> tuple[FrictionLaw, Mapping[int, Mechanism]]:

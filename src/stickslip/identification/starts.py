@@ -9,6 +9,8 @@ __all__ = ["starting_law"]
 
 START = {
     "kinetic_coefficient": 0.25,
+    "forward_kinetic_coefficient": 0.25,
+    "backward_kinetic_coefficient": 0.25,
     "static_coefficient": 0.35,
     "viscous_coefficient": 0.5,
     "stribeck_velocity": 0.05,

@@ -20,7 +20,7 @@ from stickslip.solver import Progress
 
 __all__ = ["select"]
 
-PLAIN = ("coulomb", "viscous", "coulomb-viscous", "stribeck", "dahl", "lugre")
+PLAIN = tuple(name for name, law in LAWS.items() if not law.on_request)
 """What a few travels can be compared with: they have no direction and no more than a slope."""
 
 

@@ -115,8 +115,11 @@ def schedule_slopes(
             own[path] = own.get(path, np.full(runs * m, values[path])) + 1j * IMAGINARY * side
     twin = shadow(mechanism, "mechanism", lambda path: own.get(path, values[path]))
     drives = list(twin.drives().values())
-    begins = np.repeat(tables.reshape(runs, -1, 1 + 3 * len(drives))[:, :, 0], m, axis=0)
     parts = [[_columns(part.pieces(), runs * m) for part in _parts(drive)] for drive in drives]
+    if not any(np.iscomplexobj(table) for tables_of in parts for table in tables_of):
+        width = 1 + 3 * len(drives)
+        return np.zeros((runs, tables.shape[1] // width, width, m))  # no path moves a drive
+    begins = np.repeat(tables.reshape(runs, -1, 1 + 3 * len(drives))[:, :, 0], m, axis=0)
     starts, apart = _moved_starts([table[0] for own in parts for table in own], begins)
     rows = [_merged(tables_of, starts) for tables_of in parts]
     found = np.concatenate([starts[:, :, None], *rows], axis=2).imag / IMAGINARY

@@ -18,7 +18,8 @@ from tests.properties.fuzzing.rigs import OWN, PendulumCart
 from stickslip import LAWS, MECHANISMS, EventDriven, Trajectory, simulate
 from stickslip.drives import Drive
 from stickslip.drives.registry import DRIVES
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import BristleLaw, FrictionLaw, towards
+from stickslip.friction.power_viscous import PLATEAU, PowerViscous
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
 
@@ -71,7 +72,8 @@ class Case:
             return False
         M, m = self.mechanism.mass, self.mechanism.ball
         bristles = isinstance(self.law, BristleLaw)
-        return bristles or level_of(self.law, 1.0) * m >= 2.0 * math.sqrt(M * (M + m))
+        mu = max(level_of(self.law, 1.0, side) for side in (1, -1))
+        return bristles or mu * m >= 2.0 * math.sqrt(M * (M + m))
 
 
 def _fields(kind: type) -> dict[str, Any]:
@@ -107,7 +109,7 @@ def draw_structure(rng: Random) -> Structure:
     )
 
 
-MAY_VANISH = ("N/m", "N s/m", "s/m", "1", "N", "m")
+MAY_VANISH = ("N/m", "N s/m", "N s^2/m^2", "s/m", "1", "N", "m")
 """Units whose numbers are sometimes 0 where their range allows it."""
 
 
@@ -164,9 +166,9 @@ def _mechanism(rng: Random, structure: Structure, size: Sizes, force: float, t_e
     return kind(**values)
 
 
-def level_of(law: FrictionLaw, load: float) -> float:
-    """Return the break-away level [N]."""
-    return float(law.break_away(load))
+def level_of(law: FrictionLaw, load: float, direction: int = 1) -> float:
+    """Return the break-away level [N] of a direction."""
+    return float(towards(law, direction).break_away(load))
 
 
 def _start(rng: Random, mechanism: Mechanism, law: FrictionLaw, size: Sizes) -> dict[str, float]:
@@ -182,6 +184,8 @@ def _start(rng: Random, mechanism: Mechanism, law: FrictionLaw, size: Sizes) -> 
         layer = getattr(law, "stribeck_velocity", None)
         if layer is not None and rng.random() < 0.5:
             start[slip] = layer * 36.0 ** (1.0 / law.exponent)
+        elif isinstance(law, PowerViscous):
+            start[slip] = PLATEAU
     else:
         for name, unit in zip(mechanism.coordinates, mechanism.units, strict=True):
             start[name] = rng.choice((0.0, rng.uniform(-1, 1) * factor[how] * size.of(unit)))

@@ -11,7 +11,7 @@ import numpy as np
 from tests.properties.fuzzing.cases import Case, level_of, run_case
 from tests.properties.fuzzing.rigs import PendulumCart
 
-from stickslip import EventDriven, SetValuedLaw, Status, Trajectory
+from stickslip import BristleLaw, EventDriven, Status, Trajectory
 from stickslip.drives import Drive
 
 __all__ = ["CHECKS", "Evidence", "agrees_with_a_coarser_run", "violations"]
@@ -72,7 +72,9 @@ class Evidence:
     @cached_property
     def level(self) -> np.ndarray:
         """Break-away level."""
-        return np.array([level_of(self.case.law, load) for load in self.seen["normal_force"]])
+        pairs = zip(self.seen["normal_force"], self.seen["friction"], strict=True)
+        law = self.case.law
+        return np.array([level_of(law, load, 1 if force > 0 else -1) for load, force in pairs])
 
     @cached_property
     def speed(self) -> float:
@@ -173,8 +175,8 @@ def holds_no_more_than_break_away(e: Evidence) -> Found:
 
 
 def takes_energy_while_sliding(e: Evidence) -> Found:
-    """Friction of a set-valued law never drives."""
-    if not isinstance(e.case.law, SetValuedLaw):
+    """Friction of a law without bristles never drives."""
+    if isinstance(e.case.law, BristleLaw):
         return
     wrong = e.seen["friction"] * e.slip < -LOCATED * e.speed * e.force
     wrong &= (e.mode != 0) & e.before_lift_off
@@ -207,7 +209,7 @@ def has_the_friction_of_its_law(e: Evidence) -> Found:
 
 def _by_law(e: Evidence, at: int, v: float, load: float, share: float) -> float:
     law = e.case.law
-    if isinstance(law, SetValuedLaw):
+    if not isinstance(law, BristleLaw):
         return law.force(v, load)
     return law.force(v, tuple(float(e.seen[name][at]) * share for name in law.bristles), load)
 
@@ -237,7 +239,7 @@ def keeps_its_books(e: Evidence) -> Found:
     if trust.certified and not abs(mismatch) <= 1.1e-5 * (size + _to_and_fro(e)):
         yield f"certified with a mismatch of {mismatch!r} J of {size!r} J"
     taken = trust.work_friction
-    if isinstance(e.case.law, SetValuedLaw) and not taken >= -ROUNDED * size:
+    if not isinstance(e.case.law, BristleLaw) and not taken >= -ROUNDED * size:
         yield f"friction has put in {-taken!r} J of {size!r} J"
 
 
@@ -288,9 +290,11 @@ def rests_for_good(e: Evidence) -> Found:
     later = [last * (1 + 0.01 * i) for i in range(300)] + [begin * (1 + i) for i in range(10)]
     later += [t for t in e.changes if t > last]
     change = np.array([drive.value(t) for t in later]) - drive.value(last)
-    needed = np.abs(e.seen["friction"][-1] + change)
-    if needed.max() > e.level[-1] + ROUNDED * e.force:
-        yield f"at rest for good, but needs {needed.max()!r} N of {e.level[-1]!r} N later"
+    needed, load = e.seen["friction"][-1] + change, float(e.seen["normal_force"][-1])
+    for side in (1, -1):
+        level, most = level_of(e.case.law, load, side), float((side * needed).max())
+        if most > level + ROUNDED * e.force:
+            yield f"at rest for good, but needs {most!r} N of {level!r} N later"
 
 
 def says_how_it_ended(e: Evidence) -> Found:

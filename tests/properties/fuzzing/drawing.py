@@ -19,6 +19,7 @@ WIDEST: Mapping[str, tuple[float, float]] = {
     "1/m": (1e0, 1e9),
     "s/m": (1e-4, 1e5),
     "N s/m": (1e-6, 1e7),
+    "N s^2/m^2": (1e-6, 1e7),
     "m": (1e-9, 1e3),
     "N": (1e-6, 1e5),
     "s": (1e-4, 1e4),
@@ -82,6 +83,7 @@ class Sizes:
             "1/m": 30.0 * self.level / self.length,
             "s/m": 0.3 * self.level * self.time / self.length,
             "N s/m": 0.1 * self.mass / self.time,
+            "N s^2/m^2": 0.1 * self.mass / self.length,
             "s": self.time,
             "N m": self.force * self.length,
         }
