@@ -5,7 +5,7 @@ symbol (anything whose class has `__maths__`) an expression.
 """
 
 import math
-from typing import Any, Protocol, TypeAlias, runtime_checkable
+from typing import Any, Protocol, TypeAlias, TypeGuard, runtime_checkable
 
 __all__ = ["Scalar", "arctan", "cos", "exp", "log", "power", "sign", "sin", "sqrt", "tanh", "where"]
 
@@ -21,10 +21,15 @@ class Symbolic(Protocol):
         """Return the expression for a call of `name`."""
 
 
+def _symbolic(x: object) -> TypeGuard[Symbolic]:
+    # what isinstance asks of a protocol, at a tenth of its price: laws ask for each sample
+    return hasattr(x, "__maths__")
+
+
 def _call(name: str, x: Scalar) -> Scalar:
     if isinstance(x, (float, int)):
         return getattr(math, name)(x)
-    if isinstance(x, Symbolic):
+    if _symbolic(x):
         return x.__maths__(name, x)
     import numpy as np
 
@@ -76,7 +81,7 @@ def sign(x: Scalar) -> Scalar:
     """
     if isinstance(x, (float, int)):
         return math.copysign(1.0, x) if x else 0.0
-    if isinstance(x, Symbolic):
+    if _symbolic(x):
         return x.__maths__("sign", x)
     import numpy as np
 
@@ -95,7 +100,7 @@ def power(base: Scalar, exponent: Scalar) -> Scalar:
     (2.0, 0.0)
     """
     for argument in (base, exponent):
-        if isinstance(argument, Symbolic):
+        if _symbolic(argument):
             return argument.__maths__("power", base, exponent)
     if isinstance(base, (float, int)) and isinstance(exponent, (float, int)):
         whole = float(exponent).is_integer()
@@ -129,7 +134,7 @@ def where(condition: Any, yes: Scalar, no: Scalar, events: tuple[str, str] | Non
     """
     if isinstance(condition, bool):
         return yes if condition else no
-    if isinstance(condition, Symbolic):
+    if _symbolic(condition):
         return condition.__maths__("where", yes, no, events)
     import numpy as np
 

@@ -6,7 +6,6 @@ whose numeric fields are annotated with a `Quantity`. Everything that needs to k
 """
 
 import dataclasses
-import functools
 import math
 import numbers
 import types
@@ -141,9 +140,14 @@ def _alternatives(hint: Any) -> tuple[Any, ...]:
     return typing.get_args(hint) if is_union else (hint,)
 
 
-@functools.cache
+_OPTIONAL: dict[tuple[type, str], bool] = {}
+"""Whether a field may be None, by class and name."""
+
+
 def _optional(cls: type, name: str) -> bool:
-    return type(None) in _alternatives(_hints(cls)[name])
+    if (cls, name) not in _OPTIONAL:
+        _OPTIONAL[cls, name] = type(None) in _alternatives(_hints(cls)[name])
+    return _OPTIONAL[cls, name]
 
 
 def fields_of(cls: type) -> Mapping[str, Quantity]:

@@ -118,7 +118,7 @@ def sentences_of(
                 f"No step from {item.quantity.symbol} to sliding can be told from 0:"
                 f" {step:.3g}{unit}, interval {low:.3g} to {high:.3g}."
             )
-    lines += _together(unknowns, seen, inference, at_bounds)
+    lines += _together(unknowns, inference, at_bounds)
     if inference.condition > MOST_CONDITION:
         symbols = ", ".join(item.quantity.symbol for item in unknowns.items)
         lines.append(
@@ -129,7 +129,7 @@ def sentences_of(
 
 
 def _together(
-    unknowns: Unknowns, seen: Linearised, inference: Inference, at_bounds: Mapping[str, str]
+    unknowns: Unknowns, inference: Inference, at_bounds: Mapping[str, str]
 ) -> list[str]:
     """Return sentences on pairs of estimates that move together."""
     lines = []

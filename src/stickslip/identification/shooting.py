@@ -86,7 +86,7 @@ class Shooting(Problem):
     unknowns_: Unknowns
     segments: tuple[Segment, ...]
     quantity_: str = "position"
-    threads: int = 2
+    threads: int = 1
 
     @property
     @override

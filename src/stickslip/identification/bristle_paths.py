@@ -1,0 +1,251 @@
+"""Bristle states along a measured motion, for many copies of a law at once.
+
+The motion is cut into chunks that are integrated side by side, so that one NumPy step serves all
+chunks and all copies. Each chunk begins where the one before ended: the states at the joints are
+found by Newton's method, so that what bristles remember passes through the whole record.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.friction import BristleLaw
+
+__all__ = ["Path", "follow"]
+
+Array = NDArray[np.float64]
+Rates = Callable[[Array], Array]
+
+TOLERANCE = 1e-3
+"""Error of a step over the largest deflection: below the noise of any force, and forgotten with the
+next reversal."""
+MOST_PARTS = 8
+"""Parts that a step between two samples is cut into at most."""
+REACH = 0.5
+"""Way that a part may go over the largest deflection, where bristles come to yield all of a sudden
+and slopes say nothing about the error."""
+NUDGE = 1e-7
+"""Share of the largest deflection by which bristles are moved for slopes."""
+JOINED = 1e-10
+"""Mismatch at joints over the largest deflection that counts as none: a thousand times less than
+what the copies of a law differ by when slopes are wanted."""
+STEPS_PER_CHUNK = 0.5
+"""Steps in a chunk over the number of chunks."""
+SERIES = 0.05
+"""Argument below which the functions of the exponential are summed as series."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Path:
+    """A measured motion: at samples, and in the steps between them."""
+
+    time: Array
+    """Times of the samples (n,) [s]."""
+    velocity: Array
+    """Slip velocity at the samples (n,) [m/s]."""
+    load: Array
+    """Normal force at the samples (n,) [N]."""
+    travel: Array
+    """Displacement in each step (n - 1,) [m]."""
+
+    def chunks(self) -> tuple[Array, Array, Array]:
+        """Return durations, velocities and loads of the steps (steps, chunks, 1).
+
+        A step costs much the same for one chunk and for a hundred, so that many short chunks are
+        quick. The last one is filled up with steps of no duration.
+        """
+        count = len(self.travel)
+        steps = max(1, round((STEPS_PER_CHUNK * count) ** 0.5))
+        chunks = -(-count // steps)
+        duration = np.diff(self.time)
+        padded = np.zeros((3, steps * chunks))
+        padded[0, :count] = duration
+        padded[1, :count] = self.travel / duration
+        padded[2, :count] = 0.5 * (self.load[1:] + self.load[:-1])
+        padded[2, count:] = padded[2, count - 1]
+        h, v, n = padded.reshape(3, chunks, steps).transpose(0, 2, 1)[..., None]
+        return h, v, n
+
+
+def follow(law: BristleLaw, path: Path, start: Array, guess: Array | None = None) -> Array:
+    """Return bristle states along a path.
+
+    Within a step the velocity is constant, so that laws which know displacement only see the
+    measured one exactly.
+
+    Parameters
+    ----------
+    law : BristleLaw
+        Its parameters are numbers, or arrays (copies,) of one value for each copy of the law.
+    path : Path
+        The motion.
+    start : array (bristles, copies)
+        States at the first sample.
+    guess : array (bristles, n), optional
+        States of a similar law at the samples, near which those of this one are looked for.
+
+    Returns
+    -------
+    array (bristles, n, copies)
+        States at the samples; not finite where they cannot be found.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> x = np.linspace(0.0, 1e-3, 11)
+    >>> there = Path(time=x, velocity=np.ones(11), load=np.ones(11), travel=np.diff(x))
+    >>> law = Dahl(kinetic_coefficient=0.5, bristle_stiffness=1e3)
+    >>> z = follow(law, there, np.zeros((1, 1)))
+    >>> round(float(z[0, -1, 0] / (0.5e-3 * (1 - np.exp(-2.0)))), 9)
+    1.0
+    """
+    motion = path.chunks()
+    bristles, copies = start.shape
+    steps, chunks = motion[0].shape[:2]
+    starts = np.repeat(start[:, None, :], chunks, axis=1)
+    if guess is not None:
+        starts[:, 1:] = guess[:, steps : steps * (chunks - 1) + 1 : steps, None]
+    for _ in range(chunks):  # each sweep settles one more joint, whatever the slopes
+        states, slopes = _swept(law, motion, starts)
+        gap = states[-1][:, :-1] - starts[:, 1:]
+        size = float(np.max(np.abs(states)))
+        if not math.isfinite(size) or np.max(np.abs(gap), initial=0.0) <= JOINED * size:
+            break
+        starts = _joined(starts, states[-1], slopes)
+    inside = states[1:].transpose(1, 2, 0, 3).reshape(bristles, -1, copies)
+    return np.concatenate([start[:, None, :], inside], axis=1)[:, : len(path.time)]
+
+
+def _joined(starts: Array, ends: Array, slopes: Array) -> Array:
+    """Return starts that meet the ends of the chunks before them, to first order."""
+    found = starts.copy()
+    for k in range(starts.shape[1] - 1):
+        found[:, k + 1] = ends[:, k] + slopes[:, k] * (found[:, k] - starts[:, k])
+    return found
+
+
+def _swept(
+    law: BristleLaw, motion: tuple[Array, Array, Array], starts: Array
+) -> tuple[Array, Array]:
+    """Integrate all chunks from their starts (bristles, chunks, copies).
+
+    Returns states (steps + 1, bristles, chunks, copies), and slopes of the ends by the starts, each
+    bristle by itself (bristles, chunks, copies).
+    """
+    states = np.empty((len(motion[0]) + 1, *starts.shape))
+    states[0] = starts
+    slopes = np.ones_like(starts)
+    size, parts = float(np.max(np.abs(starts), initial=0.0)), 1
+    for i, (h, v, n) in enumerate(zip(*motion, strict=True)):
+        rates = _rates(law, v, n)
+        parts = max(1, parts - 1)
+        while True:
+            z, slope, error = _stepped(rates, h, states[i], parts, size)
+            size = max(size, float(np.max(np.abs(z))))
+            if not error > TOLERANCE * size or parts >= MOST_PARTS:
+                break
+            more = 1.1 * parts * (error / (TOLERANCE * size)) ** (1.0 / 3.0)
+            parts = min(max(math.ceil(more), parts + 1), MOST_PARTS)
+        states[i + 1] = z
+        slopes *= slope
+    return states, slopes
+
+
+def _rates(law: BristleLaw, v: Array, n: Array) -> Rates:
+    def rates(z: Array) -> Array:
+        found = law.bristle_rates(v, tuple(z), n)
+        return np.stack([np.broadcast_to(part, z.shape[1:]) for part in found])
+
+    return rates
+
+
+def _stepped(
+    rates: Rates, h: Array, z: Array, parts: int, size: float
+) -> tuple[Array, Array, float]:
+    """Return states after a step of h in equal parts, their slopes by z, and the largest error.
+
+    Exponential Rosenbrock steps of order 3 (exprb32, doi:10.1017/S0962492910000048) with the slopes
+    of each bristle by itself: exact for laws that are linear in the deflection, such as LuGre's and
+    Dahl's, and stable however many presliding lengths a step crosses.
+    """
+    h = h / parts
+    slopes, worst = np.ones_like(z), 0.0
+    for _ in range(parts):
+        f = rates(z)
+        nudge = NUDGE * np.maximum(np.abs(z), max(size, float(np.max(np.abs(h * f)))) + 1e-300)
+        jacobian = _jacobian(rates, z, f, nudge)
+        x = np.minimum(h * jacobian, 50.0)
+        phi_1, phi_3 = _phi(x)
+        there = z + h * phi_1 * f
+        rest = rates(there) - f - jacobian * (there - z)
+        correction = 2.0 * h * phi_3 * rest
+        new, slope, error = there + correction, np.exp(x), np.abs(correction)
+        if len(z) == 1:
+            yielding = (rest + f + jacobian * (there - z)) * f <= 0.0
+            error = np.where(yielding, _reached(h * f, size), error)
+            # ten times the way that is left: arrived, whatever the slopes promise
+            far = yielding & (np.abs(h * f) > 10.0 * size)
+            new, slope = _held_back(rates, z, f, np.where(far, there, new), slope)
+        z, slopes = new, slopes * slope
+        worst = max(worst, float(np.max(error)))
+    return z, slopes, worst
+
+
+def _reached(way: Array, size: float) -> Array:
+    """Return an error that asks for as many parts as keep each of them within reach."""
+    limit = REACH * max(size, 1e-3 * float(np.max(np.abs(way))), 1e-300)
+    found: Array = TOLERANCE * size * (np.abs(way) / limit) ** 3
+    return found
+
+
+def _jacobian(rates: Rates, z: Array, f: Array, nudge: Array) -> Array:
+    """Return the slope of each bristle's rate by its own deflection."""
+    if len(z) == 1:
+        return (rates(z + nudge) - f) / nudge
+    own = np.empty_like(z)
+    for k in range(len(z)):
+        moved = z.copy()
+        moved[k] += nudge[k]
+        own[k] = (rates(moved)[k] - f[k]) / nudge[k]
+    return own
+
+
+def _phi(x: Array) -> tuple[Array, Array]:
+    """Return phi_1 = (e^x - 1) / x and phi_3 = (e^x - 1 - x - x^2 / 2) / x^3."""
+    small = np.abs(x) < SERIES
+    safe = np.where(small, 1.0, x)
+    direct = ((np.expm1(safe) / safe - 1.0) / safe - 0.5) / safe
+    y = np.where(small, x, 0.0)
+    series = (1.0 + y / 4.0 * (1.0 + y / 5.0 * (1.0 + y / 6.0 * (1.0 + y / 7.0)))) / 6.0
+    phi_3 = np.where(small, series, direct)
+    return 1.0 + x * (0.5 + x * phi_3), phi_3
+
+
+def _held_back(rates: Rates, z: Array, f: Array, new: Array, slope: Array) -> tuple[Array, Array]:
+    """Return a step that does not cross the deflection at which the rate is zero.
+
+    At constant velocity no solution does, but a step may where the law yields all of a sudden, as
+    Dahl's does with an exponent below 1.
+    """
+    f_high = rates(new)
+    over = f_high * f < 0.0
+    over &= np.abs(new - z) > 1e-9 * np.abs(z)
+    if not over.any():
+        return new, slope
+    low, high = z.copy(), new.copy()
+    f_low = f.copy()
+    for _ in range(40):
+        spread = np.where(over, f_high - f_low, 1.0)
+        middle = np.where(over, high - f_high * (high - low) / np.where(spread == 0, 1, spread), z)
+        f_middle = rates(middle)
+        before = f_middle * f > 0.0
+        # Illinois: the end that stays counts half
+        f_high = np.where(before, 0.5 * f_high, f_middle)
+        f_low = np.where(before, f_middle, 0.5 * f_low)
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+        if np.max(np.where(over, np.abs(high - low) - 1e-10 * np.abs(new), 0.0)) <= 0.0:
+            break
+    return np.where(over, middle, new), np.where(over, 0.0, slope)

@@ -1,0 +1,273 @@
+"""Friction that was measured, and is predicted along the motion that was measured with it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.errors import ParameterError
+from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.identification.bristle_paths import follow
+from stickslip.identification.law_copies import MOVED, Copies
+from stickslip.identification.map_records import Stretch
+from stickslip.identification.problem import Linearised, Problem
+from stickslip.identification.unknowns import Unknowns
+
+__all__ = ["ForceMap"]
+
+Array = NDArray[np.float64]
+
+WEAK = 1e-3
+"""Local states that rows see this much less than the whole stretch does are left as they are."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Local:
+    """One stretch, linearised: what is needed to carry its first bristle state on."""
+
+    start: Array
+    """Bristles at the first sample (b,)."""
+    states: Array
+    """Bristles at the samples (b, n)."""
+    residual: Array
+    """Measured less predicted, of the rows that are wanted."""
+    slopes: Array
+    """Of the prediction by the unknowns."""
+    basis: Array
+    """Orthonormal columns of what first states can do (rows, r)."""
+    inverse: Array
+    """First states by residual (b, rows)."""
+
+    def near(self, change: Array) -> Array:
+        """Return the first state that fits best where the unknowns have changed by (p,)."""
+        moved = self.start + self.inverse @ (self.residual - self.slopes @ change)
+        # beyond what the motion ever makes of it, a state is an artefact of the noise
+        most = 2.0 * np.max(np.abs(self.states), axis=1)
+        return np.clip(moved, -most, most)
+
+    def projected(self, columns: Array) -> Array:
+        """Return columns less what first states can do."""
+        return columns - self.basis @ (self.basis.T @ columns)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ForceMap(Problem):
+    """Measured friction less that of a law along the measured motion, less a constant offset.
+
+    A set-valued law is not defined at rest. It is given the sign of the measured velocity, else of
+    one that parabolas through neighbouring positions have, and 0 where that is exactly 0: what such
+    a law cannot say about samples at rest counts against it as it stands.
+
+    Bristles are integrated through each stretch between gaps from its first sample on, whichever
+    segments are wanted: no segment has a state of its own that could take up what the law does not
+    explain. Only the state at the very first sample is not known. It begins with what the first
+    force says, and is eliminated to first order from the rows that still see it.
+
+    A table knows no history: bristle laws are compared with their steady friction.
+    """
+
+    law: FrictionLaw
+    """Holds the parameters that are not looked for."""
+    unknowns_: Unknowns
+    stretches: tuple[Stretch, ...]
+    constant: str = "mechanism.offset"
+    """Path of the constant force beside friction."""
+    offset: float = 0.0
+    """Its value [N] where it is not looked for."""
+
+    @property
+    @override
+    def unknowns(self) -> Unknowns:
+        return self.unknowns_
+
+    @property
+    @override
+    def quantity(self) -> str:
+        return "friction"
+
+    @property
+    @override
+    def spans(self) -> Array:
+        found = []
+        for one in self.stretches:
+            for number in np.unique(one.segment):
+                own = one.path.time[one.segment == number]
+                found.append([one.record, own[0], own[-1]])
+        return np.array(found, dtype=float)
+
+    @property
+    @override
+    def times(self) -> Array:
+        return np.concatenate([one.path.time for one in self.stretches])
+
+    @property
+    def measured(self) -> Array:
+        """Measured friction of each row (n,) [N]."""
+        return np.concatenate([one.friction for one in self.stretches])
+
+    def predicted(self, values: Array) -> Array:
+        """Return friction and offset by the law (n,) [N], nothing projected out.
+
+        Examples
+        --------
+        >>> from stickslip import Axis, Coulomb, Measurement
+        >>> from stickslip.identification.force_map import force_map
+        >>> v = np.linspace(-1.0, 1.0, 8)
+        >>> table = Measurement(velocity=v, friction=2.0 * np.sign(v) + 0.5)
+        >>> problem = force_map(Coulomb, Axis(inertia=1.0), table)
+        >>> problem.unknowns.paths
+        ('friction.kinetic_coefficient', 'mechanism.offset')
+        >>> problem.predicted(np.array([2.0, 0.5]))[[0, -1]]
+        array([-1.5,  2.5])
+        """
+        near = self.linearise(values, slopes=False)
+        locals_: Mapping[int, _Local] = near.memory  # type: ignore[assignment]
+        if not locals_:
+            return np.full(len(self.times), np.nan)
+        residual: Array = np.concatenate([one.residual for one in locals_.values()])
+        return self.measured - residual
+
+    @override
+    def linearise(
+        self,
+        values: Array,
+        near: Linearised | None = None,
+        *,
+        only: Sequence[int] | None = None,
+        slopes: bool = True,
+    ) -> Linearised:
+        masks = [one.rows_of(only) for one in self.stretches]
+        segment = np.concatenate(
+            [one.segment[mask] for one, mask in zip(self.stretches, masks, strict=True)]
+        )
+        known: Mapping[int, _Local] = near.memory if near is not None else {}  # type: ignore[assignment]
+        change = np.zeros(len(values)) if near is None else values - near.values
+        done: dict[int, _Local] = {}
+        with np.errstate(all="ignore"):  # a law that fails far out gives infinite residuals
+            try:
+                own = Copies.of(
+                    self.law, self.unknowns, values, constant=self.constant, slopes=slopes
+                )
+                for k, mask in enumerate(masks):
+                    if mask.any():
+                        one = self.stretches[k]
+                        done[k] = self._local(one, mask, own, known.get(k), change)
+            except (ParameterError, FloatingPointError):
+                done = {}
+        good = all(np.all(np.isfinite(one.residual)) for one in done.values())
+        if not done or not good:
+            return _failed(values, segment)
+        return Linearised(
+            values=values,
+            residual=np.concatenate([one.projected(one.residual) for one in done.values()]),
+            slopes=np.concatenate([one.projected(one.slopes) for one in done.values()]),
+            segment=segment,
+            memory=done,
+        )
+
+    def _local(
+        self,
+        one: Stretch,
+        mask: NDArray[np.bool_],
+        own: Copies,
+        before: _Local | None,
+        change: Array,
+    ) -> _Local:
+        """Return one stretch linearised, of the rows in a mask (n,)."""
+        offset = self.offset if own.offset is None else own.offset
+        if isinstance(own.law, BristleLaw) and one.timed:
+            last = int(np.flatnonzero(mask)[-1]) + 1
+            force, states, nudge = _with_memory(own, one.until(last), offset, before, change)
+        else:
+            last = len(mask)
+            force, states, nudge = _without_memory(own.law, one), np.zeros((0, last)), 1.0
+        force = np.broadcast_to(force, (last, own.count))
+        base, rows = force[:, :1], mask[:last]
+        local = (force[:, 1 + len(own.moved) :] - base)[:, : len(states)] / nudge
+        basis, inverse = _inverted(local, rows)
+        return _Local(
+            start=states[:, 0] if len(states) else np.zeros(0),
+            states=states,
+            residual=(one.friction[:last] - offset - base[:, 0])[rows],
+            slopes=own.slopes_of(force[rows]),
+            basis=basis,
+            inverse=inverse,
+        )
+
+
+def _without_memory(law: Any, one: Stretch) -> Array:
+    """Return the friction of a law that knows no history, or in steady slip (n, copies)."""
+    v, n = one.path.velocity[:, None], one.path.load[:, None]
+    return np.asarray(law.steady(v, n) if isinstance(law, BristleLaw) else law.force(v, n))
+
+
+def _with_memory(
+    own: Copies, one: Stretch, offset: float, before: _Local | None, change: Array
+) -> tuple[Array, Array, float]:
+    """Return friction along a motion (n, copies), bristles (b, n), and by how much they moved."""
+    if before is None:
+        start = _first_state(own, one, offset)
+        guess = follow(own.base, one.path, start[:, None])[..., 0]  # type: ignore[arg-type]
+    else:
+        start, guess = before.near(change), before.states
+    nudge = MOVED * max(float(np.max(np.abs(guess))), 1e-300)
+    starts = np.repeat(start[:, None], own.count, axis=1)
+    for k in range(own.bristles):
+        starts[k, 1 + len(own.moved) + k] += nudge
+    states = follow(own.law, one.path, starts, _extended(guess, len(one.path.time)))
+    v, n = one.path.velocity[:, None], one.path.load[:, None]
+    return np.asarray(own.law.force(v, tuple(states), n)), states[..., 0], nudge
+
+
+def _extended(states: Array, count: int) -> Array:
+    """Return states (b, count), the last one repeated where there are fewer."""
+    rows = np.minimum(np.arange(count), states.shape[1] - 1)
+    found: Array = states[:, rows]
+    return found
+
+
+def _first_state(own: Copies, one: Stretch, offset: float) -> Array:
+    """Return the least bristle state (b,) that the first measured force can come from."""
+    law: Any = own.base
+    v, n, count = float(one.path.velocity[0]), float(one.path.load[0]), own.bristles
+    level = float(law.break_away(n))
+    wanted = min(max(float(one.friction[0]) - offset, -level), level)
+    size = 1e-6
+    at_rest = law.force(v, (0.0,) * count, n)
+    slope = np.array(
+        [
+            (law.force(v, tuple(size * (k == i) for i in range(count)), n) - at_rest) / size
+            for k in range(count)
+        ]
+    )
+    found: Array = slope * (wanted - at_rest) / max(float(slope @ slope), 1e-300)
+    return found
+
+
+def _inverted(local: Array, rows: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Return the space of first states in some rows (r, k), and what gives them by residual."""
+    count = local.shape[1]
+    seen = local[rows]
+    whole = np.linalg.norm(local, axis=0)
+    strong = (np.linalg.norm(seen, axis=0) > WEAK * whole) & np.isfinite(whole)
+    inverse = np.zeros((count, len(seen)))
+    if not strong.any():
+        return np.zeros((len(seen), 0)), inverse
+    u, s, v = np.linalg.svd(seen[:, strong] / whole[strong], full_matrices=False)
+    kept = s > WEAK * s[0]
+    inverse[strong] = ((v[kept].T / s[kept]) @ u[:, kept].T) / whole[strong, None]
+    return u[:, kept], inverse
+
+
+def _failed(values: Array, segment: NDArray[np.intp]) -> Linearised:
+    return Linearised(
+        values=values,
+        residual=np.full(len(segment), np.inf),
+        slopes=np.zeros((len(segment), len(values))),
+        segment=segment,
+        memory={},
+    )
