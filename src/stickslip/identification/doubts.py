@@ -128,9 +128,7 @@ def sentences_of(
     return tuple(lines)
 
 
-def _together(
-    unknowns: Unknowns, inference: Inference, at_bounds: Mapping[str, str]
-) -> list[str]:
+def _together(unknowns: Unknowns, inference: Inference, at_bounds: Mapping[str, str]) -> list[str]:
     """Return sentences on pairs of estimates that move together."""
     lines = []
     table = inference.correlation

@@ -13,7 +13,7 @@ from stickslip.paper.misprints import Consequence, consequences
 from stickslip.paper.springback import Springback, springbacks
 from stickslip.paper.unpublished import Requirement, requirements
 from stickslip.paper.values import PaperValues
-from stickslip.selection import FixedStepRow, Verdict, compare_fixed_steps, select
+from stickslip.selection import FixedStepRow, TravelVerdict, compare_fixed_steps, select_travels
 
 __all__ = ["PaperAudit", "TableRow", "audit"]
 
@@ -49,7 +49,7 @@ class PaperAudit:
     """Travels by the stiffness of the bristles."""
     springbacks: tuple[Springback, ...]
     """How bristle laws spring back where nothing holds the block."""
-    verdict: Verdict
+    verdict: TravelVerdict
     """What our selection says of the rig."""
 
     def to_dict(self) -> Mapping[str, Any]:
@@ -101,13 +101,13 @@ def _finite(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def audit(
-    *, verdict: Verdict | None = None, watch: Callable[[str, int], None] | None = None
+    *, verdict: TravelVerdict | None = None, watch: Callable[[str, int], None] | None = None
 ) -> PaperAudit:
     """Recompute the paper: Table II, its unpublished parameters, its printed equations.
 
     Parameters
     ----------
-    verdict : Verdict, optional
+    verdict : TravelVerdict, optional
         The selection on the bundled rig, if it was already made.
     watch : callable, optional
         Called with the name of a law and the number of its runs so far.
@@ -120,7 +120,9 @@ def audit(
     rig = load_rig()
     values = PaperValues.of(rig)
     if verdict is None and rig.measurement is not None:
-        verdict = select(rig.mechanism, rig.measurement, rig.laws, t_end=rig.t_end, watch=watch)
+        verdict = select_travels(
+            rig.mechanism, rig.measurement, rig.laws, t_end=rig.t_end, watch=watch
+        )
     assert verdict is not None
     published = {row.law: row for row in rig.published}
     travels = {name: row.travel for name, row in published.items() if row.travel is not None}

@@ -31,7 +31,7 @@ from stickslip.report.numbers import fixed, percent
 from stickslip.report.selection import selection_page
 from stickslip.report.selection.closing import law_references
 from stickslip.report.selection.texts import step_text
-from stickslip.selection import FixedStepRow, Verdict, compare_fixed_steps
+from stickslip.selection import FixedStepRow, TravelVerdict, compare_fixed_steps
 from stickslip.simulation import simulate
 from stickslip.solver import FixedStep
 from stickslip.trajectory import Trajectory
@@ -48,7 +48,7 @@ def versions() -> Mapping[str, str]:
     return {"python": platform.python_version(), **{name: version(name) for name in LIBRARIES}}
 
 
-def rig_report(rig: Rig, verdict: Verdict, *, command: str = "stickslip select") -> str:
+def rig_report(rig: Rig, verdict: TravelVerdict, *, command: str = "stickslip select") -> str:
     """Return the selection report of a rig as one HTML page.
 
     For the bundled rig of the paper it also shows where the paper's own comparison errs.
@@ -57,7 +57,7 @@ def rig_report(rig: Rig, verdict: Verdict, *, command: str = "stickslip select")
     ----------
     rig : Rig
         What was measured.
-    verdict : Verdict
+    verdict : TravelVerdict
         What `select` found.
     command : str
         The command that made it, for those who want to repeat it.
@@ -87,7 +87,7 @@ def rig_report(rig: Rig, verdict: Verdict, *, command: str = "stickslip select")
     return render(page)
 
 
-def _bundled(rig: Rig, verdict: Verdict) -> bool:
+def _bundled(rig: Rig, verdict: TravelVerdict) -> bool:
     """Whether a verdict is on the rig of the paper as it comes with the package."""
     paper = load_rig()
     return (
@@ -98,7 +98,7 @@ def _bundled(rig: Rig, verdict: Verdict) -> bool:
 
 
 def _fixed_steps(
-    verdict: Verdict, *, t_end: float
+    verdict: TravelVerdict, *, t_end: float
 ) -> tuple[Sequence[FixedStepRow], Mapping[str, Trajectory]]:
     """Run the chosen law as a block diagram, for comparison."""
     best = verdict.best

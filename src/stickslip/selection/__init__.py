@@ -2,15 +2,24 @@
 
 from stickslip.selection.criteria import Criteria, criteria_of
 from stickslip.selection.discretisation import FixedStepRow, compare_fixed_steps
+from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
+from stickslip.selection.records import PURPOSES, select_records
 from stickslip.selection.selecting import select
-from stickslip.selection.verdict import Candidate, Verdict
+from stickslip.selection.travels import select_travels
+from stickslip.selection.verdict import Candidate, TravelVerdict, Verdict
 
 __all__ = [
+    "PURPOSES",
     "Candidate",
     "Criteria",
     "FixedStepRow",
+    "RecordCandidate",
+    "RecordVerdict",
+    "TravelVerdict",
     "Verdict",
     "compare_fixed_steps",
     "criteria_of",
     "select",
+    "select_records",
+    "select_travels",
 ]

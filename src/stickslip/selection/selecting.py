@@ -1,27 +1,18 @@
 """The verb `select`."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.friction import LAWS, FrictionLaw
-from stickslip.identification import starting_law
-from stickslip.identification.compiling import compile_for
-from stickslip.identification.travel import trials_of
+from stickslip.friction import FrictionLaw
+from stickslip.identification.record_fitting import RecordSettings
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import parameters
-from stickslip.selection.admissibility import mark_passed_over
-from stickslip.selection.candidates import Watch, try_law
-from stickslip.selection.scoring import simpler_within_doubt
-from stickslip.selection.separation import separations
-from stickslip.selection.verdict import Candidate, Verdict
-from stickslip.selection.words import wording
+from stickslip.selection.records import select_records
+from stickslip.selection.travels import select_travels
+from stickslip.selection.verdict import Verdict
 from stickslip.solver import Progress
 
 __all__ = ["select"]
-
-PLAIN = tuple(name for name, law in LAWS.items() if not law.on_request)
-"""What a few travels can be compared with: they have no direction and no more than a slope."""
 
 
 def select(
@@ -29,25 +20,45 @@ def select(
     measurement: Measurement,
     laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None = None,
     *,
+    unknown: Sequence[str] = (),
+    purpose: str = "simulate",
+    horizon: float | None = None,
+    route: str | None = None,
+    validate: Measurement | None = None,
+    settings: RecordSettings | None = None,
     t_end: float = 10.0,
-    watch: Watch | None = None,
+    watch: Callable[[str, float], object] | None = None,
     compiling: Progress | None = None,
 ) -> Verdict:
-    """Fit every law to measured travels, compare them, and say what the data cannot tell.
+    """Fit every law to a measurement, compare them on what they have not seen, and name one.
 
     Parameters
     ----------
     mechanism : Mechanism
         What was measured.
     measurement : Measurement
-        One travel or several trials.
+        One travel or several trials; or records in time of position, velocity and force; or
+        friction, measured directly.
     laws : mapping or sequence, optional
-        The candidates; instances bring start values and assumptions, types take ordinary ones.
-        If not given, the six that the source paper compares.
+        The candidates; instances bring start values and, for travels, assumptions. If not given,
+        for travels the six that the source paper compares, for records ten.
+    unknown : sequence of str
+        Parameters of the mechanism that are looked for too, such as ``"inertia"``.
+    purpose : {"simulate", "position", "compensate"}
+        What the law is for. It sets what is scored: motion over 4 s, motion over 1 s, or the
+        friction force.
+    horizon : float, optional
+        Length of the stretches that are predicted [s], if not that of the purpose.
+    route : {"shooting", "force-map", "inverse-dynamics"}, optional
+        How records are fitted, if not as their quantities suggest.
+    validate : Measurement, optional
+        A second record, which no fit sees; each law's error on it is reported.
+    settings : RecordSettings, optional
+        Segments, starts and seed of fits to records.
     t_end : float
-        Time after which a body counts as stopped [s].
+        Time after which a body counts as stopped [s], for travels.
     watch : callable, optional
-        Called with the name of a law and the number of its runs so far.
+        Called with the name of a law and the number of its runs, or the least residual so far.
     compiling : callable, optional
         Called as the `progress` of `stickslip.solver.warm_up`, if equations have to be compiled.
 
@@ -59,7 +70,9 @@ def select(
     Raises
     ------
     InputError
-        If there is no law to try or the measurement has no travel.
+        If there is no law to try, or the measurement cannot decide.
+    ConvergenceError
+        If no law can be fitted to a record.
 
     Examples
     --------
@@ -70,81 +83,24 @@ def select(
     >>> verdict.best.name, verdict.ranked
     ('coulomb', False)
     """
-    trials = trials_of(mechanism, measurement)
-    named = _named(laws)
-    if not named:
-        raise InputError("there is no friction law to try: give at least one in `laws`.")
-    scored = len({trial.setting for trial in trials}) > 1
-    ordinary = _ordinary(laws)
-    compile_for(trials, named.values(), progress=compiling)
-    candidates = [
-        try_law(name, law, trials, t_end=t_end, ordinary=name in ordinary, watch=watch)
-        for name, law in named.items()
-    ]
-    candidates, best = _ranked(candidates) if scored else (candidates, _plainest(candidates))
-    fitted = {c.name: c.fit.law for c in candidates if c.fit and not c.dropped}
-    predictions = separations(mechanism, fitted, t_end=t_end, trials=trials)
-    words = wording(trials, candidates, best, predictions, ranked=scored)
-    return Verdict(
-        mechanism=mechanism,
-        measurement=measurement,
-        candidates=tuple(candidates),
-        best=best,
-        ranked=scored and best is not None,
-        separations=predictions,
-        words=words,
-        t_end=t_end,
+    if "travel" in measurement.quantities():
+        if validate is not None or unknown:
+            raise InputError(
+                "travels take no second record and no unknown parameters of the mechanism:"
+                " give more trials instead."
+            )
+        return select_travels(
+            mechanism, measurement, laws, t_end=t_end, watch=watch, compiling=compiling
+        )
+    return select_records(
+        mechanism,
+        measurement,
+        laws,
+        unknown=unknown,
+        purpose=purpose,
+        horizon=horizon,
+        route=route,
+        validate=validate,
+        settings=settings,
+        watch=watch,
     )
-
-
-def _named(
-    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None,
-) -> dict[str, FrictionLaw]:
-    if isinstance(laws, Mapping):
-        return dict(laws)
-    chosen = [LAWS[name] for name in PLAIN] if laws is None else list(laws)
-    made = [starting_law(law) if isinstance(law, type) else law for law in chosen]
-    return {law.name: law for law in made}
-
-
-def _ordinary(
-    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None,
-) -> set[str]:
-    """Return the names of the laws whose values nobody gave."""
-    if isinstance(laws, Mapping):
-        return set()
-    chosen = [LAWS[name] for name in PLAIN] if laws is None else list(laws)
-    return {law.name for law in chosen if isinstance(law, type)}
-
-
-def _plainest(candidates: Sequence[Candidate]) -> Candidate | None:
-    """Return the law that explains the data with the fewest parameters.
-
-    Laws that can hold a body at rest come first, since it did come to rest.
-    """
-    explained = [c for c in candidates if not c.dropped]
-    holding = [c for c in explained if c.law.break_away(1.0) > 0]
-    return min(holding or explained, key=_size, default=None)
-
-
-def _size(candidate: Candidate) -> int:
-    return len(list(parameters(candidate.law, "friction")))
-
-
-def _ranked(candidates: Sequence[Candidate]) -> tuple[list[Candidate], Candidate | None]:
-    """Order by held-out score; take a simpler law that is no worse within doubt."""
-    scored = mark_passed_over([c for c in candidates if c.score is not None])
-    scored.sort(key=lambda c: c.score or 0.0)
-    rest = [c for c in candidates if c.score is None]
-    if not scored:
-        return rest, None
-    admissible = [c for c in scored if not c.passed_over]
-    best = admissible[0]
-    for other in sorted(admissible, key=_size):
-        if other is best:
-            break
-        if simpler_within_doubt(other.held_out, best.held_out):
-            best = other
-            break
-    ordered = [best, *[c for c in scored if c is not best], *rest]
-    return ordered, best

@@ -1,9 +1,10 @@
 """What a selection gives back."""
 
 import html
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, final
 
 from typing_extensions import override
 
@@ -19,7 +20,7 @@ from stickslip.trajectory import Trajectory
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Candidate", "Verdict", "Wording", "plain"]
+__all__ = ["Candidate", "TravelVerdict", "Verdict", "Wording", "plain"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,13 +125,56 @@ class Wording:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Verdict:
+class Verdict(ABC):
     """Which law to use, how the others compare, and what the data cannot tell."""
 
     mechanism: Mechanism
     """What was measured, as it was passed in; trials may have set it differently."""
     measurement: Measurement
     """The measurement."""
+    words: Wording
+    """The verdict in words."""
+
+    @property
+    @final
+    def sentence(self) -> str:
+        """What to do, in one or two plain sentences."""
+        return plain(self.words.verdict)
+
+    @abstractmethod
+    def table(self) -> "pd.DataFrame":
+        """Return the candidates as a pandas DataFrame, a row each."""
+
+    @abstractmethod
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the verdict as plain numbers and strings, ready for JSON."""
+
+    def _repr_html_(self) -> str:
+        table = self.table().to_html(index=False, na_rep="", border=0)
+        return f"<p>{html.escape(self.sentence)}</p>{table}"
+
+    @final
+    def _head(self) -> dict[str, Any]:
+        """Return what all verdicts say, as plain texts."""
+        return {
+            "verdict": self.sentence,
+            "why": plain(self.words.lede),
+            "no_score": self.words.no_score,
+            "settles": [plain(line) for line in self.words.settles],
+            "cannot_tell": [plain(line) for line in self.words.cannot_tell],
+            "measure_next": [plain(line) for line in self.words.measure_next],
+            "mechanism": {
+                "type": self.mechanism.name,
+                **{path: value for path, _, value in parameters(self.mechanism, "mechanism")},
+            },
+        }
+
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False)
+class TravelVerdict(Verdict):
+    """A verdict on travels."""
+
     candidates: tuple[Candidate, ...]
     """All laws tried, best first where there is a ranking."""
     best: Candidate | None
@@ -139,8 +183,6 @@ class Verdict:
     """Whether scores decided."""
     separations: tuple[Separation, ...]
     """Predictions for measurements not yet made, in the order of the setting."""
-    words: Wording
-    """The verdict in words."""
     t_end: float
     """Time after which a body counts as stopped [s]."""
 
@@ -148,11 +190,6 @@ class Verdict:
     def explained(self) -> tuple[Candidate, ...]:
         """The candidates that reproduce the measurement."""
         return tuple(candidate for candidate in self.candidates if not candidate.dropped)
-
-    @property
-    def sentence(self) -> str:
-        """What to do, in one or two plain sentences."""
-        return plain(self.words.verdict)
 
     @override
     def __repr__(self) -> str:
@@ -164,10 +201,7 @@ class Verdict:
             f" trial{'s' if trials > 1 else ''}; {judged}>"
         )
 
-    def _repr_html_(self) -> str:
-        table = self.table().to_html(index=False, na_rep="", border=0)
-        return f"<p>{html.escape(self.sentence)}</p>{table}"
-
+    @override
     def table(self) -> "pd.DataFrame":
         """Return the candidates as a pandas DataFrame.
 
@@ -179,23 +213,14 @@ class Verdict:
         frame = pd.DataFrame([candidate.to_row() for candidate in self.candidates])
         return frame.astype({"travel": float, "score": float})
 
+    @override
     def to_dict(self) -> Mapping[str, Any]:
-        """Return the verdict as plain numbers and strings, ready for JSON."""
         return {
-            "verdict": self.sentence,
-            "why": plain(self.words.lede),
+            **self._head(),
             "best": self.best.name if self.best else None,
             "ranked": self.ranked,
-            "no_score": self.words.no_score,
-            "settles": [plain(line) for line in self.words.settles],
-            "cannot_tell": [plain(line) for line in self.words.cannot_tell],
-            "measure_next": [plain(line) for line in self.words.measure_next],
             "candidates": [candidate.to_dict() for candidate in self.candidates],
             "next_measurements": [separation.to_dict() for separation in self.separations],
-            "mechanism": {
-                "type": self.mechanism.name,
-                **{path: value for path, _, value in parameters(self.mechanism, "mechanism")},
-            },
         }
 
 

@@ -29,7 +29,7 @@ from stickslip.report.selection.texts import (
     travels,
 )
 from stickslip.report.tables import Column, Row, Table
-from stickslip.selection import Candidate, Verdict
+from stickslip.selection import Candidate, TravelVerdict
 from stickslip.trajectory import Trajectory
 
 __all__ = [
@@ -46,7 +46,7 @@ AUTHORS: Final = re.compile(r"(?<=[^\W\d_]{3})\. ")
 """The end of the authors: a full stop after a surname, not after an initial."""
 
 
-def next_section(verdict: Verdict) -> Section | None:
+def next_section(verdict: TravelVerdict) -> Section | None:
     """Return the section on further measurements, None if none would tell more."""
     best = verdict.best
     if best is None or not verdict.separations or len(verdict.explained) < 2:
@@ -80,7 +80,7 @@ def next_section(verdict: Verdict) -> Section | None:
 
 
 def _separation_figure(
-    verdict: Verdict, best: Candidate, what: str, unit: str, titles: Mapping[str, str]
+    verdict: TravelVerdict, best: Candidate, what: str, unit: str, titles: Mapping[str, str]
 ) -> Figure:
     rows = sorted(verdict.separations, key=lambda row: row.value)
     path = rows[0].path
@@ -113,7 +113,7 @@ def _separation_figure(
     return Figure(svg=svg, caption=caption)
 
 
-def _told_apart(verdict: Verdict, best: Candidate) -> list[str]:
+def _told_apart(verdict: TravelVerdict, best: Candidate) -> list[str]:
     """Return the laws whose predictions differ enough to be measured with ease."""
     limit = TELLING * abs(travels(verdict)[0])
     return [
@@ -126,7 +126,7 @@ def _told_apart(verdict: Verdict, best: Candidate) -> list[str]:
     ]
 
 
-def parameters_section(verdict: Verdict) -> Section | None:
+def parameters_section(verdict: TravelVerdict) -> Section | None:
     """Return the section on the parameters of the chosen law."""
     best = verdict.best
     if best is None or best.fit is None:
@@ -168,7 +168,7 @@ def parameters_section(verdict: Verdict) -> Section | None:
     return Section(id="parameters", nav="Parameters", heading=heading, blocks=blocks)
 
 
-def _as_code(verdict: Verdict) -> str:
+def _as_code(verdict: TravelVerdict) -> str:
     """Return the chosen law as one would write it."""
     if verdict.best is None or verdict.best.fit is None:
         return ""
@@ -181,7 +181,7 @@ def _as_code(verdict: Verdict) -> str:
     return f"{type(law).__name__}({values})"
 
 
-def certificate_section(verdict: Verdict) -> Section:
+def certificate_section(verdict: TravelVerdict) -> Section:
     """Return the section that says how far to trust the computation."""
     best = verdict.best
     items = [] if best is None or best.run is None else _evidence(best.run)
@@ -238,7 +238,7 @@ def _left(energy: float) -> str:
     return "exactly 0 J" if energy == 0 else numbers.with_unit(numbers.significant(energy, 2), "J")
 
 
-def _data(verdict: Verdict) -> KeyValue:
+def _data(verdict: TravelVerdict) -> KeyValue:
     records = verdict.measurement.records()
     half = records[0].uncertainty.get("travel")
     doubt = f"± {numbers.length(half, 1)}" if half else "without a stated uncertainty"
@@ -253,7 +253,7 @@ def _data(verdict: Verdict) -> KeyValue:
 
 
 def reproduce_section(
-    verdict: Verdict, commands: Sequence[str], versions: Mapping[str, str], digest: str
+    verdict: TravelVerdict, commands: Sequence[str], versions: Mapping[str, str], digest: str
 ) -> Section:
     """Return the section with commands, versions, hash and references."""
     blocks: list[Block] = []
@@ -271,7 +271,7 @@ def reproduce_section(
     )
 
 
-def _references(verdict: Verdict) -> tuple[Reference, ...]:
+def _references(verdict: TravelVerdict) -> tuple[Reference, ...]:
     laws = [candidate.law for candidate in verdict.candidates]
     return law_references(laws, {"paper": ["criteria"]})
 

@@ -8,12 +8,12 @@ from stickslip.report.documents import Section
 from stickslip.report.selection.returns import elastic_returns
 from stickslip.report.selection.texts import counted, joined
 from stickslip.report.tables import Cell, Column, Row, Table
-from stickslip.selection import Candidate, Criteria, Verdict
+from stickslip.selection import Candidate, Criteria, TravelVerdict
 
 __all__ = ["criteria_section"]
 
 
-def criteria_section(verdict: Verdict) -> Section:
+def criteria_section(verdict: TravelVerdict) -> Section:
     """Return the section on velocity, displacement, error and energy."""
     given = [(c, c.given) for c in verdict.candidates]
     fitted = [(c, c.criteria) for c in verdict.explained if c.criteria is not None]
@@ -106,7 +106,7 @@ def _pulled(names: Sequence[str]) -> Note:
 
 
 def _table(
-    verdict: Verdict,
+    verdict: TravelVerdict,
     rows: Sequence[tuple[Candidate, Criteria]],
     *,
     with_error: bool = False,

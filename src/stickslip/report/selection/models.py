@@ -21,7 +21,7 @@ from stickslip.report.selection.texts import (
     travels,
 )
 from stickslip.report.tables import Cell, Column, Name, Number, Row, Table
-from stickslip.selection import Candidate, Verdict
+from stickslip.selection import Candidate, TravelVerdict
 
 __all__ = ["models_section"]
 
@@ -30,7 +30,7 @@ CLOSE: Final = 0.02
 NONE: Final = "—"
 
 
-def models_section(verdict: Verdict) -> Section:
+def models_section(verdict: TravelVerdict) -> Section:
     """Return the section that compares the fitted laws."""
     blocks: list[Block] = []
     if verdict.best is not None and verdict.best.run is not None:
@@ -41,7 +41,7 @@ def models_section(verdict: Verdict) -> Section:
     )
 
 
-def _heading(verdict: Verdict) -> str:
+def _heading(verdict: TravelVerdict) -> str:
     best = verdict.best
     target = f"{travels(verdict)[0]:.3f} m"
     if best is None:
@@ -73,7 +73,7 @@ def _mm(metres: float) -> str:
     return numbers.with_unit(numbers.score(1e3 * metres), "mm")
 
 
-def _figure(verdict: Verdict, best: Candidate) -> Figure:
+def _figure(verdict: TravelVerdict, best: Candidate) -> Figure:
     runs = {c.title: c.run for c in verdict.explained if c.run is not None}
     slip, _ = slip_and_rate(verdict)
     draw = draw_travels(runs, best.title, band=measured_band(verdict), slip=slip)
@@ -94,7 +94,7 @@ def _figure(verdict: Verdict, best: Candidate) -> Figure:
     return Figure(svg=svg, caption=f"{caption}.{right}")
 
 
-def _table(verdict: Verdict) -> Table:
+def _table(verdict: TravelVerdict) -> Table:
     axis = _axis(verdict)
     rows = []
     for candidate in verdict.candidates:
@@ -106,7 +106,7 @@ def _table(verdict: Verdict) -> Table:
     return Table(columns=_columns(verdict, axis), rows=tuple(rows), caption=_caption(verdict))
 
 
-def _columns(verdict: Verdict, axis: Axis | None) -> tuple[Column, ...]:
+def _columns(verdict: TravelVerdict, axis: Axis | None) -> tuple[Column, ...]:
     band = measured_band(verdict)
     kind = next(
         (e.interval for c in verdict.explained if c.fit for e in c.fit.estimates), "interval"
@@ -135,7 +135,7 @@ def _columns(verdict: Verdict, axis: Axis | None) -> tuple[Column, ...]:
     return (Column(head="model"), *(others if verdict.best else others[:-1]))
 
 
-def _cells(verdict: Verdict, candidate: Candidate) -> list[Cell]:
+def _cells(verdict: TravelVerdict, candidate: Candidate) -> list[Cell]:
     name = Name(text=candidate.title)
     if candidate.fit is None or candidate.criteria is None:
         given = numbers.fixed(candidate.given.travel, 3)
@@ -180,7 +180,7 @@ def _score_cells(candidate: Candidate, is_best: bool) -> list[Cell]:
     return [Number(value=numbers.score(score), doubt=doubt), RowPlot(marks=marks)]
 
 
-def _axis(verdict: Verdict) -> Axis | None:
+def _axis(verdict: TravelVerdict) -> Axis | None:
     """Return the axis of the scores [mm], logarithmic if they span more than 20 times."""
     scores = [1e3 * c.score for c in verdict.candidates if c.score is not None]
     if not verdict.ranked or not scores or max(scores) <= 0:
@@ -204,7 +204,7 @@ def _axis(verdict: Verdict) -> Axis | None:
     return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption=caption)
 
 
-def _caption(verdict: Verdict) -> str:
+def _caption(verdict: TravelVerdict) -> str:
     if not verdict.ranked:
         tail = ""
         if verdict.best is not None and len(verdict.explained) > 1:

@@ -9,12 +9,12 @@ from stickslip.report.selection.texts import (
     quantity_value,
     travels,
 )
-from stickslip.selection import Candidate, Verdict
+from stickslip.selection import Candidate, TravelVerdict
 
 __all__ = ["opening_section"]
 
 
-def opening_section(verdict: Verdict, kicker: str, remark: str = "") -> Section:
+def opening_section(verdict: TravelVerdict, kicker: str, remark: str = "") -> Section:
     """Return the section that a reader may stop after."""
     words = verdict.words
     several = len(travels(verdict)) > 1
@@ -31,7 +31,7 @@ def opening_section(verdict: Verdict, kicker: str, remark: str = "") -> Section:
     return Section(id="verdict", nav="Verdict", heading="", blocks=(opening,))
 
 
-def _facts(verdict: Verdict) -> tuple[Fact, ...]:
+def _facts(verdict: TravelVerdict) -> tuple[Fact, ...]:
     if verdict.best is None:
         return _facts_of_failure(verdict)
     facts = [_estimate(verdict.best), _as_given(verdict.best)]
@@ -73,7 +73,7 @@ def _as_given(best: Candidate) -> Fact | None:
     )
 
 
-def _score(verdict: Verdict, best: Candidate) -> Fact:
+def _score(verdict: TravelVerdict, best: Candidate) -> Fact:
     score, error = 1e3 * (best.score or 0.0), best.score_error
     doubt = "" if error is None else f"± {numbers.score(1e3 * error)}"
     count = len(verdict.measurement.records())
@@ -85,7 +85,7 @@ def _score(verdict: Verdict, best: Candidate) -> Fact:
     )
 
 
-def _tie(verdict: Verdict) -> Fact:
+def _tie(verdict: TravelVerdict) -> Fact:
     free = max((len(c.fit.estimates) for c in verdict.explained if c.fit), default=1)
     number = "one number" if free == 1 else f"{free} numbers"
     count = len(verdict.explained)
@@ -96,7 +96,7 @@ def _tie(verdict: Verdict) -> Fact:
     )
 
 
-def _facts_of_failure(verdict: Verdict) -> tuple[Fact, ...]:
+def _facts_of_failure(verdict: TravelVerdict) -> tuple[Fact, ...]:
     closest = min(verdict.candidates, key=lambda c: abs(c.given.relative_error or 0.0))
     error = closest.given.relative_error
     facts = [

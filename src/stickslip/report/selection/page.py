@@ -15,7 +15,7 @@ from stickslip.report.selection.models import models_section
 from stickslip.report.selection.opening import opening_section
 from stickslip.report.selection.runs import fixed_steps_section, laws_section, run_section
 from stickslip.report.selection.trials import trials_section
-from stickslip.selection import FixedStepRow, Verdict
+from stickslip.selection import FixedStepRow, TravelVerdict
 from stickslip.trajectory import Trajectory
 
 __all__ = ["selection_page"]
@@ -24,7 +24,7 @@ NOTHING: Mapping[str, Trajectory] = MappingProxyType({})
 
 
 def selection_page(
-    verdict: Verdict,
+    verdict: TravelVerdict,
     *,
     subject: str,
     kicker: str,
@@ -41,7 +41,7 @@ def selection_page(
 
     Parameters
     ----------
-    verdict : Verdict
+    verdict : TravelVerdict
         What `stickslip.select` gave; every number of the page is computed from it.
     subject : str
         The data, at the right of the top line.

@@ -3,7 +3,7 @@
 from stickslip.characterize import presliding_length
 from stickslip.friction import BristleLaw, Coulomb, FrictionLaw
 from stickslip.identification.travel import trials_of
-from stickslip.selection import Criteria, Verdict, criteria_of
+from stickslip.selection import Criteria, TravelVerdict, criteria_of
 from stickslip.simulation import simulate
 
 __all__ = ["elastic_returns"]
@@ -12,7 +12,7 @@ LENGTHS = 3.0
 """Longest elastic return, over the presliding length: undamped bristles swing to twice it."""
 
 
-def elastic_returns(verdict: Verdict) -> list[str]:
+def elastic_returns(verdict: TravelVerdict) -> list[str]:
     """Return the titles of the laws whose every return is that of an elastic contact.
 
     It is of the order of the presliding length, and without deflection, with Coulomb friction of
@@ -32,7 +32,7 @@ def elastic_returns(verdict: Verdict) -> list[str]:
     return [title for title, elastic in found.items() if elastic]
 
 
-def _is_elastic(verdict: Verdict, law: FrictionLaw, seen: Criteria) -> bool:
+def _is_elastic(verdict: TravelVerdict, law: FrictionLaw, seen: Criteria) -> bool:
     if not isinstance(law, BristleLaw) or law.static_switch:
         return False
     trial = trials_of(verdict.mechanism, verdict.measurement)[0]

@@ -19,7 +19,7 @@ from stickslip.report.blocks import Block, Figure
 from stickslip.report.documents import Section
 from stickslip.report.selection.texts import joined, slip_and_rate, step_text
 from stickslip.report.tables import Column, Row, Table
-from stickslip.selection import FixedStepRow, Verdict
+from stickslip.selection import FixedStepRow, TravelVerdict
 from stickslip.trajectory import Trajectory
 
 __all__ = ["fixed_steps_section", "laws_section", "run_section"]
@@ -27,7 +27,7 @@ __all__ = ["fixed_steps_section", "laws_section", "run_section"]
 MOST_EVENTS = 4
 
 
-def run_section(verdict: Verdict) -> Section | None:
+def run_section(verdict: TravelVerdict) -> Section | None:
     """Return the section on the chosen run, None if no law was chosen."""
     best = verdict.best
     if best is None or best.run is None or best.criteria is None:
@@ -71,7 +71,7 @@ def _events(run: Trajectory) -> str:
     return f"Dots are events: {joined(said) if not tail else ', '.join(said)}{tail}."
 
 
-def laws_section(verdict: Verdict) -> Section | None:
+def laws_section(verdict: TravelVerdict) -> Section | None:
     """Return the section with the fitted laws as curves."""
     laws = {c.title: c.fit.law for c in verdict.explained if c.fit is not None}
     best = verdict.best
@@ -129,7 +129,7 @@ def _presliding(laws: Mapping[str, BristleLaw], load: float, guessed: Sequence[s
 
 
 def fixed_steps_section(
-    verdict: Verdict, rows: Sequence[FixedStepRow], runs: Mapping[str, Trajectory]
+    verdict: TravelVerdict, rows: Sequence[FixedStepRow], runs: Mapping[str, Trajectory]
 ) -> Section | None:
     """Return the section on what a fixed step makes of the run, None without rows."""
     if not rows:

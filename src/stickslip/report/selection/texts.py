@@ -9,7 +9,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate
 from stickslip.quantities import fields_of
 from stickslip.report import numbers
-from stickslip.selection import Candidate, Verdict
+from stickslip.selection import Candidate, TravelVerdict
 
 __all__ = [
     "assumptions",
@@ -120,13 +120,13 @@ def step_text(dt: float) -> str:
     return numbers.with_unit(f"{dt * factor:g}", unit)
 
 
-def slip_and_rate(verdict: Verdict) -> tuple[str, str]:
+def slip_and_rate(verdict: TravelVerdict) -> tuple[str, str]:
     """Return the names of the slipping coordinate and of its rate."""
     slip = verdict.mechanism.contacts()[0].slip
     return slip, verdict.mechanism.rates[verdict.mechanism.coordinates.index(slip)]
 
 
-def travels(verdict: Verdict) -> tuple[float, ...]:
+def travels(verdict: TravelVerdict) -> tuple[float, ...]:
     """Return the measured travels [m], one a record."""
     return tuple(
         float(np.mean(record.travel))
@@ -135,7 +135,7 @@ def travels(verdict: Verdict) -> tuple[float, ...]:
     )
 
 
-def measured_band(verdict: Verdict) -> tuple[float, float] | None:
+def measured_band(verdict: TravelVerdict) -> tuple[float, float] | None:
     """Return the range of the first measured travel [m], None if it has no stated doubt."""
     record = verdict.measurement.records()[0]
     half = float(record.uncertainty.get("travel", 0.0))
@@ -145,7 +145,7 @@ def measured_band(verdict: Verdict) -> tuple[float, float] | None:
     return travel - half, travel + half
 
 
-def largest_difference(verdict: Verdict, candidate: Candidate) -> float | None:
+def largest_difference(verdict: TravelVerdict, candidate: Candidate) -> float | None:
     """Return how far a law is from the chosen one on the way at most [m]."""
     if verdict.best is None or verdict.best.run is None or candidate.run is None:
         return None

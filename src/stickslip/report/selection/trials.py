@@ -7,12 +7,12 @@ from stickslip.report import numbers
 from stickslip.report.documents import Section
 from stickslip.report.selection.texts import quantity_value
 from stickslip.report.tables import Column, Row, Table
-from stickslip.selection import Verdict
+from stickslip.selection import TravelVerdict
 
 __all__ = ["trials_section"]
 
 
-def trials_section(verdict: Verdict) -> Section | None:
+def trials_section(verdict: TravelVerdict) -> Section | None:
     """Return the section that compares measured and predicted travels, None with one trial."""
     best = verdict.best
     records = verdict.measurement.records()
@@ -47,7 +47,7 @@ def trials_section(verdict: Verdict) -> Section | None:
     return Section(id="trials", nav="Trials", heading=heading, blocks=(table,))
 
 
-def _setting(verdict: Verdict, overrides: Mapping[str, float]) -> str:
+def _setting(verdict: TravelVerdict, overrides: Mapping[str, float]) -> str:
     """Return what was different in a trial, in words."""
     varied = vary(verdict.mechanism, "mechanism", overrides)
     known = {path: quantity for path, quantity, _ in parameters(varied, "mechanism")}

@@ -1,0 +1,155 @@
+"""Held-out errors of fits to records: blocks of time that a fit has not seen."""
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.identification.optimise import step_of
+from stickslip.identification.problem import Linearised, Problem
+from stickslip.identification.record_fit import RecordFit, settled
+
+__all__ = ["FOLDS", "CrossValidation", "Plan", "cross_validate", "halves", "plan_of"]
+
+Array = NDArray[np.float64]
+
+FOLDS = 8
+"""Blocks of time, each predicted by a fit to the others."""
+EXTRAPOLATED = 1.0 / 3.0
+"""Last share of the record that a fit to the rest extrapolates to."""
+STEPS = 2
+"""Gauss-Newton steps from the estimates of the whole record to those without a block."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """How all candidates of a selection are judged."""
+
+    folds: int
+    """Blocks of time."""
+    gap: float
+    """Time [s] left out on both sides of a block."""
+    horizon: float
+    """Length [s] of the segments that are predicted."""
+    length: float
+    """Length of all records together [s]."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CrossValidation:
+    """Held-out errors of one candidate."""
+
+    losses: tuple[float, ...]
+    """Mean square of each block."""
+    extrapolation: float
+    """Root mean square of the last third, predicted by a fit to what comes before."""
+
+    @property
+    def score(self) -> float:
+        """Root mean square over blocks."""
+        return math.sqrt(sum(self.losses) / len(self.losses))
+
+    @property
+    def error(self) -> float:
+        """Standard error of the score, blocks taken as independent."""
+        count = len(self.losses)
+        variance = float(np.var(self.losses, ddof=1)) / count if count > 1 else math.inf
+        return math.sqrt(variance) / (2.0 * self.score) if self.score > 0.0 else 0.0
+
+
+def plan_of(fit: RecordFit, *, horizon: float, folds: int = FOLDS) -> Plan:
+    """Return a plan: gaps as long as residuals of a fit are correlated, a horizon that fits in."""
+    spans = fit.problem.spans
+    length = float(np.sum(spans[:, 2] - spans[:, 1]))
+    block = length / folds
+    correlated = length / fit.inference.effective
+    return Plan(
+        folds=folds,
+        gap=min(correlated, 0.25 * block),
+        horizon=min(horizon, block),
+        length=length,
+    )
+
+
+def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
+    """Return held-out errors of a fit, its unknowns fitted anew without each block."""
+    judged = fit.build(fit.measurement, plan.horizon)
+    trained, tested = _positions(fit.problem), _positions(judged)
+    edges = np.linspace(0.0, max(trained[-1, 1], tested[-1, 1]), plan.folds + 1)
+    losses = []
+    for first, last in itertools.pairwise(edges.tolist()):
+        seen = (trained[:, 1] <= first - plan.gap) | (trained[:, 0] >= last + plan.gap)
+        middle = tested.mean(axis=1)
+        held = (middle >= first) & (middle < last)
+        if held.any() and seen.any():
+            losses.append(_loss(fit, judged, seen, held))
+    border = (1.0 - EXTRAPOLATED) * edges[-1]
+    before = trained[:, 1] <= border - plan.gap
+    after = tested[:, 0] >= border
+    ahead = _loss(fit, judged, before, after) if before.any() and after.any() else math.nan
+    return CrossValidation(losses=tuple(losses), extrapolation=math.sqrt(ahead))
+
+
+def _positions(problem: Problem) -> Array:
+    """Return first and last time of each segment (segments, 2), records laid end to end."""
+    spans = problem.spans
+    starts, at = {}, 0.0
+    for record in np.unique(spans[:, 0]):
+        own = spans[spans[:, 0] == record]
+        starts[record] = at - own[:, 1].min()
+        at += float(own[:, 2].max() - own[:, 1].min())
+    shift = np.array([starts[record] for record in spans[:, 0]])
+    placed: Array = spans[:, 1:] + shift[:, None]
+    return placed
+
+
+def _loss(
+    fit: RecordFit, judged: Problem, seen: NDArray[np.bool_], held: NDArray[np.bool_]
+) -> float:
+    """Return the mean square over segments held out of a fit to those seen."""
+    values = _refitted(fit, seen)
+    found = settled(judged, values, only=np.flatnonzero(held).tolist())
+    return found.cost / len(found.residual)
+
+
+def _refitted(fit: RecordFit, seen: NDArray[np.bool_]) -> Array:
+    """Return the values that fit some segments best, by steps from those that fit all."""
+    problem, unknowns = fit.problem, fit.unknowns
+    low, high = unknowns.limits()
+    whole: Linearised = fit.found.best
+    part = whole.of(seen)
+    chosen: Sequence[int] = np.flatnonzero(seen).tolist()
+    at = unknowns.coordinates(whole.values)
+    damping = 1e-6
+    for number in range(STEPS):
+        table = part.slopes @ unknowns.slopes(at)
+        step, _ = step_of(table, part.residual, at, low, high, damping)
+        trial = np.clip(at + step, low, high)
+        if number == STEPS - 1:
+            return unknowns.values(trial)
+        there = problem.linearise(unknowns.values(trial), whole, only=chosen)
+        if math.isfinite(there.cost) and there.cost <= part.cost:
+            at, part = trial, there
+        else:  # too long a step for a bent valley
+            damping = 1e-1
+    return unknowns.values(at)
+
+
+def halves(fit: RecordFit) -> dict[str, tuple[float, float]]:
+    """Return the estimates from the first and from the second half of a record, by path."""
+    placed = _positions(fit.problem)
+    middle = 0.5 * float(placed[-1, 1])
+    first = placed[:, 1] <= middle
+    second = placed[:, 0] >= middle
+    if not (first.any() and second.any()):
+        return {}
+    pair = [_refitted(fit, part) for part in (first, second)]
+    return {
+        path: (float(pair[0][i]), float(pair[1][i])) for i, path in enumerate(fit.unknowns.paths)
+    }

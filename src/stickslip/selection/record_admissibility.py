@@ -1,0 +1,47 @@
+"""Which fits to records may be taken, and why not."""
+
+from stickslip.identification.doubts import MOST_CONDITION, step_intervals
+from stickslip.identification.record_fit import RecordFit
+
+__all__ = ["objection"]
+
+OPEN = "open"
+"""What reasons of intervals say where an order of magnitude is not known."""
+
+
+def objection(fit: RecordFit) -> str:
+    """Return why a fit may not be taken, in words; empty if it may.
+
+    Only the law's parameters are judged: an offset may well be 0.
+    """
+    reasons = []
+    seen = fit.found.best
+    steps = step_intervals(fit.unknowns, seen, fit.inference)
+    for estimate in fit.estimates:
+        if not estimate.path.startswith("friction."):
+            continue
+        symbol = f"${estimate.quantity.symbol}$"
+        if estimate.path in fit.at_bounds:
+            reasons.append(f"{symbol} {_ran(fit, estimate.path)}")
+        elif estimate.reason:
+            reasons.append(f"{symbol} is undetermined: {estimate.reason}")
+        elif estimate.path in steps and steps[estimate.path][1] <= 0.0:
+            step, low, high = steps[estimate.path]
+            reasons.append(f"its step {step:.2g} ({low:.2g} to {high:.2g}) covers 0")
+        elif estimate.low <= 0.0:
+            reasons.append(f"the interval of {symbol} covers 0")
+    if fit.inference.condition > MOST_CONDITION:
+        reasons.append(
+            f"condition number {fit.inference.condition:.2g}, above {MOST_CONDITION:g}"
+        )
+    return "; ".join(reasons)
+
+
+def _ran(fit: RecordFit, path: str) -> str:
+    item = fit.unknowns.items[fit.unknowns.paths.index(path)]
+    side = fit.at_bounds[path]
+    if item.above and side == "lower":
+        return "shows no step above the kinetic level"
+    if side == "lower" and item.low == 0.0:
+        return "went to 0"
+    return f"ran to its {side} bound {fit.values[fit.unknowns.paths.index(path)]:.2g}"

@@ -1,0 +1,187 @@
+"""The verdict on records in words. Symbols stand between dollar signs, which reports typeset."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from stickslip.experiments import QUANTITIES, Checks
+from stickslip.identification import Estimate
+from stickslip.selection.cross_validation import Plan
+from stickslip.selection.experiments import Experiment
+from stickslip.selection.record_verdict import RecordCandidate
+from stickslip.selection.scoring import FLOOR
+from stickslip.selection.specifications import REFERENCE
+from stickslip.selection.verdict import Wording
+
+__all__ = ["error_text", "outcomes", "plus_minus", "record_wording"]
+
+MOST = 3
+"""Items of a list at most."""
+CLEAR = 2.0
+"""A rival is out when its paired difference is beyond this many standard errors."""
+
+
+def error_text(value: float, quantity: str) -> str:
+    """Return a score with its unit, lengths in millimetres.
+
+    Examples
+    --------
+    >>> error_text(0.00024, "position"), error_text(1.234, "friction")
+    ('0.24 mm', '1.2 N')
+    """
+    unit = QUANTITIES[quantity].unit
+    if unit in {"m", "m/s"} and abs(value) < 1.0:
+        value, unit = 1e3 * value, "m" + unit
+    return f"{value:.2g} {unit}"
+
+
+def plus_minus(estimate: Estimate) -> str:
+    """Return an estimate with its half width, as in ``158 ± 4 N s/m``."""
+    unit = "" if estimate.quantity.unit == "1" else f" {estimate.quantity.unit}"
+    if not estimate.bounded:
+        return f"{estimate.value:.3g}{unit}, not bounded"
+    half = 0.5 * (estimate.high - estimate.low)
+    if half <= 0.0:
+        return f"{estimate.value:.3g}{unit}"
+    power = math.floor(math.log10(half))
+    digits = -power + (1 if half / 10.0**power < 1.95 else 0)
+    if digits <= 0:
+        return f"{round(estimate.value, digits):.0f} ± {round(half, digits):.0f}{unit}"
+    return f"{estimate.value:.{digits}f} ± {half:.{digits}f}{unit}"
+
+
+def outcomes(
+    candidates: Sequence[RecordCandidate], best: RecordCandidate, plan: Plan
+) -> list[RecordCandidate]:
+    """Add to each candidate what became of it."""
+    return [replace(c, outcome=_outcome(c, best)) for c in candidates]
+
+
+def _outcome(c: RecordCandidate, best: RecordCandidate) -> str:
+    if c.name == best.name:
+        return "chosen"
+    if c.fit is None:
+        return f"not fitted: {c.dropped}"
+    if c.dropped:
+        return c.dropped
+    more = c.parameters - best.parameters
+    if c.score <= (1.0 + FLOOR) * best.score:
+        if more > 0:
+            return f"{more} more parameter{'s' if more > 1 else ''}, no gain beyond doubt"
+        return "as good within doubt"
+    return "reference" if c.name == REFERENCE else f"{c.score / best.score:.1f} × the error"
+
+
+def record_wording(
+    candidates: Sequence[RecordCandidate],
+    best: RecordCandidate,
+    without: RecordCandidate | None,
+    plan: Plan,
+    picks: Mapping[str, str],
+    checks: Checks,
+    experiments: Sequence[Experiment],
+    *,
+    scored: str,
+) -> Wording:
+    """Put a selection on records into words."""
+    assert best.fit is not None
+    rivals = [c for c in candidates if c.name != best.name and c.fit and not c.dropped]
+    equal = [c for c in rivals if c.score <= (1.0 + FLOOR) * best.score]
+    return Wording(
+        verdict=_verdict(best, equal, without),
+        lede=_lede(candidates, best, without, scored),
+        settles=_settles(best),
+        cannot_tell=_cannot_tell(best, candidates, picks),
+        measure_next=_measure_next(experiments, best, candidates, checks),
+        no_score="",
+    )
+
+
+def _verdict(
+    best: RecordCandidate, equal: Sequence[RecordCandidate], without: RecordCandidate | None
+) -> str:
+    if without is not None and without.score <= (1.0 + FLOOR) * best.score:
+        return "No candidate explains this record better than no friction at all."
+    name = f"{best.title} friction"
+    if best.dropped:
+        return f"No candidate is beyond objection; the closest is {name}."
+    if equal:
+        names = " and ".join(c.title for c in equal[:2])
+        verb = "is" if len(equal) == 1 else "are"
+        return f"Use {name}; {names} {verb} as good on this record."
+    return f"Use {name}."
+
+
+def _lede(
+    candidates: Sequence[RecordCandidate],
+    best: RecordCandidate,
+    without: RecordCandidate | None,
+    scored: str,
+) -> str:
+    assert best.fit is not None and best.validation is not None
+    quantity = best.fit.problem.quantity
+    text = (
+        f"It misses what it has not seen by {error_text(best.score, quantity)} ({scored};"
+        f" standard error {error_text(best.validation.error, quantity)})."
+    )
+    usual = next((c for c in candidates if c.name == REFERENCE), None)
+    if usual is not None and usual.name != best.name and usual.fit:
+        text += (
+            f" Coulomb + viscous friction, the usual choice, reaches"
+            f" {error_text(usual.score, quantity)} on the same blocks."
+        )
+    elif without is not None and math.isfinite(without.score):
+        text += f" Without friction it would be {error_text(without.score, quantity)}."
+    closer = [c for c in candidates if c.dropped and c.fit and c.score < best.score]
+    if closer and not best.dropped:
+        first = closer[0]
+        text += (
+            f" {first.title} misses by {error_text(first.score, quantity)}, but {first.dropped}."
+        )
+    return text
+
+
+def _settles(best: RecordCandidate) -> tuple[str, ...]:
+    assert best.fit is not None
+    known = [e for e in best.fit.estimates if e.bounded and not e.path.endswith("offset")]
+    known.sort(key=lambda e: (e.high - e.low) / max(abs(e.value), 1e-300))
+    return tuple(f"${e.quantity.symbol}$ = {plus_minus(e)}." for e in known[:MOST])
+
+
+def _cannot_tell(
+    best: RecordCandidate, candidates: Sequence[RecordCandidate], picks: Mapping[str, str]
+) -> tuple[str, ...]:
+    assert best.fit is not None
+    lines = list(best.fit.sentences)
+    for c in candidates:
+        for line in c.fit.sentences if c.fit and c.dropped else ():
+            if "step" in line or "undetermined" in line:
+                lines.append(f"{c.title}: {line}")
+                break
+    others = sorted({f"{k} would pick {v}" for k, v in picks.items() if v and v != best.name})
+    if others:
+        lines.append("Criteria disagree: " + "; ".join(others) + ".")
+    lines.append("How friction behaves at speeds, loads and temperatures that were not recorded.")
+    return tuple(lines[:MOST])
+
+
+def _measure_next(
+    experiments: Sequence[Experiment],
+    best: RecordCandidate,
+    candidates: Sequence[RecordCandidate],
+    checks: Checks,
+) -> tuple[str, ...]:
+    titles = {c.name: c.title for c in candidates}
+    lines = []
+    for one in experiments[:2]:
+        said = ", ".join(
+            f"{titles.get(name, name)} {value:.3g}" for name, value in one.predicted.items()
+        )
+        lines.append(f"{one.what} Predicted {one.observed}: {said}.")
+    warned = [f.sentence for f in checks.findings if f.severity == "warning"]
+    lines += [f"First mend the record: {line}" for line in warned[:1]]
+    if not lines:
+        lines.append(
+            "The same record once more, after an hour of running: what changes is not in the law."
+        )
+    return tuple(lines[:MOST])

@@ -1,0 +1,253 @@
+"""Selection on records: every law fitted, judged on blocks it has not seen, one named."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import TypeAlias
+
+import numpy as np
+
+from stickslip.errors import ConvergenceError, InputError, SimulationError
+from stickslip.experiments import Checks, Measurement, check
+from stickslip.friction import FrictionLaw
+from stickslip.identification import RecordFit
+from stickslip.identification.inverse_dynamics import inverse_dynamics
+from stickslip.identification.record_fitting import RecordSettings, fit_record
+from stickslip.identification.record_starts import load_of
+from stickslip.mechanisms import Mechanism
+from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
+from stickslip.selection.experiments import Experiment, design
+from stickslip.selection.record_admissibility import objection
+from stickslip.selection.record_verdict import Purpose, RecordCandidate, RecordVerdict
+from stickslip.selection.record_words import outcomes, record_wording
+from stickslip.selection.scoring import FLOOR
+from stickslip.selection.specifications import REFERENCE, Specification, control, specifications
+
+__all__ = ["PURPOSES", "RecordWatch", "select_records"]
+
+RecordWatch: TypeAlias = Callable[[str, float], object]
+"""Called with a candidate and the least residual so far; False ends that candidate's search."""
+
+PURPOSES = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
+"""Horizon [s] of what is predicted, by what the law is for."""
+
+
+def select_records(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None = None,
+    *,
+    unknown: Sequence[str] = (),
+    purpose: str = "simulate",
+    horizon: float | None = None,
+    route: str | None = None,
+    validate: Measurement | None = None,
+    settings: RecordSettings | None = None,
+    watch: RecordWatch | None = None,
+) -> RecordVerdict:
+    """Select a law for records in time or measured friction; arguments as in `select`."""
+    if purpose not in PURPOSES:
+        raise InputError(f"purpose must be one of {', '.join(PURPOSES)}, got {purpose!r}.")
+    checks = check(measurement, mechanism=mechanism)
+    if checks.worst == "error":
+        wrong = [one.sentence for one in checks.findings if one.severity == "error"]
+        raise InputError("This record cannot decide. " + " ".join(wrong))
+    if purpose == "compensate" and route is None and "friction" not in measurement.quantities():
+        route = "inverse-dynamics"
+    chosen = specifications(laws)
+    if laws is None and _one_way(measurement):
+        chosen = tuple(one for one in chosen if one.name != "direction-dependent")
+
+    def fitted(one: Specification) -> RecordCandidate:
+        return _candidate(
+            one, mechanism, measurement, unknown=unknown, route=route, settings=settings,
+            watch=watch,
+        )  # fmt: skip
+
+    tried = [fitted(one) for one in chosen]
+    fits = [candidate.fit for candidate in tried if candidate.fit]
+    if not fits:
+        raise ConvergenceError(
+            "no candidate predicts this record: "
+            + "; ".join(f"{c.title}: {c.dropped}" for c in tried)
+        )
+    aim = PURPOSES[purpose] if horizon is None else horizon
+    plan = plan_of(min(fits, key=lambda fit: fit.rms), horizon=aim)
+    if watch is not None:
+        watch("held-out blocks", math.nan)
+    judged = [_judged(candidate, plan, validate) for candidate in tried]
+    without = _judged(fitted(control()), plan, validate) if fits[0].route != "force-map" else None
+    return _verdict(mechanism, measurement, judged, without, plan, purpose, checks)
+
+
+def _one_way(measurement: Measurement) -> bool:
+    """Whether nothing in a record slips backwards, or nothing forwards."""
+    if "velocity" in measurement.quantities():
+        signs = [np.sign(np.asarray(r.values("velocity"))) for r in measurement.records()]
+    elif "position" in measurement.quantities():
+        signs = [np.sign(np.diff(np.asarray(r.values("position")))) for r in measurement.records()]
+    else:
+        return False
+    joined = np.concatenate(signs)
+    return min(float(np.mean(joined > 0)), float(np.mean(joined < 0))) < 0.01
+
+
+def _candidate(
+    one: Specification,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    unknown: Sequence[str],
+    route: str | None,
+    settings: RecordSettings | None,
+    watch: RecordWatch | None,
+) -> RecordCandidate:
+    """Fit one candidate; one that cannot be fitted is kept with the reason."""
+    report = None if watch is None else (lambda rms: watch(one.name, rms))
+    try:
+        fit = fit_record(
+            mechanism,
+            one.law,
+            measurement,
+            unknown=unknown,
+            free=one.free,
+            route=route,
+            settings=settings,
+            watch=report,
+        )
+    except (ConvergenceError, SimulationError) as error:
+        return RecordCandidate(
+            name=one.name, title=one.title, fit=None, validation=None, dropped=str(error)
+        )
+    rows, count = len(fit.residual), len(fit.unknowns)
+    likelihood = rows * math.log(max(fit.rms**2, 1e-300))
+    return RecordCandidate(
+        name=one.name,
+        title=one.title,
+        fit=fit,
+        validation=None,
+        aic=likelihood + 2.0 * count,
+        bic=likelihood + math.log(rows) * count,
+    )
+
+
+def _judged(
+    candidate: RecordCandidate, plan: Plan, validate: Measurement | None
+) -> RecordCandidate:
+    """Add held-out errors and objections."""
+    if candidate.fit is None:
+        return candidate
+    second = None if validate is None else candidate.fit.score(validate, horizon=plan.horizon)
+    return replace(
+        candidate,
+        validation=cross_validate(candidate.fit, plan),
+        dropped=objection(candidate.fit),
+        second=second,
+    )
+
+
+def _verdict(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    judged: Sequence[RecordCandidate],
+    without: RecordCandidate | None,
+    plan: Plan,
+    purpose: str,
+    checks: Checks,
+) -> RecordVerdict:
+    ordered = sorted(judged, key=lambda c: c.score)
+    scored = [c for c in ordered if c.validation and math.isfinite(c.score)]
+    best = _chosen([c for c in scored if not c.dropped] or scored)
+    picks = _picks(scored)
+    ordered = outcomes(ordered, best, plan)
+    best = next(c for c in ordered if c.name == best.name)
+    assert best.fit is not None
+    what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(best.fit, plan))
+    pair = halves(best.fit)
+    experiments = _experiments(best, ordered)
+    return RecordVerdict(
+        mechanism=mechanism,
+        measurement=measurement,
+        words=record_wording(
+            ordered, best, without, plan, picks, checks, experiments, scored=what.scored
+        ),
+        candidates=tuple(ordered),
+        best=best,
+        reference=next((c for c in ordered if c.name == REFERENCE), None),
+        control=without,
+        plan=plan,
+        purpose=what,
+        picks=picks,
+        checks=checks,
+        experiments=experiments,
+        half_estimates=pair,
+    )
+
+
+def _chosen(admissible: Sequence[RecordCandidate]) -> RecordCandidate:
+    """Return the least error, or a simpler candidate within one paired error and the floor."""
+    best = min(admissible, key=lambda c: c.score)
+    for other in sorted(admissible, key=lambda c: (c.parameters, c.score)):
+        if other.parameters >= best.parameters:
+            break
+        if as_good(other, best):
+            return other
+    return best
+
+
+def as_good(other: RecordCandidate, best: RecordCandidate) -> bool:
+    """Whether another's loss is within one paired standard error and the floor of the best's."""
+    if other.validation is None or best.validation is None:
+        return False
+    gaps = np.subtract(other.validation.losses, best.validation.losses)
+    error = float(np.std(gaps, ddof=1)) / math.sqrt(len(gaps)) if len(gaps) > 1 else 0.0
+    return bool(gaps.mean() <= error and other.score <= (1.0 + FLOOR) * best.score)
+
+
+def _picks(scored: Sequence[RecordCandidate]) -> Mapping[str, str]:
+    def least(key: Callable[[RecordCandidate], float]) -> str:
+        known = [c for c in scored if math.isfinite(key(c))]
+        return min(known, key=key).name if known else ""
+
+    return {
+        "held-out blocks": least(lambda c: c.score),
+        "extrapolation": least(
+            lambda c: c.validation.extrapolation if c.validation else math.nan
+        ),
+        "training error": least(lambda c: c.fit.rms if c.fit else math.nan),
+        "AIC": least(lambda c: c.aic),
+        "BIC": least(lambda c: c.bic),
+    }
+
+
+def _scored(fit: RecordFit, plan: Plan) -> str:
+    """Return what is scored, in words."""
+    if fit.problem.quantity == "friction":
+        return f"friction on {plan.folds} held-out blocks, root mean square"
+    return (
+        f"{fit.problem.quantity} over {plan.horizon:.2g} s on {plan.folds} held-out blocks, root"
+        " mean square"
+    )
+
+
+def _experiments(
+    best: RecordCandidate, candidates: Sequence[RecordCandidate]
+) -> tuple[Experiment, ...]:
+    """Design measurements that tell the best from what is within a tenth of its error."""
+    assert best.fit is not None
+    near = [c for c in candidates if c.fit and c.score <= 1.1 * best.score]
+    others = [c for c in candidates if c.fit and c is not best and c not in near]
+    rivals = [c for c in near if c is not best] or others[:1]
+    laws = {c.name: c.fit.law for c in [best, *rivals[:3]] if c.fit}
+    if "position" not in best.fit.measurement.quantities():
+        return ()
+    dynamics = inverse_dynamics(best.fit.mechanism, best.fit.measurement, unknown=())
+    return design(
+        best.fit.mechanism,
+        laws,
+        best=best.name,
+        speed=float(np.percentile(np.abs(dynamics.velocity), 98.0)),
+        force_doubt=float(np.std(dynamics.residual)) / 3.0,
+        length_doubt=best.fit.rms if best.fit.problem.quantity == "position" else 1e-4,
+        load=load_of(best.fit.mechanism),
+    )
