@@ -8,6 +8,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification.compiling import compile_for
 from stickslip.identification.exact import fit_one
 from stickslip.identification.least_squares import fit_several
+from stickslip.identification.record_fitting import RecordSettings, fit_record
 from stickslip.identification.results import Fit, TravelFit
 from stickslip.identification.starts import starting_law
 from stickslip.identification.travel import TravelModel, Trial, trials_of
@@ -26,10 +27,16 @@ def fit(
     measurement: Measurement,
     *,
     free: Sequence[str] | None = None,
+    unknown: Sequence[str] = (),
+    route: str | None = None,
+    settings: RecordSettings | None = None,
     t_end: float = 10.0,
-    watch: Callable[[int], None] | None = None,
+    watch: Callable[[float], object] | None = None,
 ) -> Fit:
-    """Fit the free parameters of a law to measured travels.
+    """Fit the free parameters of a law to what was measured.
+
+    Travels are fitted by runs to rest; records in time by simulated segments; friction that was
+    measured directly along the measured motion.
 
     Parameters
     ----------
@@ -37,28 +44,35 @@ def fit(
         What was measured; trials may override its parameters.
     law : FrictionLaw or type
         An instance, whose values are the start and, for parameters not free, the assumption; or a
-        type, for which ordinary values are taken.
+        type, for which start values are found: in a record, or ordinary ones for travels.
     measurement : Measurement
-        One travel or several trials.
+        Travels, records in time, or measured friction.
     free : sequence of str, optional
-        Names or paths of the parameters to fit. If not given, the first of the law's `fit_order`
-        that the number of different trials can pay for.
+        Names or paths of the law's parameters to fit. If not given, for travels the first of the
+        law's `fit_order` that the number of different trials can pay for; for records all of it.
+    unknown : sequence of str
+        Parameters of the mechanism that are looked for too, such as ``"inertia"``; for records.
+    route : {"shooting", "force-map", "inverse-dynamics"}, optional
+        How records are fitted, if not as their quantities suggest.
+    settings : RecordSettings, optional
+        Segments, starts and seed of fits to records.
     t_end : float
-        Time after which the body counts as stopped [s].
+        Time after which the body counts as stopped [s], for travels.
     watch : callable, optional
-        Called with the number of runs so far.
+        Called with the number of runs so far for travels, for records with the least root mean
+        square so far; there, False ends the search with the best so far.
 
     Returns
     -------
     Fit
-        The fitted law, estimates with intervals, predictions.
+        A `TravelFit` or a `RecordFit`: the fitted law, estimates with intervals, predictions.
 
     Raises
     ------
     InputError
-        If the measurement has no travel, or a name is not a parameter of the law.
+        If the measurement does not serve, or a name is not known.
     ConvergenceError
-        If no value of the parameter gives the measured travel.
+        If no value of the parameters gives what was measured.
 
     Examples
     --------
@@ -68,6 +82,19 @@ def fit(
     >>> print(f"{result.law.viscous_coefficient:.2f}")
     5.73
     """
+    if "travel" not in measurement.quantities():
+        return fit_record(
+            mechanism,
+            law,
+            measurement,
+            unknown=unknown,
+            free=free,
+            route=route,
+            settings=settings,
+            watch=watch,
+        )
+    if unknown:
+        raise InputError("a few travels cannot tell parameters of the mechanism from friction.")
     start = starting_law(law) if isinstance(law, type) else law
     trials = trials_of(mechanism, measurement)
     return fit_trials(start, trials, free=free, t_end=t_end, watch=watch)
@@ -79,7 +106,7 @@ def fit_trials(
     *,
     free: Sequence[str] | None = None,
     t_end: float = 10.0,
-    watch: Callable[[int], None] | None = None,
+    watch: Callable[[int], object] | None = None,
 ) -> TravelFit:
     """Fit to trials as `fit` does to a measurement."""
     names = payable(law, trials) if free is None else [_path(law, name) for name in free]

@@ -13,7 +13,13 @@ from stickslip.experiments import Measurement
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["InverseDynamics", "inverse_dynamics", "mass_of"]
+__all__ = [
+    "InverseDynamics",
+    "friction_record",
+    "inertia_of",
+    "inverse_dynamics",
+    "mass_of",
+]
 
 Array = NDArray[np.float64]
 
@@ -242,3 +248,37 @@ def _deviations(table: Array, residual: Array, weights: Array) -> Array:
     inverse = np.linalg.pinv((root * table).T @ (root * table), hermitian=True)
     deviations: Array = np.sqrt(variance * np.diag(inverse))
     return deviations
+
+
+def inertia_of(
+    mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]
+) -> dict[str, float]:
+    """Return the mass of a mechanism by path where it is looked for, by robust regression."""
+    names = [name.rpartition(".")[2] for name in unknown]
+    for name in names:
+        if name not in ("inertia", "mass"):
+            raise InputError(f"inverse dynamics finds the mass of a mechanism, not {name!r}.")
+    if not names:
+        return {}
+    found = inverse_dynamics(mechanism, measurement, directional=True, offset=False, robust=True)
+    return {f"mechanism.{names[0]}": found["inertia"]}
+
+
+def friction_record(mechanism: Mechanism, measurement: Measurement) -> Measurement:
+    """Return records of friction, and a constant force with it, from records of motion and force.
+
+    Their velocities and forces are filtered alike.
+    """
+    trials = []
+    for record in measurement.records():
+        found = inverse_dynamics(mechanism, record, unknown=())
+        trials.append(
+            Measurement(
+                time=found.time,
+                velocity=found.velocity,
+                friction=found.friction,
+                name=record.name,
+                provenance=record.provenance,
+            )
+        )
+    return trials[0] if len(trials) == 1 else Measurement(trials=tuple(trials))

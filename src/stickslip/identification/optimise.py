@@ -195,11 +195,17 @@ def step_of(
     slope = table.T @ residual
     free = ~(((at <= low) & (slope < 0.0)) | ((at >= high) & (slope > 0.0)))
     step = np.zeros_like(at)
-    if not free.any():
-        return step, 0.0
-    square = table[:, free].T @ table[:, free]
-    scale = np.maximum(np.diag(square), 1e-30 * max(float(np.trace(square)), 1e-300))
-    step[free] = np.linalg.lstsq(square + damping * np.diag(scale), slope[free], rcond=None)[0]
-    step = np.clip(at + step, low, high) - at
+    while free.any():
+        square = table[:, free].T @ table[:, free]
+        scale = np.maximum(np.diag(square), 1e-30 * max(float(np.trace(square)), 1e-300))
+        wanted = slope[free] - table[:, free].T @ (table[:, ~free] @ step[~free])
+        whole = np.linalg.lstsq(square + damping * np.diag(scale), wanted, rcond=None)[0]
+        reached = at[free] + whole
+        step[free] = np.clip(reached, low[free], high[free]) - at[free]
+        stopped = (reached < low[free]) | (reached > high[free])
+        if not stopped.any():
+            break
+        # The others went as far as they did to make up for what a bound now cuts short.
+        free[np.flatnonzero(free)[stopped]] = False
     change = table @ step
     return step, float(2.0 * residual @ change - change @ change)

@@ -1,9 +1,9 @@
-"""Fits a law to records in time."""
+"""Fits a law to records in time or to measured friction, by one of three routes."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +12,14 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification.doubts import bounds_met, estimates_of, sentences_of
+from stickslip.identification.force_map import force_map
 from stickslip.identification.inference import infer
-from stickslip.identification.optimise import Watch, search
+from stickslip.identification.inverse_dynamics import friction_record, inertia_of
+from stickslip.identification.map_records import stretches_of
+from stickslip.identification.optimise import Found, Watch, search
 from stickslip.identification.problem import Problem
-from stickslip.identification.record_fit import RecordFit, scale_of
+from stickslip.identification.record_fit import Build, RecordFit, scale_of
 from stickslip.identification.record_starts import (
-    Scales,
     joined,
     law_unknowns,
     mechanism_unknowns,
@@ -25,11 +27,10 @@ from stickslip.identification.record_starts import (
 )
 from stickslip.identification.segmenting import RESOLUTION, measured_quantity, segments_of
 from stickslip.identification.shooting import Shooting
-from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["SEGMENT", "STARTS", "RecordSettings", "fit_record"]
+__all__ = ["ROUTES", "RecordSettings", "fit_record", "route_of"]
 
 Array = NDArray[np.float64]
 
@@ -39,18 +40,48 @@ STARTS = 4
 """Starts of the search."""
 
 
+Route: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
+ROUTES: tuple[Route, ...] = ("shooting", "force-map", "inverse-dynamics")
+
+
 @dataclass(frozen=True, kw_only=True)
 class RecordSettings:
-    """How a record is fitted."""
+    """How records are fitted."""
 
     segment: float = SEGMENT
-    """Length of a segment [s]."""
+    """Length of a segment [s] that is simulated."""
     resolution: int = RESOLUTION
     """Rows of a segment at most."""
     starts: int = STARTS
     """Starts of the search."""
     seed: int = 0
     """Of the jitter of further starts."""
+
+
+@dataclass(frozen=True)
+class _Set:
+    """A problem and where its search begins."""
+
+    start: FrictionLaw
+    problem: Problem
+    build: Build
+    tried: tuple[Array, ...] = ()
+
+
+def route_of(measurement: Measurement, route: str | None = None) -> Route:
+    """Return how a measurement is fitted: as asked, or as its quantities suggest.
+
+    Examples
+    --------
+    >>> route_of(Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6]))
+    'force-map'
+    """
+    if route is not None:
+        for known in ROUTES:
+            if route == known:
+                return known
+        raise UnknownNameError("route", route, ROUTES)
+    return "force-map" if "friction" in measurement.quantities() else "shooting"
 
 
 def fit_record(
@@ -60,11 +91,11 @@ def fit_record(
     *,
     unknown: Sequence[str] = (),
     free: Sequence[str] | None = None,
+    route: str | None = None,
     settings: RecordSettings | None = None,
-    scales: Scales | None = None,
     watch: Watch | None = None,
 ) -> RecordFit:
-    """Fit a law to records by simulating segments of them.
+    """Fit a law to records in time or to measured friction.
 
     Parameters
     ----------
@@ -73,17 +104,24 @@ def fit_record(
     law : FrictionLaw or type
         A type, whose start values come from the record; or an instance, whose values they are.
     measurement : Measurement
-        Records in time with position or velocity, and the force applied if there is one.
+        Records in time with position or velocity, and the force applied if there is one; or
+        friction measured directly.
     unknown : sequence of str
         Parameters of the mechanism that are looked for too, such as ``"inertia"``.
     free : sequence of str, optional
         Parameters of the law that are looked for; all of its `fit_order` if not given.
+    route : {"shooting", "force-map", "inverse-dynamics"}, optional
+        Simulated segments; measured friction along the measured motion; or friction that inverse
+        dynamics finds, along it.
     settings : RecordSettings, optional
         Segments and starts.
-    scales : Scales, optional
-        Of the record, if they are known already.
     watch : callable, optional
         Called with the least root mean square so far; False ends the search with the best so far.
+
+    Returns
+    -------
+    RecordFit
+        The law, estimates with intervals, what the record cannot tell.
 
     Raises
     ------
@@ -93,12 +131,32 @@ def fit_record(
         If no start predicts the record.
     """
     settings = RecordSettings() if settings is None else settings
+    way = route_of(measurement, route)
+    if way == "shooting":
+        ready = _shooting(mechanism, law, measurement, unknown, free, settings)
+    else:
+        ready = _mapped(mechanism, law, measurement, unknown, free, way)
+    found = search(
+        ready.problem,
+        starts=settings.starts,
+        seed=settings.seed,
+        tried=ready.tried,
+        watch=watch,
+    )
+    return _finished(way, mechanism, measurement, ready, found)
+
+
+def _shooting(
+    mechanism: Mechanism,
+    law: FrictionLaw | type[FrictionLaw],
+    measurement: Measurement,
+    unknown: Sequence[str],
+    free: Sequence[str] | None,
+    settings: RecordSettings,
+) -> _Set:
     measured_quantity(measurement)
-    scales = scales_of(mechanism, measurement, unknown) if scales is None else scales
-    start, items, further = law_unknowns(law, scales)
-    if free is not None:
-        check_free(start, free, [item.path for item in items])
-        items = tuple(item for item in items if _is_free(item.path, free))
+    scales = scales_of(mechanism, measurement, unknown)
+    start, items, further = law_unknowns(law, scales, free)
     unknowns = joined(start, [*items, *mechanism_unknowns(mechanism, start, unknown, scales)])
     if not len(unknowns):
         raise InputError("there is nothing to fit: name at least one parameter in `free`.")
@@ -116,44 +174,70 @@ def fit_record(
             quantity_=measured_quantity(record),
         )
 
-    problem = build(measurement, None)
-    tried = [
+    tried = tuple(
         np.array([other.get(p, v) for p, v in zip(unknowns.paths, unknowns.start, strict=True)])
         for other in further
-    ]
-    found = search(problem, starts=settings.starts, seed=settings.seed, tried=tried, watch=watch)
-    return finished(
-        "shooting", mechanism, measurement, start, problem=problem, build=build, found=found
     )
+    return _Set(start, build(measurement, None), build, tried)
 
 
-def finished(
-    route: str,
+def _mapped(
+    mechanism: Mechanism,
+    law: FrictionLaw | type[FrictionLaw],
+    measurement: Measurement,
+    unknown: Sequence[str],
+    free: Sequence[str] | None,
+    way: Route,
+) -> _Set:
+    """Return the problem of friction that was measured, or that inverse dynamics finds."""
+    derived = way == "inverse-dynamics"
+    if derived:
+        mechanism = vary(mechanism, "mechanism", inertia_of(mechanism, measurement, unknown))
+
+    def rubbed(record: Measurement) -> Measurement:
+        return friction_record(mechanism, record) if derived else record
+
+    own = rubbed(measurement)
+    kind = law if isinstance(law, type) else type(law)
+    held = [name for name in kind.fit_order if free is not None and name not in free]
+    problem = force_map(law, mechanism, own, held=held)
+
+    def build(record: Measurement, length: float | None) -> Problem:
+        own = stretches_of(mechanism, rubbed(record), segment=length)
+        return replace(problem, stretches=own)
+
+    return _Set(problem.law, problem, build)
+
+
+def _finished(
+    route: Route,
     mechanism: Mechanism,
     measurement: Measurement,
-    start: FrictionLaw,
-    **parts: Any,
+    ready: _Set,
+    found: Found,
 ) -> RecordFit:
     """Return a fit from the end of its search: law, intervals and what is not told."""
-    problem, found = parts["problem"], parts["found"]
-    unknowns: Unknowns = problem.unknowns
-    best = found.best
+    unknowns, best = ready.problem.unknowns, found.best
     at_bounds = bounds_met(unknowns, best.values)
     inference = infer(best, scale_of(unknowns, best.values, at_bounds))
     estimates = estimates_of(unknowns, best, inference, at_bounds)
     values = dict(zip(unknowns.paths, best.values.tolist(), strict=True))
-    own = {path: value for path, value in values.items() if path.startswith("mechanism.")}
-    fitted = vary(start, "friction", {p: v for p, v in values.items() if p not in own})
+    law, own = (
+        {path: value for path, value in values.items() if path.startswith(f"{room}.")}
+        for room in ("friction", "mechanism")
+    )
     return RecordFit(
-        law=fitted,
+        law=vary(ready.start, "friction", law),
         mechanism=vary(mechanism, "mechanism", own) if own else mechanism,
         estimates=estimates,
         route=route,
         measurement=measurement,
+        problem=ready.problem,
+        build=ready.build,
+        found=found,
         inference=inference,
         at_bounds=at_bounds,
         sentences=sentences_of(unknowns, best, inference, at_bounds, estimates),
-        **parts,
     )
 
 
@@ -162,14 +246,3 @@ def _rows(settings: RecordSettings, length: float | None) -> int:
     if length is None:
         return settings.resolution
     return max(settings.resolution, math.ceil(settings.resolution * length / settings.segment))
-
-
-def _is_free(path: str, free: Sequence[str]) -> bool:
-    return path in free or path.rpartition(".")[2] in free
-
-
-def check_free(law: FrictionLaw, free: Sequence[str], known: Sequence[str]) -> None:
-    """Check that names are of parameters of a law."""
-    for name in free:
-        if not any(_is_free(path, [name]) for path in known):
-            raise UnknownNameError(f"parameter of {type(law).__name__}", name, known)

@@ -109,7 +109,7 @@ def load_of(mechanism: Mechanism) -> float:
 
 
 def law_unknowns(
-    law: FrictionLaw | type[FrictionLaw], scales: Scales
+    law: FrictionLaw | type[FrictionLaw], scales: Scales, free: Sequence[str] | None = None
 ) -> tuple[FrictionLaw, tuple[Unknown, ...], tuple[Mapping[str, float], ...]]:
     """Return a law to start from, its unknowns, and further starts by path.
 
@@ -119,7 +119,10 @@ def law_unknowns(
         If a type of law has a parameter for which nothing is known to begin with.
     """
     kind = law if isinstance(law, type) else type(law)
-    names = [name for name in kind.fit_order if name in fields_of(kind)]
+    names = list(kind.fit_order)
+    if free is not None:
+        wanted = [full_path(name, [f"friction.{known}" for known in names]) for name in free]
+        names = [name for name in names if f"friction.{name}" in wanted]
     ranges = {name: _range(kind, name, scales) for name in names}
     values = {name: start for name, (start, _, _) in ranges.items()}
     if not isinstance(law, type):

@@ -28,8 +28,9 @@ Array = NDArray[np.float64]
 
 NEGLIGIBLE = 1e-7
 """Singular values of the local states' slopes, over the largest, that are not told from 0."""
-SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_steps=200_000)
-"""Six digits below the noise of any record; the default would be twice as slow."""
+SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_steps=5_000)
+"""Six digits below the noise of any record. A segment takes a few hundred steps; where it takes
+thousands, parameters have gone where nothing moves as measured."""
 
 
 SETTLED = 0.02

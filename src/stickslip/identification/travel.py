@@ -71,7 +71,7 @@ class TravelModel:
     law: FrictionLaw
     free: Sequence[str]
     t_end: float
-    watch: Callable[[int], None] | None = None
+    watch: Callable[[int], object] | None = None
     runs: int = field(default=0, init=False)
 
     def with_values(self, values: Sequence[float]) -> FrictionLaw:

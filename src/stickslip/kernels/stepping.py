@@ -31,10 +31,13 @@ from stickslip.kernels.walls import FIRST_WALL, approach
 
 __all__ = ["advance"]
 
-OVERSHOT = 0.99
+OVERSHOT = 0.98
 """A step is taken again if the event lies before this part of it."""
 BEYOND = 1.002
 """Length of the new step over the time to the event, so that the event lies at its end."""
+STRETCH = 1.01
+"""A step that nearly reaches the end of a piece is stretched to it. STRETCH x BEYOND x OVERSHOT is
+below 1: a step taken again up to an event must not be stretched back."""
 BOUNCE = 1e-3
 """Fraction of a series below which an impact is looked for in a shorter one."""
 
@@ -81,7 +84,7 @@ def accepted_step(
     h = min(w[slot], cap)
     left = stop - t
     while True:
-        last = 1.01 * h >= left
+        last = STRETCH * h >= left
         if last:
             h = left
         elif 2.0 * h > left:

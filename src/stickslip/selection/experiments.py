@@ -81,9 +81,7 @@ def design(
         return ()
     found = [_steady(laws, best, share * speed, force_doubt, load) for share in SPEEDS]
     found += [_coast(mechanism, laws, best, speed, length_doubt)]
-    found += [
-        _presliding(mechanism, laws, best, share, length_doubt, load) for share in LOADS
-    ]
+    found += [_presliding(mechanism, laws, best, share, length_doubt, load) for share in LOADS]
     told = [one for one in found if one is not None and one.separation > 1.0]
     return tuple(sorted(told, key=lambda one: -one.separation))
 
@@ -92,9 +90,9 @@ def steady_friction(law: FrictionLaw, velocity: Array | float, load: float) -> A
     """Return friction [N] after long sliding at velocities (n,) [m/s]."""
     v = np.atleast_1d(np.asarray(velocity, dtype=float))
     if isinstance(law, BristleLaw):
-        return np.asarray(law.steady(v, load)) + np.zeros_like(v)
+        return np.asarray(law.steady(v, load) + 0.0 * v, dtype=float)
     assert isinstance(law, SetValuedLaw | DirectionalLaw)
-    return np.asarray(law.force(v, load)) + np.zeros_like(v)
+    return np.asarray(law.force(v, load) + 0.0 * v, dtype=float)
 
 
 def _separation(values: Mapping[str, float], best: str, doubt: float) -> float:
@@ -106,9 +104,7 @@ def _steady(
     laws: Mapping[str, FrictionLaw], best: str, v: float, doubt: float, load: float
 ) -> Experiment | None:
     """Constant speed, both ways: half the difference of the friction forces, and their sum."""
-    values = {
-        name: float(steady_friction(law, v, load)[0]) for name, law in laws.items()
-    }
+    values = {name: float(steady_friction(law, v, load)[0]) for name, law in laws.items()}
     seconds = max(10.0, 5.0 * math.ceil(0.05 / max(v, 1e-6) / 5.0))
     return Experiment(
         what=f"Constant speed of {1e3 * v:.2g} mm/s, both ways, {min(seconds, 60.0):.0f} s each.",
@@ -198,7 +194,8 @@ def _presliding(
         return None
     return Experiment(
         what=(
-            f"A force of {share * level:.3g} N to and fro at 0.5 Hz, below break-away, for a minute."
+            f"A force of {share * level:.3g} N to and fro at 0.5 Hz, below break-away, for a"
+            " minute."
         ),
         observed="movement from peak to peak, m",
         predicted=values,
@@ -208,4 +205,3 @@ def _presliding(
 
 def _held(force: float) -> Drive:
     return Sampled(times=(0.0,), values=(force,))
-

@@ -31,9 +31,7 @@ def objection(fit: RecordFit) -> str:
         elif estimate.low <= 0.0:
             reasons.append(f"the interval of {symbol} covers 0")
     if fit.inference.condition > MOST_CONDITION:
-        reasons.append(
-            f"condition number {fit.inference.condition:.2g}, above {MOST_CONDITION:g}"
-        )
+        reasons.append(f"condition number {fit.inference.condition:.2g}, above {MOST_CONDITION:g}")
     return "; ".join(reasons)
 
 

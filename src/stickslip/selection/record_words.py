@@ -6,7 +6,6 @@ from dataclasses import replace
 
 from stickslip.experiments import QUANTITIES, Checks
 from stickslip.identification import Estimate
-from stickslip.selection.cross_validation import Plan
 from stickslip.selection.experiments import Experiment
 from stickslip.selection.record_verdict import RecordCandidate
 from stickslip.selection.scoring import FLOOR
@@ -50,9 +49,7 @@ def plus_minus(estimate: Estimate) -> str:
     return f"{estimate.value:.{digits}f} ± {half:.{digits}f}{unit}"
 
 
-def outcomes(
-    candidates: Sequence[RecordCandidate], best: RecordCandidate, plan: Plan
-) -> list[RecordCandidate]:
+def outcomes(candidates: Sequence[RecordCandidate], best: RecordCandidate) -> list[RecordCandidate]:
     """Add to each candidate what became of it."""
     return [replace(c, outcome=_outcome(c, best)) for c in candidates]
 
@@ -76,7 +73,6 @@ def record_wording(
     candidates: Sequence[RecordCandidate],
     best: RecordCandidate,
     without: RecordCandidate | None,
-    plan: Plan,
     picks: Mapping[str, str],
     checks: Checks,
     experiments: Sequence[Experiment],
@@ -92,7 +88,7 @@ def record_wording(
         lede=_lede(candidates, best, without, scored),
         settles=_settles(best),
         cannot_tell=_cannot_tell(best, candidates, picks),
-        measure_next=_measure_next(experiments, best, candidates, checks),
+        measure_next=_measure_next(experiments, candidates, checks),
         no_score="",
     )
 
@@ -118,7 +114,8 @@ def _lede(
     without: RecordCandidate | None,
     scored: str,
 ) -> str:
-    assert best.fit is not None and best.validation is not None
+    assert best.fit is not None
+    assert best.validation is not None
     quantity = best.fit.problem.quantity
     text = (
         f"It misses what it has not seen by {error_text(best.score, quantity)} ({scored};"
@@ -167,7 +164,6 @@ def _cannot_tell(
 
 def _measure_next(
     experiments: Sequence[Experiment],
-    best: RecordCandidate,
     candidates: Sequence[RecordCandidate],
     checks: Checks,
 ) -> tuple[str, ...]:

@@ -159,7 +159,7 @@ def _verdict(
     scored = [c for c in ordered if c.validation and math.isfinite(c.score)]
     best = _chosen([c for c in scored if not c.dropped] or scored)
     picks = _picks(scored)
-    ordered = outcomes(ordered, best, plan)
+    ordered = outcomes(ordered, best)
     best = next(c for c in ordered if c.name == best.name)
     assert best.fit is not None
     what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(best.fit, plan))
@@ -169,7 +169,7 @@ def _verdict(
         mechanism=mechanism,
         measurement=measurement,
         words=record_wording(
-            ordered, best, without, plan, picks, checks, experiments, scored=what.scored
+            ordered, best, without, picks, checks, experiments, scored=what.scored
         ),
         candidates=tuple(ordered),
         best=best,
@@ -211,9 +211,7 @@ def _picks(scored: Sequence[RecordCandidate]) -> Mapping[str, str]:
 
     return {
         "held-out blocks": least(lambda c: c.score),
-        "extrapolation": least(
-            lambda c: c.validation.extrapolation if c.validation else math.nan
-        ),
+        "extrapolation": least(lambda c: c.validation.extrapolation if c.validation else math.nan),
         "training error": least(lambda c: c.fit.rms if c.fit else math.nan),
         "AIC": least(lambda c: c.aic),
         "BIC": least(lambda c: c.bic),

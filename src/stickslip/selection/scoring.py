@@ -19,7 +19,7 @@ def held_out_errors(
     *,
     free: Sequence[str],
     t_end: float,
-    watch: Callable[[int], None] | None = None,
+    watch: Callable[[int], object] | None = None,
 ) -> tuple[float, ...]:
     """Return measured less predicted travel [m] of each trial, fitted to the others."""
     errors = []

@@ -1,6 +1,7 @@
 """The verb `select`."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
@@ -27,7 +28,7 @@ def select(
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
     t_end: float = 10.0,
-    watch: Callable[[str, float], object] | None = None,
+    watch: Callable[[str, Any], object] | None = None,
     compiling: Progress | None = None,
 ) -> Verdict:
     """Fit every law to a measurement, compare them on what they have not seen, and name one.

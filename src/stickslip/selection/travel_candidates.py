@@ -17,7 +17,7 @@ from stickslip.trajectory import Trajectory
 
 __all__ = ["Watch", "try_law"]
 
-Watch = Callable[[str, int], None]
+Watch = Callable[[str, int], object]
 CHANGES = (1.5, 1.0 / 1.5)
 """Factors on a parameter that was taken as given, to see whether the travel depends on it."""
 
@@ -71,7 +71,7 @@ def _held_out(
     trials: Sequence[Trial],
     fit: TravelFit,
     t_end: float,
-    report: Callable[[int], None] | None,
+    report: Callable[[int], object] | None,
 ) -> tuple[float, ...]:
     """Return the held-out errors, none where the trials repeat one setting."""
     if len({trial.setting for trial in trials}) < 2:

@@ -1,0 +1,83 @@
+"""Intervals where neighbouring residuals are correlated."""
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.identification.problem import Linearised
+
+__all__ = ["effective_samples", "sandwich"]
+
+Array: TypeAlias = NDArray[np.float64]
+
+SINGULAR = 1e-9
+"""Directions whose scaled singular value is below this share of the largest are not told."""
+
+
+def sandwich(at: Linearised, free: NDArray[np.bool_]) -> Array:
+    """Return the covariance (p, p) of the values; infinite variances where not free.
+
+    Residuals may be correlated in any way within a segment, and not between segments. Where few
+    segments carry all the information that comes out too small by chance, so variances are at least
+    those of independent residuals.
+
+    Examples
+    --------
+    >>> draw = np.random.default_rng(0)
+    >>> many = Linearised(
+    ...     values=np.zeros(1),
+    ...     residual=draw.normal(size=10_000),
+    ...     slopes=np.ones((10_000, 1)),
+    ...     segment=np.repeat(np.arange(100), 100),
+    ... )
+    >>> 0.008 < float(np.sqrt(sandwich(many, np.array([True]))[0, 0])) < 0.012
+    True
+    """
+    table = at.slopes[:, free]
+    scale = np.linalg.norm(table, axis=0)
+    scale[scale == 0.0] = 1.0
+    inverse = np.linalg.pinv((table / scale).T @ (table / scale), rcond=SINGULAR, hermitian=True)
+    kinds, which = np.unique(at.segment, return_inverse=True)
+    scores = np.zeros((len(kinds), table.shape[1]))
+    np.add.at(scores, which, table / scale * at.residual[:, None])
+    count = len(kinds)
+    inner = inverse @ (scores.T @ scores) @ inverse * (count / max(count - 1, 1))
+    spare = max(len(at.residual) - table.shape[1], 1)
+    white = np.diag(inverse) * at.cost / spare
+    narrow = np.sqrt(np.maximum(1.0, white / np.maximum(np.diag(inner), 1e-300)))
+    inner = np.where(np.diag(inner) > 0.0, inner * np.outer(narrow, narrow), np.diag(white))
+    covariance = np.zeros((len(free), len(free)))
+    covariance[np.ix_(free, free)] = inner / np.outer(scale, scale)
+    covariance[~free, ~free] = np.inf
+    return covariance
+
+
+def effective_samples(at: Linearised) -> float:
+    """Return how many independent residuals are worth as much as these correlated ones.
+
+    Examples
+    --------
+    >>> white = np.random.default_rng(0).normal(size=4000)
+    >>> slow = np.convolve(white, np.ones(40), "valid")
+    >>> for residual in (white, slow):
+    ...     at = Linearised(
+    ...         values=np.zeros(1),
+    ...         residual=residual,
+    ...         slopes=np.ones((len(residual), 1)),
+    ...         segment=np.zeros(len(residual), dtype=int),
+    ...     )
+    ...     print(effective_samples(at) > 2000)
+    True
+    False
+    """
+    residual = at.residual - at.residual.mean()
+    count = len(residual)
+    spectrum = np.abs(np.fft.rfft(residual, 2 * count)) ** 2
+    covariance = np.fft.irfft(spectrum)[:count]
+    if covariance[0] <= 0.0:
+        return float(count)
+    correlation = covariance / covariance[0]
+    falls = np.flatnonzero(correlation <= 0.0)  # beyond the first zero there is noise only
+    end = int(falls[0]) if len(falls) else count
+    return float(count / max(1.0, 2.0 * correlation[:end].sum() - 1.0))

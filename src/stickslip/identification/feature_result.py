@@ -1,0 +1,177 @@
+"""What a fit to features gives back, and what it says about itself."""
+
+import html
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.friction import FrictionLaw
+from stickslip.identification.features import COMPARED, DRIFTS, StickSlipFeatures
+from stickslip.identification.problem import Linearised
+from stickslip.identification.results import Estimate
+from stickslip.identification.unknowns import Unknowns
+from stickslip.mechanisms import TowedBlock
+
+__all__ = ["FeatureFit", "errors_of", "estimates_of", "sentences_of"]
+
+Array: TypeAlias = NDArray[np.float64]
+
+QUANTILE = 2.36
+"""Factor of standard errors for 95 %, of seven degrees of freedom: eight stretches."""
+FLAT = 0.1
+"""A parameter takes part in a change that no feature shows if its share is above this."""
+TOLD = 0.01
+"""Singular values below this share of the largest are such changes."""
+EDGE = 1e-6
+"""Logarithms closer than that to an end of their range are at it."""
+MISSED = 0.05
+"""A feature that the best fit misses by more than this is not described by the law."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FeatureFit:
+    """A law on a towed block whose limit cycle has the features of a record."""
+
+    law: FrictionLaw
+    """The fitted law."""
+    mechanism: TowedBlock
+    """The block with its fitted mass; the load stays the nominal one."""
+    estimates: tuple[Estimate, ...]
+    """What was looked for."""
+    observed: StickSlipFeatures
+    """Features of the part of the record that was fitted."""
+    predicted: Mapping[str, float]
+    """Compared features of the fitted limit cycle."""
+    errors: Mapping[str, float]
+    """Relative errors of these on the part that was fitted."""
+    held_out: StickSlipFeatures | None
+    """Features of the part that the fit did not see."""
+    held_out_errors: Mapping[str, float]
+    """Relative errors on that part; empty without one."""
+    runs: int
+    """Runs simulated."""
+    sentences: tuple[str, ...]
+    """What can be said, in words."""
+
+    @property
+    def score(self) -> float:
+        """Root mean square of the held-out errors; of the errors themselves without any."""
+        errors = self.held_out_errors or self.errors
+        return float(np.sqrt(np.mean([error**2 for error in errors.values()])))
+
+    @override
+    def __str__(self) -> str:
+        """Return law, estimates and errors, then the sentences."""
+        numbers = ", ".join(map(str, self.estimates))
+        where = "held-out" if self.held_out_errors else "fitted"
+        errors = ", ".join(
+            f"{name.replace('_', ' ')} {100 * error:+.1f} %"
+            for name, error in (self.held_out_errors or self.errors).items()
+        )
+        head = f"{self.law.title} fitted to features: {numbers}; {where} errors: {errors}"
+        return "\n".join([head, *self.sentences])
+
+    @override
+    def __repr__(self) -> str:
+        return f"<FeatureFit: {self.law.title}, rms error {100 * self.score:.1f} %>"
+
+    def _repr_html_(self) -> str:
+        return "".join(f"<p>{html.escape(line)}</p>" for line in str(self).splitlines())
+
+    def to_law(self) -> FrictionLaw:
+        """Return the fitted law."""
+        return self.law
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fit as plain numbers and strings."""
+        return {
+            "law": self.law.name,
+            "estimates": [estimate.to_dict() for estimate in self.estimates],
+            "observed": self.observed.to_dict(),
+            "predicted": dict(self.predicted),
+            "errors": dict(self.errors),
+            "held_out": None if self.held_out is None else self.held_out.to_dict(),
+            "held_out_errors": dict(self.held_out_errors),
+            "runs": self.runs,
+            "sentences": list(self.sentences),
+        }
+
+
+def errors_of(predicted: Array, observed: StickSlipFeatures) -> dict[str, float]:
+    """Return the relative errors of predicted features (3,) by name."""
+    return dict(zip(COMPARED, map(float, predicted / observed.compared - 1.0), strict=True))
+
+
+def estimates_of(unknowns: Unknowns, best: Linearised, covariance: Array) -> tuple[Estimate, ...]:
+    """Return what was looked for, and which of it no feature tells."""
+    at = unknowns.coordinates(best.values)
+    # what other starts came to with the same features
+    alike = np.atleast_2d(best.values if best.memory is None else np.asarray(best.memory))
+    low, high = unknowns.limits()
+    to_values = unknowns.slopes(at)
+    table = best.slopes @ to_values
+    _, singular, right = np.linalg.svd(table)
+    rank = int(np.sum(singular > TOLD * singular[0])) if len(singular) else 0
+    # the share of each coordinate in changes that leave every feature as it is
+    hidden = np.sqrt(np.sum(right[rank:] ** 2, axis=0))
+    inverse = to_values @ np.linalg.pinv(table, rcond=TOLD)
+    errors = np.sqrt(np.diag(inverse @ covariance @ inverse.T))
+    loose = hidden > FLAT
+    found = []
+    for i, (item, value) in enumerate(zip(unknowns.items, best.values, strict=True)):
+        tied = item.above in unknowns.paths and bool(loose[unknowns.paths.index(item.above)])
+        reason = "other values give the same features" if loose[i] or tied else ""
+        if not low[i] + EDGE < at[i] < high[i] - EDGE and not reason:
+            reason = "it lies at the end of the range that was searched"
+        width = math.inf if reason else QUANTILE * float(errors[i])
+        least = -math.inf if reason else 0.0  # all that is looked for is a size
+        found.append(
+            Estimate(
+                path=item.path,
+                quantity=item.quantity,
+                value=float(value),
+                low=max(float(alike[:, i].min()) - width, least),
+                high=float(alike[:, i].max()) + width,
+                interval="95 %",
+                reason=reason,
+            )
+        )
+    return tuple(found)
+
+
+def sentences_of(
+    estimates: Sequence[Estimate],
+    observed: StickSlipFeatures,
+    held: StickSlipFeatures | None,
+    errors: Mapping[str, float],
+) -> tuple[str, ...]:
+    """Return what can be said of a fit, in words."""
+    said = list(observed.sentences)
+    if held is not None and abs(held.mean / observed.mean - 1.0) > DRIFTS:
+        said.append(
+            f"The record drifts: the mean F/N is {observed.mean:.3f} in the part that was fitted"
+            f" and {held.mean:.3f} in the part held out, and no fixed parameters give both."
+        )
+    reasons = {e.reason for e in estimates if e.reason}
+    for reason in sorted(reasons):
+        symbols = ", ".join(e.quantity.symbol for e in estimates if e.reason == reason)
+        said.append(f"Frequency, mean and standard deviation do not tell {symbols}: {reason}.")
+    missed = [
+        f"{name.replace('_', ' ')} by {100 * error:+.1f} %"
+        for name, error in errors.items()
+        if abs(error) > MISSED
+    ]
+    if missed:
+        said.append(f"The best limit cycle misses the observed {' and '.join(missed)}.")
+    if observed.regime == "stick-slip":
+        said.append(
+            "A limit cycle repeats exactly: the scatter of an irregular record enters its standard"
+            " deviation and reads as larger slips."
+        )
+    return tuple(said)

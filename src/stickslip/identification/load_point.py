@@ -1,0 +1,140 @@
+"""The motion of a load point as few pieces of constant speed."""
+
+import math
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Path", "path_of"]
+
+Array: TypeAlias = NDArray[np.float64]
+
+SAMPLES = 1000
+"""As many samples are looked at."""
+CANDIDATES = 30
+"""Places of a change that are tried, and tried again around the best."""
+CHANGE = math.log(1.1)
+"""Speeds that differ by less are one speed; friction depends on their logarithm."""
+STRAIGHT = 3e-4
+"""A piece is straight if it is left by less than this share of the whole path, in the mean."""
+NOISE = 1.5
+"""Or by less than this many times the scatter of neighbouring samples."""
+SURE = 20.0
+"""A change takes at least this many squared scatters off the sum of squares."""
+SHORTEST = 10
+"""Samples a piece has at least."""
+DEEPEST = 5
+"""At most 2^DEEPEST pieces."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Path:
+    """Pieces of constant speed."""
+
+    time: Array
+    """Times at which the speed changes, with both ends (k,) [s]."""
+    position: Array
+    """Positions there (k,) [m]."""
+
+    @property
+    def speeds(self) -> Array:
+        """Speed of each piece (k - 1,) [m/s]."""
+        return np.diff(self.position) / np.diff(self.time)
+
+    @property
+    def steps(self) -> Array:
+        """Times at which the speed changes (k - 2,) [s]."""
+        return self.time[1:-1]
+
+
+def path_of(time: Array, pull: Array) -> Path:
+    """Return the pieces of constant speed that a measured position consists of.
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 20.0, 401)
+    >>> path = path_of(t, np.where(t < 8.0, t, 8.0 + 10.0 * (t - 8.0)))
+    >>> path.time.round(3), path.speeds.round(3)
+    (array([ 0.,  8., 20.]), array([ 1., 10.]))
+    """
+    every = max(1, len(time) // SAMPLES)
+    t, x = time[::every], pull[::every]
+    scatter = float(np.std(np.diff(x, 2)) / math.sqrt(6.0)) if len(x) > 10 else 0.0
+    changes = _changes(t, x, max(STRAIGHT * float(np.ptp(x)), NOISE * scatter), DEEPEST)
+    while changes:
+        changes = _sharpened(t, x, changes)
+        weakest = _weakest(t, x, changes, SURE * scatter**2)
+        if weakest is None:
+            break
+        del changes[weakest]
+    return Path(
+        time=np.array([time[0], *changes, time[-1]]), position=_positions(time, pull, changes)
+    )
+
+
+def _weakest(t: Array, x: Array, changes: list[float], least: float) -> int | None:
+    """Return which change is none: of speeds that hardly differ, or within the scatter."""
+    speeds = np.maximum(np.abs(np.diff(_positions(t, x, changes)) / _lengths(t, changes)), 1e-30)
+    ratios = np.abs(np.diff(np.log(speeds)))
+    if ratios.min() < CHANGE:
+        return int(ratios.argmin())
+    whole = _squares(t, x, changes)
+    gains = [_squares(t, x, changes[:i] + changes[i + 1 :]) - whole for i in range(len(changes))]
+    return int(np.argmin(gains)) if min(gains) < least else None
+
+
+def _lengths(t: Array, changes: list[float]) -> Array:
+    return np.diff([t[0], *changes, t[-1]])
+
+
+def _table(t: Array, changes: list[float]) -> Array:
+    """Return the columns of a path that bends at given times (n, 2 + changes)."""
+    bends = np.maximum(t[:, None] - np.array([t[0], *changes]), 0.0)
+    return np.column_stack([np.ones_like(t), bends])
+
+
+def _squares(t: Array, x: Array, changes: list[float]) -> float:
+    table = _table(t, changes)
+    left = x - table @ np.linalg.lstsq(table, x, rcond=None)[0]
+    return float(left @ left)
+
+
+def _positions(t: Array, x: Array, changes: list[float]) -> Array:
+    """Return the positions of the closest path at its ends and changes."""
+    numbers = np.linalg.lstsq(_table(t, changes), x, rcond=None)[0]
+    steps = np.cumsum(numbers[1:]) * _lengths(t, changes)
+    return np.array(numbers[0] + np.concatenate([[0.0], np.cumsum(steps)]))
+
+
+def _best(t: Array, x: Array, low: float, high: float, others: list[float]) -> float:
+    """Return the time between two others at which one more bend helps most."""
+    for _ in range(5):
+        tried = np.linspace(low, high, CANDIDATES + 2)[1:-1]
+        best = float(min(tried, key=lambda change: _squares(t, x, sorted([*others, change]))))
+        width = 2.0 * (high - low) / CANDIDATES
+        low, high = max(low, best - width), min(high, best + width)
+    return best
+
+
+def _sharpened(t: Array, x: Array, changes: list[float]) -> list[float]:
+    """Return changes each moved to where it helps most between its neighbours."""
+    for i in range(len(changes)):
+        others = changes[:i] + changes[i + 1 :]
+        before, after = ([t[0], *others][i], [*others, t[-1]][i])
+        changes = sorted([*others, _best(t, x, before, after, others)])
+    return changes
+
+
+def _changes(t: Array, x: Array, straight: float, depth: int) -> list[float]:
+    """Return the times in a stretch at which it has to bend to be straight between them."""
+    if depth == 0 or len(t) <= 2 * SHORTEST or _squares(t, x, []) <= len(t) * straight**2:
+        return []
+    best = _best(t, x, float(t[SHORTEST]), float(t[-SHORTEST]), [])
+    early = t <= best
+    return [
+        *_changes(t[early], x[early], straight, depth - 1),
+        best,
+        *_changes(t[~early], x[~early], straight, depth - 1),
+    ]

@@ -1,0 +1,300 @@
+"""Rate-and-state friction on a spring slider without inertia, as rock and gouge are tested."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from typing_extensions import override
+
+from stickslip.errors import InputError, ParameterError, SimulationError
+from stickslip.quantities import Parametrised, Quantity
+
+__all__ = ["Evolution", "RateState", "SliderHistory", "logarithms", "simulate_velocity_steps"]
+
+Array: TypeAlias = NDArray[np.float64]
+Evolution: TypeAlias = Literal["ageing", "slip"]
+
+EVOLUTIONS: tuple[Evolution, ...] = ("ageing", "slip")
+STEEPEST = 300.0
+"""Logarithms of speeds beyond this are held there: the run has failed long before."""
+STEPS = 20_000
+"""Steps between two asked times after which a run counts as failed."""
+
+STIFFNESS = Quantity("k", "1/m", above=0)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class RateState(Parametrised):
+    r"""Friction that depends on the slip speed and on a state that remembers past slip.
+
+    mu = mu_0 + a ln(V / V_0) + b ln(V_0 theta / D_c), where theta follows the ageing law
+    (Dieterich), d theta/dt = 1 - V theta / D_c, or the slip law (Ruina),
+    d theta/dt = -(V theta / D_c) ln(V theta / D_c).
+
+    It is not a `FrictionLaw`: the speed stands in a logarithm, so nothing is ever at rest, and the
+    event-driven solver has no use for it.
+
+    Examples
+    --------
+    >>> law = RateState(
+    ...     reference_coefficient=0.6,
+    ...     direct_effect=0.005,
+    ...     evolution_effect=0.01,
+    ...     critical_distance=1e-5,
+    ...     reference_velocity=1e-6,
+    ... )
+    >>> round(float(law.steady(1e-5)), 8), round(law.critical_stiffness, 9)
+    (0.58848707, 500.0)
+    """
+
+    sources: ClassVar[tuple[str, ...]] = ("dieterich1979", "ruina1983", "marone1998")
+
+    reference_coefficient: Annotated[float, Quantity("mu_0")]
+    """Steady friction coefficient at the reference velocity."""
+    direct_effect: Annotated[float, Quantity("a", above=0)]
+    """What a jump of ln V adds at once."""
+    evolution_effect: Annotated[float, Quantity("b")]
+    """What it takes away again as the contacts are renewed."""
+    critical_distance: Annotated[float, Quantity("D_c", "m", above=0)]
+    """Slip over which contacts are renewed."""
+    reference_velocity: Annotated[float, Quantity("V_0", "m/s", above=0)]
+    """Speed at which the reference coefficient holds."""
+    evolution: Evolution = "ageing"
+    """How the state follows: ``"ageing"`` or ``"slip"``."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the parameters, and that the evolution is known."""
+        super().__post_init__()
+        if self.evolution not in EVOLUTIONS:
+            raise ParameterError(
+                f"RateState.evolution must be 'ageing' or 'slip', got {self.evolution!r}."
+            )
+
+    @property
+    def critical_stiffness(self) -> float:
+        """Stiffness (b - a) / D_c [1/m] below which steady sliding is not stable; may be negative.
+
+        It is a change of the coefficient with position: times the load, it is in N/m.
+        """
+        return (self.evolution_effect - self.direct_effect) / self.critical_distance
+
+    def steady(self, velocity: ArrayLike) -> Array:
+        """Return the coefficient after long sliding at speeds above 0 [m/s].
+
+        Examples
+        --------
+        >>> law = RateState(
+        ...     reference_coefficient=0.6,
+        ...     direct_effect=0.01,
+        ...     evolution_effect=0.01,
+        ...     critical_distance=1e-5,
+        ...     reference_velocity=1e-6,
+        ... )
+        >>> law.steady([1e-6, 1e-3])
+        array([0.6, 0.6])
+        """
+        mu_0, a, b, V_0 = (
+            self.reference_coefficient,
+            self.direct_effect,
+            self.evolution_effect,
+            self.reference_velocity,
+        )
+        V = np.asarray(velocity, dtype=float)
+        return mu_0 + (a - b) * np.log(V / V_0)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SliderHistory:
+    """What a spring slider with rate-and-state friction does in time.
+
+    Examples
+    --------
+    >>> law = RateState(
+    ...     reference_coefficient=0.6,
+    ...     direct_effect=0.01,
+    ...     evolution_effect=0.005,
+    ...     critical_distance=1e-5,
+    ...     reference_velocity=1e-6,
+    ... )
+    >>> simulate_velocity_steps(law, stiffness=1e3, time=[0.0, 10.0], pull=[0.0, 1e-5])
+    <SliderHistory 2 times, coefficient 0.6 to 0.6>
+    """
+
+    time: Array
+    """Times (n,) [s]."""
+    coefficient: Array
+    """Friction coefficient (n,), which is the force of the spring over the load."""
+    velocity: Array
+    """Slip speed (n,) [m/s]."""
+    state: Array
+    """State theta (n,) [s], the age of the contacts."""
+
+    @override
+    def __repr__(self) -> str:
+        low, high = self.coefficient.min(), self.coefficient.max()
+        return f"<SliderHistory {len(self.time)} times, coefficient {low:.4g} to {high:.4g}>"
+
+
+def simulate_velocity_steps(
+    law: RateState,
+    *,
+    stiffness: float,
+    time: ArrayLike,
+    pull: ArrayLike,
+    at: ArrayLike | None = None,
+    tolerance: float = 1e-11,
+) -> SliderHistory:
+    """Pull a slider without inertia through a spring whose far end moves as given.
+
+    The slider starts in steady sliding at the speed of the first piece of the pull. Each piece is
+    integrated on its own by LSODA in the logarithms of speed and state.
+
+    Parameters
+    ----------
+    law : RateState
+        Friction of the slider.
+    stiffness : float
+        Stiffness of spring and machine over the load, d mu / d x [1/m].
+    time : array (k,)
+        Times [s] between which the far end moves steadily, increasing.
+    pull : array (k,)
+        Its positions [m] there, nowhere decreasing.
+    at : array (n,), optional
+        Times asked for, increasing, within `time`; `time` itself if not given.
+    tolerance : float
+        Relative and absolute tolerance of the logarithms.
+
+    Returns
+    -------
+    SliderHistory
+        Coefficient, slip speed and state at the times asked for.
+
+    Raises
+    ------
+    InputError
+        If the pull cannot be used.
+    SimulationError
+        If the slider runs away, as it does on a spring softer than the critical stiffness.
+
+    Examples
+    --------
+    A tenfold step, long after which only a - b is left:
+
+    >>> law = RateState(
+    ...     reference_coefficient=0.6,
+    ...     direct_effect=0.01,
+    ...     evolution_effect=0.005,
+    ...     critical_distance=1e-5,
+    ...     reference_velocity=1e-6,
+    ... )
+    >>> run = simulate_velocity_steps(
+    ...     law, stiffness=1e3, time=[0.0, 10.0, 60.0], pull=[0.0, 1e-5, 5.1e-4]
+    ... )
+    >>> run.coefficient.round(6), round(0.6 + 0.005 * np.log(10.0), 6)
+    (array([0.6     , 0.6     , 0.611513]), np.float64(0.611513))
+    """
+    stiffness = STIFFNESS.check("simulate_velocity_steps", "stiffness", stiffness)
+    knots, speeds = _speeds(time, pull)
+    times = knots if at is None else np.atleast_1d(np.asarray(at, dtype=float))
+    inside = np.all(np.diff(times) >= 0.0) and knots[0] <= times[0] and times[-1] <= knots[-1]
+    if times.ndim != 1 or not inside:
+        raise InputError(
+            "simulate_velocity_steps: at [s] must increase and lie between"
+            f" {knots[0]:g} and {knots[-1]:g} s, the first and last time of the pull."
+        )
+    logs = logarithms(law, stiffness, knots, speeds, times, tolerance)
+    if logs is None:
+        raise SimulationError(
+            f"the slider runs away: its stiffness is {stiffness:g} 1/m, and steady sliding needs"
+            f" more than the critical one, {law.critical_stiffness:g} 1/m."
+        )
+    w, s = logs.T
+    a, b = law.direct_effect, law.evolution_effect
+    return SliderHistory(
+        time=times,
+        coefficient=law.reference_coefficient + a * w + b * s,
+        velocity=law.reference_velocity * np.exp(w),
+        state=law.critical_distance / law.reference_velocity * np.exp(s),
+    )
+
+
+def _speeds(time: ArrayLike, pull: ArrayLike) -> tuple[Array, Array]:
+    """Return times (k,) and the speeds between them (k - 1,), checked."""
+    t, x = (np.asarray(values, dtype=float) for values in (time, pull))
+    if t.ndim != 1 or t.shape != x.shape or t.size < 2 or not np.all(np.isfinite([t, x])):
+        raise InputError(
+            "simulate_velocity_steps: time [s] and pull [m] must be equally long, finite and of at"
+            f" least 2 values, got the shapes {t.shape} and {x.shape}."
+        )
+    if not np.all(np.diff(t) > 0.0):
+        raise InputError("simulate_velocity_steps: time [s] must increase strictly.")
+    speeds = np.diff(x) / np.diff(t)
+    if speeds[0] <= 0.0 or np.any(speeds < 0.0):
+        raise InputError(
+            "simulate_velocity_steps: the pull must move forwards at first and never back, got"
+            f" speeds from {speeds.min():g} to {speeds.max():g} m/s."
+        )
+    return t, speeds
+
+
+def logarithms(
+    law: RateState,
+    stiffness: float,
+    knots: Array,
+    speeds: Array,
+    times: Array,
+    tolerance: float,
+) -> Array | None:
+    """Return w = ln(V/V_0) and s = ln(V_0 theta/D_c) at times (n, 2); None if a run fails."""
+    from scipy.integrate import odeint
+
+    V_0 = law.reference_velocity
+    first = float(np.log(speeds[0] / V_0))
+    state: Array = np.array([first, -first])
+    logs = np.empty((len(times), 2))
+    logs[times <= knots[0]] = state
+    rates = _rates_of(law, stiffness)
+    moving = False
+    for start, end, speed in zip(knots[:-1], knots[1:], speeds, strict=True):
+        here = (times > start) & (times <= end)
+        if not moving and speed == speeds[0]:  # steady sliding goes on, exactly
+            logs[here] = state
+            continue
+        moving = True
+        path, told = odeint(
+            rates,
+            state,
+            np.concatenate([[start], times[here], [end]]),
+            args=(float(speed),),
+            rtol=tolerance,
+            atol=tolerance,
+            mxstep=STEPS,
+            full_output=True,
+        )
+        failed = not told["message"].startswith("Integration successful")
+        if failed or not np.all(np.abs(path) < STEEPEST):
+            return None
+        logs[here], state = path[1:-1], path[-1]
+    return logs
+
+
+def _rates_of(law: RateState, stiffness: float) -> Any:
+    """Return the time derivatives of w and s as a function of state, time and pulling speed."""
+    from math import exp
+
+    a, b = law.direct_effect, law.evolution_effect
+    D_c, V_0, k = law.critical_distance, law.reference_velocity, stiffness
+    ageing = law.evolution == "ageing"
+
+    def rates(y: Array, _: float, V_load: float) -> tuple[float, float]:
+        w, s = min(float(y[0]), STEEPEST), float(y[1])
+        V = V_0 * exp(w)
+        renewal = exp(min(-s, STEEPEST)) * V_0 - V if ageing else -V * (w + s)
+        s_dot = renewal / D_c
+        return (k * (V_load - V) - b * s_dot) / a, s_dot
+
+    return rates
