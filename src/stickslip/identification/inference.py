@@ -46,9 +46,12 @@ class Inference:
 
     @property
     def correlation(self) -> Array:
-        """Correlation of the estimates (p, p)."""
-        errors = np.where(self.errors > 0.0, self.errors, 1.0)
-        table: Array = self.covariance / np.outer(errors, errors)
+        """Correlation of the estimates (p, p), 0 for what the record does not depend on."""
+        known = np.isfinite(self.errors) & (self.errors > 0.0)
+        errors = np.where(known, self.errors, 1.0)
+        whole = np.where(np.isfinite(self.covariance), self.covariance, 0.0)
+        table: Array = whole / np.outer(errors, errors)
+        np.fill_diagonal(table, 1.0)
         return table
 
 
