@@ -36,6 +36,8 @@ Array = NDArray[np.float64]
 
 SEGMENT = 1.0
 """Length of a segment [s] that is simulated from a state of its own."""
+DECAY_STEP = 3.0
+"""A free decay is fitted in segments, then in segments so much longer, then as a whole."""
 STARTS = 4
 """Starts of the search."""
 
@@ -143,7 +145,35 @@ def fit_record(
         tried=ready.tried,
         watch=watch,
     )
+    if way == "shooting" and "force" not in measurement.quantities():
+        ready, found = _lengthened(ready, found, measurement, settings, watch)
     return _finished(way, mechanism, measurement, ready, found)
+
+
+def _lengthened(
+    ready: _Set,
+    found: Found,
+    measurement: Measurement,
+    settings: RecordSettings,
+    watch: Watch | None,
+) -> tuple[_Set, Found]:
+    """Fit a free decay again in longer segments, at last as a whole.
+
+    The whole tells the most, but only from near the truth: from farther off, a swing more or less
+    is as good a fit.
+    """
+    spans = ready.problem.spans
+    whole = float(np.max(spans[:, 2]) - np.min(spans[:, 1]))
+    for length in (DECAY_STEP * settings.segment, whole):
+        if found.cancelled or length <= settings.segment or length > whole:
+            continue
+        longer = ready.build(measurement, length)
+        near = longer.unknowns.starting_at(found.best.values)
+        problem = replace(longer, unknowns_=near) if isinstance(longer, Shooting) else longer
+        again = search(problem, starts=1, watch=watch)
+        ready = replace(ready, problem=problem)
+        found = replace(again, evaluations=found.evaluations + again.evaluations)
+    return ready, found
 
 
 def _shooting(
