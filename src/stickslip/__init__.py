@@ -56,6 +56,7 @@ _HOME = {
     "SpringBlock": "mechanisms",
     "Status": "trajectory",
     "Stop": "mechanisms",
+    "StraightPieces": "drives",
     "Stribeck": "friction",
     "Sum": "drives",
     "TravelFit": "identification",

@@ -6,7 +6,7 @@ from stickslip import Coulomb, Dahl, LuGre, Measurement, SpringBlock, select
 from stickslip.errors import CompilationError
 from stickslip.identification import compiling, starting_law
 from stickslip.identification.travel import trials_of
-from stickslip.selection import selecting
+from stickslip.selection import travels
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 ONE = Measurement(travel=0.2, uncertainty=0.01)
@@ -70,7 +70,7 @@ def test_processes_that_fail_are_logged_and_done_without(asked, monkeypatch, cap
 def test_a_selection_passes_on_how_far_compiling_is(monkeypatch):
     told = []
     monkeypatch.setattr(
-        selecting, "compile_for", lambda trials, laws, *, progress: progress(1, 2, "a pair")
+        travels, "compile_for", lambda trials, laws, *, progress: progress(1, 2, "a pair")
     )
     select(RIG, ONE, [Coulomb], compiling=lambda *news: told.append(news))
     assert told == [(1, 2, "a pair")]

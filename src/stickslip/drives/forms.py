@@ -14,7 +14,7 @@ from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, sin
 from stickslip.quantities import Quantity
 
-__all__ = ["PiecewiseLinear", "Pulse", "Ramp", "Sampled", "Sine"]
+__all__ = ["PiecewiseLinear", "Pulse", "Ramp", "Sampled", "Sine", "StraightPieces"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -222,3 +222,42 @@ class Sampled(_Pieces):
             return PiecewiseLinear(times=self.times, values=self.values).pieces()
         held = [Piece(t, u, 0.0) for t, u in zip(self.times, self.values, strict=True)]
         return (Piece(BEGINNING, self.values[0], 0.0), *held[1:])
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class StraightPieces(_Pieces):
+    """Straight lines that need not join: what a long signal is condensed to.
+
+    The last one is held from its start on.
+
+    Examples
+    --------
+    >>> StraightPieces(times=(0.0, 0.1), values=(1.0, 3.0), slopes=(5.0, 0.0)).value(0.05)
+    1.25
+    """
+
+    data_fields: ClassVar[tuple[str, ...]] = ("times", "values", "slopes")
+
+    times: tuple[float, ...]
+    """Times at which pieces begin [s], increasing; the first one holds before, too."""
+    values: tuple[float, ...]
+    """Value at the start of each piece."""
+    slopes: tuple[float, ...]
+    """Change a second in each piece; 0 for the last one."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the pieces and keep them as tuples of floats."""
+        super().__post_init__()
+        t, u = _series(type(self).__name__, self.times, self.values)
+        _, k = _series(type(self).__name__, self.times, self.slopes)
+        if k[-1] != 0.0:
+            raise ParameterError(f"StraightPieces.slopes must end with 0, got {k[-1]:g}.")
+        for name, found in (("times", t), ("values", u), ("slopes", k)):
+            object.__setattr__(self, name, tuple(found))
+
+    @override
+    def pieces(self) -> tuple[Piece, ...]:
+        held = [Piece(*piece) for piece in zip(self.times, self.values, self.slopes, strict=True)]
+        return (Piece(BEGINNING, self.values[0], 0.0), *held)

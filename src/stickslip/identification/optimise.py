@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError
-from stickslip.identification.problem import Linearised, Problem
+from stickslip.identification.problem import Linearised, Searchable
 from stickslip.identification.unknowns import Unknowns
 
 __all__ = ["Found", "Watch", "improve", "search", "step_of"]
@@ -20,7 +20,7 @@ Watch = Callable[[float], object]
 JITTER = 0.4
 """Further starts are the first one times e^(+-JITTER), by coordinate."""
 AGREE = 0.01
-"""Starts agree if their costs differ by less than this share."""
+"""Starts agree if their root mean squares differ by less than this share."""
 FLAT = 1e-4
 """The search ends when a step lowers the cost by less than this share."""
 FURTHER = 4
@@ -44,7 +44,7 @@ class Found:
     def agreeing(self) -> int:
         """How many starts came to the least cost."""
         least = min(self.costs)
-        return sum(cost <= least * (1.0 + AGREE) for cost in self.costs)
+        return sum(cost <= least * (1.0 + AGREE) ** 2 for cost in self.costs)
 
 
 class _StoppedError(Exception):
@@ -65,7 +65,7 @@ class _Counter:
 
 
 def search(
-    problem: Problem,
+    problem: Searchable,
     *,
     starts: int = 4,
     seed: int = 0,
@@ -76,7 +76,7 @@ def search(
 
     Parameters
     ----------
-    problem : Problem
+    problem : Searchable
         Its unknowns give the first start.
     starts : int
         Number of starts; as many as `FURTHER` more if they disagree.
@@ -109,7 +109,7 @@ def search(
         ends.append(end)
         costs.append(end.cost)
         least = min(costs)
-        doubtful = sum(cost <= least * (1.0 + AGREE) for cost in costs) < (len(costs) + 1) // 2
+        doubtful = sum(cost <= least * (1.0 + AGREE) ** 2 for cost in costs) < (len(costs) + 1) // 2
         if number == wanted == starts > 1 and doubtful:
             wanted = starts + FURTHER
     if not ends:
@@ -141,7 +141,7 @@ def _start(
 
 
 def improve(
-    problem: Problem,
+    problem: Searchable,
     values: Array,
     *,
     counter: Callable[[Linearised], None] | None = None,
@@ -167,22 +167,21 @@ def improve(
         for _ in range(rounds):
             table = here.slopes @ unknowns.slopes(at)
             step, promised = step_of(table, here.residual, at, low, high, damping)
-            if promised <= FLAT * here.cost and damping <= 1e-3:
-                break
-            trial = np.clip(at + step, low, high)
+            flat = promised <= FLAT * here.cost
+            trial = at if flat else np.clip(at + step, low, high)
             there = problem.linearise(unknowns.values(trial), here)
             if counter is not None:
                 counter(there)
             gained = here.cost - there.cost
-            if math.isfinite(there.cost) and gained > 0.0:
-                damping = max(damping / 10.0, 1e-12)
+            better = math.isfinite(there.cost) and gained > 0.0
+            if better:
                 at, here = trial, there
-                if gained <= FLAT * here.cost:
-                    break
-            else:
-                damping *= 10.0
-                if damping > 1e6 or promised <= FLAT * here.cost:
-                    break
+            if flat and not gained > FLAT * here.cost:
+                break  # nor did initial states, which follow one step behind, gain anything
+            if not flat:
+                damping = max(damping / 10.0, 1e-12) if better else damping * 10.0
+            if damping > 1e6:
+                break
     except _StoppedError:
         return here, True
     return here, False

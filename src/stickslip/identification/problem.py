@@ -3,13 +3,14 @@
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.identification.unknowns import Unknowns
 
-__all__ = ["Linearised", "Problem"]
+__all__ = ["Held", "Linearised", "Part", "Problem", "Searchable"]
 
 Array = NDArray[np.float64]
 
@@ -39,15 +40,16 @@ class Linearised:
         """Root mean square of the residuals."""
         return float(np.sqrt(self.cost / len(self.residual)))
 
-    def of(self, segments: NDArray[np.bool_]) -> "Linearised":
-        """Return the rows of some segments, given as a mask (segments,)."""
-        rows = segments[self.segment]
-        return Linearised(
-            values=self.values,
-            residual=self.residual[rows],
-            slopes=self.slopes[rows],
-            segment=self.segment[rows],
-        )
+
+class Searchable(Protocol):
+    """What a search needs."""
+
+    @property
+    def unknowns(self) -> Unknowns:
+        """What is looked for."""
+
+    def linearise(self, values: Array, near: Linearised | None = None) -> Linearised:
+        """Return residuals and slopes at values (p,), from an answer for near values if any."""
 
 
 class Problem(ABC):
@@ -95,3 +97,41 @@ class Problem(ABC):
         slopes : bool
             Whether slopes are needed; zeros may stand for them if not.
         """
+
+
+@final
+class Part:
+    """Some segments of a problem, for a search."""
+
+    def __init__(self, whole: Problem, chosen: Sequence[int]) -> None:
+        self.whole, self.chosen = whole, chosen
+        self.unknowns = whole.unknowns
+
+    def linearise(self, values: Array, near: Linearised | None = None) -> Linearised:
+        """Return residuals and slopes at values (p,)."""
+        return self.whole.linearise(values, near, only=self.chosen)
+
+
+@final
+class Held:
+    """A problem with one unknown held at a value, for a search."""
+
+    def __init__(self, whole: Problem, index: int, value: float) -> None:
+        self.whole, self.index, self.value = whole, index, value
+        items = whole.unknowns.items
+        known = {**(whole.unknowns.known or {}), items[index].path: value}
+        self.unknowns = Unknowns(items[:index] + items[index + 1 :], known)
+
+    def linearise(self, values: Array, near: Linearised | None = None) -> Linearised:
+        """Return residuals and slopes at the values (p - 1,) of the others."""
+        full = np.insert(values, self.index, self.value)
+        before = near.memory if near is not None else None
+        assert before is None or isinstance(before, Linearised)
+        seen = self.whole.linearise(full, before)
+        return Linearised(
+            values=values,
+            residual=seen.residual,
+            slopes=np.delete(seen.slopes, self.index, axis=1),
+            segment=seen.segment,
+            memory=seen,
+        )

@@ -13,7 +13,7 @@ from typing_extensions import override
 from stickslip.experiments import QUANTITIES, Measurement
 from stickslip.identification.inference import Inference, bootstrap
 from stickslip.identification.optimise import Found, improve
-from stickslip.identification.problem import Linearised, Problem
+from stickslip.identification.problem import Held, Linearised, Problem
 from stickslip.identification.results import Fit
 from stickslip.identification.unknowns import Unknowns
 
@@ -216,7 +216,7 @@ class RecordFit(Fit):
         index = self.unknowns.paths.index(path)
         costs = []
         for value in values:
-            held = _Held(self.problem, index, float(value))
+            held = Held(self.problem, index, float(value))
             end, _ = improve(held, np.delete(self.values, index))
             costs.append(end.cost)
         return np.array(costs)
@@ -265,55 +265,3 @@ def scale_of(unknowns: Unknowns, values: Array, at_bounds: Mapping[str, str]) ->
         if path in at_bounds:
             scale[:, i] = 0.0
     return scale
-
-
-@final
-class _Held(Problem):
-    """A problem with one unknown held at a value."""
-
-    def __init__(self, whole: Problem, index: int, value: float) -> None:
-        self.whole, self.index, self.value = whole, index, value
-        items = whole.unknowns.items
-        known = {**(whole.unknowns.known or {}), items[index].path: value}
-        self._unknowns = Unknowns(items[:index] + items[index + 1 :], known)
-
-    @property
-    @override
-    def unknowns(self) -> Unknowns:
-        return self._unknowns
-
-    @property
-    @override
-    def spans(self) -> Array:
-        return self.whole.spans
-
-    @property
-    @override
-    def quantity(self) -> str:
-        return self.whole.quantity
-
-    @property
-    @override
-    def times(self) -> Array:
-        return self.whole.times
-
-    @override
-    def linearise(
-        self,
-        values: Array,
-        near: Linearised | None = None,
-        *,
-        only: Sequence[int] | None = None,
-        slopes: bool = True,
-    ) -> Linearised:
-        full = np.insert(values, self.index, self.value)
-        before = near.memory if near is not None else None
-        assert before is None or isinstance(before, Linearised)
-        seen = self.whole.linearise(full, before, only=only, slopes=slopes)
-        return Linearised(
-            values=values,
-            residual=seen.residual,
-            slopes=np.delete(seen.slopes, self.index, axis=1),
-            segment=seen.segment,
-            memory=seen,
-        )

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.drives import Drive, Sampled
+from stickslip.drives import Drive, Sampled, StraightPieces
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.identification.shooting import Segment
@@ -135,8 +135,7 @@ def _segment(
     values = np.asarray(record.values(quantity))
     if "force" in record.quantities():
         force = np.asarray(record.values("force"))
-        means = np.add.reduceat(force[first : rows[-1]], rows[:-1] - first) / stride
-        drive = Sampled(times=times[:-1].tolist(), values=means.tolist())
+        drive = _drive(record.time[first : rows[-1] + 1], force[first : rows[-1] + 1], stride)
         mechanism = with_drive(mechanism, drive)
     return Segment(
         record=index,
@@ -145,6 +144,30 @@ def _segment(
         times=times,
         measured=values[rows],
         guess=_guess(mechanism, quantity, record.time[first : last + 1], values[first : last + 1]),
+    )
+
+
+def _drive(time: Array, force: Array, stride: int) -> Drive:
+    """Return a held force with fewer pieces.
+
+    Where every sample is a piece it is taken as it is. Else each piece is the straight line of the
+    same impulse and the same moment: to a free mass it is the same force at the ends of pieces.
+    """
+    t = time - time[0]
+    if stride == 1:
+        return Sampled(times=t[:-1].tolist(), values=force[:-1].tolist())
+    ends = t[::stride]
+    first = np.arange(0, len(t) - 1, stride)
+    length, middle = np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
+    steps = np.diff(t)
+    impulse = np.add.reduceat(force[:-1] * steps, first)
+    moment = np.add.reduceat(force[:-1] * steps * 0.5 * (t[1:] + t[:-1]), first)
+    slope = 12.0 * (moment - middle * impulse) / length**3
+    value = impulse / length - 0.5 * slope * length
+    return StraightPieces(
+        times=ends.tolist(),
+        values=[*value.tolist(), float(force[-1])],
+        slopes=[*slope.tolist(), 0.0],
     )
 
 

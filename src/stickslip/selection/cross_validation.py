@@ -2,15 +2,14 @@
 
 import itertools
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.identification.optimise import step_of
-from stickslip.identification.problem import Linearised, Problem
+from stickslip.identification.optimise import improve
+from stickslip.identification.problem import Part, Problem
 from stickslip.identification.record_fit import RecordFit, settled
 
 __all__ = ["FOLDS", "CrossValidation", "Plan", "cross_validate", "halves", "plan_of"]
@@ -21,8 +20,8 @@ FOLDS = 8
 """Blocks of time, each predicted by a fit to the others."""
 EXTRAPOLATED = 1.0 / 3.0
 """Last share of the record that a fit to the rest extrapolates to."""
-STEPS = 2
-"""Gauss-Newton steps from the estimates of the whole record to those without a block."""
+ROUNDS = 8
+"""Steps at most from the estimates of the whole record to those without a block."""
 
 
 @final
@@ -119,26 +118,10 @@ def _loss(
 
 
 def _refitted(fit: RecordFit, seen: NDArray[np.bool_]) -> Array:
-    """Return the values that fit some segments best, by steps from those that fit all."""
-    problem, unknowns = fit.problem, fit.unknowns
-    low, high = unknowns.limits()
-    whole: Linearised = fit.found.best
-    part = whole.of(seen)
-    chosen: Sequence[int] = np.flatnonzero(seen).tolist()
-    at = unknowns.coordinates(whole.values)
-    damping = 1e-6
-    for number in range(STEPS):
-        table = part.slopes @ unknowns.slopes(at)
-        step, _ = step_of(table, part.residual, at, low, high, damping)
-        trial = np.clip(at + step, low, high)
-        if number == STEPS - 1:
-            return unknowns.values(trial)
-        there = problem.linearise(unknowns.values(trial), whole, only=chosen)
-        if math.isfinite(there.cost) and there.cost <= part.cost:
-            at, part = trial, there
-        else:  # too long a step for a bent valley
-            damping = 1e-1
-    return unknowns.values(at)
+    """Return the values that fit some segments best, from those that fit all."""
+    part = Part(fit.problem, np.flatnonzero(seen).tolist())
+    end, _ = improve(part, fit.values, rounds=ROUNDS)
+    return end.values
 
 
 def halves(fit: RecordFit) -> dict[str, tuple[float, float]]:

@@ -54,9 +54,6 @@ def select_records(
         raise InputError("This record cannot decide. " + " ".join(wrong))
     if purpose == "compensate" and route is None and "friction" not in measurement.quantities():
         route = "inverse-dynamics"
-    chosen = specifications(laws)
-    if laws is None and _one_way(measurement):
-        chosen = tuple(one for one in chosen if one.name != "direction-dependent")
 
     def fitted(one: Specification) -> RecordCandidate:
         return _candidate(
@@ -64,13 +61,8 @@ def select_records(
             watch=watch,
         )  # fmt: skip
 
-    tried = [fitted(one) for one in chosen]
-    fits = [candidate.fit for candidate in tried if candidate.fit]
-    if not fits:
-        raise ConvergenceError(
-            "no candidate predicts this record: "
-            + "; ".join(f"{c.title}: {c.dropped}" for c in tried)
-        )
+    tried = [fitted(one) for one in _specified(laws, measurement)]
+    fits = _fits(tried)
     aim = PURPOSES[purpose] if horizon is None else horizon
     plan = plan_of(min(fits, key=lambda fit: fit.rms), horizon=aim)
     if watch is not None:
@@ -78,6 +70,26 @@ def select_records(
     judged = [_judged(candidate, plan, validate) for candidate in tried]
     without = _judged(fitted(control()), plan, validate) if fits[0].route != "force-map" else None
     return _verdict(mechanism, measurement, judged, without, plan, purpose, checks)
+
+
+def _specified(
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None,
+    measurement: Measurement,
+) -> tuple[Specification, ...]:
+    """Return the candidates, without what a record of one direction cannot carry."""
+    chosen = specifications(laws)
+    if laws is None and _one_way(measurement):
+        chosen = tuple(one for one in chosen if one.name != "direction-dependent")
+    return chosen
+
+
+def _fits(tried: Sequence[RecordCandidate]) -> list[RecordFit]:
+    """Return the fits there are, or say why there is none."""
+    fits = [candidate.fit for candidate in tried if candidate.fit]
+    if not fits:
+        reasons = "; ".join(f"{c.title}: {c.dropped}" for c in tried)
+        raise ConvergenceError(f"no candidate predicts this record: {reasons}")
+    return fits
 
 
 def _one_way(measurement: Measurement) -> bool:
