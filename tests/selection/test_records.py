@@ -79,9 +79,9 @@ def test_the_law_that_made_the_record_is_named(verdict):
 
 
 def test_the_true_law_is_held_out_to_the_noise(verdict):
-    # white noise of 10 um; what a second record says is an error no fit saw
-    assert verdict.best.score == pytest.approx(1e-5, rel=0.1)
-    assert verdict.best.second.rms == pytest.approx(1e-5, rel=0.1)
+    # white noise of 10 um, and up to half of it by the force condensed to pieces of 10 ms
+    assert verdict.best.score == pytest.approx(1e-5, rel=0.2)
+    assert verdict.best.second.rms == pytest.approx(1e-5, rel=0.2)
 
 
 def test_estimates_hold_the_truth(verdict):

@@ -229,7 +229,8 @@ def _mapped(
 
     own = rubbed(measurement)
     kind = law if isinstance(law, type) else type(law)
-    held = [name for name in kind.fit_order if free is not None and name not in free]
+    wanted = kind.fit_order if free is None else [name.rpartition(".")[2] for name in free]
+    held = [name for name in kind.fit_order if name not in wanted]
     problem = force_map(law, mechanism, own, held=held)
 
     def build(record: Measurement, length: float | None) -> Problem:

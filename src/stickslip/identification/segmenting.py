@@ -165,9 +165,9 @@ def _drive(time: Array, force: Array, stride: int) -> Drive:
     slope = 12.0 * (moment - middle * impulse) / length**3
     value = impulse / length - 0.5 * slope * length
     return StraightPieces(
-        times=ends.tolist(),
-        values=[*value.tolist(), float(force[-1])],
-        slopes=[*slope.tolist(), 0.0],
+        times=tuple(ends.tolist()),
+        values=(*value.tolist(), float(force[-1])),
+        slopes=(*slope.tolist(), 0.0),
     )
 
 

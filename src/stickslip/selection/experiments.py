@@ -51,7 +51,7 @@ class Experiment:
 
 
 def design(
-    mechanism: Mechanism,
+    mechanism: Mechanism | None,
     laws: Mapping[str, FrictionLaw],
     *,
     best: str,
@@ -64,8 +64,8 @@ def design(
 
     Parameters
     ----------
-    mechanism : Mechanism
-        As fitted.
+    mechanism : Mechanism, optional
+        As fitted; without one, as where only friction was measured, no run is proposed.
     laws : mapping of str to FrictionLaw
         Fitted laws that are still in question, by candidate.
     best : str
@@ -80,8 +80,9 @@ def design(
     if len(laws) < 2:
         return ()
     found = [_steady(laws, best, share * speed, force_doubt, load) for share in SPEEDS]
-    found += [_coast(mechanism, laws, best, speed, length_doubt)]
-    found += [_presliding(mechanism, laws, best, share, length_doubt, load) for share in LOADS]
+    if mechanism is not None:
+        found += [_coast(mechanism, laws, best, speed, length_doubt)]
+        found += [_presliding(mechanism, laws, best, share, length_doubt, load) for share in LOADS]
     told = [one for one in found if one is not None and one.separation > 1.0]
     return tuple(sorted(told, key=lambda one: -one.separation))
 

@@ -15,6 +15,7 @@ from stickslip.identification.inverse_dynamics import inverse_dynamics
 from stickslip.identification.record_fitting import RecordSettings, fit_record
 from stickslip.identification.record_starts import load_of
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
 from stickslip.selection.experiments import Experiment, design
 from stickslip.selection.record_admissibility import objection
@@ -28,6 +29,8 @@ __all__ = ["PURPOSES", "RecordWatch", "select_records"]
 RecordWatch: TypeAlias = Callable[[str, float], object]
 """Called with a candidate and the least residual so far; False ends that candidate's search."""
 
+SPARE = ("viscous_coefficient",)
+"""Fields that stand beside what makes a law that law; one that is not told from 0 is left out."""
 PURPOSES = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
 
@@ -116,17 +119,26 @@ def _candidate(
 ) -> RecordCandidate:
     """Fit one candidate; one that cannot be fitted is kept with the reason."""
     report = None if watch is None else (lambda rms: watch(one.name, rms))
-    try:
-        fit = fit_record(
+
+    def fitted(law: FrictionLaw | type[FrictionLaw], free: Sequence[str] | None) -> RecordFit:
+        return fit_record(
             mechanism,
-            one.law,
+            law,
             measurement,
             unknown=unknown,
-            free=one.free,
+            free=free,
             route=route,
             settings=settings,
             watch=report,
         )
+
+    try:
+        fit = fitted(one.law, one.free)
+        spare = [] if fit.found.cancelled else _spare(fit)
+        if spare:
+            free = [e.path for e in fit.estimates if e.path.startswith("friction.")]
+            without = vary(fit.law, "friction", dict.fromkeys(spare, 0.0))
+            fit = fitted(without, [path for path in free if path not in spare])
     except (ConvergenceError, SimulationError) as error:
         return RecordCandidate(
             name=one.name, title=one.title, fit=None, validation=None, dropped=str(error)
@@ -141,6 +153,18 @@ def _candidate(
         aic=likelihood + 2.0 * count,
         bic=likelihood + math.log(rows) * count,
     )
+
+
+def _spare(fit: RecordFit) -> list[str]:
+    """Return the paths of parts that a law has beside what makes it that law, and does without."""
+    fields = type(fit.law).__dataclass_fields__
+    return [
+        estimate.path
+        for estimate in fit.estimates
+        for name in [estimate.path.rpartition(".")[2]]
+        if name in SPARE and estimate.path.startswith("friction.")
+        if fields[name].default == 0.0 and not estimate.low > 0.0
+    ]
 
 
 def _judged(
@@ -253,7 +277,7 @@ def _experiments(
         return ()
     dynamics = inverse_dynamics(best.fit.mechanism, best.fit.measurement, unknown=())
     return design(
-        best.fit.mechanism,
+        best.fit.mechanism if best.fit.route == "shooting" else None,
         laws,
         best=best.name,
         speed=float(np.percentile(np.abs(dynamics.velocity), 98.0)),
