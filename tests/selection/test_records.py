@@ -79,9 +79,9 @@ def test_the_law_that_made_the_record_is_named(verdict):
 
 
 def test_the_true_law_is_held_out_to_the_noise(verdict):
-    # white noise of 10 um, and up to half of it by the force condensed to pieces of 10 ms
-    assert verdict.best.score == pytest.approx(1e-5, rel=0.2)
-    assert verdict.best.second.rms == pytest.approx(1e-5, rel=0.2)
+    # white noise of 10 um, and as much again by the force condensed to pieces of 10 ms
+    assert verdict.best.score == pytest.approx(1.2e-5, rel=0.3)
+    assert verdict.best.second.rms == pytest.approx(1.2e-5, rel=0.3)
 
 
 def test_estimates_hold_the_truth(verdict):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.identification.applied import applied_force
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
@@ -31,8 +32,14 @@ POSITION_SHARE = 10.0
 """The position's filter passes a 10th of the sampling frequency if nothing else is asked for."""
 PARALLEL_SHARE = 50.0
 """The filter of all regressors passes a 50th of it, where nothing is decimated."""
+HARMONICS = 20.0
+"""Both pass at least so many times the mean frequency of the motion, where reversals are seen."""
+HIGHEST = 0.2
+"""Both stay below this share of the sampling frequency."""
 MARGIN = 49
 """Samples dropped at the start, where filters and differences begin."""
+SLOW = 0.1
+"""Share of the largest speed below which inverse dynamics says little of friction."""
 LEAST = 3 * MARGIN
 """Samples a record must have."""
 
@@ -149,7 +156,7 @@ def _columns(
     directional: bool,
 ) -> dict[str, Array]:
     """Return the columns of the regression for one record, by name."""
-    time, x, v, a, applied = _signals(record, cutoff)
+    time, x, v, a, applied = _signals(mechanism, record, cutoff)
     mass, forces = _known_forces(mechanism, x, v, applied)
     columns = {"forces": forces, "inertia": a, "velocity": v}
     for name, column in (("viscous", v), ("level", np.sign(v))):
@@ -159,13 +166,14 @@ def _columns(
         else:
             columns[name] = column
     columns["offset"] = np.ones_like(v)
-    found = {name: _decimated(column, decimate) for name, column in columns.items()}
+    passed = _share(x, 1.0 / PARALLEL_SHARE)
+    found = {name: _decimated(column, decimate, passed) for name, column in columns.items()}
     found["mass"] = np.full_like(found["forces"], mass)
     found["time"] = time[(len(time) - 1) % decimate :: decimate]
     return found
 
 
-def _signals(record: Measurement, cutoff: float | None) -> tuple[Array, ...]:
+def _signals(mechanism: Mechanism, record: Measurement, cutoff: float | None) -> tuple[Array, ...]:
     """Return times, positions, velocities, accelerations and forces of one record, filtered."""
     from scipy import signal
 
@@ -175,20 +183,32 @@ def _signals(record: Measurement, cutoff: float | None) -> tuple[Array, ...]:
     x = np.asarray(record.values("position"))
     if len(x) < LEAST:
         raise InputError(f"inverse dynamics needs at least {LEAST} samples, got {len(x)}.")
-    share = 2.0 / POSITION_SHARE if cutoff is None else min(2.0 * cutoff * dt, 0.99)
+    share = _share(x, 1.0 / POSITION_SHARE) if cutoff is None else min(2.0 * cutoff * dt, 0.99)
     smooth = _both_ways(signal.butter(BUTTERWORTH, share), x)
     v = np.gradient(smooth, dt)
-    force = np.asarray(record.values("force")) if "force" in record.quantities() else 0.0 * x
+    applied = applied_force(mechanism, record)
+    force = 0.0 * x if applied is None else applied
     found = (record.time, smooth, v, np.gradient(v, dt), force)
     return tuple(column[MARGIN:] for column in found)
 
 
-def _decimated(column: Array, every: int) -> Array:
+def _share(x: Array, least: float) -> float:
+    """Return what a filter passes, over half the sampling frequency.
+
+    The mean frequency of a motion is that of the sine with the same mean squares of position,
+    seen from its mean, and of steps.
+    """
+    spread, step = float(np.std(x)), float(np.std(np.diff(x)))
+    mean = step / max(2.0 * np.pi * spread, 1e-300)
+    return 2.0 * min(max(least, HARMONICS * mean), max(HIGHEST, least))
+
+
+def _decimated(column: Array, every: int, share: float) -> Array:
     """Return every so manieth value of a filtered column; the last one is kept."""
     from scipy import signal
 
     if every == 1:
-        return _both_ways(signal.butter(BUTTERWORTH, 2.0 / PARALLEL_SHARE), column)
+        return _both_ways(signal.butter(BUTTERWORTH, share), column)
     smooth = _both_ways(signal.cheby1(8, 0.05, 0.8 / every), column)
     return smooth[(len(smooth) - 1) % every :: every]
 
@@ -267,16 +287,19 @@ def inertia_of(
 def friction_record(mechanism: Mechanism, measurement: Measurement) -> Measurement:
     """Return records of friction, and a constant force with it, from records of motion and force.
 
-    Their velocities and forces are filtered alike.
+    Their velocities and forces are filtered alike. Rows slower than a tenth of the record's speed
+    are left out: the filter mixes both directions there, and at rest friction is what holds.
     """
     trials = []
     for record in measurement.records():
         found = inverse_dynamics(mechanism, record, unknown=())
+        speed = np.abs(found.velocity)
+        moving = speed > SLOW * float(np.percentile(speed, 98.0))
         trials.append(
             Measurement(
-                time=found.time,
-                velocity=found.velocity,
-                friction=found.friction,
+                time=found.time[moving],
+                velocity=found.velocity[moving],
+                friction=found.friction[moving],
                 name=record.name,
                 provenance=record.provenance,
             )

@@ -25,7 +25,7 @@ from stickslip.identification.record_starts import (
     mechanism_unknowns,
     scales_of,
 )
-from stickslip.identification.segmenting import RESOLUTION, measured_quantity, segments_of
+from stickslip.identification.segmenting import RESOLUTION, Hold, measured_quantity, segments_of
 from stickslip.identification.shooting import Shooting
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
@@ -54,6 +54,8 @@ class RecordSettings:
     """Length of a segment [s] that is simulated."""
     resolution: int = RESOLUTION
     """Rows of a segment at most."""
+    hold: Hold = "zero"
+    """``"zero"`` if a force keeps its value until the next sample, ``"first"`` if it goes there."""
     starts: int = STARTS
     """Starts of the search."""
     seed: int = 0
@@ -145,7 +147,8 @@ def fit_record(
         tried=ready.tried,
         watch=watch,
     )
-    if way == "shooting" and "force" not in measurement.quantities():
+    driven = {"force", "reference"} & set(measurement.quantities())
+    if way == "shooting" and not driven:
         ready, found = _lengthened(ready, found, measurement, settings, watch)
     return _finished(way, mechanism, measurement, ready, found)
 
@@ -200,6 +203,7 @@ def _shooting(
                 record,
                 length=settings.segment if length is None else length,
                 resolution=_rows(settings, length),
+                hold=settings.hold,
             ),
             quantity_=measured_quantity(record),
         )

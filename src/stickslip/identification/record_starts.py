@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass
 
 import numpy as np
 
@@ -123,7 +123,9 @@ def law_unknowns(
     if free is not None:
         wanted = [full_path(name, [f"friction.{known}" for known in names]) for name in free]
         names = [name for name in names if f"friction.{name}" in wanted]
-    ranges = {name: _range(kind, name, scales) for name in names}
+    required = [n for n, field in kind.__dataclass_fields__.items() if field.default is MISSING]
+    needed = [name for name in kind.fit_order if name in names or name in required]
+    ranges = {name: _range(kind, name, scales) for name in needed}
     values = {name: start for name, (start, _, _) in ranges.items()}
     if not isinstance(law, type):
         values |= {n: v for n in names if (v := getattr(law, n)) is not None}

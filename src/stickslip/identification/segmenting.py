@@ -1,6 +1,7 @@
 """Cuts records into the segments that are simulated."""
 
 from collections.abc import Iterator
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,16 +9,19 @@ from numpy.typing import NDArray
 from stickslip.drives import Drive, Sampled, StraightPieces
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.identification.applied import applied_force
 from stickslip.identification.shooting import Segment
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["RESOLUTION", "measured_quantity", "segments_of", "with_drive"]
+__all__ = ["RESOLUTION", "Hold", "measured_quantity", "segments_of", "with_drive"]
 
 Array = NDArray[np.float64]
 
 RESOLUTION = 100
 """Samples a segment is compared at, and pieces its drive has, at most."""
+Hold: TypeAlias = Literal["zero", "first"]
+
 GAP = 3.0
 """Steps of time longer than this many usual ones are gaps, which no segment crosses."""
 GUESSED = 20
@@ -77,6 +81,7 @@ def segments_of(
     *,
     length: float,
     resolution: int = RESOLUTION,
+    hold: Hold = "zero",
 ) -> tuple[Segment, ...]:
     """Return segments of about the same length that cover all records.
 
@@ -90,7 +95,10 @@ def segments_of(
         Length of a segment [s]; the last one of a record may be down to half as long, and a
         shorter remainder is left out.
     resolution : int
-        Rows of a segment at most; what drives it is averaged over each of them.
+        Rows of a segment at most; what drives it is condensed to as many pieces.
+    hold : {"zero", "first"}
+        Whether a force keeps its value until the next sample, as that of a controller, or goes
+        straight to it, as one that a sensor measured. A reference is always joined.
     """
     quantity = measured_quantity(measurement)
     found: list[Segment] = []
@@ -98,7 +106,8 @@ def segments_of(
         set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
         time = np.asarray(record.time)
         for first, last in _stretches(time, length):
-            found.append(_segment(index, record, quantity, set_up, first, last, resolution))
+            rows = _rows(first, last, resolution)
+            found.append(_segment(index, record, quantity, set_up, rows, hold))
     if not found:
         raise InputError(
             f"no record has {LEAST} samples without a gap: there is nothing to compare runs with."
@@ -124,18 +133,18 @@ def _segment(
     record: Measurement,
     quantity: str,
     mechanism: Mechanism,
-    first: int,
-    last: int,
-    resolution: int,
+    rows: NDArray[np.intp],
+    hold: Hold,
 ) -> Segment:
     assert isinstance(record.time, np.ndarray)
-    stride = max(1, (last - first) // resolution)
-    rows = np.arange(first, last + 1, stride)
+    first, last, stride = int(rows[0]), int(rows[-1]), int(rows[1] - rows[0])
     times = record.time[rows] - record.time[first]
     values = np.asarray(record.values(quantity))
-    if "force" in record.quantities():
-        force = np.asarray(record.values("force"))
-        drive = _drive(record.time[first : rows[-1] + 1], force[first : rows[-1] + 1], stride)
+    force = applied_force(mechanism, record)
+    if force is not None:
+        part = slice(first, last + 1)
+        joined = hold == "first" or "force" not in record.quantities()
+        drive = _drive(record.time[part], force[part], stride, joined=joined)
         mechanism = with_drive(mechanism, drive)
     return Segment(
         record=index,
@@ -147,15 +156,24 @@ def _segment(
     )
 
 
-def _drive(time: Array, force: Array, stride: int) -> Drive:
-    """Return a held force with fewer pieces.
+def _rows(first: int, last: int, resolution: int) -> NDArray[np.intp]:
+    """Return the samples at which a segment is compared."""
+    return np.arange(first, last + 1, max(1, (last - first) // resolution))
+
+
+def _drive(time: Array, force: Array, stride: int, *, joined: bool) -> Drive:
+    """Return a sampled force with fewer pieces.
 
     Where every sample is a piece it is taken as it is. Else each piece is the straight line of the
     same impulse and the same moment: to a free mass it is the same force at the ends of pieces.
     """
     t = time - time[0]
+    if stride == 1 and joined:
+        return Sampled(times=tuple(t.tolist()), values=tuple(force.tolist()), hold="first")
     if stride == 1:
-        return Sampled(times=t[:-1].tolist(), values=force[:-1].tolist())
+        return Sampled(times=tuple(t[:-1].tolist()), values=tuple(force[:-1].tolist()))
+    if joined:
+        force = np.append(0.5 * (force[1:] + force[:-1]), force[-1])
     ends = t[::stride]
     first = np.arange(0, len(t) - 1, stride)
     length, middle = np.diff(ends), 0.5 * (ends[1:] + ends[:-1])

@@ -1,0 +1,49 @@
+"""The force that drives a record: as measured, or by the controller that was asked for a motion."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.experiments import Measurement
+from stickslip.mechanisms import Mechanism
+
+__all__ = ["applied_force"]
+
+Array = NDArray[np.float64]
+
+
+def applied_force(mechanism: Mechanism, record: Measurement) -> Array | None:
+    """Return the force (n,) [N] that drives a record; None if it moves by itself.
+
+    A record with a reference and without a force is one in closed loop. Its controller is part of
+    the mechanism: its gains are a spring and a damper towards the reference, so the mechanism needs
+    ``stiffness`` and ``damping``, and the force is what they pull with from the reference's side.
+
+    Raises
+    ------
+    InputError
+        If there is a reference, and a mechanism without gains.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> record = Measurement(time=[0.0, 1.0], position=[0.0, 0.9], reference=[0.0, 1.0])
+    >>> applied_force(Axis(inertia=1.0, stiffness=5.0, damping=2.0), record)
+    array([2., 7.])
+    """
+    known = record.quantities()
+    if "force" in known:
+        return np.asarray(record.values("force"))
+    if "reference" not in known:
+        return None
+    stiffness = float(getattr(mechanism, "stiffness", 0.0))
+    if stiffness <= 0.0:
+        raise InputError(
+            "a record with a reference and no force is one in closed loop: give the controller's"
+            f" gains as stiffness [N/m] and damping [N s/m] of the {type(mechanism).__name__}, or"
+            " the force."
+        )
+    asked, time = np.asarray(record.values("reference")), np.asarray(record.time)
+    rate = np.gradient(asked, time)
+    force: Array = stiffness * asked + float(getattr(mechanism, "damping", 0.0)) * rate
+    return force

@@ -1,0 +1,96 @@
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Axis,
+    CoulombViscous,
+    Measurement,
+    PiecewiseLinear,
+    RecordSettings,
+    SpringBlock,
+    Viscous,
+    fit,
+    load_rig,
+    simulate,
+)
+from stickslip.errors import InputError, UnknownNameError
+
+QUICK = RecordSettings(starts=1)
+TRUTH = CoulombViscous(kinetic_coefficient=6.0, viscous_coefficient=4.0)
+
+
+def tracked():
+    """Return a record of an axis under a controller that follows a reference, without noise."""
+    axis = Axis(inertia=2.0, stiffness=800.0, damping=60.0)
+    t = np.arange(0.0, 12.0, 0.01)
+    asked = 0.05 * np.sin(2 * math.pi * 0.4 * t) + 0.03 * np.sin(2 * math.pi * 0.9 * t + 1.0)
+    force = axis.stiffness * asked + axis.damping * np.gradient(asked, t)
+    drive = PiecewiseLinear(times=t.tolist(), values=force.tolist())
+    run = simulate(dataclasses.replace(axis, drive=drive), TRUTH, t_end=float(t[-1]))
+    return axis, Measurement(time=t, position=run.at(t)["x"], reference=asked)
+
+
+def test_a_record_in_closed_loop_gives_the_friction_that_made_it():
+    axis, record = tracked()
+    found = fit(axis, CoulombViscous, record, settings=QUICK)
+    # held for 10 ms instead of joined by lines: half a sample late, 1 % of the period
+    assert found.law.kinetic_coefficient == pytest.approx(6.0, rel=0.03)
+    assert found.law.viscous_coefficient == pytest.approx(4.0, rel=0.25)
+
+
+def test_a_closed_loop_needs_the_gains_of_its_controller():
+    _, record = tracked()
+    with pytest.raises(InputError, match="gains as stiffness"):
+        fit(Axis(inertia=2.0), CoulombViscous, record, settings=QUICK)
+
+
+def decay():
+    rig = SpringBlock(mass=1.0, stiffness=400.0, compression=0.1, attached=True)
+    law = CoulombViscous(kinetic_coefficient=0.02, viscous_coefficient=0.3)
+    t = np.arange(0.0, 6.0, 0.005)
+    return rig, law, Measurement(time=t, position=simulate(rig, law, t_end=6.0).at(t)["x"])
+
+
+def test_a_free_decay_is_fitted_in_ever_longer_segments_to_its_truth():
+    rig, law, record = decay()
+    found = fit(rig, CoulombViscous, record, settings=QUICK)
+    assert len(found.problem.spans) == 1  # at last as a whole
+    # no noise: what is left is the tolerance of the solver, 1e-9 a step
+    assert found.law.kinetic_coefficient == pytest.approx(law.kinetic_coefficient, rel=1e-5)
+    assert found.law.viscous_coefficient == pytest.approx(law.viscous_coefficient, rel=1e-4)
+
+
+def test_a_fit_is_written_as_a_rig_file_that_simulates(tmp_path):
+    rig, _, record = decay()
+    found = fit(rig, Viscous, record, settings=QUICK)
+    found.save(tmp_path / "law.toml")
+    read = load_rig(tmp_path / "law.toml")
+    assert read.laws["viscous"] == found.law
+    assert read.mechanism == found.mechanism
+
+
+def test_a_profile_is_least_at_the_estimate():
+    rig, _, record = decay()
+    found = fit(rig, CoulombViscous, record, free=["viscous_coefficient"], settings=QUICK)
+    found = fit(rig, CoulombViscous, record, settings=QUICK)
+    best = found.estimate("viscous_coefficient").value
+    costs = found.profile("viscous_coefficient", [0.9 * best, best, 1.1 * best])
+    assert costs[1] < costs[0]
+    assert costs[1] < costs[2]
+
+
+def test_a_route_that_is_not_known_is_refused():
+    rig, _, record = decay()
+    with pytest.raises(UnknownNameError, match="shooting"):
+        fit(rig, Viscous, record, route="shoting")
+
+
+def test_friction_by_inverse_dynamics_is_near_that_by_simulation():
+    axis, record = tracked()
+    by_force = fit(axis, CoulombViscous, record, route="inverse-dynamics")
+    # filters smear reversals: a few per cent
+    assert by_force.law.kinetic_coefficient == pytest.approx(6.0, rel=0.1)
+    assert by_force.problem.quantity == "friction"
