@@ -18,6 +18,7 @@ extensions = [
     "mathml",
     "myst_nb",
     "numpydoc",
+    "records",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "sphinxcontrib.bibtex",

@@ -40,7 +40,10 @@ def test_the_readme_has_examples_for_python_and_the_terminal() -> None:
 
 
 @pytest.mark.parametrize(("code", "shown"), EXAMPLES)
-def test_a_python_example_prints_what_is_shown_below_it(code: str, shown: str) -> None:
+def test_a_python_example_prints_what_is_shown_below_it(
+    code: str, shown: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
         exec(compile(code, "README.md", "exec"), {})

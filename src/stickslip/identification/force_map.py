@@ -1,7 +1,7 @@
 """The route of measured friction: a law is fitted to the force along the measured motion."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
+from dataclasses import MISSING, fields, replace
 from itertools import product
 
 import numpy as np
@@ -112,7 +112,7 @@ def force_map(
         and not {constant, "offset"} & set(held)
     )
     rough = told if free else Rough.of(stretches, offset=own or 0.0)
-    start = rough.law(kind) if isinstance(law, type) else law
+    start = _without(rough.law(kind), held) if isinstance(law, type) else law
     paths = looked_for(start, whole=isinstance(law, type), held=held)
     problem = ForceMap(
         law=start,
@@ -126,6 +126,13 @@ def force_map(
         return problem
     few = stretches_of(mechanism, measurement, samples=min(FEW, samples))
     return _from_grid(problem, replace(problem, stretches=few))
+
+
+def _without(law: FrictionLaw, held: Collection[str]) -> FrictionLaw:
+    """Return a law in which what is not looked for has its default, where it has one."""
+    names = {name.rpartition(".")[2] for name in held}
+    known = {field.name: field.default for field in fields(law) if field.name in names}
+    return replace(law, **{name: v for name, v in known.items() if v is not MISSING})
 
 
 def _from_grid(problem: ForceMap, coarse: ForceMap) -> ForceMap:

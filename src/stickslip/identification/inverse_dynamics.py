@@ -80,7 +80,7 @@ def inverse_dynamics(
     *,
     unknown: Sequence[str] = ("inertia",),
     directional: bool = False,
-    offset: bool = True,
+    offset: bool | None = None,
     cutoff: float | None = None,
     decimate: int = 1,
     robust: bool = False,
@@ -100,8 +100,9 @@ def inverse_dynamics(
         ``("inertia",)`` if the mass is looked for, else empty.
     directional : bool
         Whether each direction has its own viscous part and level.
-    offset : bool
-        Whether a constant force is looked for.
+    offset : bool, optional
+        Whether a constant force is looked for; if not given, unless each direction has its level,
+        from half the difference of which it cannot be told.
     cutoff : float, optional
         Of the position's filter [Hz]; a 10th of the sampling frequency if not given.
     decimate : int
@@ -123,6 +124,7 @@ def inverse_dynamics(
     Source: M. Gautier, "Dynamic identification of robots with power model", 1997; filtered as in
     A. Janot et al., EMPS, 2019.
     """
+    offset = not directional if offset is None else offset
     parts = []
     for record in measurement.records():
         set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
@@ -280,7 +282,7 @@ def inertia_of(
             raise InputError(f"inverse dynamics finds the mass of a mechanism, not {name!r}.")
     if not names:
         return {}
-    found = inverse_dynamics(mechanism, measurement, directional=True, offset=False, robust=True)
+    found = inverse_dynamics(mechanism, measurement, directional=True, robust=True)
     return {f"mechanism.{names[0]}": found["inertia"]}
 
 

@@ -101,14 +101,15 @@ class Problem(ABC):
 
 @final
 class Part:
-    """Some segments of a problem, for a search."""
+    """Some segments of a problem, for a search that begins near an earlier answer."""
 
-    def __init__(self, whole: Problem, chosen: Sequence[int]) -> None:
-        self.whole, self.chosen = whole, chosen
+    def __init__(self, whole: Problem, chosen: Sequence[int], known: Linearised) -> None:
+        self.whole, self.chosen, self.known = whole, chosen, known
         self.unknowns = whole.unknowns
 
     def linearise(self, values: Array, near: Linearised | None = None) -> Linearised:
         """Return residuals and slopes at values (p,)."""
+        near = self.known if near is None else near
         return self.whole.linearise(values, near, only=self.chosen)
 
 

@@ -62,7 +62,6 @@ def scales_of(
             measurement,
             unknown=free,
             directional=directional,
-            offset=not directional,
             robust=True,
         )
 

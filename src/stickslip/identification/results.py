@@ -108,7 +108,7 @@ class Fit(ABC):
     @final
     def to_toml(self) -> str:
         """Return mechanism and law as the text of a rig file, which `load_rig` reads."""
-        return rig_toml(self.mechanism, self.law, title=str(self))
+        return rig_toml(self.mechanism, self.law, title=f"{self.law.title}, fitted")
 
     @final
     def save(self, path: str | Path) -> None:

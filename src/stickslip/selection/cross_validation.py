@@ -119,7 +119,7 @@ def _loss(
 
 def _refitted(fit: RecordFit, seen: NDArray[np.bool_]) -> Array:
     """Return the values that fit some segments best, from those that fit all."""
-    part = Part(fit.problem, np.flatnonzero(seen).tolist())
+    part = Part(fit.problem, np.flatnonzero(seen).tolist(), fit.found.best)
     end, _ = improve(part, fit.values, rounds=ROUNDS)
     return end.values
 

@@ -30,7 +30,7 @@ RecordWatch: TypeAlias = Callable[[str, float], object]
 """Called with a candidate and the least residual so far; False ends that candidate's search."""
 
 SPARE = ("viscous_coefficient",)
-"""Fields that stand beside what makes a law that law; one that is not told from 0 is left out."""
+"""Fields that stand beside what makes a law that law; one that goes to 0 is left out."""
 PURPOSES = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
 
@@ -156,14 +156,12 @@ def _candidate(
 
 
 def _spare(fit: RecordFit) -> list[str]:
-    """Return the paths of parts that a law has beside what makes it that law, and does without."""
+    """Return the paths of parts beside what makes a law that law, if they went to 0."""
     fields = type(fit.law).__dataclass_fields__
     return [
-        estimate.path
-        for estimate in fit.estimates
-        for name in [estimate.path.rpartition(".")[2]]
-        if name in SPARE and estimate.path.startswith("friction.")
-        if fields[name].default == 0.0 and not estimate.low > 0.0
+        f"friction.{name}"
+        for name in SPARE
+        if fit.at_bounds.get(f"friction.{name}") == "lower" and fields[name].default == 0.0
     ]
 
 
