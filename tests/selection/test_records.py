@@ -99,7 +99,8 @@ def test_the_usual_choice_and_no_friction_stand_beside_the_others(verdict):
 
 
 def test_a_held_out_error_is_that_of_a_fit_to_the_other_segments_alone(record):
-    fit = fit_record(AXIS, DirectionDependent, record, unknown=["inertia"], settings=QUICK)
+    exact = RecordSettings(starts=1, resolution=200)  # every sample of the force is a piece
+    fit = fit_record(AXIS, DirectionDependent, record, unknown=["inertia"], settings=exact)
     plan = plan_of(fit, horizon=1.0)
     found = cross_validate(fit, plan)
     spans = fit.problem.spans[:, 1:]
@@ -117,7 +118,7 @@ def test_a_held_out_error_is_that_of_a_fit_to_the_other_segments_alone(record):
         judged = settled(seen, anew.values)
         losses.append(judged.cost / len(judged.residual))
     # by hand; searches end where a step gains less than 1e-4 of the cost
-    np.testing.assert_allclose(found.losses, losses, rtol=0.01)
+    np.testing.assert_allclose(found.losses, losses, rtol=0.02)
 
 
 def test_everything_of_a_verdict_is_json(verdict):

@@ -23,6 +23,11 @@ if TYPE_CHECKING:
 __all__ = ["Build", "Prediction", "RecordFit", "Score"]
 
 Array = NDArray[np.float64]
+
+SETTLING = 8
+"""Rounds in which initial states are fitted at most."""
+SETTLED = 1e-3
+"""They are fitted when a round lowers the cost by less than this share."""
 Build: TypeAlias = Callable[[Measurement, float | None], Problem]
 """Makes the problem of another record, with the same unknowns and segments of a length [s]."""
 
@@ -247,14 +252,17 @@ def settled(
     values: Array,
     *,
     only: Sequence[int] | None = None,
-    rounds: int = 2,
 ) -> Linearised:
     """Return residuals at values with the segments' initial states fitted."""
     seen = problem.linearise(values, only=only, slopes=False)
-    for _ in range(rounds - 1):
-        if not math.isfinite(seen.cost):
+    for _ in range(SETTLING):
+        before = seen.cost
+        if not math.isfinite(before):
             break
-        seen = problem.linearise(values, seen, only=only, slopes=False)
+        again = problem.linearise(values, seen, only=only, slopes=False)
+        seen = again if again.cost < before else seen
+        if again.cost > (1.0 - SETTLED) * before:
+            break
     return seen
 
 

@@ -33,6 +33,10 @@ SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_
 thousands, parameters have gone where nothing moves as measured."""
 
 
+ROUNDS = 5
+"""Rounds at most in which a first initial state is fitted."""
+SETTLING = 0.01
+"""It is fitted when a round lowers the misfit by less than this share."""
 SETTLED = 0.02
 """Bristles are settled that the first velocity bends within this share of a segment."""
 
@@ -133,11 +137,10 @@ class Shooting(Problem):
             before = known.get(k)
             if before is not None:
                 return self._shot(segment, mechanism, law, before.near(change), slopes=slopes)
-            first = self._shot(segment, mechanism, law, segment.guess, slopes=False)
-            if first is None:
-                return None
-            state = first.near(np.zeros(len(values)))
-            return self._shot(segment, mechanism, law, state, slopes=slopes)
+            state = self._settled(segment, mechanism, law)
+            return (
+                None if state is None else self._shot(segment, mechanism, law, state, slopes=slopes)
+            )
 
         if self.threads == 1:
             shots = list(map(one, chosen))
@@ -145,6 +148,19 @@ class Shooting(Problem):
             with ThreadPoolExecutor(self.threads) as pool:
                 shots = list(pool.map(one, chosen))
         return self._joined(values, chosen, shots)
+
+    def _settled(self, segment: Segment, mechanism: Mechanism, law: FrictionLaw) -> Array | None:
+        """Return the initial state that fits a segment, from the guess; None if no run succeeds."""
+        state, least = segment.guess, np.inf
+        for _ in range(ROUNDS):
+            shot = self._shot(segment, mechanism, law, state, slopes=False)
+            if shot is None:
+                return None
+            misfit = float(np.sum(shot.projected(shot.residual) ** 2))
+            if misfit > (1.0 - SETTLING) * least:
+                break
+            least, state = misfit, shot.near(np.zeros(len(self.unknowns)))
+        return state
 
     def _changed(self, values: Array) -> tuple[FrictionLaw, Mapping[int, Mechanism]]:
         """Return the law and, by identity, the segments' mechanisms with other values."""
