@@ -13,7 +13,13 @@ from stickslip.plots.series import Array, Sizes, scale_of
 from stickslip.plots.svg import Draw
 from stickslip.plots.theme import C1, INK, LINE, MUTED, label_at
 
-__all__ = ["characteristic_sizes", "draw_characteristics", "draw_presliding", "presliding_sizes"]
+__all__ = [
+    "characteristic",
+    "characteristic_sizes",
+    "draw_characteristics",
+    "draw_presliding",
+    "presliding_sizes",
+]
 
 WIDE_COLUMNS: Final = 3
 NARROW_COLUMNS: Final = 2
@@ -71,7 +77,7 @@ def draw_characteristics(
         Draws it; the other laws stand pale behind each.
     """
     chosen = next(iter(laws)) if chosen is None else chosen
-    curves = {title: _characteristic(law, load, v_max) for title, law in laws.items()}
+    curves = {title: characteristic(law, load, v_max) for title, law in laws.items()}
     factor, unit = scale_of([v_max], "m/s")
 
     def draw(figure: Figure, narrow: bool) -> None:
@@ -146,8 +152,16 @@ def draw_presliding(
     return draw
 
 
-def _characteristic(law: FrictionLaw, load: float, v_max: float) -> tuple[Array, Array]:
-    """Return velocity and force; at rest an upright line between the break-away levels."""
+def characteristic(law: FrictionLaw, load: float, v_max: float) -> tuple[Array, Array]:
+    """Return velocity and force; at rest an upright line between the break-away levels.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> v, force = characteristic(Coulomb(kinetic_coefficient=0.25), load=4.0, v_max=0.1)
+    >>> float(force[0]), float(force[-1])
+    (-1.0, 1.0)
+    """
     # Closer towards zero, where a static surplus fades within millimetres a second.
     speed = v_max * np.concatenate([np.geomspace(1e-6, 0.02, 120), np.linspace(0.021, 1.0, 150)])
     (back, held_back), (ahead, held) = (

@@ -11,7 +11,18 @@ from stickslip.plots.svg import Size
 from stickslip.plots.theme import C1, C2, C3, C4, INK, MUTED
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Array", "Look", "Sizes", "dense", "grouped", "horizon", "looks", "scale_of", "wrapped"]
+__all__ = [
+    "Array",
+    "Look",
+    "Sizes",
+    "dense",
+    "grouped",
+    "horizon",
+    "in_mm",
+    "looks",
+    "scale_of",
+    "wrapped",
+]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -146,6 +157,21 @@ def scale_of(values: Array | Sequence[float], unit: str) -> tuple[float, str]:
     if not unit.startswith("m") or unit not in {"m", "m/s"} or largest >= 0.1 or largest == 0.0:
         return 1.0, unit
     return (1e6, f"µ{unit}") if largest < 1e-4 else (1e3, f"m{unit}")
+
+
+def in_mm(values: Array | Sequence[float], unit: str) -> tuple[float, str]:
+    """Return a factor and a unit as `scale_of` does, millimetres for all that is below a metre.
+
+    Examples
+    --------
+    >>> in_mm([0.2], "m/s"), in_mm([1.5], "m"), in_mm([12.0], "N")
+    ((1000.0, 'mm/s'), (1.0, 'm'), (1.0, 'N'))
+    """
+    largest = float(np.max(np.abs(values))) if len(values) else 0.0
+    factor, shown = scale_of(values, unit)
+    return (1e3, f"m{unit}") if factor == 1.0 and unit in {"m", "m/s"} and 0 < largest < 1 else (
+        factor, shown
+    )  # fmt: skip
 
 
 def grouped(

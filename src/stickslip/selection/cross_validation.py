@@ -36,7 +36,7 @@ class Plan:
     horizon: float
     """Length [s] of the segments that are predicted."""
     length: float
-    """Length of all records together [s]."""
+    """Length of all records together [s]; 0 for a table."""
 
 
 @final
@@ -65,6 +65,8 @@ class CrossValidation:
 def plan_of(fit: RecordFit, *, horizon: float, folds: int = FOLDS) -> Plan:
     """Return a plan: gaps as long as residuals of a fit are correlated, a horizon that fits in."""
     spans = fit.problem.spans
+    if _interleaved(spans):
+        return Plan(folds=min(folds, len(spans)), gap=0.0, horizon=horizon, length=0.0)
     length = float(np.sum(spans[:, 2] - spans[:, 1]))
     block = length / folds
     correlated = length / fit.inference.effective
@@ -96,8 +98,14 @@ def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
 
 
 def _positions(problem: Problem) -> Array:
-    """Return first and last time of each segment (segments, 2), records laid end to end."""
+    """Return first and last time of each segment (segments, 2), records laid end to end.
+
+    The segments of a table have no times; they take one place each.
+    """
     spans = problem.spans
+    if _interleaved(spans):
+        numbers = np.arange(len(spans), dtype=float)
+        return np.column_stack([numbers, numbers + 1.0])
     starts, at = {}, 0.0
     for record in np.unique(spans[:, 0]):
         own = spans[spans[:, 0] == record]
@@ -106,6 +114,12 @@ def _positions(problem: Problem) -> Array:
     shift = np.array([starts[record] for record in spans[:, 0]])
     placed: Array = spans[:, 1:] + shift[:, None]
     return placed
+
+
+def _interleaved(spans: Array) -> bool:
+    """Whether segments lie within each other: those of a table, its rows dealt out in turn."""
+    same = spans[1:, 0] == spans[:-1, 0]
+    return bool(np.any(same & (spans[1:, 1] < 0.5 * (spans[:-1, 1] + spans[:-1, 2]))))
 
 
 def _loss(

@@ -101,6 +101,11 @@ def _separation(values: Mapping[str, float], best: str, doubt: float) -> float:
     return min(gaps) / max(doubt, 1e-300) if gaps else 0.0
 
 
+def _plain(value: float, digits: int) -> str:
+    """Return a number to some digits without a power of ten, as one would set it."""
+    return f"{float(f'{value:.{digits}g}'):.15g}"
+
+
 def _steady(
     laws: Mapping[str, FrictionLaw], best: str, v: float, doubt: float, load: float
 ) -> Experiment | None:
@@ -108,7 +113,10 @@ def _steady(
     values = {name: float(steady_friction(law, v, load)[0]) for name, law in laws.items()}
     seconds = max(10.0, 5.0 * math.ceil(0.05 / max(v, 1e-6) / 5.0))
     return Experiment(
-        what=f"Constant speed of {1e3 * v:.2g} mm/s, both ways, {min(seconds, 60.0):.0f} s each.",
+        what=(
+            f"Constant speed of {_plain(1e3 * v, 2)} mm/s, both ways,"
+            f" {min(seconds, 60.0):.0f} s each."
+        ),
         observed="friction, N",
         predicted=values,
         separation=_separation(values, best, doubt),
@@ -158,7 +166,7 @@ def _coast(
     if values is None or not all(map(math.isfinite, values.values())):
         return None
     return Experiment(
-        what=f"Coast from {1e3 * speed:.3g} mm/s with the drive off, three times each way.",
+        what=f"Coast from {_plain(1e3 * speed, 3)} mm/s with the drive off, three times each way.",
         observed="distance to the stop, m",
         predicted=values,
         separation=_separation(values, best, doubt),

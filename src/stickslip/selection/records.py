@@ -273,13 +273,19 @@ def _experiments(
     laws = {c.name: c.fit.law for c in [best, *rivals[:3]] if c.fit}
     if "position" not in best.fit.measurement.quantities():
         return ()
-    dynamics = inverse_dynamics(best.fit.mechanism, best.fit.measurement, unknown=())
+    try:
+        dynamics = inverse_dynamics(best.fit.mechanism, best.fit.measurement, unknown=())
+    except InputError:  # too short to be filtered
+        return ()
+    # Where friction was measured no force was, and dynamics know nothing of its doubt.
+    measured = best.fit.problem.quantity == "friction"
+    left = best.fit.rms if measured else float(np.std(dynamics.residual))
     return design(
         best.fit.mechanism if best.fit.route == "shooting" else None,
         laws,
         best=best.name,
         speed=float(np.percentile(np.abs(dynamics.velocity), 98.0)),
-        force_doubt=float(np.std(dynamics.residual)) / 3.0,
+        force_doubt=left / 3.0,
         length_doubt=best.fit.rms if best.fit.problem.quantity == "position" else 1e-4,
         load=load_of(best.fit.mechanism),
     )

@@ -1,0 +1,322 @@
+"""The end of the report: dropped laws, the record, the certificate, next steps, and sources."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+
+from stickslip.friction import FrictionLaw
+from stickslip.identification import RecordFit
+from stickslip.plots.record import Channel, draw_record, record_sizes
+from stickslip.plots.svg import inline_svg
+from stickslip.quantities import fields_of
+from stickslip.report import numbers
+from stickslip.report.blocks import Block, Caption, Code, Figure, KeyValue, KeyValues, References
+from stickslip.report.documents import Section
+from stickslip.report.records.data import speeds_of, thinned
+from stickslip.report.records.scores import picks_text
+from stickslip.report.records.texts import estimate_parts, scale_for, symbols_of, typeset, unit_of
+from stickslip.report.selection.closing import law_references
+from stickslip.report.selection.texts import counted, quantity_value
+from stickslip.report.tables import Cell, Column, Number, Row, Table
+from stickslip.selection import RecordCandidate, RecordVerdict
+from stickslip.selection.experiments import Experiment
+
+__all__ = [
+    "certificate_section",
+    "dropped_section",
+    "next_section",
+    "record_section",
+    "reproduce_section",
+]
+
+LINES = 700
+"""Points of a line of the record."""
+MOST_SPANS = 60
+"""More spans of reverse travel than this are not shaded: they would be stripes."""
+ILL = 300.0
+"""Condition of the scaled slopes from which estimates are not separable."""
+
+
+def dropped_section(verdict: RecordVerdict) -> Section | None:
+    """Return the section on laws that may not be taken, None if there is none."""
+    everyone = [*verdict.candidates, *([verdict.control] if verdict.control else [])]
+    dropped = [c for c in everyone if c.dropped]
+    if not dropped:
+        return None
+    scale = scale_for(verdict)
+    rows = []
+    for c in dropped:
+        value, doubt = scale.pair(c.score, c.validation.error if c.validation else math.inf)
+        score: Cell = Number(value=value, doubt=doubt) if math.isfinite(c.score) else "no score"
+        symbols = symbols_of([c])
+        cells = (c.title, score, _said(c, symbols), typeset(c.dropped, symbols))
+        rows.append(Row(cells=cells, muted=True))
+    columns = (
+        Column(head="candidate"),
+        Column(head=f"held-out error\n{scale.unit}, ± 1 s.e.", numeric=True),
+        Column(head="what the fit said"),
+        Column(head="rule", phone="label", label="rule:"),
+    )
+    count = counted(len(dropped)).capitalize()
+    noun = "candidate" if len(dropped) == 1 else "candidates"
+    return Section(
+        id="dropped",
+        nav="Dropped",
+        heading=f"{count} {noun} dropped, and why",
+        blocks=(Table(columns=columns, rows=tuple(rows)),),
+    )
+
+
+def _said(c: RecordCandidate, symbols: frozenset[str]) -> str:
+    """Return the estimates of a dropped law that speak against it, else all of them."""
+    if c.fit is None:
+        return "no fit"
+    doubtful = [e for e in c.fit.estimates if not e.bounded or e.low <= 0.0 <= e.high]
+    parts = []
+    for estimate in (doubtful or c.fit.estimates)[:4]:
+        value, doubt = estimate_parts(estimate)
+        text = f"{value} {doubt}" if estimate.bounded else value
+        side = c.fit.at_bounds.get(estimate.path)
+        tail = f", at its {side} bound" if side else "" if estimate.bounded else ", not bounded"
+        shown = numbers.with_unit(text, unit_of(estimate, c.fit))
+        parts.append(f"${estimate.quantity.symbol}$ = {shown}{tail}")
+    if not parts:
+        return " ".join(typeset(line, symbols) for line in c.fit.sentences) or "nothing was free"
+    return "; ".join(parts)
+
+
+def record_section(verdict: RecordVerdict) -> Section | None:
+    """Return the section on the record and what was checked of it."""
+    blocks: list[Block] = []
+    fit = verdict.best.fit if verdict.best else None
+    figure = _record_figure(verdict, fit) if fit else None
+    if figure is not None:
+        blocks.append(figure)
+    marks: Mapping[str, Literal["none", "warn", "bad"]] = {"warning": "warn", "error": "bad"}
+    items = [
+        KeyValue(
+            key=finding.kind.replace("-", " ").replace("_", " ").capitalize(),
+            value=str(finding),
+            mark=marks.get(finding.severity, "none"),
+        )
+        for finding in verdict.checks.findings
+    ]
+    if items:
+        blocks.append(KeyValues(items=tuple(items)))
+    if not blocks:
+        return None
+    warned = sum(finding.severity != "info" for finding in verdict.checks.findings)
+    heading = "The record, and no warning from its checks"
+    if warned:
+        noun = "warning" if warned == 1 else "warnings"
+        heading = f"The record, and {counted(warned)} {noun} from its checks"
+    return Section(id="record", nav="Record and checks", heading=heading, blocks=tuple(blocks))
+
+
+def _record_figure(verdict: RecordVerdict, fit: RecordFit) -> Figure | None:
+    record = verdict.measurement.records()[0]
+    if record.time is None:
+        return None
+    units = {"position": "m", "velocity": "m/s", "force": "N", "friction": "N"}
+    names = {"force": "force applied", "friction": "friction"}
+    moving = speeds_of(fit, record)
+    channels = []
+    for name, unit in units.items():
+        if name == "velocity" and moving is not None:
+            t, values = moving
+        elif name in record.quantities() and np.ndim(record.values(name)):
+            t, values = record.time, np.asarray(record.values(name), dtype=float)
+        else:
+            continue
+        channels.append(Channel(names.get(name, name), unit, *thinned(t, values, LINES)))
+    if not channels:
+        return None
+    spans = _reverse(*moving) if moving is not None else []
+    svg = inline_svg(
+        draw_record(channels, spans),
+        alt=f"The record against time: {', '.join(channel.name for channel in channels)}",
+        prefix="record-figure",
+        **record_sizes(len(channels)),
+    )
+    several = len(verdict.measurement.records())
+    caption = "**The record.**" if several == 1 else f"**The first of {several} records.**"
+    if moving is not None and "velocity" not in record.quantities():
+        caption += " Velocity: from filtered positions."
+    caption += " Blue-grey: reverse travel." if spans else ""
+    return Figure(svg=svg, caption=caption)
+
+
+def _reverse(t: np.ndarray, velocity: np.ndarray) -> list[tuple[float, float]]:
+    """Return the spans of reverse travel [s]; none if they are too many to be seen."""
+    back = velocity < -0.02 * float(np.max(np.abs(velocity)))
+    turns = np.flatnonzero(np.diff(np.concatenate([[False], back, [False]]).astype(int)))
+    spans = [
+        (float(t[a]), float(t[min(b, len(t) - 1)]))
+        for a, b in zip(turns[::2], turns[1::2], strict=True)
+    ]
+    return spans if len(spans) <= MOST_SPANS else []
+
+
+def certificate_section(verdict: RecordVerdict) -> Section | None:
+    """Return the section on the computation behind the verdict."""
+    best = verdict.best
+    if best is None or best.fit is None:
+        return None
+    items = [*_search(best.fit), *_information(best.fit)]
+    plan = verdict.plan
+    items.append(
+        KeyValue(
+            key="Held-out blocks",
+            value=f"{plan.folds} blocks, {quantity_value(plan.gap, 's', 2)} left out on both sides,"
+            f" predicted over {quantity_value(plan.horizon, 's', 2)}"
+            if plan.length
+            else f"{plan.folds} blocks, rows dealt out in turn",
+        )
+    )
+    agree = all(name in ("", best.name) for name in verdict.picks.values())
+    text = picks_text(verdict)
+    if text:
+        items.append(KeyValue(key="Criteria", value=text, mark="ok" if agree else "warn"))
+    return Section(
+        id="certificate",
+        nav="Certificate",
+        heading="Certificate of the computation",
+        blocks=(KeyValues(items=tuple(items)),),
+    )
+
+
+def _search(fit: RecordFit) -> list[KeyValue]:
+    """Return how the least residual was found."""
+    found = fit.found
+    starts, agreeing = len(found.costs), found.agreeing
+    text = f"{agreeing} of {starts} starts came to the least residual within 0.5 %"
+    if agreeing < starts:
+        worst = math.sqrt(max(found.costs) / max(min(found.costs), 1e-300))
+        far = numbers.ratio(worst) if math.isfinite(worst) else "unbounded"
+        text += f"; the worst ended at {far} that residual"
+    text += "; the search was stopped before its end" if found.cancelled else ""
+    certain = agreeing > 1 and not found.cancelled
+    how = {
+        "shooting": "segments simulated exactly, each from a fitted state",
+        "force-map": "friction along the measured motion",
+        "inverse-dynamics": "friction from filtered motion and force",
+    }.get(fit.route, fit.route)
+    return [
+        KeyValue(key="Route", value=how),
+        KeyValue(key="Restarts", value=text, mark="ok" if certain else "warn"),
+        KeyValue(key="Evaluations", value=f"{found.evaluations:,} predictions of the record"),
+    ]
+
+
+def _information(fit: RecordFit) -> list[KeyValue]:
+    """Return how much the record says."""
+    rows, effective = len(fit.residual), fit.inference.effective
+    condition = fit.inference.condition
+    segments = fit.problem.spans
+    lengths = segments[:, 2] - segments[:, 1]
+    text = f"{len(segments):,}"
+    if all(record.time is not None for record in fit.measurement.records()):
+        text += f" of {quantity_value(float(np.median(lengths)), 's', 2)} each"
+    ended = ", ".join(path.rpartition(".")[2].replace("_", " ") for path in fit.at_bounds)
+    return [
+        KeyValue(key="Segments", value=text),
+        KeyValue(
+            key="Effective samples",
+            value=f"about {numbers.significant(effective, 2)} of {rows:,} rows compared",
+        ),
+        KeyValue(
+            key="Condition",
+            value=f"{numbers.significant(condition, 2)}, limit {ILL:g}",
+            mark="ok" if condition <= ILL else "warn",
+        ),
+        KeyValue(
+            key="Bounds",
+            value=f"reached by {ended}" if ended else "none reached",
+            mark="warn" if ended else "ok",
+        ),
+    ]
+
+
+def next_section(verdict: RecordVerdict) -> Section | None:
+    """Return the section on measurements that would tell more, None if none would."""
+    if not verdict.experiments:
+        return None
+    titles = {c.name: c.title for c in verdict.candidates}
+    names = list(verdict.experiments[0].predicted)
+    columns = (
+        Column(head="measurement"),
+        Column(head="read off"),
+        *(
+            Column(head=titles.get(n, n), numeric=True, phone="label", label=f"{titles.get(n, n)}:")
+            for n in names
+        ),
+        Column(head="separation\nover its doubt", numeric=True, phone="label", label="separation"),
+    )
+    rows = [_experiment(one, names) for one in verdict.experiments]
+    first = verdict.experiments[0]
+    far = numbers.significant(first.separation, 2)
+    heading = f"The most telling next measurement tells the laws apart by {far} times its doubt"
+    caption = (
+        "What each law as fitted predicts. Separation: from the chosen law to the nearest rival,"
+        " over what such a reading is known to in this record."
+    )
+    table = Table(columns=columns, rows=tuple(rows), caption=caption)
+    return Section(id="next", nav="Measure next", heading=heading, blocks=(table,))
+
+
+def _experiment(one: Experiment, names: Sequence[str]) -> Row:
+    what, _, unit = one.observed.rpartition(", ")
+    factor = 1.0
+    if unit == "m" and max(abs(v) for v in one.predicted.values()) < 1.0:
+        factor, unit = 1e3, "mm"
+    cells: list[Cell] = [one.what, f"{what}, {unit}"]
+    cells += [numbers.significant(factor * one.predicted[name], 3) for name in names]
+    return Row(cells=(*cells, numbers.significant(one.separation, 2)))
+
+
+def reproduce_section(
+    verdict: RecordVerdict, commands: Sequence[str], versions: Mapping[str, str], digest: str
+) -> Section:
+    """Return the section with commands, the law as code, data and references."""
+    blocks: list[Block] = []
+    if commands:
+        blocks.append(Code(text="\n".join(f"$ {command}" for command in commands)))
+    fit = verdict.best.fit if verdict.best else None
+    if fit is not None:
+        blocks.append(Code(text=_as_code(fit.law)))
+        blocks.append(Code(text=fit.to_toml().strip()))
+        blocks.append(Caption(text="The fitted law as code, and as a file that simulations take."))
+    items = _data(verdict)
+    items += [KeyValue(key=name, value=version) for name, version in versions.items()]
+    if digest:
+        items.append(KeyValue(key="Hash of the inputs", value=f"`{digest}`"))
+    if items:
+        blocks.append(KeyValues(items=tuple(items)))
+    laws = [c.law for c in verdict.candidates if c.law is not None]
+    sources = law_references(laws, {})
+    if sources:
+        blocks += [References(items=sources), Caption(text="What the laws come from.")]
+    return Section(
+        id="reproduce", nav="Reproduce and cite", heading="Reproduce and cite", blocks=tuple(blocks)
+    )
+
+
+def _data(verdict: RecordVerdict) -> list[KeyValue]:
+    records = verdict.measurement.records()
+    said = list(dict.fromkeys(r.provenance for r in records if r.provenance))
+    whole = verdict.measurement.provenance
+    text = whole or "; ".join(said[:3])
+    return [KeyValue(key="Data", value=text)] if text else []
+
+
+def _as_code(law: FrictionLaw) -> str:
+    """Return the fitted law as one would write it."""
+    kind = type(law).__name__
+    lines = [f">>> from stickslip import {kind}", f">>> law = {kind}("]
+    for name in fields_of(type(law)):
+        value = getattr(law, name)
+        if value is not None:
+            lines.append(f"...     {name}={value:.6g},")
+    return "\n".join([*lines, "... )"])

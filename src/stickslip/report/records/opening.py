@@ -1,0 +1,203 @@
+"""The opening: the verdict, the law with its numbers, and what one would quote."""
+
+import math
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from stickslip.friction import (
+    Coulomb,
+    CoulombViscous,
+    DirectionDependent,
+    FrictionLaw,
+    QuadraticDrag,
+    Viscous,
+)
+from stickslip.identification import Estimate, RecordFit
+from stickslip.quantities import fields_of
+from stickslip.report import numbers
+from stickslip.report.blocks import Fact
+from stickslip.report.documents import LawLine, Opening, Section
+from stickslip.report.records.data import map_points, offset_of
+from stickslip.report.records.texts import (
+    estimate_parts,
+    half_width,
+    label_of,
+    paired,
+    rival_of,
+    scale_for,
+    symbols_of,
+    typeset,
+    unit_of,
+)
+from stickslip.report.selection.texts import quantity_value
+from stickslip.selection import RecordVerdict
+
+__all__ = ["law_lines", "opening_section"]
+
+PLAIN: Final = (Coulomb, Viscous, CoulombViscous, QuadraticDrag)
+"""Laws whose friction is a sum of powers of the speed, which one line says."""
+
+
+def opening_section(verdict: RecordVerdict, kicker: str, remark: str = "") -> Section:
+    """Return the section that a reader may stop after."""
+    words, symbols = verdict.words, symbols_of(verdict.candidates)
+    fit = verdict.best.fit if verdict.best else None
+    opening = Opening(
+        kicker=kicker,
+        verdict=words.verdict,
+        lede=f"{typeset(words.lede, symbols)} {remark}".strip(),
+        law=law_lines(fit) if fit else (),
+        facts=_facts(verdict),
+        settles=_settles(fit) if fit else words.settles[:3],
+        cannot_tell=tuple(typeset(line, symbols) for line in words.cannot_tell[:3]),
+        measure_next=tuple(typeset(line, symbols) for line in words.measure_next[:3]),
+    )
+    return Section(id="verdict", nav="Verdict", heading="", blocks=(opening,))
+
+
+def _settles(fit: RecordFit) -> tuple[str, ...]:
+    return tuple(f"{label_of(e)} is {_said(e, fit)}." for e in _known(fit)[:3])
+
+
+def _known(fit: RecordFit) -> list[Estimate]:
+    """Return the bounded estimates, the surest first."""
+    known = [e for e in fit.estimates if e.bounded and "offset" not in e.path]
+    return sorted(known, key=lambda e: half_width(e) / max(abs(e.value), 1e-300))
+
+
+def _said(estimate: Estimate, fit: RecordFit) -> str:
+    value, doubt = estimate_parts(estimate)
+    unit = unit_of(estimate, fit)
+    if not estimate.bounded:
+        return f"{numbers.with_unit(value, unit)}, {doubt}"
+    return numbers.with_unit(f"{value} {doubt}".strip(), unit)
+
+
+def law_lines(fit: RecordFit) -> tuple[LawLine, ...]:
+    """Return the fitted law with its numbers, and what else was fitted beside it."""
+    law, points = fit.law, map_points(fit)
+    load = points.load if points and not points.load_varies else None
+    if isinstance(law, DirectionDependent):
+        lines = [
+            LawLine(label="forward", formula=f"$F$ = {_sum(fit, 'forward_', load)}"),
+            LawLine(label="reverse", formula=f"$F$ = −({_sum(fit, 'backward_', load)})"),
+        ]
+    elif isinstance(law, PLAIN):
+        lines = [LawLine(label="against the motion", formula=f"|$F$| = {_sum(fit, '', load)}")]
+    else:
+        lines = [
+            LawLine(label=q.symbol and name.replace("_", " "), formula=_assigned(law, fit, name))
+            for name, q in fields_of(type(law)).items()
+            if getattr(law, name) is not None
+        ]
+    offset = offset_of(fit)
+    if offset:
+        text = numbers.with_unit(numbers.significant(offset, 2), "N")
+        lines.append(LawLine(label="constant force", formula=text))
+    for estimate in fit.estimates:
+        if estimate.path.startswith("mechanism.") and not estimate.path.endswith("offset"):
+            name = estimate.path.rpartition(".")[2].replace("_", " ")
+            formula = f"${estimate.quantity.symbol}$ = {_said(estimate, fit)}"
+            lines.append(LawLine(label=name, formula=formula))
+    return tuple(lines)
+
+
+def _assigned(law: FrictionLaw, fit: RecordFit, name: str) -> str:
+    quantity = fields_of(type(law))[name]
+    found = [e for e in fit.estimates if e.path == f"friction.{name}"]
+    if found:
+        return f"${quantity.symbol}$ = {_said(found[0], fit)}"
+    value = getattr(law, name)
+    return f"${quantity.symbol}$ = {quantity_value(value, quantity.unit)}, taken as given"
+
+
+def _sum(fit: RecordFit, prefix: str, load: float | None) -> str:
+    """Return friction as a sum: level, viscous part, drag; parts that are 0 are left out."""
+    v = "$v$" if prefix == "forward_" else "|$v$|"
+    speed: tuple[tuple[str, str, str], ...] = (
+        ("viscous_coefficient", "N s/m", f" × {v}"),
+        ("quadratic_coefficient", "N s²/m²", " × $v$²"),
+    )
+    parts = []
+    level = _digits(fit, f"{prefix}kinetic_coefficient", load or 1.0)
+    if level:
+        parts.append(numbers.with_unit(level, "N") if load else f"{level} × $N$")
+    for name, unit, factor in speed:
+        value = _digits(fit, prefix + name, 1.0)
+        if value:
+            parts.append(numbers.with_unit(value, unit) + factor)
+    return " + ".join(parts) or "0"
+
+
+def _digits(fit: RecordFit, name: str, factor: float) -> str:
+    """Return a parameter to the digits that its interval leaves, nothing if it is 0."""
+    value = getattr(fit.law, name, None)
+    if not value:
+        return ""
+    found = [e for e in fit.estimates if e.path == f"friction.{name}" and e.bounded]
+    if found and half_width(found[0]) < abs(value):
+        return estimate_parts(found[0], factor)[0]
+    return numbers.significant(factor * value, 3)
+
+
+def _facts(verdict: RecordVerdict) -> tuple[Fact, ...]:
+    makers: tuple[Callable[[RecordVerdict], Fact | None], ...] = (_error, _factor, _telling)
+    return tuple(fact for make in makers if (fact := make(verdict)) is not None)
+
+
+def _error(verdict: RecordVerdict) -> Fact | None:
+    best = verdict.best
+    if best is None or best.validation is None:
+        return None
+    scale = scale_for(verdict)
+    value, doubt = scale.pair(best.score, best.validation.error)
+    what = f"error on what no fit has seen: {verdict.purpose.scored}"
+    if doubt:
+        return Fact(
+            value=value,
+            aside=numbers.with_unit(doubt, scale.unit),
+            what=f"{what}, ± 1 standard error",
+        )
+    return Fact(value=numbers.with_unit(value, scale.unit), what=what)
+
+
+def _factor(verdict: RecordVerdict) -> Fact | None:
+    best, other = verdict.best, rival_of(verdict)
+    if best is None or other is None or not 0.0 < best.score < math.inf:
+        return None
+    apart = paired(other, best)
+    doubt = ""
+    if apart is not None:
+        size = numbers.fixed(abs(apart), 0 if abs(apart) >= 2 else 1)
+        doubt = f"; the paired difference is {size} standard errors"
+    ratio = other.score / best.score
+    shown = numbers.ratio(ratio) if ratio < 100 else f"{float(f'{ratio:.2g}'):,.0f} ×"
+    if ratio >= 1.05:
+        return Fact(value=f"{shown} smaller", what=f"than the error of {other.title}{doubt}")
+    return Fact(value=shown, what=f"the error of {other.title} over that of {best.title}{doubt}")
+
+
+def _telling(verdict: RecordVerdict) -> Fact | None:
+    """Return the number that says most: how directions differ, or the surest parameter."""
+    fit = verdict.best.fit if verdict.best else None
+    if fit is None:
+        return None
+    law = fit.law
+    if isinstance(law, DirectionDependent):
+        ahead, back = law.forward_viscous_coefficient, law.backward_viscous_coefficient
+        if ahead > 0.0 and back > 0.0:
+            value = numbers.signed_percent(back / ahead - 1.0)
+            more = "more" if back >= ahead else "less"
+            return Fact(value=value, what=f"{more} viscous friction in reverse than forward")
+    own = [e for e in _known(fit) if e.path.startswith("friction.")]
+    if not own:
+        return None
+    value, doubt = estimate_parts(own[0])
+    halves = verdict.half_estimates.get(own[0].path)
+    what = f"{label_of(own[0])}, with its {own[0].interval} interval"
+    if halves and np.all(np.isfinite(halves)):
+        first, second = (numbers.significant(x, 3) for x in halves)
+        what += f"; {first} in the first half of the record, {second} in the second"
+    return Fact(value=value, aside=numbers.with_unit(doubt, unit_of(own[0], fit)), what=what)

@@ -1,0 +1,193 @@
+"""The parameters of the chosen law: estimates, what moves together, what is undetermined."""
+
+import math
+from typing import Final
+
+import numpy as np
+
+from stickslip.identification import Estimate, RecordFit
+from stickslip.report import numbers
+from stickslip.report.blocks import Block, Columns, KeyValue, KeyValues, Math, Subheading
+from stickslip.report.documents import Section
+from stickslip.report.records.texts import (
+    estimate_parts,
+    label_of,
+    symbols_of,
+    typeset,
+    unit_of,
+)
+from stickslip.report.rowplots import Axis, Mark, RowPlot
+from stickslip.report.selection.texts import counted
+from stickslip.report.tables import Cell, Column, Correlations, Name, Number, Row, Table
+from stickslip.selection import RecordVerdict
+
+__all__ = ["parameters_section"]
+
+MOST_CORRELATED: Final = 8
+"""Parameters of a triangle at most: a larger one is wider than a phone."""
+STRONG: Final = 0.9
+"""Correlation from which two parameters are said to trade off."""
+
+
+def parameters_section(verdict: RecordVerdict) -> Section | None:
+    """Return the section on the parameters of the chosen law."""
+    best = verdict.best
+    if best is None or best.fit is None or not best.fit.estimates:
+        return None
+    fit = best.fit
+    blocks: list[Block] = [Math(latex=fit.law.formula), _table(verdict, fit)]
+    together, words = _together(fit), _in_words(verdict, fit)
+    if together and words:
+        blocks.append(Columns(left=together, right=words))
+    else:
+        blocks += [*together, *words]
+    return Section(id="parameters", nav="Parameters", heading=_heading(fit), blocks=tuple(blocks))
+
+
+def _heading(fit: RecordFit) -> str:
+    open_ended = [e for e in fit.estimates if not e.bounded]
+    count = len(fit.estimates)
+    if not open_ended:
+        if count == 1:
+            return "The record bounds the one parameter"
+        if count == 2:
+            return "The record bounds both parameters"
+        return f"The record bounds all {counted(count)} parameters"
+    verb = "is" if len(open_ended) == 1 else "are"
+    return (
+        f"{counted(len(open_ended)).capitalize()} of {counted(count)} parameters {verb} not bounded"
+        " by the record"
+    )
+
+
+def _table(verdict: RecordVerdict, fit: RecordFit) -> Table:
+    halves = verdict.half_estimates
+    columns = (
+        Column(head="parameter"),
+        Column(head="estimate, 95 % interval", numeric=True),
+        Column(head="dot: this fit; triangles: the two halves"),
+        Column(head="first → second half", numeric=True, phone="label", label="halves"),
+        Column(
+            head="naive interval\ntoo narrow by",
+            numeric=True,
+            phone="label",
+            label="naive interval too narrow by",
+        ),
+    )
+    rows = [_row(fit, i, halves.get(e.path)) for i, e in enumerate(fit.estimates)]
+    return Table(columns=columns, rows=tuple(rows), caption=_caption(fit))
+
+
+def _row(fit: RecordFit, index: int, halves: tuple[float, float] | None) -> Row:
+    estimate = fit.estimates[index]
+    value, doubt = estimate_parts(estimate)
+    known = halves is not None and bool(np.all(np.isfinite(halves)))
+    pair = "—"
+    if halves is not None and known:
+        first, second = (_to_digits(one, estimate) for one in halves)
+        pair = f"{first} → {second}"
+    aside, unit = "" if estimate.bounded else estimate.reason, unit_of(estimate, fit)
+    cells: tuple[Cell, ...] = (
+        Name(text=label_of(estimate), aside=aside),
+        Number(value=value, doubt=doubt, unit=unit)
+        if estimate.bounded
+        else f"{numbers.with_unit(value, unit)}, {doubt}",
+        _plot(estimate, halves if known else None),
+        pair,
+        _narrow(fit, index),
+    )
+    return Row(cells=cells)
+
+
+def _to_digits(value: float, estimate: Estimate) -> str:
+    """Return a value to the digits of the estimate."""
+    shown = estimate_parts(estimate)[0]
+    if "×" in shown or not estimate.bounded:
+        return numbers.significant(value, 3)
+    return numbers.fixed(value, len(shown.partition(".")[2]))
+
+
+def _narrow(fit: RecordFit, index: int) -> str:
+    """Return how many times wider the interval is than one that takes residuals as independent."""
+    error = float(fit.inference.errors[index])
+    naive = math.sqrt(max(float(fit.inference.naive[index, index]), 0.0))
+    if not (math.isfinite(error) and 0.0 < naive < math.inf) or not fit.estimates[index].bounded:
+        return "—"
+    if error < naive:
+        return f"{numbers.with_unit(numbers.significant(naive / error, 2), '×')} too wide"
+    return numbers.with_unit(numbers.significant(error / naive, 2), "×")
+
+
+def _plot(estimate: Estimate, halves: tuple[float, float] | None) -> RowPlot:
+    marks = []
+    ends = [estimate.value]
+    if halves is not None:
+        marks += [Mark(kind="triangle", at=one, colour="c2") for one in halves]
+        ends += halves
+    if estimate.bounded:
+        marks.append(Mark(kind="bar", at=estimate.low, to=estimate.high))
+        ends += [estimate.low, estimate.high]
+    marks.append(Mark(kind="dot", at=estimate.value))
+    return RowPlot(marks=tuple(marks), axis=_axis(min(ends), max(ends)))
+
+
+def _axis(low: float, high: float) -> Axis:
+    """Return an axis between round numbers."""
+    if high - low <= 1e-12 * max(abs(low), abs(high)):
+        half = 0.1 * abs(low) or 1.0
+        low, high = low - half, high + half
+    wide = 1.2 * (high - low)
+    power = 10.0 ** math.floor(math.log10(wide / 2))
+    step = next(size * power for size in (1, 2, 5, 10) if size * power >= wide / 4)
+    first, last = math.floor(low / step), math.ceil(high / step)
+    last += (last - first) % 2  # so that the middle is round as well
+    ticks = tuple(float(f"{count * step:.10g}") for count in (first, (first + last) // 2, last))
+    return Axis(low=ticks[0], high=ticks[-1], ticks=ticks)
+
+
+def _caption(fit: RecordFit) -> str:
+    effective, rows = fit.inference.effective, len(fit.residual)
+    text = (
+        "95 % intervals from blocks of the record (sandwich estimate, Student t)."
+        f" {rows:,} rows carry about as much as {numbers.significant(effective, 2)} independent"
+        " ones; the last column says how many times too narrow an interval is that takes all as"
+        " independent."
+    )
+    if any(unit_of(e, fit) != e.quantity.unit and e.quantity.unit == "1" and unit_of(e, fit)
+           for e in fit.estimates):  # fmt: skip
+        text += " The normal force is taken as 1, so that levels read as forces."
+    return text
+
+
+def _together(fit: RecordFit) -> tuple[Block, ...]:
+    """Return the triangle of correlations."""
+    count = len(fit.estimates)
+    table = np.clip(fit.inference.correlation, -1.0, 1.0)
+    if count < 2 or count > MOST_CORRELATED or not np.all(np.isfinite(table)):
+        return ()
+    names = tuple(f"${e.quantity.symbol}$" for e in fit.estimates)
+    values = tuple(tuple(float(table[i, j]) for j in range(i)) for i in range(1, count))
+    i, j = max(
+        ((i, j) for i in range(1, count) for j in range(i)), key=lambda at: abs(float(table[at]))
+    )
+    most = float(table[i, j])
+    how = "trade off almost one for one" if abs(most) >= STRONG else "move together most"
+    sign = numbers.fixed(most, 2)
+    caption = f"Correlation of the estimates. {names[j]} and {names[i]} {how} ({sign})."
+    triangle = Correlations(names=names, values=values, caption=caption)
+    return (Subheading(text="What moves together"), triangle)
+
+
+def _in_words(verdict: RecordVerdict, fit: RecordFit) -> tuple[Block, ...]:
+    """Return what the record cannot tell of the parameters, in sentences."""
+    symbols = symbols_of(verdict.candidates)
+    items = [
+        KeyValue(key=label_of(e), value=typeset(e.reason, symbols))
+        for e in fit.estimates
+        if not e.bounded and e.reason
+    ]
+    lines = [typeset(line, symbols) for line in fit.sentences]
+    items += [KeyValue(key="Undetermined" if items else "Note", value=line) for line in lines]
+    if not items:
+        items = [KeyValue(key="Undetermined", value="nothing of this law, at this record's speeds")]
+    return (Subheading(text="In words"), KeyValues(items=tuple(items)))

@@ -1,0 +1,163 @@
+"""What the chosen law leaves: residuals, and errors of predictions over time."""
+
+import numpy as np
+
+from stickslip.identification import RecordFit
+from stickslip.identification.force_map import ForceMap
+from stickslip.plots.residuals import (
+    ERROR_SIZES,
+    ResidualPanel,
+    draw_prediction_error,
+    draw_residuals,
+    residual_sizes,
+)
+from stickslip.plots.series import in_mm
+from stickslip.plots.svg import inline_svg
+from stickslip.report import numbers
+from stickslip.report.blocks import Block, Figure
+from stickslip.report.documents import Section
+from stickslip.report.records.data import (
+    Rows,
+    block_edges,
+    errors_of,
+    is_timed,
+    panel_of,
+    rows_of,
+    sampled,
+)
+from stickslip.report.records.texts import rival_of, scale_for
+from stickslip.report.selection.texts import joined, quantity_value
+from stickslip.selection import RecordVerdict
+
+__all__ = ["residuals_section"]
+
+DOTS = 1000
+"""Residuals drawn in each panel at most."""
+TREND = 0.25
+"""Share of bins beyond their doubt from which there is a trend: by chance it is 0.05."""
+
+
+def residuals_section(verdict: RecordVerdict) -> Section | None:
+    """Return the section on what the chosen law does not explain."""
+    best = verdict.best
+    if best is None or best.fit is None or not np.all(np.isfinite(best.fit.residual)):
+        return None
+    panels = _panels(best.fit, scale_for(verdict).factor)
+    blocks: list[Block] = []
+    if panels:
+        blocks.append(_residual_figure(verdict, best.fit, panels))
+    errors = _error_figure(verdict)
+    if errors is not None:
+        blocks.append(errors)
+    if not blocks:
+        return None
+    return Section(id="residuals", nav="Residuals", heading=_heading(panels), blocks=tuple(blocks))
+
+
+def _panels(fit: RecordFit, factor: float) -> dict[str, ResidualPanel]:
+    """Return the panels by what residuals are drawn against."""
+    rows: Rows = rows_of(fit)
+    residual = factor * rows.residual
+    shown = sampled(len(residual), DOTS)
+    found = {}
+    against = {"time": (rows.t, "s"), "velocity": (rows.velocity, "m/s"),
+               "position": (rows.position, "m")}  # fmt: skip
+    for name, (x, si) in against.items():
+        if x is None or np.ptp(x) == 0.0:
+            continue
+        by, shown_unit = in_mm(x, si)
+        label = f"{name}, {shown_unit}"
+        panel = panel_of(label, by * x, residual, fit.inference.effective, shown)
+        if len(panel.centre):
+            found[name] = panel
+    return found
+
+
+def _trends(panels: dict[str, ResidualPanel]) -> list[str]:
+    return [
+        name
+        for name, panel in panels.items()
+        if np.mean(np.abs(panel.mean) > panel.doubt) > TREND and len(panel.mean) > 3
+    ]
+
+
+def _heading(panels: dict[str, ResidualPanel]) -> str:
+    trends = _trends(panels)
+    if trends:
+        return f"What the law still misses: a trend with {joined(trends)}"
+    if panels:
+        names = joined(list(panels)).replace(" and ", " or ")
+        return f"What is left shows no trend with {names} beyond its doubt"
+    return "Errors of predictions over time"
+
+
+def _residual_figure(
+    verdict: RecordVerdict, fit: RecordFit, panels: dict[str, ResidualPanel]
+) -> Figure:
+    scale = scale_for(verdict)
+    svg = inline_svg(
+        draw_residuals(list(panels.values()), f"residual, {scale.unit}"),
+        alt=f"Residuals of the chosen law against {joined(list(panels))}",
+        prefix="residual-figure",
+        **residual_sizes(len(panels)),
+    )
+    start = "" if verdict.quantity == "friction" else (
+        ", each segment of the fit started from its own fitted state"
+    )  # fmt: skip
+    caption = (
+        f"**Residuals** of the fit: measured less predicted {verdict.quantity}{start}. Root mean"
+        f" square {scale.with_unit(fit.rms)}{_share(fit)}."
+    )
+    rival = rival_of(verdict)
+    if rival is not None and rival.fit is not None:
+        caption += f" {rival.title} leaves {scale.with_unit(rival.fit.rms)}."
+    caption += (
+        f" Doubts of the means count {numbers.significant(fit.inference.effective, 2)} of"
+        f" {len(fit.residual):,} rows as independent."
+    )
+    trends = _trends(panels)
+    if trends:
+        caption += (
+            f" The mean leaves its band with {joined(trends)}: something is missing from the law"
+            " or from the mechanism."
+        )
+    return Figure(svg=svg, caption=caption)
+
+
+def _share(fit: RecordFit) -> str:
+    """Return how much of measured friction a law leaves, in words; nothing on other routes."""
+    if not isinstance(fit.problem, ForceMap):
+        return ""
+    spread = float(np.std(fit.problem.measured))
+    share = numbers.percent(fit.rms / spread) if spread > 0.0 else ""
+    return f", {share} of the spread of friction" if share else ""
+
+
+def _error_figure(verdict: RecordVerdict) -> Figure | None:
+    """Return errors over time and by block, None where there is no time or a block is missing."""
+    best, rival = verdict.best, rival_of(verdict)
+    if best is None or best.fit is None or not is_timed(best.fit):
+        return None
+    scale, edges = scale_for(verdict), block_edges(verdict)
+    series = {}
+    for one in (best, rival):
+        found = errors_of(one, verdict.plan.horizon, scale.factor) if one is not None else None
+        if one is not None and found is not None and len(found.blocks) == len(edges) - 1:
+            series[one.title] = found
+    if best.title not in series:
+        return None
+    svg = inline_svg(
+        draw_prediction_error(series, edges, f"error, {scale.unit}", chosen=best.title),
+        alt=f"Errors of predictions over time by {' and '.join(series)}",
+        prefix="error-figure",
+        **ERROR_SIZES,
+    )
+    horizon = quantity_value(verdict.plan.horizon, "s", 2)
+    lead = f"pieces of {horizon}, each from a state of its own"
+    if verdict.quantity == "friction":
+        lead = "measured less predicted friction"
+    caption = (
+        f"**Predicted against held out.** Above: {lead}. Below: each block predicted by a fit"
+        " that has not seen it. An error that repeats with every cycle is structure, not noise."
+    )
+    return Figure(svg=svg, caption=caption)

@@ -1,0 +1,182 @@
+"""The scores: every law on blocks that its fit has not seen."""
+
+import math
+from typing import Final
+
+from stickslip.report.blocks import Paragraph
+from stickslip.report.documents import Section
+from stickslip.report.records.texts import Scale, scale_for, symbols_of, typeset
+from stickslip.report.rowplots import Axis, Colour, Mark, RowPlot
+from stickslip.report.selection.texts import counted, joined, quantity_value
+from stickslip.report.tables import Cell, Column, Name, Number, Row, Table
+from stickslip.selection import RecordCandidate, RecordVerdict
+
+__all__ = ["picks_text", "scores_section"]
+
+WIDEST: Final = 20.0
+"""Scores that span more than this many times have a logarithmic axis."""
+NAMES: Final = {
+    "held-out blocks": "the blocks alone",
+    "extrapolation": "extrapolation to the last third",
+    "training error": "the error of the fit itself",
+    "AIC": "AIC",
+    "BIC": "BIC",
+}
+
+
+def scores_section(verdict: RecordVerdict) -> Section:
+    """Return the section that compares all laws."""
+    rows = list(verdict.candidates) + ([verdict.control] if verdict.control else [])
+    count = len(rows)
+    heading = f"{counted(count).capitalize()} candidates, scored on blocks no fit has seen"
+    if count == 1:
+        heading = "One candidate, scored on blocks its fit has not seen"
+    scale = scale_for(verdict)
+    axis = _axis(rows, scale)
+    second = any(c.second is not None for c in rows)
+    columns = (
+        Column(head="model"),
+        Column(head="free\nparameters", numeric=True, phone="hide"),
+        Column(head=f"held-out error\n{scale.unit}, ± 1 s.e.", numeric=True),
+        *([Column(head="", axis=axis)] if axis else []),
+        *([_last_column(scale)] if verdict.plan.length else []),
+        *([_second_column(scale)] if second else []),
+        Column(head="outcome", phone="show"),
+    )
+    table = Table(
+        columns=columns,
+        rows=tuple(_row(verdict, c, scale, axis=axis, second=second) for c in rows),
+        caption=_caption(verdict, axis),
+    )
+    blocks = (Paragraph(text=_how(verdict)), table)
+    return Section(id="scores", nav="Scores", heading=heading, blocks=blocks)
+
+
+def _last_column(scale: Scale) -> Column:
+    return Column(head=f"last third\n{scale.unit}", numeric=True, phone="label")
+
+
+def _second_column(scale: Scale) -> Column:
+    return Column(head=f"second record\n{scale.unit}", numeric=True, phone="label")
+
+
+def _row(
+    verdict: RecordVerdict, c: RecordCandidate, scale: Scale, *, axis: Axis | None, second: bool
+) -> Row:
+    is_best = verdict.best is not None and c.name == verdict.best.name
+    error = c.validation.error if c.validation else math.inf
+    value, doubt = scale.pair(c.score, error)
+    last = c.validation.extrapolation if c.validation else math.nan
+    cells: list[Cell] = [
+        Name(text=c.title, aside=_aside(verdict, c)),
+        str(c.parameters),
+        Number(value=value, doubt=doubt) if math.isfinite(c.score) else "no score",
+    ]
+    if axis is not None:
+        cells.append(_plot(c, error, scale, "c1" if is_best else _colour(verdict, c)))
+    if verdict.plan.length:
+        cells.append(scale.text(last) if math.isfinite(last) else "—")
+    if second:
+        cells.append(scale.text(c.second.rms) if c.second else "—")
+    outcome = c.outcome or c.dropped or "how much friction matters"
+    cells.append(typeset(outcome, symbols_of([c])))
+    return Row(cells=tuple(cells), chosen=is_best, muted=bool(c.dropped))
+
+
+def _aside(verdict: RecordVerdict, c: RecordCandidate) -> str:
+    if verdict.control is not None and c.name == verdict.control.name:
+        return "control"
+    if verdict.reference is not None and c.name == verdict.reference.name:
+        return "the usual choice"
+    return ""
+
+
+def _colour(verdict: RecordVerdict, c: RecordCandidate) -> Colour:
+    is_reference = verdict.reference is not None and c.name == verdict.reference.name
+    return "c2" if is_reference else "muted"
+
+
+def _plot(c: RecordCandidate, error: float, scale: Scale, colour: Colour) -> RowPlot:
+    if not math.isfinite(c.score):
+        return RowPlot(marks=())
+    at = scale.factor * c.score
+    marks = [Mark(kind="dot", at=at, colour=colour)]
+    if math.isfinite(error):
+        half = scale.factor * error
+        low = max(at - half, 0.2 * at)  # a bar has a place on a logarithmic axis
+        marks.insert(0, Mark(kind="bar", at=low, to=at + half, colour=colour))
+    return RowPlot(marks=tuple(marks))
+
+
+def _axis(rows: list[RecordCandidate], scale: Scale) -> Axis | None:
+    """Return the axis of the scores, logarithmic if they span more than 20 times."""
+    scores = [scale.factor * c.score for c in rows if 0.0 < c.score < math.inf]
+    if len(scores) < 2:
+        return None
+    low, high = min(scores), max(scores)
+    caption = "dot: error; bar: ± 1 s.e."
+    if high > WIDEST * low:
+        powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+        ticks = tuple(10.0**power for power in powers)
+        shown = ticks[:: 1 + len(ticks) // 6]
+        return Axis(low=ticks[0], high=ticks[-1], ticks=shown, log=True, caption=caption)
+    power = 10.0 ** math.floor(math.log10(high))
+    top = next(step * power for step in (1, 2, 4, 5, 10) if step * power >= high)
+    return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption=caption)
+
+
+def _how(verdict: RecordVerdict) -> str:
+    plan = verdict.plan
+    if not plan.length:
+        return (
+            f"The rows of the table are dealt out into {plan.folds} blocks, so that each has all"
+            " speeds. Every candidate is fitted to the others and predicts the friction force in"
+            " the block."
+        )
+    gap = quantity_value(plan.gap, "s", 2) if plan.gap > 0.0 else "nothing"
+    text = (
+        f"The {quantity_value(plan.length, 's')} of record are cut into {plan.folds} blocks, with"
+        f" {gap} left out on both sides of each. Every candidate is fitted to the others"
+    )
+    if verdict.quantity == "friction":
+        return f"{text} and predicts the friction force in the block."
+    return (
+        f"{text} and predicts the {verdict.quantity} in the block, in pieces of"
+        f" {quantity_value(plan.horizon, 's', 2)} that start from states of their own."
+    )
+
+
+def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
+    text = "Dot: held-out error. Bar: ± 1 standard error over blocks. " if axis else ""
+    if verdict.plan.length:
+        text += "Last third: fitted to what comes before, judged on the last third. "
+    text += (
+        "Among laws whose blocks differ by less than their doubt the one with the fewest"
+        " parameters is taken. "
+    )
+    return text + picks_text(verdict)
+
+
+def picks_text(verdict: RecordVerdict) -> str:
+    """Return what other criteria would pick, for information."""
+    if verdict.best is None:
+        return ""
+    titles = {c.name: c.title for c in verdict.candidates}
+    best = verdict.best.name
+    # A table has no last third to extrapolate to.
+    picks = {k: n for k, n in verdict.picks.items() if verdict.plan.length or k != "extrapolation"}
+    agree = [NAMES.get(k, k) for k, name in picks.items() if name == best]
+    against: dict[str, list[str]] = {}
+    for key, name in picks.items():
+        if name and name != best:
+            against.setdefault(name, []).append(NAMES.get(key, key))
+    parts = []
+    if agree:
+        verb = "picks" if len(agree) == 1 else "pick"
+        parts.append(f"{joined(agree)} {verb} the chosen law")
+    for name, who in against.items():
+        parts.append(f"{joined(who)} would pick {titles.get(name, name)}")
+    text = "; ".join(parts)
+    note = " (AIC and BIC take residuals as independent, which they are not)"
+    tail = note if "AIC" in verdict.picks or "BIC" in verdict.picks else ""
+    return f"{text[0].upper()}{text[1:]}{tail}." if text else ""

@@ -1,0 +1,328 @@
+"""The report of a selection on records holds for a simulated axis, and for a table of friction."""
+
+import dataclasses
+import math
+import re
+
+import numpy as np
+import pytest
+
+from stickslip import Axis, Coulomb, CoulombViscous, Measurement, Sine, Viscous, select, simulate
+from stickslip.friction import DirectionDependent
+from stickslip.report import Paragraph, Section, numbers
+from stickslip.report.records import record_document, record_page
+from stickslip.report.records.data import block_edges, panel_of, sampled, thinned
+from stickslip.report.records.texts import Scale, half_width, rival_of, scale_for, typeset
+
+TRUE = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=5.0)
+DRIVE = Sine(amplitude=6.0, frequency=0.5) + Sine(amplitude=3.0, frequency=1.3)
+VOICES = [Viscous, Coulomb, CoulombViscous]
+
+
+def recorded():
+    """A record of 8 s of an axis whose law is known, with noise of 10 µm on its position."""
+    t = np.arange(0.0, 8.0, 0.01)
+    run = simulate(Axis(inertia=2.0, drive=DRIVE), TRUE, t_end=8.0)
+    noise = 1e-5 * np.random.default_rng(0).normal(size=len(t))
+    force = np.array([DRIVE.value(float(at)) for at in t])
+    return Measurement(
+        time=t, position=run.at(t)["x"] + noise, force=force, provenance="simulated <axis>"
+    )
+
+
+def tabled():
+    """A table of friction at speeds in both directions, without time."""
+    v = np.linspace(-0.2, 0.2, 120)
+    noise = 0.05 * np.random.default_rng(1).normal(size=len(v))
+    return Measurement(velocity=v, friction=2.0 * np.sign(v) + 5.0 * v + noise)
+
+
+def page_of(verdict, **more):
+    settings = {
+        "title": "An axis",
+        "kicker": "One record of 8 s",
+        "commands": ("stickslip select rig.toml --data record.csv",),
+        "versions": {"stickslip": "0.1.0"},
+        "digest": "sha256:0123abcd",
+    }
+    return record_page(verdict, **(settings | more))
+
+
+def text_of(html):
+    """What a reader sees: without style, drawings and tags, spaces made plain."""
+    html = re.sub(r"<style.*?</style>|<svg.*?</svg>", " ", html, flags=re.DOTALL)
+    html = re.sub(r"</?(?:i|sub|sup|b|span)\b[^>]*>", "", html)
+    text = re.sub(r"<[^>]*>", " ", html).replace("\N{NO-BREAK SPACE}", " ")
+    return re.sub(r"\s+", " ", text.replace("&lt;", "<").replace("&gt;", ">"))
+
+
+def plain(text):
+    return text.replace("\N{NO-BREAK SPACE}", " ")
+
+
+@pytest.fixture(scope="module")
+def verdict():
+    return select(Axis(inertia=2.0), recorded(), VOICES, unknown=["inertia"])
+
+
+@pytest.fixture(scope="module")
+def html(verdict):
+    return page_of(verdict)
+
+
+@pytest.fixture(scope="module")
+def table_verdict():
+    return select(Axis(inertia=1.0), tabled(), VOICES)
+
+
+def sections(html):
+    return re.findall(r'<section[^>]* id="([a-z-]+)"', html)
+
+
+def test_a_record_has_all_sections_in_the_order_of_a_decision(verdict, html):
+    expected = ["verdict", "map", "scores", "parameters", "residuals", "dropped", "record"]
+    expected += ["certificate", "next", "reproduce"]
+    everyone = [*verdict.candidates, verdict.control]
+    absent = set()
+    if not any(c.dropped for c in everyone):
+        absent.add("dropped")
+    if not verdict.experiments:
+        absent.add("next")
+    assert sections(html) == [name for name in expected if name not in absent]
+
+
+def test_the_page_says_the_verdict_and_the_law_with_its_numbers(verdict, html):
+    text = text_of(html)
+    assert verdict.best.name == "coulomb-viscous"
+    assert verdict.sentence in text
+    level = verdict.best.fit.estimate("kinetic_coefficient")
+    viscous = verdict.best.fit.estimate("viscous_coefficient")
+    shown = [numbers.split_estimate(e.value, half_width(e)).value for e in (level, viscous)]
+    assert f"{shown[0]} N + {shown[1]} N s/m × |v|" in text
+
+
+def test_every_score_on_the_page_is_that_of_its_candidate(verdict, html):
+    text, scale = text_of(html), scale_for(verdict)
+    for candidate in [*verdict.candidates, verdict.control]:
+        value, doubt = scale.pair(candidate.score, candidate.validation.error)
+        assert plain(f"{value} {doubt}") in text
+        assert scale.text(candidate.validation.extrapolation) in text
+
+
+def test_every_estimate_on_the_page_ends_where_its_interval_does(verdict, html):
+    text = text_of(html)
+    for estimate in verdict.best.fit.estimates:
+        parts = numbers.split_estimate(estimate.value, half_width(estimate))
+        assert plain(f"{parts.value} {parts.doubt}") in text
+
+
+def test_checks_and_search_stand_on_the_page(verdict, html):
+    text, found = text_of(html), verdict.best.fit.found
+    for sentence in verdict.checks.sentences:
+        assert plain(sentence) in text
+    assert f"{found.agreeing} of {len(found.costs)} starts" in text
+    assert f"{found.evaluations:,} predictions" in text
+
+
+def test_the_fitted_law_can_be_copied_as_a_rig_file(verdict, html):
+    text = html.replace("&#34;", '"').replace("&lt;", "<").replace("&gt;", ">")
+    assert verdict.best.fit.to_toml().strip() in text
+
+
+def test_next_measurements_carry_the_predictions_of_each_law(verdict, html):
+    text = text_of(html)
+    for one in verdict.experiments:
+        assert plain(one.what) in text
+        assert plain(numbers.significant(one.separation, 2)) in text
+
+
+def test_the_page_is_complete_small_and_runs_nothing(html):
+    assert "<script" not in html
+    assert not re.search(r"(?:src|href)=\"(?!#)", html.replace('href="https://', ""))
+    assert not re.search(r"url\((?!#)", html)
+    assert len(html.encode()) < 600_000
+
+
+def test_nothing_on_the_page_is_not_a_number(html):
+    shown = re.sub(r"<style.*?</style>", "", html, flags=re.DOTALL)
+    assert not re.search(r"\b(?:nan|inf|None)\b", shown)
+
+
+def test_every_figure_is_drawn_for_both_widths_and_says_what_it_shows(html):
+    drawings = re.findall(r"<svg\b[^>]*>", html)
+    assert sum('class="fw"' in one for one in drawings) == 4
+    assert sum('class="fn"' in one for one in drawings) == 4
+    assert all(re.search(r'aria-label="\S', one) for one in drawings)
+
+
+def test_titles_and_data_are_escaped(verdict):
+    html = page_of(verdict, title="<script>alert(1)</script>", kicker="a < b & c", subject="<b>x")
+    assert "<script" not in html
+    assert "&lt;script&gt;alert(1)" in html
+    assert "a &lt; b &amp; c" in html
+    assert "simulated &lt;axis&gt;" in html
+
+
+def test_the_same_verdict_gives_the_same_page(verdict, html):
+    assert page_of(verdict) == html
+
+
+def test_a_table_of_friction_has_a_map_but_nothing_in_time(table_verdict):
+    html = page_of(table_verdict)
+    assert "map" in sections(html)
+    text = text_of(html)
+    assert "120 samples of measured friction" in text
+    assert "The record. " not in text
+    assert "Predicted against held out" not in text
+    assert "last third" not in text
+    assert "are dealt out into 8 blocks" in text
+    assert all(math.isfinite(c.score) for c in table_verdict.candidates)
+
+
+def test_a_section_without_content_is_left_out(verdict):
+    bare = dataclasses.replace(
+        verdict,
+        experiments=(),
+        candidates=tuple(dataclasses.replace(c, dropped="") for c in verdict.candidates),
+        control=None,
+    )
+    assert {"dropped", "next"}.isdisjoint(sections(page_of(bare)))
+
+
+def test_a_dropped_law_keeps_its_score_and_gets_its_rule(verdict):
+    name = next(c.name for c in verdict.candidates if c.name != verdict.best.name)
+    changed = tuple(
+        dataclasses.replace(c, dropped="the interval of mu_k covers 0") if c.name == name else c
+        for c in verdict.candidates
+    )
+    html = page_of(dataclasses.replace(verdict, candidates=changed))
+    dropped = html[html.index('id="dropped"') : html.index('id="record"')]
+    one = next(c for c in changed if c.name == name)
+    text = text_of(f"<{dropped}")
+    assert "covers 0" in text
+    value, _ = scale_for(verdict).pair(one.score, one.validation.error)
+    assert plain(value) in text
+
+
+def test_own_sections_stand_before_how_to_reproduce(verdict):
+    own = Section(id="own", nav="Own", heading="Own", blocks=(Paragraph(text="Own words."),))
+    page = record_document(verdict, title="x", kicker="y", versions={}, extra=(own,))
+    assert [section.id for section in page.sections][-2:] == ["own", "reproduce"]
+
+
+def test_the_chosen_law_is_compared_with_the_usual_one_or_the_next_best(verdict):
+    assert verdict.reference.name == verdict.best.name
+    others = [c for c in verdict.candidates if c.name != verdict.best.name and not c.dropped]
+    if others:
+        assert rival_of(verdict).score == min(c.score for c in others)
+
+
+def test_laws_that_differ_by_direction_have_a_line_each():
+    v = np.linspace(-0.2, 0.2, 160)
+    noise = 0.02 * np.random.default_rng(2).normal(size=len(v))
+    friction = np.where(v > 0, 2.0 + 4.0 * v, -3.0 + 9.0 * v) + noise
+    verdict = select(
+        Axis(inertia=1.0), Measurement(velocity=v, friction=friction), [Viscous, DirectionDependent]
+    )
+    text = text_of(page_of(verdict))
+    assert "Friction grows faster in reverse than forward" in text
+    law = verdict.best.law
+    more = law.backward_viscous_coefficient / law.forward_viscous_coefficient - 1.0
+    assert plain(numbers.signed_percent(more)) in text
+
+
+def test_blocks_tile_the_record(verdict):
+    edges = block_edges(verdict)
+    assert len(edges) == verdict.plan.folds + 1
+    # the record is 8 s long, and its segments may end a step of 0.01 s early
+    assert edges[-1] - edges[0] == pytest.approx(8.0, abs=0.05)
+
+
+def test_means_of_bins_are_those_of_their_residuals():
+    x = np.repeat([0.0, 1.0], 50)
+    residual = np.concatenate([np.full(50, 2.0), np.tile([-1.0, 1.0], 25)])
+    panel = panel_of("x", x, residual, 25.0, sampled(100))
+    assert panel.mean.tolist() == [2.0, 0.0]
+    # 50 rows count as 12.5 independent ones; the spread is 1 in the second bin
+    assert panel.doubt.tolist() == pytest.approx([0.0, 2.0 / math.sqrt(12.5)])
+
+
+def test_a_thinned_line_keeps_its_extremes():
+    t = np.linspace(0.0, 1.0, 5000)
+    y = np.sin(300.0 * t)
+    y[1234] = 5.0
+    short_t, short = thinned(t, y, 100)
+    assert len(short) <= 100
+    assert short.max() == 5.0
+    assert short.min() == y.min()
+    assert np.all(np.diff(short_t) >= 0.0)
+
+
+def test_units_and_words_are_not_taken_for_symbols():
+    assert typeset("5 N m and mu_k", ["N", "m", "mu_k"]) == "5 N m and $mu_k$"
+    assert typeset("$mu_k$ is known", ["mu_k"]) == "$mu_k$ is known"
+
+
+def test_an_interval_without_an_end_is_said_in_words(verdict):
+    best = verdict.best
+    first, *others = best.fit.estimates
+    open_ended = dataclasses.replace(
+        first, low=-math.inf, high=math.inf, reason="the record does not depend on it"
+    )
+    fit = dataclasses.replace(best.fit, estimates=(open_ended, *others))
+    changed = dataclasses.replace(verdict, best=dataclasses.replace(best, fit=fit))
+    html = page_of(changed)
+    text = text_of(html)
+    assert "is not bounded by the record" in text
+    assert "the record does not depend on it" in text
+    assert not re.search(
+        r"\b(?:nan|inf)\b", re.sub(r"<style.*?</style>", "", html, flags=re.DOTALL)
+    )
+
+
+def test_a_second_record_has_a_column_of_its_own(verdict):
+    scored = tuple(dataclasses.replace(c, second=c.fit.score()) for c in verdict.candidates)
+    text = text_of(page_of(dataclasses.replace(verdict, candidates=scored)))
+    assert "second record" in text
+    for candidate in scored:
+        assert scale_for(verdict).text(candidate.second.rms) in text
+
+
+def test_other_criteria_that_disagree_are_named(verdict):
+    other = next(c for c in verdict.candidates if c.name != verdict.best.name)
+    text = text_of(page_of(dataclasses.replace(verdict, picks=verdict.picks | {"BIC": other.name})))
+    assert f"BIC would pick {other.title}" in text
+
+
+def short_friction(seed):
+    """A record of 80 samples of friction and position: too short for filters."""
+    t = np.linspace(0.0, 4.0, 80)
+    v = 0.1 * np.cos(3.0 * t)
+    noise = 0.02 * np.random.default_rng(seed).normal(size=len(t))
+    return Measurement(
+        time=t, position=np.sin(3.0 * t) / 30.0, friction=2.0 * np.sign(v) + 5.0 * v + noise
+    )
+
+
+def test_a_short_record_of_friction_has_a_page_with_its_time():
+    verdict = select(Axis(inertia=2.0), short_friction(3), [Viscous, Coulomb])
+    html = page_of(verdict)
+    assert {"verdict", "map", "scores", "residuals", "record"} <= set(sections(html))
+    text = text_of(html)
+    assert "The record." in text
+    assert "Predicted against held out" in text
+
+
+def test_records_of_several_trials_lie_end_to_end():
+    both = Measurement(trials=(short_friction(4), short_friction(5)))
+    verdict = select(Axis(inertia=2.0), both, [Coulomb, CoulombViscous])
+    edges = block_edges(verdict)
+    # two records of 4 s, each from its first to its last sample
+    assert edges[-1] - edges[0] == pytest.approx(8.0, abs=1e-9)
+    assert "The first of 2 records." in text_of(page_of(verdict))
+
+
+def test_a_doubt_is_never_shown_as_nothing():
+    newtons = Scale(1.0, "N", fine=False)
+    assert [plain(part) for part in newtons.pair(0.113, 0.0031)] == ["0.11", "± 0.003"]
+    assert [plain(part) for part in newtons.pair(1.96, 0.006)] == ["1.96", "± 0.01"]
