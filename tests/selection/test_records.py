@@ -75,7 +75,7 @@ def verdict(record):
 def test_the_law_that_made_the_record_is_named(verdict):
     assert isinstance(verdict, RecordVerdict)
     assert verdict.best.name == "direction-dependent"
-    assert verdict.sentence == "Use Direction-dependent friction."
+    assert verdict.sentence == "Use direction-dependent friction."
 
 
 def test_the_true_law_is_held_out_to_the_noise(verdict):

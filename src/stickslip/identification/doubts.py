@@ -114,9 +114,10 @@ def sentences_of(
         if path not in at_bounds and low <= 0.0:
             item = unknowns.items[unknowns.paths.index(path)]
             unit = "" if item.quantity.unit == "1" else f" {item.quantity.unit}"
+            bounds = f", interval {low:.3g} to {high:.3g}" if math.isfinite(high - low) else ""
             lines.append(
                 f"No step from {item.quantity.symbol} to sliding can be told from 0:"
-                f" {step:.3g}{unit}, interval {low:.3g} to {high:.3g}."
+                f" {step:.3g}{unit}{bounds}."
             )
     lines += _together(unknowns, inference, at_bounds)
     if inference.condition > MOST_CONDITION:

@@ -1,5 +1,7 @@
 """Which fits to records may be taken, and why not."""
 
+import math
+
 from stickslip.identification.doubts import MOST_CONDITION, step_intervals
 from stickslip.identification.record_fit import RecordFit
 
@@ -26,13 +28,18 @@ def objection(fit: RecordFit) -> str:
         elif estimate.reason:
             reasons.append(f"{symbol} is undetermined: {estimate.reason}")
         elif estimate.path in steps and steps[estimate.path][1] <= 0.0:
-            step, low, high = steps[estimate.path]
-            reasons.append(f"its step {step:.2g} ({low:.2g} to {high:.2g}) covers 0")
+            reasons.append(_no_step(*steps[estimate.path]))
         elif estimate.low <= 0.0:
             reasons.append(f"the interval of {symbol} covers 0")
     if fit.inference.condition > MOST_CONDITION:
         reasons.append(f"condition number {fit.inference.condition:.2g}, above {MOST_CONDITION:g}")
     return "; ".join(reasons)
+
+
+def _no_step(step: float, low: float, high: float) -> str:
+    if not math.isfinite(high - low):
+        return "its step is not bounded"
+    return f"its step {step:.2g} ({low:.2g} to {high:.2g}) covers 0"
 
 
 def _ran(fit: RecordFit, path: str) -> str:

@@ -16,8 +16,8 @@ __all__ = ["error_text", "outcomes", "plus_minus", "record_wording"]
 
 MOST = 3
 """Items of a list at most."""
-CLEAR = 2.0
-"""A rival is out when its paired difference is beyond this many standard errors."""
+NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
+"""How titles begin that are names."""
 
 
 def error_text(value: float, quantity: str) -> str:
@@ -98,14 +98,19 @@ def _verdict(
 ) -> str:
     if without is not None and without.score <= (1.0 + FLOOR) * best.score:
         return "No candidate explains this record better than no friction at all."
-    name = f"{best.title} friction"
+    name = f"{_inline(best.title)} friction"
     if best.dropped:
         return f"No candidate is beyond objection; the closest is {name}."
     if equal:
-        names = " and ".join(c.title for c in equal[:2])
+        names = " and ".join(_inline(c.title) for c in equal[:2])
         verb = "is" if len(equal) == 1 else "are"
         return f"Use {name}; {names} {verb} as good on this record."
     return f"Use {name}."
+
+
+def _inline(title: str) -> str:
+    """Return a title as it stands within a sentence; names keep their capital."""
+    return title if title.startswith(NAMES) else title[0].lower() + title[1:]
 
 
 def _lede(
