@@ -17,7 +17,12 @@ from stickslip.quantities import fields_of
 BIBLIOGRAPHY = {"paper": "pendulumcart"}
 """Keys of sources that are called otherwise in references.bib."""
 GREEK = ("alpha", "mu", "phi", "sigma")
-RIG_LISTS = {"RunTable": "[run]", "TrialTable": "[[trial]]", "PublishedTable": "[[published]]"}
+RIG_LISTS = {
+    "RunTable": "[run]",
+    "TrialTable": "[[trial]]",
+    "DataTable": "[data]",
+    "PublishedTable": "[[published]]",
+}
 
 
 def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Iterator[str]:

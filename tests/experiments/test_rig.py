@@ -512,3 +512,96 @@ def test_the_schema_allows_no_other_keys():
     schema = rig_schema()
     assert schema["additionalProperties"] is False
     assert all(part["additionalProperties"] is False for part in schema["$defs"].values())
+
+
+AXIS = """
+[mechanism]
+type = "axis"
+inertia = { value = "95 kg", unknown = true }
+damping = { value = 2.0 }
+"""
+IN_FILE = """
+[data]
+file = "record.csv"
+columns = { position = "q" }
+units = { position = "mm" }
+gain = { force = 35.15 }
+offset = { force = "1 N" }
+"""
+
+
+@pytest.fixture
+def axis(tmp_path):
+    """Write a record and a rig that names it; return the rig as it is read."""
+    (tmp_path / "record.csv").write_text("time,q,force\n0,1,2\n1,2,2\n2,4,2\n")
+    (tmp_path / "again.csv").write_text("time,q,force\n0,1,2\n1,2,2\n")
+    (tmp_path / "late.csv").write_text("time,q,force\n9,1,2\n8,1,2\n")
+
+    def build(text=AXIS + IN_FILE, **overrides):
+        (tmp_path / "axis.toml").write_text(text)
+        return load_rig(tmp_path / "axis.toml", overrides=overrides)
+
+    return build
+
+
+def test_data_stand_beside_the_rig_file_and_are_read_as_it_says(axis):
+    record = axis().measurement
+    assert record.values("position").tolist() == [0.001, 0.002, 0.004]
+    # 2 V times 35.15 N/V less the offset of 1 N
+    assert record.values("force").tolist() == pytest.approx([69.3] * 3, rel=1e-12)
+
+
+def test_a_parameter_marked_as_unknown_keeps_its_value_and_is_listed(axis):
+    rig = axis()
+    assert rig.unknown == ("mechanism.inertia",)
+    assert (rig.mechanism.inertia, rig.mechanism.damping) == (95.0, 2.0)
+    assert axis(**{"mechanism.inertia": "90 kg"}).unknown == ()
+
+
+def test_a_rig_with_data_needs_no_friction(axis):
+    assert axis().laws == {}
+
+
+def test_several_files_are_trials(axis):
+    text = AXIS + IN_FILE.replace('file = "record.csv"', 'files = ["record.csv", "again.csv"]')
+    assert len(axis(text).measurement.records()) == 2
+
+
+def test_a_second_record_is_read_alike(axis):
+    rig = axis(AXIS + IN_FILE + 'validate = "late.csv"\nrepair = ["sort"]\n')
+    assert rig.validate.time.tolist() == [8.0, 9.0]
+    assert rig.validate.values("position").tolist() == [0.001, 0.001]
+
+
+def test_the_schema_knows_data_and_marks():
+    schema = rig_schema()
+    table = schema["$defs"]["DataTable"]["properties"]
+    assert {"file", "files", "columns", "units", "gain", "offset", "repair", "validate"} == {*table}
+    inertia = schema["$defs"]["Axis"]["properties"]["inertia"]["anyOf"]
+    assert any("unknown" in kind.get("properties", ()) for kind in inertia)
+    assert "friction" not in schema["required"]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (AXIS + IN_FILE + "[[trial]]\ntravel = 0.1\n", "[data] and [[trial]] both say"),
+        (AXIS + IN_FILE + 'files = ["a.csv"]\n', "data.file and data.files are both given"),
+        (AXIS + IN_FILE.replace("record.csv", "no.csv"), "no.csv: there is no such file"),
+        (AXIS + IN_FILE.replace('"q"', '"y"'), "column of"),
+        (AXIS + IN_FILE.replace('"mm"', '"kg"'), "must be in m"),
+        (AXIS + IN_FILE.replace("35.15", '"big"'), "data.gain.force"),
+        (AXIS + IN_FILE.replace('"1 N"', '"1 m"'), "data.offset.force"),
+        (AXIS + IN_FILE.replace("offset = { force", "offset = { fource"), "Did you mean 'force'"),
+        (AXIS + IN_FILE + 'repair = ["mend"]\n', "must be 'sort' or 'gaps'"),
+        (AXIS + IN_FILE + "repair = []\n", "must not be an empty list"),
+        (AXIS + IN_FILE.replace("columns", "colums"), "Did you mean 'columns'"),
+        (AXIS.replace("unknown = true", "unknown = 1"), "write true or false"),
+        (AXIS.replace("unknown = true", "assumed = true"), "the keys value and unknown"),
+    ],
+)
+def test_mistakes_in_data_name_the_rig_file_and_the_key(axis, text, message):
+    with pytest.raises(InputError) as caught:
+        axis(text)
+    assert message in str(caught.value)
+    assert "axis.toml" in str(caught.value)

@@ -1,9 +1,38 @@
 """The commands and their options."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from stickslip.cli.options import (
+    Columns,
+    Data,
+    Enforce,
+    Folder,
+    Force,
+    Free,
+    Gain,
+    Horizon,
+    Jobs,
+    Json,
+    Law,
+    LawFile,
+    Laws,
+    Purpose,
+    Record,
+    Repair,
+    Rig,
+    Route,
+    Seed,
+    Segment,
+    Set,
+    Starts,
+    Units,
+    Unknown,
+    Validate,
+)
 
 __all__ = ["app"]
 
@@ -15,19 +44,6 @@ app = typer.Typer(
     epilog="Exit codes: 0 done, 2 bad input or data, 3 no convergence or no law fits,"
     " 4 criteria failed, 130 cancelled.",
 )
-
-Rig = Annotated[Path | None, typer.Argument(help="Rig file (TOML); the paper's rig if not given.")]
-Set = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="Override, e.g. mechanism.attached=true."),
-]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
-Force = Annotated[bool, typer.Option("--force", help="Replace a report that is already there.")]
-Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder of the report.")]
-Record = Annotated[str, typer.Argument(metavar="NAME", help="A record, see `data list`.")]
-Enforce = Annotated[
-    bool, typer.Option("--enforce", help="Exit with 4 if a criterion of the paper fails.")
-]
 
 
 def _version(wanted: bool) -> None:
@@ -50,23 +66,82 @@ def options(
 @app.command()
 def select(
     rig: Rig = None,
-    data: Annotated[
-        Path | None,
-        typer.Option("--data", help="Table of trials (CSV or Parquet) with a column travel."),
-    ] = None,
+    data: Data = None,
+    columns: Columns = None,
+    units: Units = None,
+    gain: Gain = None,
+    repair: Repair = None,
     changes: Set = None,
-    laws: Annotated[
-        str | None, typer.Option("--laws", help="Only these, e.g. coulomb,viscous.")
-    ] = None,
+    laws: Laws = None,
+    validate: Validate = None,
+    unknown: Unknown = None,
+    purpose: Purpose = None,
+    horizon: Horizon = None,
+    route: Route = None,
+    segment: Segment = None,
+    starts: Starts = None,
+    seed: Seed = None,
+    jobs: Jobs = None,
     output: Folder = Path("stickslip-report"),
     force: Force = False,
     as_json: Json = False,
     enforce: Enforce = False,
 ) -> None:
-    """Fit every law to the rig's measurement, compare them, write a report."""
+    """Fit every law to what was measured, compare them, write a report.
+
+    Ctrl-C while laws are fitted to a record: once ends with the best so far, twice cancels.
+    """
+    from stickslip.cli.measured import Asked, How
+    from stickslip.cli.reading import reading_of
     from stickslip.cli.select import run
 
-    run(rig, data, changes or [], laws, output, force=force, as_json=as_json, enforce=enforce)
+    reading = reading_of(columns=columns, units=units, gain=gain, repair=repair)
+    how = How(
+        purpose=purpose, horizon=horizon, route=route, segment=segment, starts=starts, seed=seed
+    )
+    asked = Asked(
+        data=data or [], reading=reading, validate=validate, unknown=unknown or [], how=how
+    )
+    start = partial(run, force=force, as_json=as_json, enforce=enforce)
+    start(rig, asked, changes or [], laws, output, jobs=jobs)
+
+
+@app.command()
+def fit(
+    rig: Rig = None,
+    law: Law = "coulomb-viscous",
+    free: Free = None,
+    data: Data = None,
+    columns: Columns = None,
+    units: Units = None,
+    gain: Gain = None,
+    repair: Repair = None,
+    changes: Set = None,
+    validate: Validate = None,
+    unknown: Unknown = None,
+    horizon: Horizon = None,
+    route: Route = None,
+    segment: Segment = None,
+    starts: Starts = None,
+    seed: Seed = None,
+    output: LawFile = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Fit one law to what was measured; print its parameters with their intervals.
+
+    Ctrl-C while a record is fitted: once ends with the best so far, twice cancels.
+    """
+    from stickslip.cli.fit import run
+    from stickslip.cli.measured import Asked, How
+    from stickslip.cli.reading import reading_of
+
+    reading = reading_of(columns=columns, units=units, gain=gain, repair=repair)
+    how = How(horizon=horizon, route=route, segment=segment, starts=starts, seed=seed)
+    asked = Asked(
+        data=data or [], reading=reading, validate=validate, unknown=unknown or [], how=how
+    )
+    run(rig, law, free, asked, changes or [], output, force=force, as_json=as_json)
 
 
 @app.command()
@@ -75,22 +150,10 @@ def check(
         list[Path],
         typer.Argument(metavar="FILE", help="CSV, Parquet or MATLAB files; several are trials."),
     ],
-    columns: Annotated[
-        list[str] | None,
-        typer.Option("--columns", metavar="NAME=COLUMN,...", help="E.g. position=q,force=u."),
-    ] = None,
-    units: Annotated[
-        list[str] | None,
-        typer.Option("--unit", metavar="NAME=UNIT,...", help="Of columns, e.g. position=mm."),
-    ] = None,
-    gain: Annotated[
-        list[str] | None,
-        typer.Option("--gain", metavar="NAME=FACTOR,...", help="To SI, e.g. force=35.15."),
-    ] = None,
-    repair: Annotated[
-        list[str] | None,
-        typer.Option("--repair", metavar="sort,gaps", help="Order the times, drop what is empty."),
-    ] = None,
+    columns: Columns = None,
+    units: Units = None,
+    gain: Gain = None,
+    repair: Repair = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder for a picture and the findings.")
     ] = None,
@@ -98,18 +161,17 @@ def check(
     as_json: Json = False,
 ) -> None:
     """Say what a measurement can tell and what is wrong with it; exit with 2 at an error."""
-    from stickslip.cli.check import Reading, run
+    from stickslip.cli.check import run
+    from stickslip.cli.reading import reading_of
 
-    reading = Reading(columns=columns, units=units, gain=gain, repair=repair)
+    reading = reading_of(columns=columns, units=units, gain=gain, repair=repair)
     run(files, reading, output, force=force, as_json=as_json)
 
 
 @app.command()
 def simulate(
     rig: Rig = None,
-    law: Annotated[
-        str, typer.Option("--law", help="Friction law, see `stickslip models`.")
-    ] = "coulomb",
+    law: Law = "coulomb",
     changes: Set = None,
     t_end: Annotated[
         float | None, typer.Option("--t-end", help="Last time [s]; the rig's if not given.")
@@ -183,9 +245,7 @@ def warmup(
         list[str] | None,
         typer.Option("--mechanism", help="Only this one, e.g. spring-block; may be repeated."),
     ] = None,
-    laws: Annotated[
-        str | None, typer.Option("--laws", help="Only these, e.g. coulomb,viscous.")
-    ] = None,
+    laws: Laws = None,
     jobs: Annotated[
         int | None, typer.Option("--jobs", min=1, help="Processes; one a core if not given.")
     ] = None,

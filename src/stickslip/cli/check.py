@@ -1,8 +1,7 @@
 """``stickslip check``."""
 
 import tempfile
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 
 import typer
@@ -16,24 +15,15 @@ from stickslip.cli.output import (
     stdout,
     write_folder,
 )
-from stickslip.errors import InputError
-from stickslip.experiments import Checks, Measurement, check, load_measurement
+from stickslip.experiments import Checks, Measurement, check
+from stickslip.experiments.reading import Reading
+from stickslip.experiments.records import read_data
 
-__all__ = ["Reading", "run"]
+__all__ = ["run"]
 
 BAD_DATA = 2
 MARKS = {"info": ("  ", ""), "warning": ("! ", "yellow"), "error": ("✗ ", "red")}
 FORMATS = ("svg", "png")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Reading:
-    """How the files are read, as the options say it."""
-
-    columns: Sequence[str] | None
-    units: Sequence[str] | None
-    gain: Sequence[str] | None
-    repair: Sequence[str] | None
 
 
 def run(
@@ -42,7 +32,7 @@ def run(
     """Check, print the sentences, draw an overview if asked for one."""
     if output is not None:
         refuse_overwriting(output, output, force=force)
-    measurement = _load(files, reading)
+    measurement = read_data(files, reading)
     found = check(measurement)
     records = measurement.records()
     origins = {"records": [{"name": r.name, "provenance": r.provenance} for r in records]}
@@ -59,36 +49,6 @@ def run(
     if found.worst == "error":
         note("No fit should be made from this as it is.")
         raise typer.Exit(BAD_DATA)
-
-
-def _load(files: Sequence[Path], reading: Reading) -> Measurement:
-    texts = [part.strip() for given in reading.repair or () for part in given.split(",")]
-    return load_measurement(
-        files[0] if len(files) == 1 else files,
-        columns=_pairs("--columns", "position=q_m", reading.columns),
-        units=_pairs("--unit", "position=mm", reading.units),
-        gain=_numbers(_pairs("--gain", "force=35.15", reading.gain)),
-        repair=texts,  # type: ignore[arg-type]  # checked where it is used
-    )
-
-
-def _pairs(option: str, example: str, given: Sequence[str] | None) -> dict[str, str]:
-    """Split ``name=value`` pairs, parted by commas."""
-    found = {}
-    for pair in (part for text in given or () for part in text.split(",")):
-        name, equals, value = pair.partition("=")
-        if not equals or not name.strip() or not value.strip():
-            raise InputError(f"{option} takes NAME=VALUE such as {example}, got {pair!r}.")
-        found[name.strip()] = value.strip()
-    return found
-
-
-def _numbers(pairs: Mapping[str, str]) -> dict[str, float]:
-    try:
-        return {name: float(value) for name, value in pairs.items()}
-    except ValueError:
-        listed = ", ".join(f"{name}={value}" for name, value in pairs.items())
-        raise InputError(f"--gain takes numbers such as force=35.15, got {listed}.") from None
 
 
 def _show(measurement: Measurement, found: Checks) -> None:

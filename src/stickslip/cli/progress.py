@@ -1,6 +1,7 @@
 """Progress of work on several laws, and of compiling their equations, on stderr."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Self, final
 
@@ -13,9 +14,10 @@ from rich.progress import (
     TimeElapsedColumn,
 )
 
+from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.output import stderr
 
-__all__ = ["Compiling", "Watching"]
+__all__ = ["Compiling", "Searching", "Watching"]
 
 
 def _bars() -> Progress:
@@ -88,3 +90,32 @@ class Watching(_Shown):
         self._bars.update(
             self._task, completed=done, description=f"{self._verb} {name}", runs=f"{runs} runs"
         )
+
+
+@final
+class Searching(_Shown):
+    """A bar that counts laws, with the least residual of the one in work.
+
+    Callable as ``watch(name, residual)``; the answer is whether to go on. Residuals are put into
+    words by `told`.
+    """
+
+    def __init__(
+        self, names: Sequence[str], told: Callable[[float], str], interrupts: Interrupts
+    ) -> None:
+        super().__init__(_bars())
+        self._names, self._told, self._interrupts = list(names), told, interrupts
+        self._task = self._bars.add_task("Fitting ", total=len(self._names), runs="")
+
+    def __call__(self, name: str, residual: float) -> bool:
+        """Note how close a law has come; what is no law is work after all of them."""
+        known = name in self._names
+        done = self._names.index(name) if known else len(self._names)
+        reached = self._told(residual) if math.isfinite(residual) else ""
+        self._bars.update(
+            self._task,
+            completed=done,
+            description=f"Fitting {name}" if known else f"Judging on {name}",
+            runs=reached,
+        )
+        return not self._interrupts.stopped

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import typer
 
+from stickslip.cli.measured import Asked, Measured, measured, show_open
 from stickslip.cli.output import (
     document,
     json_text,
@@ -19,14 +20,15 @@ from stickslip.cli.output import (
     write_folder,
 )
 from stickslip.cli.progress import Watching
+from stickslip.cli.select_records import select_on_records
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement, Rig, load_measurement, load_rig
+from stickslip.experiments import Rig, load_rig
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.friction import laws as known_laws
 from stickslip.identification import starting_law
 from stickslip.paper import rig_report
 from stickslip.report.numbers import interval, length, significant
-from stickslip.selection import Candidate, Verdict, select
+from stickslip.selection import Candidate, TravelVerdict, select
 
 __all__ = ["run"]
 
@@ -36,11 +38,12 @@ CRITERIA_FAILED = 4
 
 def run(
     path: Path | None,
-    data: Path | None,
+    asked: Asked,
     changes: Sequence[str],
     laws: str | None,
     output: Path,
     *,
+    jobs: int | None,
     force: bool,
     as_json: bool,
     enforce: bool,
@@ -49,16 +52,27 @@ def run(
     if not as_json:
         refuse_overwriting(output, output, force=force)
     rig = load_rig(path, overrides=overrides(changes))
-    measurement = _measurement(rig, data)
-    chosen = _chosen(rig, laws)
-    verdict = _selected(rig, measurement, chosen)
+    found = measured(rig, asked)
+    if found.travels:
+        if jobs is not None:
+            raise InputError("--jobs is for records; travels are fitted one after the other.")
+        _travels(rig, found, laws, output, as_json=as_json, enforce=enforce)
+        return
+    if enforce:
+        raise InputError("--enforce is for travels: the criteria of the paper judge these.")
+    select_on_records(rig, found, asked, laws, output, jobs=jobs or 1, as_json=as_json)
+
+
+def _travels(
+    rig: Rig, found: Measured, laws: str | None, output: Path, *, as_json: bool, enforce: bool
+) -> None:
+    verdict = _selected(rig, found, _chosen(rig, laws))
     content = document("select", {"rig": rig.title, "digest": rig.digest, **verdict.to_dict()})
     if as_json:
         print_json(content)
     else:
         note("Writing the report ...")
-        command = " ".join(["stickslip", *sys.argv[1:]])
-        page = rig_report(rig, verdict, command=command)
+        page = rig_report(rig, verdict, command=" ".join(["stickslip", *sys.argv[1:]]))
         write_folder(output, {"index.html": page, "verdict.json": json_text(content)})
         _show(verdict)
         stdout().print(f"\nReport: {output / 'index.html'}", markup=False)
@@ -70,27 +84,21 @@ def run(
         raise typer.Exit(CRITERIA_FAILED)
 
 
-def _selected(rig: Rig, measurement: Measurement, laws: Mapping[str, FrictionLaw]) -> Verdict:
+def _selected(rig: Rig, found: Measured, laws: Mapping[str, FrictionLaw]) -> TravelVerdict:
     """Select with a bar for what is compiled and one for what is fitted."""
     with Watching(list(laws), "Fitting") as watch:
-        return select(
+        verdict = select(
             rig.mechanism,
-            measurement,
+            found.measurement,
             laws,
+            unknown=found.unknown,
+            validate=found.validate,
             t_end=rig.t_end,
             watch=watch,
             compiling=watch.compiling,
         )
-
-
-def _measurement(rig: Rig, data: Path | None) -> Measurement:
-    if data is not None:
-        return load_measurement(data, mechanism=rig.mechanism)
-    if rig.measurement is None:
-        raise InputError(
-            f"{rig.path} has no measurement: add a [[trial]] with a travel, or give --data FILE."
-        )
-    return rig.measurement
+    assert isinstance(verdict, TravelVerdict)
+    return verdict
 
 
 def _chosen(rig: Rig, names: str | None) -> Mapping[str, FrictionLaw]:
@@ -111,7 +119,7 @@ def _criteria_hold(best: Candidate | None) -> bool:
     return bool(seen and seen.velocity_never_negative and seen.displacement_never_decreases)
 
 
-def _show(verdict: Verdict) -> None:
+def _show(verdict: TravelVerdict) -> None:
     """Print the verdict and the comparison."""
     words = verdict.words
     console = stdout()
@@ -123,11 +131,7 @@ def _show(verdict: Verdict) -> None:
     heads += ["held-out error, mm"] if verdict.ranked else []
     console.print()
     show_table("", heads, [_row(c, ranked=verdict.ranked) for c in verdict.candidates])
-    for title, lines in (("Cannot tell", words.cannot_tell), ("Measure next", words.measure_next)):
-        if lines:
-            console.print(f"\n{title}", markup=False, style="bold")
-        for line in lines:
-            console.print(f"  {plain(line)}", markup=False)
+    show_open(words)
 
 
 def _row(candidate: Candidate, *, ranked: bool) -> list[str]:

@@ -13,11 +13,13 @@ from stickslip.drives import Drive, Sum
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.complaints import complaint, place
 from stickslip.experiments.laws import known_laws
-from stickslip.experiments.measurement import Measurement
-from stickslip.experiments.paths import canonical, quantity_at
+from stickslip.experiments.measurement import QUANTITIES, Measurement
+from stickslip.experiments.paths import PREFIX, canonical, quantity_at
+from stickslip.experiments.reading import Reading
+from stickslip.experiments.records import read_data
 from stickslip.experiments.rig import Published, Rig, check_record, state_units
-from stickslip.experiments.schema import RigTable, TrialTable, rig_table
-from stickslip.experiments.tables import Table
+from stickslip.experiments.schema import DataTable, RigTable, TrialTable, rig_table
+from stickslip.experiments.tables import Given, Table
 from stickslip.experiments.toml import LARGEST, apply, parse, read_bytes
 from stickslip.experiments.units import read_number
 from stickslip.mechanisms import Mechanism
@@ -42,6 +44,7 @@ def read_rig(path: str | Path | None, overrides: Mapping[str, Any]) -> Rig:
         raise complaint(error, raw, file, overrides) from None
     mechanism = _mechanism(table, file, overrides)
     known = known_laws(table.friction, file, overrides)
+    reading = _reading(table.data, file)
     return Rig(
         title=table.title or Path(file).stem,
         subject=table.subject,
@@ -49,7 +52,10 @@ def read_rig(path: str | Path | None, overrides: Mapping[str, Any]) -> Rig:
         mechanism=mechanism,
         laws=known.laws,
         assumed=known.assumed,
-        measurement=_measurement(table, mechanism, file),
+        unknown=_unknown(table.mechanism),
+        measurement=_measured(table, mechanism, reading, file),
+        validate=_files([table.data.second], mechanism, reading, file),
+        reading=reading,
         t_end=table.run.t_end,
         published=tuple(Published(**row.given()) for row in table.published),
         digest=_digest(data, overrides),
@@ -72,6 +78,15 @@ def _mechanism(table: RigTable, file: str, overridden: Collection[str]) -> Mecha
     return built
 
 
+def _unknown(mechanism: Table) -> tuple[str, ...]:
+    """Return the paths of the parameters that are marked as unknown."""
+    return tuple(
+        f"{PREFIX}.{name}"
+        for name, value in mechanism.given().items()
+        if isinstance(value, Given) and value.marked
+    )
+
+
 def _build(table: Table, key: str, file: str, overridden: Collection[str]) -> Any:
     """Return the object whose parameters stand in a table, and in the tables below it."""
     values = {}
@@ -82,7 +97,7 @@ def _build(table: Table, key: str, file: str, overridden: Collection[str]) -> An
         elif isinstance(value, list):
             values[name] = _drive(value, path, file, overridden)
         else:
-            values[name] = value
+            values[name] = value.value if isinstance(value, Given) else value
     assert table.target is not None
     try:
         return table.target(**values)
@@ -98,7 +113,54 @@ def _drive(tables: list[Table], key: str, file: str, overridden: Collection[str]
     return drives[0] if len(drives) == 1 else Sum(parts=tuple(drives))
 
 
-def _measurement(table: RigTable, mechanism: Mechanism, file: str) -> Measurement | None:
+def _measured(
+    table: RigTable, mechanism: Mechanism, reading: Reading, file: str
+) -> Measurement | None:
+    """Return what the trials say, or what stands in files; not both."""
+    data = table.data
+    if data.file and data.files:
+        raise InputError(f"{file}: data.file and data.files are both given: leave one out.")
+    names = [data.file] if data.file else data.files
+    if names and table.trial:
+        raise InputError(f"{file}: [data] and [[trial]] both say what was measured: leave one out.")
+    return _files(names, mechanism, reading, file) or _trials(table, mechanism, file)
+
+
+def _reading(data: DataTable, file: str) -> Reading:
+    given = data.given()
+    offset = {}
+    for name, value in given.get("offset", {}).items():
+        if name not in QUANTITIES:
+            raise UnknownNameError(f"quantity in data.offset of {file}:", name, QUANTITIES)
+        try:
+            offset[name] = read_number(value, QUANTITIES[name])
+        except ParameterError as error:
+            raise ParameterError(f"{file}: data.offset.{name} {error}") from None
+    return Reading(
+        columns=data.columns,
+        units=data.units,
+        gain=data.gain,
+        offset=offset,
+        repair=tuple(data.repair),
+    )
+
+
+def _files(
+    names: list[str], mechanism: Mechanism, reading: Reading, file: str
+) -> Measurement | None:
+    """Return the measurement of files that are named as they stand beside the rig file."""
+    paths = [Path(file).parent / name for name in names if name]
+    if not paths:
+        return None
+    try:
+        return read_data(paths, reading, mechanism=mechanism)
+    except ParameterError as error:
+        raise ParameterError(f"{file}: [data]: {error}") from None
+    except InputError as error:
+        raise InputError(f"{file}: [data]: {error}") from None
+
+
+def _trials(table: RigTable, mechanism: Mechanism, file: str) -> Measurement | None:
     if not table.trial:
         return None
     records = tuple(

@@ -64,7 +64,7 @@ def force_parameters(law: type[FrictionLaw]) -> Mapping[str, tuple[str, Quantity
 def _forces_table(law: type[FrictionLaw]) -> type[Table]:
     fields: dict[str, Any] = {"load": (Annotated[Any, Number(LOAD)], ...)}
     for key, (_, quantity) in force_parameters(law).items():
-        fields[key] = (Annotated[Any, Number(quantity, assumable=True)], None)
+        fields[key] = (Annotated[Any, Number(quantity, mark="assumed")], None)
     model = create_model(f"{law.__name__}Forces", __base__=Table, **fields)
     model.__doc__ = f"Values of {law.title} as forces, stiffness and damping at a load."
     return model
@@ -85,7 +85,7 @@ def _law_table(law: type[FrictionLaw]) -> type[Table]:
 def _hint(law: type[FrictionLaw], name: str) -> Any:
     quantity = fields_of(law).get(name)
     if quantity is not None:
-        return Annotated[Any, Number(quantity, assumable=True)]
+        return Annotated[Any, Number(quantity, mark="assumed")]
     return typing.get_type_hints(law, include_extras=True)[name]
 
 
@@ -122,7 +122,7 @@ def friction_table() -> type[FrictionTable]:
             continue
         quantities = [fields_of(law)[name] for law in owners if name in fields_of(law)]
         if quantities:
-            number = Number(quantities[0], assumable=True, alternatives=tuple(quantities[1:]))
+            number = Number(quantities[0], mark="assumed", alternatives=tuple(quantities[1:]))
             fields[name] = (Annotated[Any, number], None)
         else:
             fields[name] = (_hint(owners[0], name), None)

@@ -38,9 +38,7 @@ def known_laws(friction: Table, file: str, overridden: Collection[str]) -> Known
         if missing or (own is None and law.on_request and not _is_meant(law, values)):
             continue
         found[name] = _build(law, values, file, overridden)
-        marked = [
-            key for key in names if isinstance(values.get(key), Given) and values[key].assumed
-        ]
+        marked = [key for key in names if isinstance(values.get(key), Given) and values[key].marked]
         if marked:
             assumed[name] = tuple(marked)
     return Known(found, assumed)
@@ -82,7 +80,7 @@ def _own(
                 " parameter twice: leave one out."
             )
         scale = 1.0 if quantity.unit == fields_of(law)[field].unit else load
-        values[field] = Given(force.value / scale, force.assumed)
+        values[field] = Given(force.value / scale, force.marked)
     return values
 
 

@@ -57,7 +57,7 @@ def rig_schema() -> dict[str, Any]:
     Examples
     --------
     >>> sorted(rig_schema()["properties"])[:3]
-    ['friction', 'mechanism', 'published']
+    ['data', 'friction', 'mechanism']
     """
     from stickslip.experiments.schema import json_schema
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.measurement import QUANTITIES, SAMPLED, Measurement, Uncertainty
+from stickslip.experiments.reading import Reading
 from stickslip.experiments.repair import Repair, repaired, repairs
 from stickslip.experiments.units import shown
 from stickslip.mechanisms import Mechanism
@@ -15,7 +16,7 @@ from stickslip.quantities import Quantity
 if TYPE_CHECKING:
     from stickslip.experiments.frames import Frame
 
-__all__ = ["load_measurement"]
+__all__ = ["load_measurement", "read_data"]
 
 
 def load_measurement(
@@ -110,6 +111,31 @@ def load_measurement(
     if isinstance(path, str | Path) or not isinstance(path, Iterable):
         return reading.one(path, name)
     return reading.several(list(path), name)
+
+
+def read_data(
+    files: Sequence[Path], reading: Reading, *, mechanism: Mechanism | None = None
+) -> Measurement:
+    r"""Return the measurement of one file, or of several as trials, read as they are to be.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder, "record.csv")
+    ...     _ = file.write_text("time,q\n0,0.0\n1,2.5\n")
+    ...     read_data([file], Reading(columns={"position": "q"})).name
+    'record'
+    """
+    return load_measurement(
+        files[0] if len(files) == 1 else files,
+        columns=reading.columns,
+        units=reading.units,
+        gain=reading.gain,
+        offset=reading.offset,
+        mechanism=mechanism,
+        repair=reading.repair,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

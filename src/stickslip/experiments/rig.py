@@ -9,7 +9,8 @@ from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.measurement import Measurement
-from stickslip.experiments.paths import PREFIX, quantity_at
+from stickslip.experiments.paths import PREFIX, canonical, quantity_at
+from stickslip.experiments.reading import Reading
 from stickslip.friction import BristleLaw, FrictionLaw, law_type, laws
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
@@ -68,8 +69,14 @@ class Rig:
         By name in the registry: the laws all of whose parameters are known.
     assumed : mapping of str to tuple of str
         By law, the fields whose values are assumed and not measured.
+    unknown : tuple of str
+        Parameters of the mechanism that fits look for too, by path or last name.
     measurement : Measurement, optional
         What was measured.
+    validate : Measurement, optional
+        A second record, which no fit sees.
+    reading : Reading
+        How the files of the rig's measurements are read.
     t_end : float
         Last time of runs [s].
     published : tuple of Published
@@ -97,7 +104,10 @@ class Rig:
     mechanism: Mechanism
     laws: Mapping[str, FrictionLaw] = field(default_factory=dict)
     assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    unknown: tuple[str, ...] = ()
     measurement: Measurement | None = None
+    validate: Measurement | None = None
+    reading: Reading = field(default_factory=Reading)
     t_end: float = 10.0
     published: tuple[Published, ...] = ()
     digest: str = ""
@@ -115,6 +125,8 @@ class Rig:
         for name in self.assumed:
             if name not in self.laws:
                 raise UnknownNameError("law in Rig.assumed", name, self.laws)
+        paths = tuple(canonical(self.mechanism, name) for name in self.unknown)
+        object.__setattr__(self, "unknown", paths)
         records = () if self.measurement is None else self.measurement.records()
         for index, record in enumerate(records):
             check_record(self.mechanism, record, f"trial {record.name or index}")

@@ -14,9 +14,19 @@ from stickslip.friction import laws
 from stickslip.mechanisms import mechanisms
 from stickslip.quantities import Quantity
 
-__all__ = ["PublishedTable", "RigTable", "RunTable", "TrialTable", "json_schema", "rig_table"]
+__all__ = [
+    "DataTable",
+    "PublishedTable",
+    "RigTable",
+    "RunTable",
+    "TrialTable",
+    "json_schema",
+    "rig_table",
+]
 
 TRAVEL = QUANTITIES["travel"]
+UNKNOWN = "unknown"
+"""Says of a mechanism's parameter that a fit is to look for it."""
 
 
 class RunTable(Table):
@@ -35,6 +45,25 @@ class TrialTable(Table):
     provenance: str = ""
     set: dict[str, Any] = Field(default={}, description="parameter path: value in this trial")
     initial: dict[str, Any] = Field(default={}, description="state name: value at the start")
+
+
+class DataTable(Table):
+    """Files with what was measured, and how they are read; several files are several trials."""
+
+    file: str = Field(default="", description="relative to the rig file")
+    files: list[str] = Field(default=[], min_length=1, description="several, as trials")
+    columns: dict[str, str] = Field(default={}, description="quantity: name of its column")
+    units: dict[str, str] = Field(default={}, description="quantity: unit of its column")
+    gain: dict[str, Annotated[Any, Number(Quantity("g"))]] = Field(
+        default={}, description="quantity: factor that makes SI of its column"
+    )
+    offset: dict[str, Any] = Field(default={}, description="quantity: offset of its sensor")
+    repair: list[Literal["sort", "gaps"]] = Field(
+        default=[], min_length=1, description="`sort` the times, drop `gaps`"
+    )
+    second: str = Field(
+        default="", alias="validate", description="a second record, which no fit sees"
+    )
 
 
 def _known_law(name: str) -> str:
@@ -65,6 +94,7 @@ class RigTable(Table):
     source: str = ""
     run: RunTable = RunTable()
     trial: list[TrialTable] = Field(default=[], min_length=1)
+    data: DataTable = DataTable()
     published: list[PublishedTable] = Field(default=[], min_length=1)
     mechanism: Any
     friction: FrictionTable
@@ -73,7 +103,7 @@ class RigTable(Table):
 @functools.cache
 def rig_table() -> type[RigTable]:
     """Return the model of a rig file with all mechanisms, drives and laws that are installed."""
-    options = choice({name: table_of(cls, name) for name, cls in mechanisms().items()})
+    options = choice({name: table_of(cls, name, UNKNOWN) for name, cls in mechanisms().items()})
     friction = friction_table()
     return create_model(
         "Rig", __base__=RigTable, mechanism=(options, ...), friction=(friction, friction())

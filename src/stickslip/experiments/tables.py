@@ -27,10 +27,10 @@ __all__ = ["Given", "Number", "Table", "choice", "table_of"]
 
 @dataclasses.dataclass(frozen=True)
 class Given:
-    """A number from a file, and whether it is marked as assumed."""
+    """A number from a file, and whether it bears the mark that it may have there."""
 
     value: float
-    assumed: bool
+    marked: bool
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,28 +38,28 @@ class Number:
     """Annotation of a field that holds a quantity."""
 
     quantity: Quantity
-    assumable: bool = False
-    """Whether ``{ value = ..., assumed = true }`` may stand for the value."""
+    mark: str = ""
+    """What may be said of it, such as ``"assumed"``: ``{ value = ..., assumed = true }``."""
     alternatives: tuple[Quantity, ...] = ()
     """Other ranges that would do, where several owners share the field."""
 
     def read(self, value: Any) -> float | Given:
         """Return the number in SI, with its mark where it may have one."""
-        if not self.assumable:
+        if not self.mark:
             return self._number(value)
-        assumed: object = False
+        marked: object = False
         if isinstance(value, dict):
-            if "value" not in value or set(value) - {"value", "assumed"}:
+            if "value" not in value or set(value) - {"value", self.mark}:
                 raise ParameterError(
-                    f"({self.quantity.symbol}) as a table must have the keys value and assumed,"
+                    f"({self.quantity.symbol}) as a table must have the keys value and {self.mark},"
                     f" got {', '.join(map(repr, value)) or 'none'}."
                 )
-            value, assumed = value["value"], value.get("assumed", False)
-        if not isinstance(assumed, bool):
+            value, marked = value["value"], value.get(self.mark, False)
+        if not isinstance(marked, bool):
             raise ParameterError(
-                f"({self.quantity.symbol}) has assumed = {shown(assumed)}: write true or false."
+                f"({self.quantity.symbol}) has {self.mark} = {shown(marked)}: write true or false."
             )
-        return Given(self._number(value), assumed)
+        return Given(self._number(value), marked)
 
     def _number(self, value: object) -> float:
         try:
@@ -84,8 +84,8 @@ class Number:
             number["exclusiveMinimum"] = quantity.above
         plain = [number, {"type": "string", "description": "number with a unit"}]
         kinds: list[dict[str, Any]] = list(plain)
-        if self.assumable:
-            members = {"value": {"anyOf": plain}, "assumed": {"type": "boolean", "default": False}}
+        if self.mark:
+            members = {"value": {"anyOf": plain}, self.mark: {"type": "boolean", "default": False}}
             kinds.append(
                 {
                     "type": "object",
@@ -169,12 +169,15 @@ class _Numbers:
 
 
 @functools.cache  # Registries do not change while a program runs.
-def table_of(cls: type, kind: str) -> type[Table]:
-    """Return the table of a mechanism or drive; `kind` is what its ``type`` must say."""
+def table_of(cls: type, kind: str, mark: str = "") -> type[Table]:
+    """Return the table of a mechanism or drive; `kind` is what its ``type`` must say.
+
+    With a `mark`, that may be said of its own numbers.
+    """
     fields: dict[str, Any] = {"type": (Literal[kind], ...)}
     for field in dataclasses.fields(cls):
         default = ... if field.default is dataclasses.MISSING else field.default
-        fields[field.name] = (_hint(cls, field.name), default)
+        fields[field.name] = (_hint(cls, field.name, mark), default)
     model = create_model(cls.__name__, __base__=Table, **fields)
     model.__doc__ = (cls.__doc__ or "").strip().partition("\n")[0]
     model.target = cls
@@ -189,10 +192,10 @@ def choice(tables: Mapping[str, type[Table]]) -> Any:
     return Annotated[Union[options], Field(discriminator="type")]  # noqa: UP007  # the options are found at run time
 
 
-def _hint(cls: type[Parametrised], name: str) -> Any:
+def _hint(cls: type[Parametrised], name: str, mark: str) -> Any:
     quantity = fields_of(cls).get(name)
     if quantity is not None:
-        return Annotated[Any, Number(quantity)]
+        return Annotated[Any, Number(quantity, mark=mark)]
     hint = typing.get_type_hints(cls, include_extras=True)[name]
     if hint == tuple[float, ...]:
         return Annotated[Any, _Numbers()]

@@ -15,6 +15,7 @@ from stickslip.identification.doubts import bounds_met, estimates_of, sentences_
 from stickslip.identification.force_map import force_map
 from stickslip.identification.inference import infer
 from stickslip.identification.inverse_dynamics import friction_record, inertia_of
+from stickslip.identification.map_problem import ForceMap
 from stickslip.identification.map_records import stretches_of
 from stickslip.identification.optimise import Found, Watch, search
 from stickslip.identification.problem import Problem
@@ -27,6 +28,7 @@ from stickslip.identification.record_starts import (
 )
 from stickslip.identification.segmenting import RESOLUTION, Hold, measured_quantity, segments_of
 from stickslip.identification.shooting import Shooting
+from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
@@ -70,6 +72,46 @@ class _Set:
     problem: Problem
     build: Build
     tried: tuple[Array, ...] = ()
+
+
+# What builds problems is no closure, so that fits can cross processes.
+
+
+@dataclass(frozen=True)
+class _Shot:
+    """Builds the shooting problem of a record."""
+
+    mechanism: Mechanism
+    law: FrictionLaw
+    unknowns: Unknowns
+    settings: RecordSettings
+
+    def __call__(self, record: Measurement, length: float | None) -> Problem:
+        return Shooting(
+            law=self.law,
+            unknowns_=self.unknowns,
+            segments=segments_of(
+                self.mechanism,
+                record,
+                length=self.settings.segment if length is None else length,
+                resolution=_rows(self.settings, length),
+                hold=self.settings.hold,
+            ),
+            quantity_=measured_quantity(record),
+        )
+
+
+@dataclass(frozen=True)
+class _Rubbed:
+    """Builds the problem of a record of friction, or of one that friction is derived from."""
+
+    mechanism: Mechanism
+    problem: ForceMap
+    derived: bool
+
+    def __call__(self, record: Measurement, length: float | None) -> Problem:
+        own = friction_record(self.mechanism, record) if self.derived else record
+        return replace(self.problem, stretches=stretches_of(self.mechanism, own, segment=length))
 
 
 def route_of(measurement: Measurement, route: str | None = None) -> Route:
@@ -194,20 +236,7 @@ def _shooting(
     if not len(unknowns):
         raise InputError("there is nothing to fit: name at least one parameter in `free`.")
 
-    def build(record: Measurement, length: float | None) -> Problem:
-        return Shooting(
-            law=start,
-            unknowns_=unknowns,
-            segments=segments_of(
-                mechanism,
-                record,
-                length=settings.segment if length is None else length,
-                resolution=_rows(settings, length),
-                hold=settings.hold,
-            ),
-            quantity_=measured_quantity(record),
-        )
-
+    build = _Shot(mechanism, start, unknowns, settings)
     tried = tuple(
         np.array([other.get(p, v) for p, v in zip(unknowns.paths, unknowns.start, strict=True)])
         for other in further
@@ -228,20 +257,13 @@ def _mapped(
     if derived:
         mechanism = vary(mechanism, "mechanism", inertia_of(mechanism, measurement, unknown))
 
-    def rubbed(record: Measurement) -> Measurement:
-        return friction_record(mechanism, record) if derived else record
-
-    own = rubbed(measurement)
+    own = friction_record(mechanism, measurement) if derived else measurement
     kind = law if isinstance(law, type) else type(law)
     wanted = kind.fit_order if free is None else [name.rpartition(".")[2] for name in free]
     held = [name for name in kind.fit_order if name not in wanted]
     problem = force_map(law, mechanism, own, held=held)
 
-    def build(record: Measurement, length: float | None) -> Problem:
-        own = stretches_of(mechanism, rubbed(record), segment=length)
-        return replace(problem, stretches=own)
-
-    return _Set(problem.law, problem, build)
+    return _Set(problem.law, problem, _Rubbed(mechanism, problem, derived))
 
 
 def _finished(

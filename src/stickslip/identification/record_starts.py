@@ -1,5 +1,6 @@
 """Where fits to records begin: values and bounds of every unknown, from the record itself."""
 
+import dataclasses
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass
@@ -163,6 +164,13 @@ def _made(
         for name, field in kind.__dataclass_fields__.items()
         if name not in values
     }
+    for name, default in defaults.items():
+        if default is dataclasses.MISSING:
+            symbol = fields_of(kind)[name].symbol
+            raise InputError(
+                f"{kind.__name__}.{name} ({symbol}) is neither free nor known:"
+                f" free it too, or give a {kind.__name__} with its value."
+            )
     made = unchecked(kind, **{**defaults, **values})
     made.__post_init__()
     return made

@@ -2,7 +2,9 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import replace
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -22,23 +24,28 @@ from stickslip.selection.record_admissibility import objection
 from stickslip.selection.record_verdict import Purpose, RecordCandidate, RecordVerdict
 from stickslip.selection.record_words import outcomes, record_wording
 from stickslip.selection.scoring import FLOOR
+from stickslip.selection.side_by_side import fitted_side_by_side
 from stickslip.selection.specifications import REFERENCE, Specification, control, specifications
 
 __all__ = ["PURPOSES", "RecordWatch", "select_records"]
 
 RecordWatch: TypeAlias = Callable[[str, float], object]
-"""Called with a candidate and the least residual so far; False ends that candidate's search."""
+"""Called with a candidate and the least residual so far, not a number before it begins.
+
+False ends the search of a candidate that has begun, and leaves out one that has not.
+"""
 
 SPARE = ("viscous_coefficient",)
 """Fields that stand beside what makes a law that law; one that goes to 0 is left out."""
 PURPOSES = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
+LEFT_OUT = "the search was ended before its turn"
 
 
 def select_records(
     mechanism: Mechanism,
     measurement: Measurement,
-    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None = None,
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None = None,
     *,
     unknown: Sequence[str] = (),
     purpose: str = "simulate",
@@ -47,51 +54,63 @@ def select_records(
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
     watch: RecordWatch | None = None,
+    executor: Executor | None = None,
 ) -> RecordVerdict:
     """Select a law for records in time or measured friction; arguments as in `select`."""
     if purpose not in PURPOSES:
         raise InputError(f"purpose must be one of {', '.join(PURPOSES)}, got {purpose!r}.")
-    checks = check(measurement, mechanism=mechanism)
-    if checks.worst == "error":
-        wrong = [one.sentence for one in checks.findings if one.severity == "error"]
-        raise InputError("This record cannot decide. " + " ".join(wrong))
+    checks = _checked(mechanism, measurement)
     if purpose == "compensate" and route is None and "friction" not in measurement.quantities():
         route = "inverse-dynamics"
-
-    def fitted(one: Specification) -> RecordCandidate:
-        return _candidate(
-            one, mechanism, measurement, unknown=unknown, route=route, settings=settings,
-            watch=watch,
-        )  # fmt: skip
-
-    tried = [fitted(one) for one in _specified(laws, measurement)]
+    chosen = _laws(laws, measurement)
+    fitted = partial(
+        _candidate,
+        mechanism=mechanism,
+        measurement=measurement,
+        unknown=unknown,
+        route=route,
+        settings=settings,
+    )
+    tried = fitted_side_by_side(fitted, chosen, watch, executor)
     fits = _fits(tried)
     aim = PURPOSES[purpose] if horizon is None else horizon
     plan = plan_of(min(fits, key=lambda fit: fit.rms), horizon=aim)
     if watch is not None:
         watch("held-out blocks", math.nan)
-    judged = [_judged(candidate, plan, validate) for candidate in tried]
+    work = partial(_judged, plan=plan, validate=validate)
+    judged = list(map(work, tried) if executor is None else executor.map(work, tried))
     without = _judged(fitted(control()), plan, validate) if fits[0].route != "force-map" else None
     return _verdict(mechanism, measurement, judged, without, plan, purpose, checks)
 
 
-def _specified(
-    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None,
+def _laws(
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None,
     measurement: Measurement,
 ) -> tuple[Specification, ...]:
-    """Return the candidates, without what a record of one direction cannot carry."""
+    """Return the candidates; by default none that the motion cannot tell."""
     chosen = specifications(laws)
     if laws is None and _one_way(measurement):
-        chosen = tuple(one for one in chosen if one.name != "direction-dependent")
+        return tuple(one for one in chosen if one.name != "direction-dependent")
     return chosen
 
 
+def _checked(mechanism: Mechanism, measurement: Measurement) -> Checks:
+    """Return what the record can tell; refuse one that cannot decide."""
+    checks = check(measurement, mechanism=mechanism)
+    if checks.worst == "error":
+        wrong = [one.sentence for one in checks.findings if one.severity == "error"]
+        raise InputError("This record cannot decide. " + " ".join(wrong))
+    return checks
+
+
 def _fits(tried: Sequence[RecordCandidate]) -> list[RecordFit]:
-    """Return the fits there are, or say why there is none."""
+    """Return the fits there are, at least one."""
     fits = [candidate.fit for candidate in tried if candidate.fit]
     if not fits:
-        reasons = "; ".join(f"{c.title}: {c.dropped}" for c in tried)
-        raise ConvergenceError(f"no candidate predicts this record: {reasons}")
+        raise ConvergenceError(
+            "no candidate predicts this record: "
+            + "; ".join(f"{c.title}: {c.dropped}" for c in tried)
+        )
     return fits
 
 
@@ -107,17 +126,25 @@ def _one_way(measurement: Measurement) -> bool:
     return min(float(np.mean(joined > 0)), float(np.mean(joined < 0))) < 0.01
 
 
+def _unfitted(one: Specification, reason: str) -> RecordCandidate:
+    return RecordCandidate(
+        name=one.name, title=one.title, fit=None, validation=None, dropped=reason
+    )
+
+
 def _candidate(
     one: Specification,
+    watch: RecordWatch | None = None,
+    *,
     mechanism: Mechanism,
     measurement: Measurement,
-    *,
     unknown: Sequence[str],
     route: str | None,
     settings: RecordSettings | None,
-    watch: RecordWatch | None,
 ) -> RecordCandidate:
     """Fit one candidate; one that cannot be fitted is kept with the reason."""
+    if watch is not None and watch(one.name, math.nan) is False:
+        return _unfitted(one, LEFT_OUT)
     report = None if watch is None else (lambda rms: watch(one.name, rms))
 
     def fitted(law: FrictionLaw | type[FrictionLaw], free: Sequence[str] | None) -> RecordFit:
@@ -140,9 +167,7 @@ def _candidate(
             without = vary(fit.law, "friction", dict.fromkeys(spare, 0.0))
             fit = fitted(without, [path for path in free if path not in spare])
     except (ConvergenceError, SimulationError) as error:
-        return RecordCandidate(
-            name=one.name, title=one.title, fit=None, validation=None, dropped=str(error)
-        )
+        return _unfitted(one, str(error))
     rows, count = len(fit.residual), len(fit.unknowns)
     likelihood = rows * math.log(max(fit.rms**2, 1e-300))
     return RecordCandidate(

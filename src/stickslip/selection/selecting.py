@@ -1,11 +1,12 @@
 """The verb `select`."""
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification.record_fitting import RecordSettings
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.records import select_records
@@ -19,7 +20,7 @@ __all__ = ["select"]
 def select(
     mechanism: Mechanism,
     measurement: Measurement,
-    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None = None,
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None = None,
     *,
     unknown: Sequence[str] = (),
     purpose: str = "simulate",
@@ -30,6 +31,7 @@ def select(
     t_end: float = 10.0,
     watch: Callable[[str, Any], object] | None = None,
     compiling: Progress | None = None,
+    executor: Executor | None = None,
 ) -> Verdict:
     """Fit every law to a measurement, compare them on what they have not seen, and name one.
 
@@ -41,8 +43,9 @@ def select(
         One travel or several trials; or records in time of position, velocity and force; or
         friction, measured directly.
     laws : mapping or sequence, optional
-        The candidates; instances bring start values and, for travels, assumptions. If not given,
-        for travels the six that the source paper compares, for records ten.
+        The candidates, as instances, types or names; instances bring start values and, for
+        travels, assumptions. If not given, for travels the six that the source paper compares, for
+        records ten.
     unknown : sequence of str
         Parameters of the mechanism that are looked for too, such as ``"inertia"``.
     purpose : {"simulate", "position", "compensate"}
@@ -60,8 +63,12 @@ def select(
         Time after which a body counts as stopped [s], for travels.
     watch : callable, optional
         Called with the name of a law and the number of its runs, or the least residual so far.
+        For records, False ends the search with the best so far.
     compiling : callable, optional
         Called as the `progress` of `stickslip.solver.warm_up`, if equations have to be compiled.
+    executor : concurrent.futures.Executor, optional
+        Fits laws to records at the same time, with the same result; processes, since threads gain
+        nothing. A law's residual is then told only when its search ends.
 
     Returns
     -------
@@ -85,13 +92,9 @@ def select(
     ('coulomb', False)
     """
     if "travel" in measurement.quantities():
-        if validate is not None or unknown:
-            raise InputError(
-                "travels take no second record and no unknown parameters of the mechanism:"
-                " give more trials instead."
-            )
+        _check_travels(unknown, validate)
         return select_travels(
-            mechanism, measurement, laws, t_end=t_end, watch=watch, compiling=compiling
+            mechanism, measurement, _kinds(laws), t_end=t_end, watch=watch, compiling=compiling
         )
     return select_records(
         mechanism,
@@ -104,4 +107,22 @@ def select(
         validate=validate,
         settings=settings,
         watch=watch,
+        executor=executor,
     )
+
+
+def _kinds(
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None,
+) -> Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None:
+    """Return laws with the types that names stand for."""
+    if laws is None or isinstance(laws, Mapping):
+        return laws
+    return [law_type(one) if isinstance(one, str) else one for one in laws]
+
+
+def _check_travels(unknown: Sequence[str], validate: Measurement | None) -> None:
+    if validate is not None or unknown:
+        raise InputError(
+            "travels take no second record and no unknown parameters of the mechanism: give more"
+            " trials instead."
+        )

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import (
     Coulomb,
     CoulombViscous,
@@ -17,6 +17,7 @@ from stickslip.friction import (
     Stribeck,
     Viscous,
 )
+from stickslip.friction import laws as known_laws
 
 __all__ = ["CONTROL", "REFERENCE", "Specification", "specifications"]
 
@@ -55,31 +56,53 @@ PLAIN_DAHL = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
 
 
 def specifications(
-    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None,
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None,
 ) -> tuple[Specification, ...]:
     """Return the candidates: those given, or all that records are compared with by default.
+
+    A name stands for the candidate of that name, or for a law with all it can fit.
 
     Raises
     ------
     InputError
-        If there is none.
+        If there is none, or a name is not known.
 
     Examples
     --------
     >>> [one.name for one in specifications(None)][-3:]
     ['lugre', 'dahl', 'dahl-exponent']
+    >>> [one.title for one in specifications(["coulomb", "dahl-exponent"])]
+    ['Coulomb', 'Dahl with exponent']
     """
     if laws is None:
-        return (
-            *(Specification(name=law.name, title=law.title, law=law) for law in LAWS),
-            Specification(name="dahl", title="Dahl", law=Dahl, free=PLAIN_DAHL),
-            Specification(name="dahl-exponent", title="Dahl with exponent", law=Dahl),
-        )
-    chosen = laws.items() if isinstance(laws, Mapping) else [(law.name, law) for law in laws]
-    found = tuple(Specification(name=name, title=law.title, law=law) for name, law in chosen)
+        return _usual()
+    if isinstance(laws, Mapping):
+        found = [_given(name, law) for name, law in laws.items()]
+    else:
+        found = [_called(one) if isinstance(one, str) else _given(one.name, one) for one in laws]
     if not found:
         raise InputError("there is no friction law to try: give at least one in `laws`.")
-    return found
+    return tuple(found)
+
+
+def _usual() -> tuple[Specification, ...]:
+    return (
+        *(_given(law.name, law) for law in LAWS),
+        Specification(name="dahl", title="Dahl", law=Dahl, free=PLAIN_DAHL),
+        Specification(name="dahl-exponent", title="Dahl with exponent", law=Dahl),
+    )
+
+
+def _given(name: str, law: FrictionLaw | type[FrictionLaw]) -> Specification:
+    return Specification(name=name, title=law.title, law=law)
+
+
+def _called(name: str) -> Specification:
+    known = {law: _given(law, kind) for law, kind in known_laws().items()}
+    known |= {one.name: one for one in _usual()}
+    if name not in known:
+        raise UnknownNameError("friction law", name, known)
+    return known[name]
 
 
 def control() -> Specification:

@@ -1,0 +1,165 @@
+"""``stickslip fit``."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from stickslip.cli.interrupts import Interrupts
+from stickslip.cli.measured import (
+    Asked,
+    Measured,
+    measured,
+    residuals,
+    show_estimates,
+    show_warnings,
+)
+from stickslip.cli.output import (
+    document,
+    note,
+    overrides,
+    plain,
+    print_json,
+    refuse_overwriting,
+    show_table,
+    stdout,
+    write_file,
+)
+from stickslip.cli.progress import Searching, Watching
+from stickslip.errors import InputError
+from stickslip.experiments import Checks, Rig, check, load_rig
+from stickslip.friction import FrictionLaw, law_type
+from stickslip.identification import Fit, RecordFit, Score, TravelFit, fit
+from stickslip.report.numbers import length
+from stickslip.selection.record_words import error_text
+
+__all__ = ["run"]
+
+
+def run(
+    path: Path | None,
+    name: str,
+    free: str | None,
+    asked: Asked,
+    changes: Sequence[str],
+    output: Path | None,
+    *,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Fit, write the rig file of the fitted law, print its parameters."""
+    if output is not None:
+        if output.suffix != ".toml":
+            raise InputError(f"--output takes a .toml file, got {output}.")
+        refuse_overwriting(output, output.parent, force=force)
+    rig = load_rig(path, overrides=overrides(changes))
+    kind = law_type(name)
+    found = measured(rig, asked)
+    checks = _checked(rig, found)
+    wanted = None if free is None else [part.strip() for part in free.split(",")]
+    result = _fitted(rig, rig.laws.get(name) or kind, found, asked, wanted)
+    second = _second(result, found, asked)
+    if output is not None:
+        write_file(output, result.to_toml().encode())
+    if as_json:
+        print_json(document("fit", _content(rig, result, checks, second)))
+        return
+    show_warnings(checks)
+    _show(result, second)
+    if output is not None:
+        stdout().print(f"\nRig file of the fitted law: {output}", markup=False)
+
+
+def _checked(rig: Rig, found: Measured) -> Checks:
+    """Return what is to be said of the measurement; refuse what no fit should be made from."""
+    checks = check(found.measurement, mechanism=rig.mechanism)
+    if checks.worst == "error":
+        wrong = [one.sentence for one in checks.findings if one.severity == "error"]
+        raise InputError("No fit should be made from this record. " + " ".join(wrong))
+    return checks
+
+
+def _fitted(
+    rig: Rig,
+    law: FrictionLaw | type[FrictionLaw],
+    found: Measured,
+    asked: Asked,
+    free: Sequence[str] | None,
+) -> Fit:
+    """Fit with a bar; Ctrl-C once ends the search in a record."""
+    if found.travels:
+        with Watching([law.name], "Fitting") as bar:
+            return fit(
+                rig.mechanism,
+                law,
+                found.measurement,
+                free=free,
+                unknown=found.unknown,
+                t_end=rig.t_end,
+                watch=lambda runs: bar(law.name, int(runs)),
+            )
+    with (
+        Interrupts() as interrupts,
+        Searching([law.name], residuals(found, asked.how.route), interrupts) as watch,
+    ):
+        return fit(
+            rig.mechanism,
+            law,
+            found.measurement,
+            free=free,
+            unknown=found.unknown,
+            route=asked.how.route,
+            settings=asked.how.settings,
+            watch=lambda rms: watch(law.name, rms),
+        )
+
+
+def _second(result: Fit, found: Measured, asked: Asked) -> Score | None:
+    """Return the error on a record that the fit did not see."""
+    if not isinstance(result, RecordFit):
+        if found.validate is not None:
+            raise InputError("travels take no second record: give more trials instead.")
+        return None
+    if found.validate is None:
+        return None
+    return result.score(found.validate, horizon=asked.how.horizon)
+
+
+def _content(rig: Rig, result: Fit, checks: Checks, second: Score | None) -> Mapping[str, Any]:
+    return {
+        "rig": rig.title,
+        "digest": rig.digest,
+        **result.to_dict(),
+        "checks": checks.to_dict(),
+        "second_record": None if second is None else second.rms,
+    }
+
+
+def _show(result: Fit, second: Score | None) -> None:
+    console = stdout()
+    console.print(f"\n{result.law.title} friction", markup=False, style="bold")
+    show_estimates(result.estimates)
+    console.print()
+    if isinstance(result, TravelFit):
+        pairs = zip(result.measured, result.predicted, strict=True)
+        rows = [[plain(length(m)), plain(length(p))] for m, p in pairs]
+        show_table("", ["measured travel", "predicted"], rows)
+        return
+    assert isinstance(result, RecordFit)
+    quantity, found = result.problem.quantity, result.found
+    console.print(f"Residual of {quantity}: {error_text(result.rms, quantity)}", markup=False)
+    if second is not None:
+        text = f"{error_text(second.rms, quantity)}, over {second.horizon:.3g} s at a time"
+        console.print(f"On the second record: {text}", markup=False)
+    console.print(f"Restarts: {_restarts(found.agreeing, len(found.costs))}", markup=False)
+    if found.cancelled:
+        note("The search was ended early; this is the best so far.")
+    if result.sentences:
+        console.print("\nCannot tell", markup=False, style="bold")
+    for line in result.sentences:
+        console.print(f"  {plain(line)}", markup=False)
+
+
+def _restarts(agreeing: int, starts: int) -> str:
+    if starts == 1:
+        return "none, a single start"
+    return f"{agreeing} of {starts} starts end at the least residual"

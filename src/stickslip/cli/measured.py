@@ -1,0 +1,162 @@
+"""What `select` and `fit` share: what was measured, how it is fitted, what is to be said of it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+from functools import partial
+from pathlib import Path
+from typing import final
+
+from stickslip.cli.output import plain, show_table, stdout
+from stickslip.errors import InputError
+from stickslip.experiments import Checks, Measurement, Rig
+from stickslip.experiments.reading import Reading
+from stickslip.experiments.records import read_data
+from stickslip.identification import Estimate, RecordSettings
+from stickslip.quantities import Quantity
+from stickslip.report.numbers import interval, significant
+from stickslip.selection.record_words import error_text
+from stickslip.selection.verdict import Wording
+
+__all__ = [
+    "Asked",
+    "How",
+    "Measured",
+    "measured",
+    "residuals",
+    "show_estimates",
+    "show_open",
+    "show_warnings",
+]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class How:
+    """How records are fitted and judged, as the options say it; None where they say nothing."""
+
+    purpose: str | None = None
+    horizon: float | None = None
+    route: str | None = None
+    segment: float | None = None
+    starts: int | None = None
+    seed: int | None = None
+
+    def __post_init__(self) -> None:
+        """Check lengths of time; names are checked where they are used."""
+        for name in ("horizon", "segment"):
+            value = getattr(self, name)
+            if value is not None:
+                Quantity(name, "s", above=0).check("", f"--{name}", value)
+
+    @property
+    def settings(self) -> RecordSettings:
+        """Settings of fits to records."""
+        given = {f.name: getattr(self, f.name, None) for f in fields(RecordSettings)}
+        return RecordSettings(**{k: value for k, value in given.items() if value is not None})
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """What is fitted and how, as the options say it."""
+
+    data: Sequence[Path]
+    reading: Reading
+    validate: Path | None
+    unknown: Sequence[str]
+    how: How
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """What was measured, and what of the mechanism is not known."""
+
+    measurement: Measurement
+    validate: Measurement | None
+    unknown: tuple[str, ...]
+
+    @property
+    def travels(self) -> bool:
+        """Whether distances to rest were measured, and nothing in time."""
+        return "travel" in self.measurement.quantities()
+
+
+def measured(rig: Rig, asked: Asked) -> Measured:
+    """Return what files or the rig say was measured.
+
+    Options for files add to what the rig says of its own.
+    """
+    reading = rig.reading.with_changes(asked.reading)
+    measurement, validate = rig.measurement, rig.validate
+    if asked.data:
+        measurement = read_data(asked.data, reading, mechanism=rig.mechanism)
+    elif asked.reading != Reading() and asked.validate is None:
+        raise InputError("--columns, --unit, --gain and --repair are for --data or --validate.")
+    if measurement is None:
+        raise InputError(
+            f"{rig.path} has no measurement: add a [[trial]] with a travel or [data] with a file,"
+            " or give --data FILE."
+        )
+    if asked.validate is not None:
+        validate = read_data([asked.validate], reading, mechanism=rig.mechanism)
+    names = [part.strip() for given in asked.unknown for part in given.split(",")]
+    found = Measured(measurement=measurement, validate=validate, unknown=(*rig.unknown, *names))
+    if found.travels:
+        _check_travels(asked.how)
+    return found
+
+
+def _check_travels(how: How) -> None:
+    """Refuse what travels have no use for."""
+    for name in ("purpose", "horizon", "route", "segment", "starts", "seed"):
+        if getattr(how, name) is not None:
+            raise InputError(
+                f"--{name} is for records in time or of friction; what was measured here is travel."
+            )
+
+
+def residuals(found: Measured, route: str | None) -> Callable[[float], str]:
+    """Return what puts residuals into words, with the unit of what predictions are compared to."""
+    known = found.measurement.quantities()
+    quantity = next((name for name in ("position", "velocity") if name in known), "friction")
+    if route in ("force-map", "inverse-dynamics") or "friction" in known:
+        quantity = "friction"
+    return partial(error_text, quantity=quantity)
+
+
+def show_warnings(checks: Checks) -> None:
+    """Print what is doubtful about a record."""
+    doubts = [finding for finding in checks.findings if finding.severity == "warning"]
+    for finding in doubts:
+        stdout().print(f"! {finding}", markup=False, style="yellow")
+
+
+def show_estimates(estimates: Sequence[Estimate]) -> None:
+    """Print parameters with their intervals, and why one is not bounded."""
+    rows = [
+        [
+            one.path,
+            one.quantity.symbol,
+            significant(one.value, 4),
+            "" if one.quantity.unit == "1" else one.quantity.unit,
+            interval(one.low, one.high) if one.bounded else one.range,
+        ]
+        for one in estimates
+    ]
+    kinds = ", ".join(dict.fromkeys(one.interval for one in estimates))
+    heads = ["parameter", "", "value", "unit", f"range ({kinds})"]
+    show_table("", heads, rows, whole=heads)
+    for one in estimates:
+        if one.reason:
+            stdout().print(f"  {one.path}: {plain(one.reason)}", markup=False)
+
+
+def show_open(words: Wording) -> None:
+    """Print what the data cannot tell and what to measure next."""
+    console = stdout()
+    for title, lines in (("Cannot tell", words.cannot_tell), ("Measure next", words.measure_next)):
+        if lines:
+            console.print(f"\n{title}", markup=False, style="bold")
+        for line in lines:
+            console.print(f"  {plain(line)}", markup=False)

@@ -1,0 +1,122 @@
+"""Arguments and options that several commands share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = [
+    "Columns",
+    "Data",
+    "Enforce",
+    "Folder",
+    "Force",
+    "Free",
+    "Gain",
+    "Horizon",
+    "Jobs",
+    "Json",
+    "Law",
+    "LawFile",
+    "Laws",
+    "Purpose",
+    "Record",
+    "Repair",
+    "Rig",
+    "Route",
+    "Seed",
+    "Segment",
+    "Set",
+    "Starts",
+    "Units",
+    "Unknown",
+    "Validate",
+]
+
+Rig = Annotated[Path | None, typer.Argument(help="Rig file (TOML); the paper's rig if not given.")]
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="PATH=VALUE", help="Override, e.g. mechanism.attached=true."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace what is already there.")]
+Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder of the report.")]
+Record = Annotated[str, typer.Argument(metavar="NAME", help="A record, see `data list`.")]
+Enforce = Annotated[
+    bool, typer.Option("--enforce", help="Exit with 4 if a criterion of the paper fails.")
+]
+Law = Annotated[str, typer.Option("--law", help="Friction law, see `stickslip models`.")]
+LawFile = Annotated[
+    Path | None, typer.Option("-o", "--output", help="Rig file (TOML) of the fitted law.")
+]
+Free = Annotated[
+    str | None,
+    typer.Option(
+        "--free",
+        metavar="NAME,...",
+        help="Only these of the law's parameters; the rig has the others.",
+    ),
+]
+Laws = Annotated[str | None, typer.Option("--laws", help="Only these, e.g. coulomb,viscous.")]
+
+Data = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--data",
+        metavar="FILE",
+        help="Table of travels, or record in time (CSV, Parquet, MATLAB), instead of the rig's own;"
+        " may be repeated, for trials.",
+    ),
+]
+Columns = Annotated[
+    list[str] | None,
+    typer.Option("--columns", metavar="NAME=COLUMN,...", help="E.g. position=q,force=u."),
+]
+Units = Annotated[
+    list[str] | None,
+    typer.Option("--unit", metavar="NAME=UNIT,...", help="Of columns, e.g. position=mm."),
+]
+Gain = Annotated[
+    list[str] | None,
+    typer.Option("--gain", metavar="NAME=FACTOR,...", help="To SI, e.g. force=35.15."),
+]
+Repair = Annotated[
+    list[str] | None,
+    typer.Option("--repair", metavar="sort,gaps", help="Order the times, drop what is empty."),
+]
+Validate = Annotated[
+    Path | None,
+    typer.Option("--validate", metavar="FILE", help="A second record, which no fit sees."),
+]
+Unknown = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--unknown",
+        metavar="NAME,...",
+        help="Parameters of the mechanism to be found too, e.g. inertia.",
+    ),
+]
+Horizon = Annotated[
+    float | None,
+    typer.Option("--horizon", help="Length of predicted stretches [s], for records."),
+]
+Route = Annotated[
+    str | None,
+    typer.Option("--route", help="shooting, force-map or inverse-dynamics, for records."),
+]
+Segment = Annotated[
+    float | None,
+    typer.Option("--segment", help="Length of simulated segments [s], for records; 1 s."),
+]
+Starts = Annotated[
+    int | None, typer.Option("--starts", min=1, help="Starts of a search, for records; 4.")
+]
+Seed = Annotated[
+    int | None, typer.Option("--seed", min=0, help="Of further starts, for records; 0.")
+]
+Purpose = Annotated[
+    str | None, typer.Option("--purpose", help="simulate, position or compensate, for records.")
+]
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", min=1, help="Processes that fit laws to records; 1.")
+]

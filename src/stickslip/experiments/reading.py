@@ -1,0 +1,47 @@
+"""How the files of a measurement are read: names, units and factors of their columns."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import final
+
+from stickslip.experiments.repair import Repair, repairs
+
+__all__ = ["Reading"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    """How files are read; arguments as in `load_measurement`.
+
+    Examples
+    --------
+    >>> rig = Reading(columns={"position": "q"}, gain={"force": 35.15})
+    >>> rig.with_changes(Reading(columns={"force": "u"})).columns
+    {'position': 'q', 'force': 'u'}
+    """
+
+    columns: Mapping[str, str] = field(default_factory=dict)
+    """Quantity -> name of its column."""
+    units: Mapping[str, str] = field(default_factory=dict)
+    """Quantity -> unit of its column."""
+    gain: Mapping[str, float] = field(default_factory=dict)
+    """Quantity -> factor that makes SI of its column."""
+    offset: Mapping[str, float] = field(default_factory=dict)
+    """Quantity -> offset of its sensor, in SI."""
+    repair: tuple[Repair, ...] = ()
+    """What is repaired."""
+
+    def __post_init__(self) -> None:
+        """Check what is to be repaired."""
+        object.__setattr__(self, "repair", repairs(self.repair))
+
+    def with_changes(self, other: "Reading") -> "Reading":
+        """Return this one with what another one says in addition or instead."""
+        return Reading(
+            columns={**self.columns, **other.columns},
+            units={**self.units, **other.units},
+            gain={**self.gain, **other.gain},
+            offset={**self.offset, **other.offset},
+            repair=self.repair + other.repair,
+        )

@@ -1,0 +1,66 @@
+"""Fits candidates at the same time, watched and stopped from here."""
+
+import math
+import tempfile
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from stickslip.selection.record_verdict import RecordCandidate
+from stickslip.selection.specifications import Specification
+
+__all__ = ["Fitted", "fitted_side_by_side"]
+
+PATIENCE = 0.2
+"""Time between looks at whether the search is still wanted [s]."""
+
+Watch = Callable[[str, float], object]
+
+
+class Fitted(Protocol):
+    """Fits one candidate; may be sent to other processes."""
+
+    def __call__(self, one: Specification, watch: Watch | None = None, /) -> RecordCandidate:
+        """Return the candidate with its fit."""
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """Says in any process of this machine whether a search is to go on: a file ends it."""
+
+    end: Path
+
+    def __call__(self, _name: str, _residual: float) -> bool:
+        return not self.end.exists()
+
+
+def fitted_side_by_side(
+    fitted: Fitted,
+    chosen: Sequence[Specification],
+    watch: Watch | None,
+    executor: Executor | None,
+) -> list[RecordCandidate]:
+    """Return the candidates in order, each fitted by a worker; without any, one after the other.
+
+    `watch` is called here: with the least residual of each candidate when its search ends, and in
+    between to ask whether to go on. When it answers False, searches end with the best so far.
+    """
+    if executor is None:
+        return [fitted(one, watch) for one in chosen]
+    with tempfile.TemporaryDirectory() as folder:
+        wanted = _Wanted(Path(folder, "end"))
+        futures = {executor.submit(fitted, one, wanted): one for one in chosen}
+        pending: set[Future[RecordCandidate]] = set(futures)
+        while pending:
+            done, pending = wait(pending, timeout=PATIENCE, return_when=FIRST_COMPLETED)
+            news = [(one.result().name, _residual(one.result())) for one in done]
+            news += [(futures[one].name, math.nan) for one in futures if one in pending][:1]
+            if watch is not None and any(watch(*item) is False for item in news):
+                wanted.end.touch()
+        return [future.result() for future in futures]
+
+
+def _residual(candidate: RecordCandidate) -> float:
+    return candidate.fit.rms if candidate.fit else math.nan
