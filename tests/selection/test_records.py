@@ -177,4 +177,4 @@ def test_gaps_and_horizon_fit_the_record(record):
 
 def test_scores_are_written_with_their_unit():
     assert error_text(0.00024, "position") == "0.24 mm"
-    assert error_text(2.0, "friction") == "2 N"
+    assert error_text(2.0, "friction") == "2.00 N"

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import typer
 
-from stickslip import __version__
 from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.measured import (
     Asked,
@@ -31,6 +30,7 @@ from stickslip.cli.progress import Searching
 from stickslip.cli.workers import workers
 from stickslip.experiments import Rig
 from stickslip.friction import FrictionLaw
+from stickslip.paper.pages import versions
 from stickslip.report.records import record_page
 from stickslip.selection import RecordCandidate, RecordVerdict, select
 from stickslip.selection.record_words import error_text
@@ -121,7 +121,7 @@ def _page(verdict: RecordVerdict, rig: Rig) -> dict[str, str | bytes]:
         subject=Path(rig.path).name,
         digest=rig.digest,
         commands=[" ".join(["stickslip", *sys.argv[1:]])],
-        versions={"stickslip": __version__},
+        versions=versions(),
     )
     return {"index.html": page}
 

@@ -26,12 +26,14 @@ def error_text(value: float, quantity: str) -> str:
     Examples
     --------
     >>> error_text(0.00024, "position"), error_text(1.234, "friction")
-    ('0.24 mm', '1.2 N')
+    ('0.24 mm', '1.23 N')
     """
     unit = QUANTITIES[quantity].unit
     if unit in {"m", "m/s"} and abs(value) < 1.0:
         value, unit = 1e3 * value, "m" + unit
-    return f"{value:.2g} {unit}"
+    size = abs(value)
+    text = f"{value:.2g}" if size < 0.1 else f"{value:.2f}" if size < 10.0 else f"{value:.1f}"
+    return f"{text} {unit}"
 
 
 def plus_minus(estimate: Estimate) -> str:
