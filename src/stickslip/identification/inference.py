@@ -1,6 +1,12 @@
-"""How sure estimates are where residuals are correlated: sandwiches of blocks, and bootstraps."""
+"""How sure estimates are where residuals are correlated: what leaving blocks out changes.
+
+With ten blocks and four parameters, the estimates follow each block's own error by a good part: a
+sandwich of the residuals that are left is a fifth too narrow, and covers 82 to 87 % where 95 % is
+said. Leaving a block out shows its error whole (`benchmarks.synthetic_truth`).
+"""
 
 import itertools
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +30,7 @@ class Inference:
     """Covariances of estimates (p, p), of what the data say and of what white noise would say."""
 
     covariance: Array
-    """Cluster sandwich over blocks."""
+    """From leaving out each block in turn (jackknife over blocks)."""
     naive: Array
     """As if every residual were independent."""
     quantile: float
@@ -69,6 +75,9 @@ def block_sums(seen: Linearised, table: Array, *, blocks: int = BLOCKS) -> tuple
 def infer(seen: Linearised, scale: Array, *, blocks: int = BLOCKS) -> Inference:
     """Return covariances at an optimum.
 
+    One Gauss-Newton step from the optimum for each block that is left out; no run is made. Where a
+    bound keeps the optimum from where it wants to go, what all blocks ask for is no error.
+
     Parameters
     ----------
     seen : Linearised
@@ -77,6 +86,9 @@ def infer(seen: Linearised, scale: Array, *, blocks: int = BLOCKS) -> Inference:
         Derivatives of the values by what the optimiser sees; rows that are free of bounds.
     blocks : int
         Number of blocks of equal length.
+
+    Source: J. G. MacKinnon, M. O. Nielsen, M. D. Webb, "Fast and reliable jackknife and bootstrap
+    methods for cluster-robust inference", 2023 (CV3).
     """
     table = seen.slopes @ scale
     size = np.linalg.norm(table, axis=0)
@@ -86,18 +98,28 @@ def infer(seen: Linearised, scale: Array, *, blocks: int = BLOCKS) -> Inference:
     part = table[:, effective]
     squares, slopes = block_sums(seen, part, blocks=blocks)
     inverse = np.linalg.pinv(squares.sum(axis=0), hermitian=True)
-    meat = np.einsum("bi,bj->ij", slopes, slopes)
-    sandwich = inverse @ meat @ inverse * blocks / (blocks - 1)
+    changes = _left_out(squares, slopes)
+    jackknife = (blocks - 1) / blocks * (changes.T @ changes)
     freedom = max(len(seen.residual) - count, 1)
     naive = inverse * seen.cost / freedom
     singular = np.linalg.svd(part / size[effective], compute_uv=False) if count else np.ones(1)
     return Inference(
-        covariance=_spread(sandwich, effective, scale),
+        covariance=_spread(jackknife, effective, scale),
         naive=_spread(naive, effective, scale),
         quantile=float(stats.t.ppf(0.975, blocks - 1)),
         condition=float(singular[0] / max(singular[-1], 1e-300)),
         effective=effective_size(seen),
     )
+
+
+def _left_out(squares: Array, slopes: Array) -> Array:
+    """Return what leaving each block out changes (b, p), from matrices and gradients of blocks."""
+    whole, wanted = squares.sum(axis=0), slopes.mean(axis=0)
+    changes = [
+        np.linalg.lstsq(whole - square, wanted - slope, rcond=1e-12)[0]
+        for square, slope in zip(squares, slopes, strict=True)
+    ]
+    return np.array(changes)
 
 
 def _spread(covariance: Array, effective: NDArray[np.bool_], scale: Array) -> Array:
@@ -135,9 +157,11 @@ def bootstrap(
     blocks: int = BLOCKS,
     seed: int = 0,
 ) -> Array:
-    """Return draws (draws, p) of the change of the estimates when blocks are drawn anew.
+    """Return draws (draws, p) of the change of what the optimiser sees when blocks weigh otherwise.
 
-    One Gauss-Newton step from the optimum for each draw; no run is made.
+    What leaving each block out changes, with random weights: Gauss-Newton steps, no run is made.
+    Weights are normal, over the root of a chi square of as many degrees as `infer` counts; blocks
+    drawn with replacement vary too little where there are ten, and covered 83 % for 95 %.
 
     Examples
     --------
@@ -154,11 +178,9 @@ def bootstrap(
     """
     table = seen.slopes @ scale
     blocks = max(2, min(blocks, len(seen.residual) // 4))
-    squares, slopes = block_sums(seen, table, blocks=blocks)
-    drawn = np.random.default_rng(seed).integers(blocks, size=(draws, blocks))
-    steps = [
-        np.linalg.lstsq(squares[pick].sum(axis=0), slopes[pick].sum(axis=0), rcond=1e-12)[0]
-        for pick in drawn
-    ]
-    changes: Array = np.array(steps) @ scale.T
-    return changes
+    changes = _left_out(*block_sums(seen, table, blocks=blocks))
+    random = np.random.default_rng(seed)
+    weights = random.standard_normal((draws, blocks))
+    weights /= np.sqrt(random.chisquare(blocks - 1, size=(draws, 1)) / (blocks - 1))
+    found: Array = math.sqrt((blocks - 1) / blocks) * weights @ changes
+    return found

@@ -42,6 +42,10 @@ SLOW = 0.1
 """Share of the largest speed below which inverse dynamics says little of friction."""
 LEAST = 3 * MARGIN
 """Samples a record must have."""
+ROUNDS = 20
+"""Times that robust regression weighs anew, at most."""
+SETTLED = 1e-6
+"""Change of the estimates, as shares of the force, at which it ends."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -254,14 +258,25 @@ def mass_of(mechanism: Mechanism) -> float:
 def _solved(table: Array, wanted: Array, *, robust: bool) -> tuple[Array, Array]:
     """Return least-squares values, and the weights of rows where large residuals weigh less."""
     weights = np.ones(len(wanted))
-    values = np.linalg.lstsq(table, wanted, rcond=None)[0]
-    for _ in range(20 if robust else 0):
+    values = np.asarray(np.linalg.lstsq(table, wanted, rcond=None)[0], dtype=float)
+    size = np.linalg.norm(table, axis=0)
+    scaled = table / np.where(size > 0.0, size, 1.0)
+    for _ in range(ROUNDS if robust else 0):
         residual = wanted - table @ values
         deviation = 1.4826 * float(np.median(np.abs(residual))) or 1.0
         weights = np.minimum(1.0, HUBER * deviation / np.maximum(np.abs(residual), 1e-300))
-        root = np.sqrt(weights)
-        values = np.linalg.lstsq(root[:, None] * table, root * wanted, rcond=None)[0]
+        # normal equations: a tenth of the time, and start values need no more digits
+        weighted = scaled.T * weights
+        before, scaled_values = values, _least(weighted @ scaled, weighted @ wanted)
+        values = scaled_values / np.where(size > 0.0, size, 1.0)
+        if np.max(np.abs(values - before) * size) <= SETTLED * np.max(np.abs(values) * size):
+            break
     return np.asarray(values, dtype=float), weights
+
+
+def _least(square: Array, wanted: Array) -> Array:
+    """Return the least of the solutions (p,) of normal equations, which may be singular."""
+    return np.asarray(np.linalg.lstsq(square, wanted, rcond=1e-12)[0], dtype=float)
 
 
 def _deviations(table: Array, residual: Array, weights: Array) -> Array:

@@ -92,39 +92,52 @@ def search(
     ConvergenceError
         If the record cannot be predicted from any start.
     """
-    unknowns, counter = problem.unknowns, _Counter(watch)
-    random = np.random.default_rng(seed)
-    ends: list[Linearised] = []
-    costs: list[float] = []
-    cancelled = False
-    wanted, number = starts, 0
-    while number < wanted and not cancelled:
-        values = _start(unknowns, number, tried, random)
-        number += 1
-        try:
-            end, cancelled = improve(problem, values, counter=counter)
-        except ConvergenceError:
-            costs.append(math.inf)
-            continue
-        ends.append(end)
-        costs.append(end.cost)
-        least = min(costs)
-        doubtful = sum(cost <= least * (1.0 + AGREE) ** 2 for cost in costs) < (len(costs) + 1) // 2
-        if number == wanted == starts > 1 and doubtful:
-            wanted = starts + FURTHER
+    counter = _Counter(watch)
+    ends, costs, cancelled = _ends(problem, starts, seed, tried, counter)
     if not ends:
         raise ConvergenceError(
-            f"the record cannot be predicted from any of {number} starts near"
-            f" {', '.join(f'{item.path} = {item.start:.3g}' for item in unknowns.items)}."
+            f"the record cannot be predicted from any of {len(costs)} starts near"
+            f" {', '.join(f'{i.path} = {i.start:.3g}' for i in problem.unknowns.items)}."
         )
-    best = min(ends, key=lambda end: end.cost)
     return Found(
-        best=best,
+        best=min(ends, key=lambda end: end.cost),
         costs=tuple(costs),
         values=np.array([end.values for end in ends]),
         evaluations=counter.count,
         cancelled=cancelled,
     )
+
+
+def _ends(
+    problem: Searchable, starts: int, seed: int, tried: Sequence[Array], counter: _Counter
+) -> tuple[list[Linearised], list[float], bool]:
+    """Return where starts ended, the cost of each, and whether the watcher stopped them.
+
+    A start from which nothing is predicted has a cost and no end.
+    """
+    random = np.random.default_rng(seed)
+    ends: list[Linearised] = []
+    costs: list[float] = []
+    cancelled, wanted = False, starts
+    while len(costs) < wanted and not cancelled:
+        values = _start(problem.unknowns, len(costs), tried, random)
+        try:
+            end, cancelled = improve(problem, values, counter=counter)
+        except ConvergenceError:
+            costs.append(math.inf)
+        else:
+            ends.append(end)
+            costs.append(end.cost)
+        if len(costs) == starts > 1 and _disagree(costs):
+            wanted = starts + FURTHER
+    return ends, costs, cancelled
+
+
+def _disagree(costs: Sequence[float]) -> bool:
+    """Whether less than half of the starts came to the least cost."""
+    least = min(costs)
+    agreeing = sum(cost <= least * (1.0 + AGREE) ** 2 for cost in costs)
+    return agreeing < (len(costs) + 1) // 2
 
 
 def _start(

@@ -3,7 +3,7 @@
 import html
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 import numpy as np
@@ -26,10 +26,10 @@ Array = NDArray[np.float64]
 
 SETTLING = 8
 """Rounds in which initial states are fitted at most."""
-SETTLED = 1e-3
-"""They are fitted when a round lowers the cost by less than this share."""
 Build: TypeAlias = Callable[[Measurement, float | None], Problem]
 """Makes the problem of another record, with the same unknowns and segments of a length [s]."""
+SETTLED = 0.01
+"""Share of the cost that a round must take off for another one to follow."""
 
 
 @final
@@ -149,7 +149,7 @@ class RecordFit(Fit):
 
     @property
     def scale(self) -> Array:
-        """Derivatives of the values by what the optimiser saw; 0 for those at a bound."""
+        """Derivatives of the values by what the optimiser saw; 0 for sizes that ran to a bound."""
         return scale_of(self.unknowns, self.found.best.values, self.at_bounds)
 
     def predict(
@@ -203,9 +203,12 @@ class RecordFit(Fit):
         return problem, settled(problem, self.values)
 
     def bootstrap(self, *, draws: int = 2000, seed: int = 0) -> Array:
-        """Return estimates (draws, p) with blocks of the record drawn anew."""
-        changes = bootstrap(self.found.best, self.scale, draws=draws, seed=seed)
-        return self.values + changes
+        """Return estimates (draws, p) with blocks of the record weighted anew, in bounds."""
+        unknowns = self.unknowns
+        low, high = unknowns.limits()
+        steps = bootstrap(self.found.best, self.scale, draws=draws, seed=seed)
+        at = np.clip(unknowns.coordinates(self.values) + steps, low, high)
+        return np.array([unknowns.values(one) for one in at])
 
     def profile(self, name: str, values: Sequence[float]) -> Array:
         """Return the least sum of squares (n,) with one parameter held at each of the values.
@@ -252,24 +255,43 @@ def settled(
     values: Array,
     *,
     only: Sequence[int] | None = None,
+    rounds: int = SETTLING,
 ) -> Linearised:
-    """Return residuals at values with the segments' initial states fitted."""
+    """Return residuals at values with the segments' initial states fitted.
+
+    Where a segment begins at rest, each round takes three quarters off the error of its first
+    state only: after two, one such segment could outweigh all others in a held-out score.
+    """
     seen = problem.linearise(values, only=only, slopes=False)
-    for _ in range(SETTLING):
-        before = seen.cost
-        if not math.isfinite(before):
+    best = seen
+    for _ in range(rounds - 1):
+        if not math.isfinite(seen.cost):
             break
-        again = problem.linearise(values, seen, only=only, slopes=False)
-        seen = again if again.cost < before else seen
-        if again.cost > (1.0 - SETTLED) * before:
+        seen = problem.linearise(values, seen, only=only, slopes=False)
+        before, best = best, _better(best, seen)
+        if best.cost > (1.0 - SETTLED) * before.cost:
             break
-    return seen
+    return best
+
+
+def _better(one: Linearised, other: Linearised) -> Linearised:
+    """Return by segment the residuals that are less: a long step of a first state may go astray."""
+    residual = one.residual.copy()
+    for k in np.unique(one.segment):
+        rows = one.segment == k
+        if not other.residual[rows] @ other.residual[rows] > residual[rows] @ residual[rows]:
+            residual[rows] = other.residual[rows]
+    return replace(other, residual=residual)
 
 
 def scale_of(unknowns: Unknowns, values: Array, at_bounds: Mapping[str, str]) -> Array:
-    """Return the derivatives of values by coordinates, 0 for those that a bound holds."""
+    """Return the derivatives of values by coordinates, 0 for sizes that ran to a bound.
+
+    A level or a slope that a bound holds, such as 0, is as unsure as any: were it taken for known,
+    what trades off with it would seem better known than it is.
+    """
     scale = unknowns.slopes(unknowns.coordinates(values))
-    for i, path in enumerate(unknowns.paths):
-        if path in at_bounds:
+    for i, item in enumerate(unknowns.items):
+        if item.path in at_bounds and item.log:
             scale[:, i] = 0.0
     return scale

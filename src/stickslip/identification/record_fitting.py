@@ -294,7 +294,20 @@ def _finished(
         found=found,
         inference=inference,
         at_bounds=at_bounds,
-        sentences=sentences_of(unknowns, best, inference, at_bounds, estimates),
+        sentences=(
+            *sentences_of(unknowns, best, inference, at_bounds, estimates),
+            *_doubtful(found),
+        ),
+    )
+
+
+def _doubtful(found: Found) -> tuple[str, ...]:
+    """Return a sentence where no other start came to the least residual."""
+    if found.agreeing > 1 or len(found.costs) == 1:
+        return ()
+    return (
+        f"Only one of {len(found.costs)} starts came to this residual: the estimates may be those"
+        " of a side valley, which intervals do not show.",
     )
 
 

@@ -172,14 +172,15 @@ def _drive(time: Array, force: Array, stride: int, *, joined: bool) -> Drive:
         return Sampled(times=tuple(t.tolist()), values=tuple(force.tolist()), hold="first")
     if stride == 1:
         return Sampled(times=tuple(t[:-1].tolist()), values=tuple(force[:-1].tolist()))
-    if joined:
-        force = np.append(0.5 * (force[1:] + force[:-1]), force[-1])
+    rise = np.diff(force) if joined else np.zeros(len(force) - 1)
+    held = force[:-1] + 0.5 * rise
     ends = t[::stride]
     first = np.arange(0, len(t) - 1, stride)
     length, middle = np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
     steps = np.diff(t)
-    impulse = np.add.reduceat(force[:-1] * steps, first)
-    moment = np.add.reduceat(force[:-1] * steps * 0.5 * (t[1:] + t[:-1]), first)
+    impulse = np.add.reduceat(held * steps, first)
+    moments = held * steps * 0.5 * (t[1:] + t[:-1]) + rise * steps**2 / 12.0
+    moment = np.add.reduceat(moments, first)
     slope = 12.0 * (moment - middle * impulse) / length**3
     value = impulse / length - 0.5 * slope * length
     return StraightPieces(

@@ -146,26 +146,17 @@ def _candidate(
     if watch is not None and watch(one.name, math.nan) is False:
         return _unfitted(one, LEFT_OUT)
     report = None if watch is None else (lambda rms: watch(one.name, rms))
-
-    def fitted(law: FrictionLaw | type[FrictionLaw], free: Sequence[str] | None) -> RecordFit:
-        return fit_record(
-            mechanism,
-            law,
-            measurement,
-            unknown=unknown,
-            free=free,
-            route=route,
-            settings=settings,
-            watch=report,
-        )
-
+    fitted = partial(
+        fit_record,
+        mechanism,
+        measurement=measurement,
+        unknown=unknown,
+        route=route,
+        settings=settings,
+        watch=report,
+    )
     try:
-        fit = fitted(one.law, one.free)
-        spare = [] if fit.found.cancelled else _spare(fit)
-        if spare:
-            free = [e.path for e in fit.estimates if e.path.startswith("friction.")]
-            without = vary(fit.law, "friction", dict.fromkeys(spare, 0.0))
-            fit = fitted(without, [path for path in free if path not in spare])
+        fit = _without_spare(fitted(one.law, free=one.free), fitted)
     except (ConvergenceError, SimulationError) as error:
         return _unfitted(one, str(error))
     rows, count = len(fit.residual), len(fit.unknowns)
@@ -180,14 +171,19 @@ def _candidate(
     )
 
 
-def _spare(fit: RecordFit) -> list[str]:
-    """Return the paths of parts beside what makes a law that law, if they went to 0."""
+def _without_spare(fit: RecordFit, fitted: Callable[..., RecordFit]) -> RecordFit:
+    """Fit again without what stands beside what makes a law that law, where that went to 0."""
     fields = type(fit.law).__dataclass_fields__
-    return [
+    spare = [
         f"friction.{name}"
         for name in SPARE
         if fit.at_bounds.get(f"friction.{name}") == "lower" and fields[name].default == 0.0
     ]
+    if not spare or fit.found.cancelled:
+        return fit
+    free = [e.path for e in fit.estimates if e.path.startswith("friction.")]
+    law = vary(fit.law, "friction", dict.fromkeys(spare, 0.0))
+    return fitted(law, free=[path for path in free if path not in spare])
 
 
 def _judged(

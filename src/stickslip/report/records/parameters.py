@@ -148,7 +148,7 @@ def _axis(low: float, high: float) -> Axis:
 def _caption(fit: RecordFit) -> str:
     effective, rows = fit.inference.effective, len(fit.residual)
     text = (
-        "95 % intervals from blocks of the record (sandwich estimate, Student t)."
+        "95 % intervals from leaving out blocks of the record (jackknife, Student t)."
         f" {rows:,} rows carry about as much as {numbers.significant(effective, 2)} independent"
         " ones; the last column says how many times too narrow an interval is that takes all as"
         " independent."

@@ -1,0 +1,249 @@
+"""Random rigs with known friction: do intervals cover the truth, and does selection pick well?
+
+``python -m benchmarks.synthetic_truth --rigs 200 --seed 1 --jobs 2``; results are appended to a
+file line by line, and a run that was killed goes on where it was.
+"""
+
+import argparse
+import json
+import math
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.rigs import FREE, TRUTHS, Rig, draw, record
+from stickslip import Axis, Measurement, fit, select
+from stickslip.errors import StickslipError
+from stickslip.identification import RecordFit
+from stickslip.identification.record_fitting import RecordSettings
+from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
+
+CANDIDATES = (
+    "viscous", "coulomb", "coulomb-viscous", "direction-dependent", "power-viscous",
+    "quadratic-drag", "stribeck", "dahl",
+)  # fmt: skip
+"""Compared by selection. Left out: LuGre and Dahl with exponent, which take most of the time."""
+FAST = CANDIDATES[:6]
+"""Those without bristles or a peak at rest: a fifth of the time."""
+ALWAYS = "coulomb-viscous"
+HORIZON = 4.0
+"""Length [s] of the runs that are predicted on a fresh record."""
+KINDS = ("jackknife", "bootstrap", "naive")
+COVERAGE = (0.90, 0.99)
+"""Targets for nominal 95 %."""
+REGRET = 0.10
+RESULTS = "synthetic_truth.jsonl"
+
+
+def coverage(found: RecordFit, rig: Rig) -> list[dict[str, Any]]:
+    """Return for every bounded estimate which intervals hold the true value."""
+    naive = 1.96 * np.sqrt(np.maximum(np.diag(found.inference.naive), 0.0))
+    drawn = np.percentile(found.bootstrap(seed=0), [2.5, 97.5], axis=0)
+    rows = []
+    for i, estimate in enumerate(found.estimates):
+        room, _, name = estimate.path.partition(".")
+        true = getattr(rig.law if room == "friction" else rig.axis, name)
+        if not estimate.bounded:
+            rows.append({"path": estimate.path, "bounded": False})
+            continue
+        error = estimate.value - true
+        rows.append(
+            {
+                "path": estimate.path,
+                "bounded": True,
+                "jackknife": bool(estimate.low <= true <= estimate.high),
+                "naive": bool(abs(error) <= naive[i]),
+                "bootstrap": bool(drawn[0, i] <= true <= drawn[1, i]),
+                "errors": float(error / found.inference.errors[i]),
+                "relative": float(found.inference.errors[i] / max(abs(true), 1e-300)),
+            }
+        )
+    return rows
+
+
+def fitted(rig: Rig, measurement: Measurement, *, starts: int = 4) -> RecordFit:
+    """Return a fit of the true law, the inertia looked for too."""
+    found = fit(
+        Axis(inertia=1.0),
+        type(rig.law),
+        measurement,
+        unknown=("inertia",),
+        free=FREE.get(rig.law.name),
+        settings=RecordSettings(starts=starts),
+    )
+    assert isinstance(found, RecordFit)
+    return found
+
+
+def regrets(
+    measurement: Measurement,
+    fresh: Measurement,
+    *,
+    candidates: Sequence[str] = CANDIDATES,
+    starts: int = 2,
+) -> dict[str, Any]:
+    """Return what was picked, and the errors of all candidates on a fresh record."""
+    from stickslip.selection.specifications import specifications
+
+    laws = [one.law for one in specifications(None) if one.name in candidates]
+    verdict = select(
+        Axis(inertia=1.0),
+        measurement,
+        laws,
+        unknown=("inertia",),
+        settings=RecordSettings(starts=starts),
+    )
+    assert isinstance(verdict, RecordVerdict)
+    errors = {c.name: _error(c, fresh) for c in verdict.candidates}
+    picks = {
+        "selected": verdict.best.name,
+        f"always {ALWAYS}": ALWAYS,
+        **{name: verdict.picks[name] for name in ("held-out blocks", "AIC", "BIC")},
+        "training error": verdict.picks["training error"],
+    }
+    return {"errors": errors, "picks": picks}
+
+
+def _error(candidate: RecordCandidate, fresh: Measurement) -> float:
+    if candidate.fit is None:
+        return math.inf
+    return candidate.fit.score(fresh, horizon=HORIZON).rms
+
+
+def judge(seed: int, number: int, *, candidates: Sequence[str] = CANDIDATES) -> dict[str, Any]:
+    """Return what fits, and selection if there are candidates, make of one random rig."""
+    random = np.random.default_rng([seed, number])
+    truth = list(TRUTHS)[number % len(TRUTHS)]
+    began = time.perf_counter()
+    row: dict[str, Any] = {"seed": seed, "rig": number, "truth": truth}
+    try:
+        rig = draw(random, truth)
+        measurement, _ = record(rig, random)
+        fresh, _ = record(rig, random)
+        found = fitted(rig, measurement)
+        row |= {
+            "correlation_time": rig.correlation_time,
+            "over_noise": found.rms / rig.noise,
+            "effective": found.inference.effective,
+            "rows": len(found.residual),
+            "intervals": coverage(found, rig),
+        }
+        if candidates:
+            row |= regrets(measurement, fresh, candidates=candidates)
+    except StickslipError as error:
+        row["failed"] = str(error)
+    return row | {"seconds": time.perf_counter() - began}
+
+
+def judged(path: Path, seed: int) -> list[dict[str, Any]]:
+    """Return the results in a file; a last line that was cut off does not count."""
+    rows = []
+    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
+        try:
+            row = json.loads(line)
+        except json.JSONDecodeError:
+            continue
+        if row["seed"] == seed:
+            rows.append(row)
+    return rows
+
+
+def run(path: Path, *, rigs: int, seed: int, jobs: int, candidates: Sequence[str]) -> Iterator[str]:
+    """Judge the rigs that a file does not hold yet, and append them; yield progress."""
+    done = {row["rig"] for row in judged(path, seed)}
+    left = [number for number in range(rigs) if number not in done]
+    cut = path.exists() and not path.read_bytes().endswith(b"\n")
+    with path.open("a", encoding="utf-8") as file, ProcessPoolExecutor(jobs) as pool:
+        if cut and path.stat().st_size:
+            file.write("\n")
+        tasks = [pool.submit(judge, seed, number, candidates=candidates) for number in left]
+        for count, task in enumerate(as_completed(tasks), start=len(done) + 1):
+            row = task.result()
+            file.write(json.dumps(row) + "\n")
+            file.flush()
+            yield f"{count} of {rigs}: rig {row['rig']}, {row['truth']}, {row['seconds']:.1f} s"
+
+
+def share(hits: Sequence[bool]) -> str:
+    """Return a share in percent with its binomial error."""
+    if not hits:
+        return "none"
+    p = sum(hits) / len(hits)
+    error = math.sqrt(p * (1.0 - p) / len(hits))
+    return f"{100 * p:5.1f} +- {100 * error:.1f} % of {len(hits)}"
+
+
+def regret(row: Mapping[str, Any], rule: str) -> float:
+    """Return the error of a rule's pick on the fresh record over that of the best, less 1."""
+    errors = row["errors"]
+    return float(errors[row["picks"][rule]] / min(errors.values()) - 1.0)
+
+
+def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return the tables: coverage by kind of interval and by parameter, regret by rule."""
+    failed = [row for row in rows if "failed" in row]
+    rows = [row for row in rows if "failed" not in row]
+    intervals = [one for row in rows for one in row["intervals"]]
+    bounded = [one for one in intervals if one["bounded"]]
+    lines = [
+        f"{len(rows)} rigs ({len(failed)} failed); {len(bounded)} of {len(intervals)} estimates"
+        " have a bounded interval",
+        f"coverage of nominal 95 % (target {100 * COVERAGE[0]:.0f} to {100 * COVERAGE[1]:.0f} %):",
+        *(f"  {kind:22}{share([one[kind] for one in bounded])}" for kind in KINDS),
+        "by parameter, jackknife:",
+    ]
+    for path in dict.fromkeys(one["path"] for one in bounded):
+        hits = [one["jackknife"] for one in bounded if one["path"] == path]
+        lines.append(f"  {path.partition('.')[2]:30}{share(hits)}")
+    lines.append("by true law, jackknife:")
+    for truth in TRUTHS:
+        own = [o for row in rows if row["truth"] == truth for o in row["intervals"] if o["bounded"]]
+        lines.append(f"  {truth:22}{share([one['jackknife'] for one in own])}")
+    chosen = [row for row in rows if "picks" in row]
+    if chosen:
+        lines += regret_lines(chosen)
+    return [*lines, *(f"rig {row['rig']} failed: {row['failed']}" for row in failed)]
+
+
+def regret_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return the table of regrets, and how often the true law is picked."""
+    lines = [
+        f"regret on a fresh record, {len(rows)} rigs (target: mean under {100 * REGRET:.0f} %)"
+    ]
+    for rule in rows[0]["picks"]:
+        values = 100.0 * np.array([regret(row, rule) for row in rows])
+        right = [row["picks"][rule] == row["truth"] for row in rows]
+        lines.append(
+            f"  {rule:24} mean {values.mean():6.1f} %, median {np.median(values):5.1f} %,"
+            f" worst {values.max():7.1f} %; the true law in {share(right)}"
+        )
+    return lines
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.synthetic_truth")
+    parser.add_argument("--rigs", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--results", type=Path, default=Path(RESULTS))
+    parser.add_argument(
+        "--candidates",
+        choices=("all", "fast", "none"),
+        default="all",
+        help="laws that selection compares; none: fits of the true law only",
+    )
+    given = parser.parse_args()
+    candidates = {"all": CANDIDATES, "fast": FAST, "none": ()}[given.candidates]
+    for line in run(
+        given.results, rigs=given.rigs, seed=given.seed, jobs=given.jobs, candidates=candidates
+    ):
+        print(line, flush=True)
+    print("\n".join(summary(judged(given.results, given.seed))))
+
+
+if __name__ == "__main__":
+    main()

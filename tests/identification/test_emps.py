@@ -1,0 +1,94 @@
+"""EMPS, a servo axis with published parameters: what fits of its record reach."""
+
+import numpy as np
+import pytest
+
+from stickslip import Axis, CoulombViscous, DirectionDependent, Stribeck, load_measurement, select
+from stickslip.identification.inverse_dynamics import inverse_dynamics
+from stickslip.identification.record_fitting import RecordSettings, fit_record
+
+AXIS = Axis(inertia=95.0)
+ONE = RecordSettings(starts=1)
+
+
+@pytest.fixture(scope="module")
+def emps(data_dir):
+    return load_measurement(
+        data_dir / "emps" / "train.parquet",
+        columns={"time": "t_s", "position": "q_meas_m", "force": "force_N"},
+    )
+
+
+def filtered(emps, **options):
+    return inverse_dynamics(Axis(inertia=1.0), emps, cutoff=100, decimate=10, **options)
+
+
+def test_least_squares_give_the_published_parameters_to_every_printed_digit(emps):
+    found = filtered(emps)
+    assert found.names == ("inertia", "viscous", "level", "offset")
+    # four decimals are printed; the last may be rounded the other way
+    np.testing.assert_allclose(found.values, [95.1089, 203.5034, 20.3935, -3.1648], atol=1e-4)
+    for deviation, printed in zip(
+        found.deviations, ("0.1085", "1.146", "0.1012", "0.0444"), strict=True
+    ):
+        digits = len(printed.partition(".")[2])
+        assert deviation == pytest.approx(float(printed), abs=0.51 * 10.0**-digits)
+    assert 100 * found.relative_error == pytest.approx(4.0834, abs=1e-4)
+
+
+def test_least_squares_by_direction_give_the_published_parameters(emps):
+    found = filtered(emps, directional=True, offset=False)
+    names = ("inertia", "viscous+", "level+", "viscous-", "level-")
+    values = [found[name] for name in names]
+    np.testing.assert_allclose(values, [95.1540, 166.7061, 20.1440, 240.4236, 20.6277], atol=1e-4)
+    assert 100 * found.relative_error == pytest.approx(3.1117, abs=1e-4)
+
+
+def test_robust_regression_hardly_differs_on_a_record_without_outliers(emps):
+    plain, robust = filtered(emps), filtered(emps, robust=True)
+    # Huber's loss is 95 % as efficient: estimates differ by a few of their naive deviations
+    assert np.all(np.abs(robust.values - plain.values) < 8.0 * plain.deviations)
+
+
+@pytest.mark.parametrize(("law", "bar"), [(CoulombViscous, 0.47e-3), (DirectionDependent, 0.14e-3)])
+def test_segments_of_a_second_are_predicted_to_a_part_of_a_millimetre(emps, law, bar):
+    found = fit_record(AXIS, law, emps, unknown=("inertia",), settings=ONE)
+    assert found.rms < bar
+    assert found.rms > 0.9 * bar  # a much smaller residual would mean that rows went missing
+    assert len(found.residual) > 2400
+    # least squares on filtered forces say 95.1 kg; what no law explains moves it by percents
+    assert found.estimate("inertia").value == pytest.approx(95.11, rel=0.03)
+    assert not found.at_bounds
+
+
+def test_naive_intervals_are_several_times_too_narrow(emps):
+    found = fit_record(AXIS, CoulombViscous, emps, unknown=("inertia",), settings=ONE)
+    naive = np.sqrt(np.diag(found.inference.naive))
+    # some 86 of 2,480 residuals are independent: a factor of about 5
+    assert found.inference.effective < 0.1 * len(found.residual)
+    assert np.all(found.inference.errors > 2.5 * naive)
+    draws = found.bootstrap()
+    np.testing.assert_allclose(
+        np.percentile(draws[:, 0], [2.5, 97.5]),
+        [found.estimates[0].low, found.estimates[0].high],
+        rtol=0.02,
+    )
+
+
+def test_selection_picks_the_law_with_levels_of_each_direction(emps):
+    verdict = select(
+        AXIS, emps, [CoulombViscous, DirectionDependent], unknown=("inertia",), settings=ONE
+    )
+    assert verdict.best.name == "direction-dependent"
+    scores = {candidate.name: candidate.score for candidate in verdict.candidates}
+    assert scores["direction-dependent"] < 0.6 * scores["coulomb-viscous"]
+
+
+@pytest.mark.slow
+def test_the_stribeck_step_is_reported_as_undetermined(emps):
+    found = fit_record(AXIS, Stribeck, emps, unknown=("inertia",))
+    told = " ".join(found.sentences)
+    assert "mu_s" in told or "v_s" in told
+    assert not (found.estimate("static_coefficient").bounded
+                and found.estimate("stribeck_velocity").bounded
+                and "No step" not in told)  # fmt: skip

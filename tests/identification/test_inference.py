@@ -1,0 +1,137 @@
+"""Intervals where residuals are correlated."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.signal import lfilter
+
+from stickslip.identification.inference import block_sums, bootstrap, effective_size, infer
+from stickslip.identification.problem import Linearised
+
+
+def autoregression(count, decay, random):
+    """Return a first-order autoregression of unit variance."""
+    shocks = math.sqrt(1.0 - decay**2) * random.standard_normal(count)
+    shocks[0] /= math.sqrt(1.0 - decay**2)
+    return lfilter([1.0], [1.0, -decay], shocks)
+
+
+def mean_of(rows):
+    """Return a mean as a problem of least squares, at its estimate."""
+    return Linearised(
+        values=np.array([rows.mean()]),
+        residual=rows - rows.mean(),
+        slopes=np.ones((len(rows), 1)),
+        segment=np.zeros(len(rows), dtype=int),
+    )
+
+
+def line_of(rows, columns):
+    """Return a linear regression at its estimate."""
+    values = np.linalg.lstsq(columns, rows, rcond=None)[0]
+    return Linearised(
+        values=values,
+        residual=rows - columns @ values,
+        slopes=columns,
+        segment=np.zeros(len(rows), dtype=int),
+    )
+
+
+def test_the_error_of_a_mean_is_that_of_the_means_of_blocks():
+    rows = autoregression(400, 0.9, np.random.default_rng(1))
+    found = infer(mean_of(rows), np.eye(1))
+    # leaving one of b equal blocks out of a mean gives the textbook s / sqrt(b) of block means
+    means = rows.reshape(10, 40).mean(axis=1)
+    assert found.errors[0] == pytest.approx(means.std(ddof=1) / math.sqrt(10.0), rel=1e-12)
+    assert found.quantile == pytest.approx(stats.t.ppf(0.975, 9))
+    assert found.half_widths[0] == pytest.approx(found.quantile * found.errors[0])
+
+
+def test_leaving_blocks_out_is_exact_for_a_linear_problem():
+    random = np.random.default_rng(2)
+    columns = np.column_stack([np.ones(200), np.linspace(-1.0, 3.0, 200)])
+    rows = columns @ [2.0, -1.0] + autoregression(200, 0.8, random)
+    found = infer(line_of(rows, columns), np.eye(2))
+    without = []
+    for k in range(10):
+        kept = np.arange(200) // 20 != k
+        without.append(np.linalg.lstsq(columns[kept], rows[kept], rcond=None)[0])
+    whole = np.linalg.lstsq(columns, rows, rcond=None)[0]
+    table = np.array(without) - whole
+    np.testing.assert_allclose(found.covariance, 0.9 * table.T @ table, rtol=1e-9)
+
+
+def test_naive_errors_are_those_of_white_noise():
+    rows = np.random.default_rng(3).normal(size=50)
+    found = infer(mean_of(rows), np.eye(1))
+    assert math.sqrt(found.naive[0, 0]) == pytest.approx(rows.std(ddof=1) / math.sqrt(50.0))
+
+
+def test_intervals_of_a_mean_cover_where_naive_ones_do_not():
+    random, hits, naive = np.random.default_rng(4), 0, 0
+    for _ in range(400):
+        seen = mean_of(autoregression(400, 0.9, random))
+        found = infer(seen, np.eye(1))
+        hits += abs(seen.values[0]) <= found.half_widths[0]
+        naive += abs(seen.values[0]) <= 1.96 * math.sqrt(found.naive[0, 0])
+    # 400 draws know 95 % to 1.1; blocks of 40 rows, 2 correlation lengths, lose 2 to 3 of them
+    assert 0.89 <= hits / 400 <= 0.99
+    assert naive / 400 < 0.6  # an autoregression of 0.9 has 19 times the variance of white noise
+
+
+def test_errors_are_of_the_values_and_not_of_what_the_optimiser_sees():
+    rows = np.random.default_rng(5).normal(size=100)
+    one, other = (infer(mean_of(rows), np.array([[scale]])) for scale in (1.0, 7.0))
+    assert one.errors[0] == pytest.approx(other.errors[0], rel=1e-12)
+
+
+def test_what_the_record_does_not_depend_on_has_no_bounded_error():
+    rows = np.random.default_rng(6).normal(size=100)
+    columns = np.column_stack([np.ones(100), np.zeros(100)])
+    found = infer(line_of(rows, columns), np.eye(2))
+    assert math.isinf(found.errors[1])
+    assert found.errors[0] == pytest.approx(infer(mean_of(rows), np.eye(1)).errors[0])
+    np.testing.assert_allclose(found.correlation, np.eye(2))
+
+
+def test_the_condition_is_that_of_columns_of_one_size():
+    random = np.random.default_rng(7)
+    angle = 0.1
+    one, other = np.linalg.qr(random.normal(size=(60, 2)))[0].T
+    near = math.cos(angle) * one + math.sin(angle) * other
+    found = infer(line_of(random.normal(size=60), np.column_stack([one, 1e6 * near])), np.eye(2))
+    # two unit columns at an angle a have singular values sqrt(1 +- cos a)
+    assert found.condition == pytest.approx(1.0 / math.tan(angle / 2.0), rel=1e-6)
+
+
+def test_sums_of_blocks_add_up_to_the_whole():
+    random = np.random.default_rng(8)
+    seen = line_of(random.normal(size=57), random.normal(size=(57, 3)))
+    squares, slopes = block_sums(seen, seen.slopes, blocks=7)
+    assert squares.shape == (7, 3, 3)
+    np.testing.assert_allclose(squares.sum(axis=0), seen.slopes.T @ seen.slopes)
+    np.testing.assert_allclose(slopes.sum(axis=0), 0.0, atol=1e-12)
+
+
+def test_an_autoregression_has_the_effective_size_of_the_textbook():
+    decay, count = 0.8, 20_000
+    seen = mean_of(autoregression(count, decay, np.random.default_rng(9)))
+    # n (1 - a) / (1 + a); the sum up to the first zero adds the noise of a few lags to it
+    assert effective_size(seen) == pytest.approx(count * (1 - decay) / (1 + decay), rel=0.15)
+    white = mean_of(np.random.default_rng(9).normal(size=2000))
+    assert effective_size(white) == pytest.approx(2000.0, rel=0.1)
+    assert effective_size(mean_of(np.ones(30))) == 30.0
+
+
+def test_a_bootstrap_spreads_as_the_intervals_do_and_follows_its_seed():
+    seen = mean_of(autoregression(400, 0.9, np.random.default_rng(10)))
+    draws = bootstrap(seen, np.eye(1))
+    assert draws.shape == (2000, 1)
+    np.testing.assert_array_equal(draws, bootstrap(seen, np.eye(1)))
+    assert not np.array_equal(draws, bootstrap(seen, np.eye(1), seed=1))
+    found = infer(seen, np.eye(1))
+    # quantiles of 2000 draws of Student's t are known to 3 %
+    ends = np.percentile(draws, [2.5, 97.5])
+    np.testing.assert_allclose(ends, [-found.half_widths[0], found.half_widths[0]], rtol=0.1)

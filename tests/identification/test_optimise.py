@@ -1,0 +1,117 @@
+"""Least squares with bounds, from several starts."""
+
+import numpy as np
+import pytest
+from tests.linear import Linear
+
+from stickslip.errors import ConvergenceError
+from stickslip.identification.optimise import FURTHER, JITTER, improve, search, step_of
+from stickslip.identification.problem import Linearised
+
+RANDOM = np.random.default_rng(3)
+TABLE = RANDOM.normal(size=(40, 2))
+MEASURED = TABLE @ np.array([1.5, -0.5]) + 0.1 * RANDOM.normal(size=40)
+LEAST = np.linalg.lstsq(TABLE, MEASURED, rcond=None)[0]
+FREE = np.full(2, np.inf)
+
+
+def test_one_undamped_step_solves_a_linear_problem():
+    here = Linear(TABLE, MEASURED, start=[9.0, 9.0]).linearise(np.array([9.0, 9.0]))
+    step, promised = step_of(TABLE, here.residual, here.values, -FREE, FREE, 0.0)
+    # normal equations of two columns of condition 1.5: rounding only
+    np.testing.assert_allclose(here.values + step, LEAST, rtol=1e-12)
+    rest = MEASURED - TABLE @ LEAST
+    assert promised == pytest.approx(here.cost - rest @ rest, rel=1e-12)
+
+
+def test_the_search_ends_where_least_squares_does():
+    end, stopped = improve(Linear(TABLE, MEASURED, start=[9.0, 9.0]), np.array([9.0, 9.0]))
+    # damping of 1e-3 at first leaves 1e-3 of the way, and 1e-4 of that after the second step
+    np.testing.assert_allclose(end.values, LEAST, rtol=1e-4)
+    assert not stopped
+
+
+def test_a_step_that_meets_a_bound_is_the_least_squares_of_the_other_column():
+    table = np.column_stack([TABLE[:, 0], TABLE[:, 0] + 0.3 * TABLE[:, 1]])
+    at, low, high = np.array([0.0, 0.0]), np.array([-9.0, 0.0]), np.array([9.0, 9.0])
+    step, _ = step_of(table, MEASURED, at, low, high, 0.0)
+    # the second value wants to go below 0; the first then is the regression on its column alone
+    assert step[1] == 0.0
+    alone = table[:, 0] @ MEASURED / (table[:, 0] @ table[:, 0])
+    assert step[0] == pytest.approx(alone, rel=1e-12)
+
+
+def test_no_bound_is_ever_passed():
+    problem = Linear(TABLE, MEASURED, start=[0.5, 0.5], bounds=(0.0, 1.0))
+    found = search(problem)
+    visited = np.array(problem.visited)
+    assert visited.min() >= 0.0
+    assert visited.max() <= 1.0
+    np.testing.assert_allclose(found.best.values, [1.0, 0.0])
+
+
+def test_the_jitter_of_further_starts_follows_from_the_seed():
+    def begun(seed):
+        problem = Linear(TABLE, MEASURED, start=[1.0, -1.0], bounds=(-9.0, 9.0))
+        search(problem, starts=4, seed=seed)
+        sizes = np.exp([-JITTER, JITTER])
+        values = np.abs(np.array(problem.visited))
+        return values[np.isclose(values[:, :, None], sizes).any(axis=2).all(axis=1)]
+
+    assert len(begun(0)) == 3  # of the four starts, the first is not jittered
+    np.testing.assert_array_equal(begun(0), begun(0))
+    assert not np.array_equal(begun(0), begun(2))
+
+
+def test_values_that_were_tried_come_before_jittered_ones():
+    problem = Linear(TABLE, MEASURED, start=[9.0, 9.0])
+    search(problem, starts=2, tried=[np.array([7.0, -7.0])])
+    assert any(np.array_equal(values, [7.0, -7.0]) for values in problem.visited)
+
+
+def test_starts_of_a_linear_problem_agree_and_no_further_ones_are_made():
+    found = search(Linear(TABLE, MEASURED, start=[9.0, 9.0]), starts=4)
+    assert found.agreeing == len(found.costs) == 4
+    np.testing.assert_allclose(found.values, np.tile(LEAST, (4, 1)), rtol=1e-3)
+
+
+def test_starts_that_disagree_call_for_further_ones(monkeypatch):
+    from stickslip.identification import optimise
+
+    costs = iter([4.0, 3.0, 2.0, 1.0, 1.0, 1.0, 1.0, 1.0])
+
+    def ended(problem, values, *, counter):
+        row = np.array([next(costs) ** 0.5])
+        return Linearised(
+            values=values, residual=row, slopes=np.zeros((1, 2)), segment=np.zeros(1, int)
+        ), False
+
+    monkeypatch.setattr(optimise, "improve", ended)
+    found = search(Linear(TABLE, MEASURED, start=[9.0, 9.0]), starts=4)
+    assert len(found.costs) == 4 + FURTHER
+    assert found.best.cost == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("calls", [1, 2])
+def test_a_watcher_that_answers_false_stops_with_the_best_so_far(calls):
+    heard = []
+
+    def watch(rms):
+        heard.append(rms)
+        return len(heard) < calls
+
+    problem = Linear(TABLE, MEASURED, start=[9.0, 9.0])
+    found = search(problem, starts=4, watch=watch)
+    assert found.cancelled
+    assert len(heard) == found.evaluations == calls
+    assert len(found.costs) == 1
+    np.testing.assert_array_equal(found.best.values, [9.0, 9.0])
+    assert heard == sorted(heard, reverse=True)
+
+
+def test_a_record_that_no_start_predicts_is_refused_with_the_values_tried():
+    problem = Linear(TABLE, MEASURED, start=[9.0, 9.0], fails=True)
+    with pytest.raises(ConvergenceError, match=r"any of 3 starts near friction.p0 = 9, friction"):
+        search(problem, starts=3)
+    with pytest.raises(ConvergenceError, match="cannot be predicted from this start"):
+        improve(problem, np.array([9.0, 9.0]))

@@ -1,0 +1,136 @@
+"""Random rigs whose friction is known: intervals hold the truth, selection regrets little."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from benchmarks import rigs, synthetic_truth
+from benchmarks.synthetic_truth import FAST, KINDS, coverage, fitted, judge, regret, run, summary
+
+FAST_TRUTHS = ("coulomb-viscous", "direction-dependent")
+"""Two fits of which compile in seconds."""
+
+
+def judged(count, truths, seed):
+    """Return intervals of fits of the true law to records of random rigs."""
+    found = []
+    for number in range(count):
+        random = np.random.default_rng([seed, number])
+        rig = rigs.draw(random, truths[number % len(truths)])
+        measurement, _ = rigs.record(rig, random)
+        found += coverage(fitted(rig, measurement, starts=1), rig)
+    return found
+
+
+@pytest.fixture(scope="module")
+def intervals():
+    return judged(12, FAST_TRUTHS, 3)
+
+
+def test_nominal_intervals_cover_the_truth(intervals):
+    bounded = [one for one in intervals if one["bounded"]]
+    assert len(bounded) >= 50
+    for kind in ("jackknife", "bootstrap"):
+        hits = sum(one[kind] for one in bounded)
+        # five estimates of a record go together: 12 records know 90 % to 9, so not below 80 %
+        assert hits / len(bounded) >= 0.8, kind
+
+
+def test_intervals_as_if_residuals_were_independent_do_not(intervals):
+    naive = [one["naive"] for one in intervals if one["bounded"]]
+    # the bound above would catch them by far
+    assert sum(naive) / len(naive) < 0.6
+
+
+def test_estimates_are_known_to_a_few_percent(intervals):
+    relative = [
+        one["relative"] for one in intervals if one["bounded"] and "offset" not in one["path"]
+    ]
+    # intervals that hold everything would cover too
+    assert np.median(relative) < 0.1
+
+
+@pytest.mark.parametrize("truth", rigs.TRUTHS)
+def test_a_random_rig_reverses_and_is_disturbed_as_asked(truth):
+    random = np.random.default_rng(11)
+    rig = rigs.draw(random, truth)
+    measurement, wandering = rigs.record(rig, random)
+    v = np.gradient(measurement.position, measurement.time)
+    moving = np.sign(v[np.abs(v) > 0.05 * rig.speed])
+    assert np.count_nonzero(np.diff(moving)) >= rigs.REVERSALS
+    # some 40 correlation times at least know a standard deviation to a quarter
+    share = np.std(wandering) / np.std(measurement.force)
+    assert share == pytest.approx(rig.disturbance, rel=0.5)
+    lag = round(rig.correlation_time * rig.rate)
+    correlated = np.mean(wandering[lag:] * wandering[:-lag]) / np.mean(wandering**2)
+    assert correlated == pytest.approx(math.exp(-1.0), abs=0.35)
+
+
+def test_a_killed_run_goes_on_where_it_was(tmp_path, monkeypatch):
+    class Here:
+        """Runs at once, in this process."""
+
+        def __init__(self, jobs):
+            pass
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *error):
+            return False
+
+        def submit(self, run, *given, **options):
+            from concurrent.futures import Future
+
+            task = Future()
+            task.set_result(run(*given, **options))
+            return task
+
+    called = []
+
+    def quick(seed, number, *, candidates):
+        called.append(number)
+        return {"seed": seed, "rig": number, "truth": "dahl", "failed": "no", "seconds": 0.0}
+
+    monkeypatch.setattr(synthetic_truth, "ProcessPoolExecutor", Here)
+    monkeypatch.setattr(synthetic_truth, "judge", quick)
+    path = tmp_path / "results.jsonl"
+    row = {"seed": 1, "rig": 1, "truth": "dahl", "failed": "no", "seconds": 0.0}
+    path.write_text(json.dumps(row) + '\n{"seed": 1, "rig": 2, "tru', encoding="utf-8")
+    lines = list(run(path, rigs=4, seed=1, jobs=1, candidates=()))
+    assert sorted(called) == [0, 2, 3]
+    assert len(lines) == 3
+    assert {row["rig"] for row in synthetic_truth.judged(path, 1)} == {0, 1, 2, 3}
+    assert synthetic_truth.judged(path, 2) == []
+
+
+def test_the_summary_counts_coverage_and_regret():
+    one = {"path": "friction.level", "bounded": True} | dict.fromkeys(KINDS, True)
+    other = {**one, "naive": False}
+    row = {"rig": 0, "truth": "dahl", "intervals": [one, other],
+           "errors": {"dahl": 1.0, "viscous": 1.5}, "picks": {"AIC": "viscous"}}  # fmt: skip
+    assert regret(row, "AIC") == pytest.approx(0.5)
+    text = "\n".join(summary([row, {"rig": 1, "truth": "dahl", "failed": "why"}]))
+    assert "1 rigs (1 failed); 2 of 2" in text
+    assert "50.0 +- 35.4 % of 2" in text
+    assert "mean   50.0 %, median  50.0 %, worst    50.0 %" in text
+    assert "rig 1 failed: why" in text
+
+
+@pytest.mark.slow
+def test_intervals_cover_for_every_smooth_law():
+    truths = ("coulomb-viscous", "direction-dependent", "power-viscous", "quadratic-drag")
+    bounded = [one for one in judged(40, truths, 5) if one["bounded"]]
+    hits = sum(one["jackknife"] for one in bounded)
+    # target 90 to 99 %; 40 records know it to some 3 %
+    assert hits / len(bounded) >= 0.87
+
+
+@pytest.mark.slow
+def test_selection_regrets_little_on_fresh_records():
+    rows = [judge(2, number, candidates=FAST) for number in range(4)]
+    values = [regret(row, "selected") for row in rows]
+    # the target of 10 % is a mean over hundreds; four laws within reach of the candidates
+    assert np.mean(values) < 0.2
+    assert all(math.isfinite(value) for value in values)

@@ -1,0 +1,84 @@
+"""What a fit looks for: the way between values and what the optimiser sees."""
+
+import math
+
+import numpy as np
+import pytest
+
+from stickslip.identification.unknowns import Unknown, Unknowns
+from stickslip.quantities import Quantity
+
+LEVEL = Unknown(
+    path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), start=2.0, low=0.0, high=9.0
+)
+ABOVE = Unknown(
+    path="friction.static_coefficient",
+    quantity=Quantity("mu_s"),
+    start=2.5,
+    low=0.0,
+    high=5.0,
+    above="friction.kinetic_coefficient",
+)
+SPEED = Unknown(
+    path="friction.stribeck_velocity",
+    quantity=Quantity("v_s", "m/s", above=0),
+    start=0.01,
+    low=1e-3,
+    high=1.0,
+    log=True,
+)
+ALL = Unknowns((LEVEL, ABOVE, SPEED))
+
+
+def test_a_parameter_above_another_is_seen_as_the_surplus_and_a_size_as_its_logarithm():
+    np.testing.assert_allclose(ALL.coordinates(ALL.start), [2.0, 0.5, math.log(0.01)])
+
+
+def test_values_come_back_from_coordinates():
+    values = np.array([3.0, 4.5, 0.2])
+    # one logarithm and one exponential: rounding only
+    np.testing.assert_allclose(ALL.values(ALL.coordinates(values)), values, rtol=1e-14)
+
+
+def test_slopes_are_those_of_the_values():
+    at = ALL.coordinates(ALL.start)
+    for i in range(3):
+        step = np.zeros(3)
+        step[i] = 1e-6
+        central = (ALL.values(at + step) - ALL.values(at - step)) / 2e-6
+        # central differences of an exponential are off by the square of the step
+        np.testing.assert_allclose(ALL.slopes(at)[:, i], central, rtol=1e-8, atol=1e-9)
+
+
+def test_coordinates_stay_inside_the_bounds():
+    seen = ALL.coordinates(np.array([-1.0, 40.0, 50.0]))
+    np.testing.assert_allclose(seen, [0.0, 5.0, 0.0])
+    low, high = ALL.limits()
+    np.testing.assert_allclose(low, [0.0, 0.0, math.log(1e-3)])
+    np.testing.assert_allclose(high, [9.0, 5.0, 0.0])
+
+
+def test_a_level_below_the_one_it_stands_above_has_no_surplus():
+    values = ALL.values(ALL.coordinates(np.array([3.0, 2.0, 0.1])))
+    assert values[1] == pytest.approx(3.0)
+
+
+def test_the_level_that_is_stood_on_may_be_known_and_not_looked_for():
+    one = Unknowns((ABOVE,), {"friction.kinetic_coefficient": 2.0})
+    np.testing.assert_allclose(one.coordinates(np.array([2.75])), [0.75])
+    np.testing.assert_allclose(one.values(np.array([0.75])), [2.75])
+    np.testing.assert_allclose(one.slopes(np.array([0.75])), [[1.0]])
+
+
+def test_other_starts_change_nothing_else():
+    moved = ALL.starting_at([1.0, 2.0, 0.1])
+    np.testing.assert_allclose(moved.start, [1.0, 2.0, 0.1])
+    assert moved.paths == ALL.paths
+    np.testing.assert_array_equal(moved.limits(), ALL.limits())
+
+
+def test_nothing_to_look_for_has_no_coordinates():
+    none = Unknowns(())
+    assert len(none) == 0
+    assert none.coordinates(np.empty(0)).shape == (0,)
+    assert none.limits()[0].shape == (0,)

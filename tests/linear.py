@@ -1,0 +1,81 @@
+"""A problem that is linear in its unknowns, whose answers are textbook formulas."""
+
+from collections.abc import Sequence
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.identification.problem import Linearised, Problem
+from stickslip.identification.unknowns import Unknown, Unknowns
+from stickslip.quantities import Quantity
+
+Array = NDArray[np.float64]
+
+
+@final
+class Linear(Problem):
+    """Measured less table times values, with rows in four segments."""
+
+    def __init__(
+        self,
+        table: Array,
+        measured: Array,
+        *,
+        start: Sequence[float],
+        bounds: tuple[float, float] = (-np.inf, np.inf),
+        fails: bool = False,
+    ) -> None:
+        self.table, self.measured, self.fails = table, measured, fails
+        self.visited: list[Array] = []
+        self._unknowns = Unknowns(
+            tuple(
+                Unknown(
+                    path=f"friction.p{i}",
+                    quantity=Quantity(f"p_{i}"),
+                    start=value,
+                    low=bounds[0],
+                    high=bounds[1],
+                )
+                for i, value in enumerate(start)
+            )
+        )
+
+    @property
+    @override
+    def unknowns(self) -> Unknowns:
+        return self._unknowns
+
+    @property
+    @override
+    def spans(self) -> Array:
+        return np.array([[0.0, k, k + 1.0] for k in range(4)])
+
+    @property
+    @override
+    def quantity(self) -> str:
+        return "position"
+
+    @property
+    @override
+    def times(self) -> Array:
+        return np.linspace(0.0, 4.0, len(self.measured))
+
+    @override
+    def linearise(
+        self,
+        values: Array,
+        near: Linearised | None = None,
+        *,
+        only: Sequence[int] | None = None,
+        slopes: bool = True,
+    ) -> Linearised:
+        self.visited.append(np.array(values))
+        residual = self.measured - self.table @ values
+        return Linearised(
+            values=np.array(values),
+            residual=np.full_like(residual, np.inf) if self.fails else residual,
+            slopes=self.table,
+            segment=np.minimum(np.arange(len(residual)) * 4 // len(residual), 3),
+        )
