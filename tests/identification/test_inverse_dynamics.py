@@ -135,8 +135,8 @@ def test_friction_records_keep_their_trials():
 @pytest.mark.parametrize(
     ("record", "message"),
     [
-        (Measurement(time=T, force=np.ones_like(T)), "needs the position in time"),
-        (Measurement(time=T[:100], position=T[:100]), "at least 147 samples, got 100"),
+        (Measurement(time=T, force=np.ones_like(T)), "needs the position or the velocity"),
+        (Measurement(time=T[:20], position=T[:20]), "at least 30 samples, got 20"),
     ],
 )
 def test_a_record_without_enough_positions_is_refused(record, message):

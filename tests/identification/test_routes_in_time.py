@@ -74,7 +74,6 @@ def test_a_fit_is_written_as_a_rig_file_that_simulates(tmp_path):
 
 def test_a_profile_is_least_at_the_estimate():
     rig, _, record = decay()
-    found = fit(rig, CoulombViscous, record, free=["viscous_coefficient"], settings=QUICK)
     found = fit(rig, CoulombViscous, record, settings=QUICK)
     best = found.estimate("viscous_coefficient").value
     costs = found.profile("viscous_coefficient", [0.9 * best, best, 1.1 * best])

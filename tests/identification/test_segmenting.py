@@ -101,7 +101,7 @@ def test_a_record_that_no_run_can_be_compared_with_is_refused(record, message):
 
 def test_a_record_of_too_few_samples_is_refused():
     few = Measurement(time=T[:5], position=T[:5])
-    with pytest.raises(InputError, match="no record has 8 samples"):
+    with pytest.raises(InputError, match="no stretch of 1 s has 8 samples"):
         segments_of(AXIS, few, length=1.0)
 
 

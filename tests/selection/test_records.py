@@ -24,8 +24,8 @@ from stickslip.identification.optimise import improve
 from stickslip.identification.record_fit import settled
 from stickslip.identification.record_fitting import fit_record
 from stickslip.selection.cross_validation import CrossValidation, Plan, cross_validate, plan_of
+from stickslip.selection.record_verdict import as_good
 from stickslip.selection.record_words import error_text
-from stickslip.selection.records import as_good
 
 TRUTH = DirectionDependent(
     forward_kinetic_coefficient=4.0,

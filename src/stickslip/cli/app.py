@@ -40,6 +40,7 @@ app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,
     help="Which friction model fits a mechanism, with which parameters, and how surely.",
     epilog="Exit codes: 0 done, 2 bad input or data, 3 no convergence or no law fits,"
     " 4 criteria failed, 130 cancelled.",

@@ -53,7 +53,7 @@ def run(
         refuse_overwriting(output, output.parent, force=force)
     rig = load_rig(path, overrides=overrides(changes))
     kind = law_type(name)
-    found = measured(rig, asked)
+    found = measured(rig, asked, given=path is not None)
     checks = _checked(rig, found)
     wanted = None if free is None else [part.strip() for part in free.split(",")]
     result = _fitted(rig, rig.laws.get(name) or kind, found, asked, wanted)

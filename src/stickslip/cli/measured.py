@@ -82,10 +82,10 @@ class Measured:
         return "travel" in self.measurement.quantities()
 
 
-def measured(rig: Rig, asked: Asked) -> Measured:
+def measured(rig: Rig, asked: Asked, *, given: bool) -> Measured:
     """Return what files or the rig say was measured.
 
-    Options for files add to what the rig says of its own.
+    Options for files add to what the rig says of its own. `given` is whether a rig file was.
     """
     reading = rig.reading.with_changes(asked.reading)
     measurement, validate = rig.measurement, rig.validate
@@ -104,6 +104,11 @@ def measured(rig: Rig, asked: Asked) -> Measured:
     found = Measured(measurement=measurement, validate=validate, unknown=(*rig.unknown, *names))
     if found.travels:
         _check_travels(asked.how)
+    elif not given:
+        raise InputError(
+            "a record needs a rig file that says what moves: give one with a [mechanism], such as"
+            ' type = "axis" and inertia = { value = "80 kg", unknown = true }.'
+        )
     return found
 
 

@@ -52,7 +52,7 @@ def run(
     if not as_json:
         refuse_overwriting(output, output, force=force)
     rig = load_rig(path, overrides=overrides(changes))
-    found = measured(rig, asked)
+    found = measured(rig, asked, given=path is not None)
     if found.travels:
         if jobs is not None:
             raise InputError("--jobs is for records; travels are fitted one after the other.")

@@ -21,6 +21,10 @@ Array = NDArray[np.float64]
 
 BLOCKS = 10
 """Blocks of a record between which residuals count as independent."""
+HOPELESS = 1e7
+"""Condition beyond which a direction of the parameters is not seen at all."""
+TAKES_PART = 0.01
+"""Share of such a direction from which a parameter counts as part of it."""
 NO_SLOPE = 1e-12
 """Slope of a parameter, over the largest of all on their scales, below which it has no effect."""
 
@@ -102,10 +106,12 @@ def infer(seen: Linearised, scale: Array, *, blocks: int = BLOCKS) -> Inference:
     jackknife = (blocks - 1) / blocks * (changes.T @ changes)
     freedom = max(len(seen.residual) - count, 1)
     naive = inverse * seen.cost / freedom
-    singular = np.linalg.svd(part / size[effective], compute_uv=False) if count else np.ones(1)
+    singular, lost = _singular(part / size[effective])
+    told = effective.copy()
+    told[effective] = ~lost
     return Inference(
-        covariance=_spread(jackknife, effective, scale),
-        naive=_spread(naive, effective, scale),
+        covariance=_spread(jackknife, effective, told, scale),
+        naive=_spread(naive, effective, told, scale),
         quantile=float(stats.t.ppf(0.975, blocks - 1)),
         condition=float(singular[0] / max(singular[-1], 1e-300)),
         effective=effective_size(seen),
@@ -122,12 +128,26 @@ def _left_out(squares: Array, slopes: Array) -> Array:
     return np.array(changes)
 
 
-def _spread(covariance: Array, effective: NDArray[np.bool_], scale: Array) -> Array:
-    """Return a covariance of values from that of the effective coordinates; infinite for others."""
+def _singular(table: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Return singular values of scaled columns, and which of these only a sum of several tells."""
+    if not table.shape[1]:
+        return np.ones(1), np.zeros(0, dtype=bool)
+    _, singular, directions = np.linalg.svd(table, full_matrices=False)
+    flat = directions[singular < singular[0] / HOPELESS]
+    return singular, np.any(np.abs(flat) > TAKES_PART, axis=0)
+
+
+def _spread(
+    covariance: Array, effective: NDArray[np.bool_], told: NDArray[np.bool_], scale: Array
+) -> Array:
+    """Return a covariance of values from that of the effective coordinates.
+
+    It is infinite for those that the record does not tell.
+    """
     whole = np.zeros((len(effective), len(effective)))
     whole[np.ix_(effective, effective)] = covariance
     values = scale @ whole @ scale.T
-    for i in np.flatnonzero(~effective):
+    for i in np.flatnonzero(~told):
         values[i, i] = np.inf
     return values
 

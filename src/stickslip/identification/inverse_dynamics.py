@@ -20,6 +20,7 @@ __all__ = [
     "inertia_of",
     "inverse_dynamics",
     "mass_of",
+    "positions_of",
 ]
 
 Array = NDArray[np.float64]
@@ -38,9 +39,11 @@ HIGHEST = 0.2
 """Both stay below this share of the sampling frequency."""
 MARGIN = 49
 """Samples dropped at the start, where filters and differences begin."""
+UNEVEN = 3.0
+"""Longest step of time over the mean one with which filters still mean what they say."""
 SLOW = 0.1
 """Share of the largest speed below which inverse dynamics says little of friction."""
-LEAST = 3 * MARGIN
+LEAST = 30
 """Samples a record must have."""
 ROUNDS = 20
 """Times that robust regression weighs anew, at most."""
@@ -145,7 +148,7 @@ def inverse_dynamics(
         names=tuple(names),
         values=values,
         deviations=_deviations(table, residual, weights),
-        relative_error=float(np.linalg.norm(residual) / np.linalg.norm(wanted)),
+        relative_error=float(np.linalg.norm(residual) / max(np.linalg.norm(wanted), 1e-300)),
         time=whole["time"],
         velocity=whole["velocity"],
         friction=wanted - values[0] * whole["inertia"] if unknown else wanted,
@@ -183,10 +186,17 @@ def _signals(mechanism: Mechanism, record: Measurement, cutoff: float | None) ->
     """Return times, positions, velocities, accelerations and forces of one record, filtered."""
     from scipy import signal
 
-    if not isinstance(record.time, np.ndarray) or "position" not in record.quantities():
-        raise InputError("inverse dynamics needs the position in time.")
+    if not isinstance(record.time, np.ndarray):
+        raise InputError("inverse dynamics needs the motion in time.")
     dt = float(np.ptp(record.time)) / (len(record.time) - 1)
-    x = np.asarray(record.values("position"))
+    longest = float(np.diff(record.time).max())
+    if longest > UNEVEN * dt:
+        raise InputError(
+            "inverse dynamics, which start values come from, needs even times: the mean step is"
+            f" {dt:.3g} s and the longest {longest:.3g} s. Cut the record at its gaps into trials,"
+            " or resample it."
+        )
+    x = positions_of(record)
     if len(x) < LEAST:
         raise InputError(f"inverse dynamics needs at least {LEAST} samples, got {len(x)}.")
     share = _share(x, 1.0 / POSITION_SHARE) if cutoff is None else min(2.0 * cutoff * dt, 0.99)
@@ -195,7 +205,25 @@ def _signals(mechanism: Mechanism, record: Measurement, cutoff: float | None) ->
     applied = applied_force(mechanism, record)
     force = 0.0 * x if applied is None else applied
     found = (record.time, smooth, v, np.gradient(v, dt), force)
-    return tuple(column[MARGIN:] for column in found)
+    dropped = min(MARGIN, len(x) // 20)
+    return tuple(column[dropped:] for column in found)
+
+
+def positions_of(record: Measurement) -> Array:
+    """Return positions (n,) [m] as measured, or from the velocity.
+
+    Raises
+    ------
+    InputError
+        If there is neither.
+    """
+    if "position" in record.quantities():
+        return np.asarray(record.values("position"))
+    if "velocity" not in record.quantities():
+        raise InputError("inverse dynamics needs the position or the velocity in time.")
+    v, t = np.asarray(record.values("velocity")), np.asarray(record.time)
+    steps = 0.5 * (v[1:] + v[:-1]) * np.diff(t)
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def _share(x: Array, least: float) -> float:
@@ -317,6 +345,8 @@ def friction_record(mechanism: Mechanism, measurement: Measurement) -> Measureme
                 time=found.time[moving],
                 velocity=found.velocity[moving],
                 friction=found.friction[moving],
+                overrides=record.overrides,
+                load=record.load if isinstance(record.load, float) else None,
                 name=record.name,
                 provenance=record.provenance,
             )

@@ -93,10 +93,13 @@ class _Target:
         self.best = fit.unknowns.coordinates(fit.values)
         self.free = [i for i, path in enumerate(fit.unknowns.paths) if path not in fit.at_bounds]
         scale = np.linalg.pinv(fit.scale)
-        spread = np.sqrt(np.maximum(np.diag(scale @ fit.inference.covariance @ scale.T), 0.0))
-        self.spread = np.where(spread > 0.0, spread, 1e-6)[self.free]
+        known = np.where(np.isfinite(fit.inference.covariance), fit.inference.covariance, 0.0)
+        spread = np.sqrt(np.maximum(np.diag(scale @ known @ scale.T), 0.0))[self.free]
         low, high = (edge[self.free] for edge in fit.unknowns.limits())
         middle = self.best[self.free]
+        # what the record does not depend on may be anywhere within its bounds
+        room = np.where(np.isfinite(high - low), (high - low) / (2.0 * WIDE), 1.0)
+        self.spread = np.where(spread > 0.0, spread, room)
         self.low = np.maximum(low, middle - WIDE * self.spread)
         self.high = np.minimum(high, middle + WIDE * self.spread)
         rows = len(fit.residual)

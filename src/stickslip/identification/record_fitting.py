@@ -68,6 +68,7 @@ class RecordSettings:
 class _Set:
     """A problem and where its search begins."""
 
+    mechanism: Mechanism
     start: FrictionLaw
     problem: Problem
     build: Build
@@ -192,7 +193,7 @@ def fit_record(
     driven = {"force", "reference"} & set(measurement.quantities())
     if way == "shooting" and not driven:
         ready, found = _lengthened(ready, found, measurement, settings, watch)
-    return _finished(way, mechanism, measurement, ready, found)
+    return _finished(way, measurement, ready, found)
 
 
 def _lengthened(
@@ -217,7 +218,7 @@ def _lengthened(
         problem = replace(longer, unknowns_=near) if isinstance(longer, Shooting) else longer
         again = search(problem, starts=1, watch=watch)
         ready = replace(ready, problem=problem)
-        found = replace(again, evaluations=found.evaluations + again.evaluations)
+        found = replace(found, best=again.best, evaluations=found.evaluations + again.evaluations)
     return ready, found
 
 
@@ -241,7 +242,7 @@ def _shooting(
         np.array([other.get(p, v) for p, v in zip(unknowns.paths, unknowns.start, strict=True)])
         for other in further
     )
-    return _Set(start, build(measurement, None), build, tried)
+    return _Set(mechanism, start, build(measurement, None), build, tried)
 
 
 def _mapped(
@@ -263,12 +264,11 @@ def _mapped(
     held = [name for name in kind.fit_order if name not in wanted]
     problem = force_map(law, mechanism, own, held=held)
 
-    return _Set(problem.law, problem, _Rubbed(mechanism, problem, derived))
+    return _Set(mechanism, problem.law, problem, _Rubbed(mechanism, problem, derived))
 
 
 def _finished(
     route: Route,
-    mechanism: Mechanism,
     measurement: Measurement,
     ready: _Set,
     found: Found,
@@ -285,7 +285,7 @@ def _finished(
     )
     return RecordFit(
         law=vary(ready.start, "friction", law),
-        mechanism=vary(mechanism, "mechanism", own) if own else mechanism,
+        mechanism=vary(ready.mechanism, "mechanism", own) if own else ready.mechanism,
         estimates=estimates,
         route=route,
         measurement=measurement,

@@ -3,14 +3,19 @@
 import dataclasses
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
-from stickslip.identification.inverse_dynamics import InverseDynamics, inverse_dynamics, mass_of
+from stickslip.identification.inverse_dynamics import (
+    InverseDynamics,
+    inverse_dynamics,
+    mass_of,
+    positions_of,
+)
 from stickslip.identification.unknowns import Unknown, Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, full_path, parameters, unchecked
@@ -23,6 +28,8 @@ FINEST, WIDEST = 1e-3, 1.0
 """Bounds of velocities that shape a law, over the largest speed."""
 SHORTEST, LONGEST = 1e-6, 0.1
 """Bounds of the length over which bristles give way, over the stroke."""
+ONE_WAY = 0.01
+"""Share of samples that must go each way for a record to be two-sided."""
 REACH = 100.0
 """How far levels and slopes may go above what linear regression found."""
 
@@ -49,6 +56,8 @@ class Scales:
     """Speed [m/s] that is rarely exceeded."""
     stroke: float
     """Range of positions [m]."""
+    two_sided: bool = True
+    """Whether the record slips both ways."""
 
 
 def scales_of(
@@ -67,8 +76,10 @@ def scales_of(
         )
 
     both, apart = solved(directional=False), solved(directional=True)
+    _check_signs(both)
     size = float(np.median(np.abs(both.friction)))
-    positions = [np.ptp(np.asarray(r.values("position"))) for r in measurement.records()]
+    positions = [np.ptp(positions_of(record)) for record in measurement.records()]
+    ahead = float(np.mean(both.velocity > 0.0))
     least = 1e-3 * size
     return Scales(
         load=load_of(mechanism),
@@ -80,7 +91,19 @@ def scales_of(
         inertia=both["inertia"] if free and both["inertia"] > 0.0 else mass_of(mechanism),
         speed=max(float(np.percentile(np.abs(both.velocity), 98.0)), 1e-12),
         stroke=max(float(max(positions)), 1e-12),
+        two_sided=ONE_WAY < ahead < 1.0 - ONE_WAY,
     )
+
+
+def _check_signs(found: InverseDynamics) -> None:
+    """Refuse a force that acts against the motion it should cause."""
+    mass = found["inertia"] if "inertia" in found.names else 1.0
+    if mass <= 0.0 or (found["level"] < 0.0 and found["viscous"] < 0.0):
+        said = ", ".join(f"{n} {v:.3g}" for n, v in zip(found.names, found.values, strict=True))
+        raise InputError(
+            "the force acts against the motion that it should cause: linear regression gives"
+            f" {said}. Is its sign right (gain -1), and is each column what it is taken for?"
+        )
 
 
 def load_of(mechanism: Mechanism) -> float:
@@ -123,9 +146,7 @@ def law_unknowns(
     if free is not None:
         wanted = [full_path(name, [f"friction.{known}" for known in names]) for name in free]
         names = [name for name in names if f"friction.{name}" in wanted]
-    required = [n for n, field in kind.__dataclass_fields__.items() if field.default is MISSING]
-    needed = [name for name in kind.fit_order if name in names or name in required]
-    ranges = {name: _range(kind, name, scales) for name in needed}
+    ranges = {name: _range(kind, name, scales) for name in names}
     values = {name: start for name, (start, _, _) in ranges.items()}
     if not isinstance(law, type):
         values |= {n: v for n in names if (v := getattr(law, n)) is not None}
@@ -237,14 +258,14 @@ def mechanism_unknowns(
 ) -> tuple[Unknown, ...]:
     """Return the unknowns of a mechanism: those asked for, and what is always in doubt.
 
-    A constant force is left out for laws that have a level of their own in each direction: the
-    record has one number for both.
+    A constant force is left out where the record has one number for it and a level: with laws that
+    have a level of their own in each direction, and where slip is in one direction only.
     """
     known: Mapping[str, tuple[Quantity, float]] = {
         path: (quantity, value) for path, quantity, value in parameters(mechanism, "mechanism")
     }
     paths = [full_path(name, list(known)) for name in unknown]
-    if "forward_kinetic_coefficient" not in fields_of(type(law)):
+    if scales.two_sided and "forward_kinetic_coefficient" not in fields_of(type(law)):
         paths += [f"mechanism.{n}" for n in NUISANCE if f"mechanism.{n}" in known]
     found = []
     for path in dict.fromkeys(paths):

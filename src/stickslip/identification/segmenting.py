@@ -110,7 +110,8 @@ def segments_of(
             found.append(_segment(index, record, quantity, set_up, rows, hold))
     if not found:
         raise InputError(
-            f"no record has {LEAST} samples without a gap: there is nothing to compare runs with."
+            f"no stretch of {length:g} s has {LEAST} samples without a gap: give longer segments,"
+            " and look whether time is in seconds."
         )
     return tuple(found)
 

@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.errors import InputError
 from stickslip.identification.optimise import improve
 from stickslip.identification.problem import Part, Problem
 from stickslip.identification.record_fit import RecordFit, settled
@@ -85,11 +86,20 @@ def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
     edges = np.linspace(0.0, max(trained[-1, 1], tested[-1, 1]), plan.folds + 1)
     losses = []
     for first, last in itertools.pairwise(edges.tolist()):
-        seen = (trained[:, 1] <= first - plan.gap) | (trained[:, 0] >= last + plan.gap)
         middle = tested.mean(axis=1)
         held = (middle >= first) & (middle < last)
-        if held.any() and seen.any():
+        if not held.any():
+            continue
+        # segments may stick out of their block: what they reach is not trained on
+        begin, end = min(first, tested[held, 0].min()), max(last, tested[held, 1].max())
+        seen = (trained[:, 1] <= begin - plan.gap) | (trained[:, 0] >= end + plan.gap)
+        if seen.any():
             losses.append(_loss(fit, judged, seen, held))
+    if not losses:
+        raise InputError(
+            f"the record of {plan.length:.3g} s has nothing left to fit to when a block of it is"
+            " held out: record longer, or `fit` one law without judging it."
+        )
     border = (1.0 - EXTRAPOLATED) * edges[-1]
     before = trained[:, 1] <= border - plan.gap
     after = tested[:, 0] >= border

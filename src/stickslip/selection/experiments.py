@@ -109,12 +109,12 @@ def _plain(value: float, digits: int) -> str:
 def _steady(
     laws: Mapping[str, FrictionLaw], best: str, v: float, doubt: float, load: float
 ) -> Experiment | None:
-    """Constant speed, both ways: half the difference of the friction forces, and their sum."""
+    """Constant speed: the friction force after long sliding."""
     values = {name: float(steady_friction(law, v, load)[0]) for name, law in laws.items()}
     seconds = max(10.0, 5.0 * math.ceil(0.05 / max(v, 1e-6) / 5.0))
     return Experiment(
         what=(
-            f"Constant speed of {_plain(1e3 * v, 2)} mm/s, both ways,"
+            f"Constant speed of {_plain(1e3 * v, 2)} mm/s, forwards,"
             f" {min(seconds, 60.0):.0f} s each."
         ),
         observed="friction, N",

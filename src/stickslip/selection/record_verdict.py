@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, final
 
+import numpy as np
 from typing_extensions import override
 
 from stickslip.experiments import QUANTITIES, Checks
@@ -13,12 +14,13 @@ from stickslip.identification import RecordFit
 from stickslip.identification.record_fit import Score
 from stickslip.selection.cross_validation import CrossValidation, Plan
 from stickslip.selection.experiments import Experiment
+from stickslip.selection.scoring import FLOOR
 from stickslip.selection.verdict import Verdict, plain
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Purpose", "RecordCandidate", "RecordVerdict"]
+__all__ = ["Purpose", "RecordCandidate", "RecordVerdict", "as_good"]
 
 
 @final
@@ -175,3 +177,12 @@ class RecordVerdict(Verdict):
             "next_measurements": [one.to_dict() for one in self.experiments],
             "halves": {path: list(pair) for path, pair in self.half_estimates.items()},
         }
+
+
+def as_good(other: RecordCandidate, best: RecordCandidate) -> bool:
+    """Whether another's loss is within one paired standard error and the floor of the best's."""
+    if other.validation is None or best.validation is None:
+        return False
+    gaps = np.subtract(other.validation.losses, best.validation.losses)
+    error = float(np.std(gaps, ddof=1)) / math.sqrt(len(gaps)) if len(gaps) > 1 else 0.0
+    return bool(gaps.mean() <= error and other.score <= (1.0 + FLOOR) * best.score)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from stickslip.experiments import QUANTITIES, Checks
 from stickslip.identification import Estimate
 from stickslip.selection.experiments import Experiment
-from stickslip.selection.record_verdict import RecordCandidate
+from stickslip.selection.record_verdict import RecordCandidate, as_good
 from stickslip.selection.scoring import FLOOR
 from stickslip.selection.specifications import REFERENCE
 from stickslip.selection.verdict import Wording
@@ -64,7 +64,7 @@ def _outcome(c: RecordCandidate, best: RecordCandidate) -> str:
     if c.dropped:
         return c.dropped
     more = c.parameters - best.parameters
-    if c.score <= (1.0 + FLOOR) * best.score:
+    if as_good(c, best):
         if more > 0:
             return f"{more} more parameter{'s' if more > 1 else ''}, no gain beyond doubt"
         return "as good within doubt"
@@ -84,7 +84,7 @@ def record_wording(
     """Put a selection on records into words."""
     assert best.fit is not None
     rivals = [c for c in candidates if c.name != best.name and c.fit and not c.dropped]
-    equal = [c for c in rivals if c.score <= (1.0 + FLOOR) * best.score]
+    equal = [c for c in rivals if as_good(c, best)]
     return Wording(
         verdict=_verdict(best, equal, without),
         lede=_lede(candidates, best, without, scored),

@@ -21,9 +21,8 @@ from stickslip.quantities import vary
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
 from stickslip.selection.experiments import Experiment, design
 from stickslip.selection.record_admissibility import objection
-from stickslip.selection.record_verdict import Purpose, RecordCandidate, RecordVerdict
+from stickslip.selection.record_verdict import Purpose, RecordCandidate, RecordVerdict, as_good
 from stickslip.selection.record_words import outcomes, record_wording
-from stickslip.selection.scoring import FLOOR
 from stickslip.selection.side_by_side import fitted_side_by_side
 from stickslip.selection.specifications import REFERENCE, Specification, control, specifications
 
@@ -59,7 +58,7 @@ def select_records(
     """Select a law for records in time or measured friction; arguments as in `select`."""
     if purpose not in PURPOSES:
         raise InputError(f"purpose must be one of {', '.join(PURPOSES)}, got {purpose!r}.")
-    checks = _checked(mechanism, measurement)
+    checks = _checked(mechanism, measurement, validate)
     if purpose == "compensate" and route is None and "friction" not in measurement.quantities():
         route = "inverse-dynamics"
     chosen = _laws(laws, measurement)
@@ -79,7 +78,7 @@ def select_records(
         watch("held-out blocks", math.nan)
     work = partial(_judged, plan=plan, validate=validate)
     judged = list(map(work, tried) if executor is None else executor.map(work, tried))
-    without = _judged(fitted(control()), plan, validate) if fits[0].route != "force-map" else None
+    without = _judged(fitted(control()), plan, validate) if _has_control(fits[0]) else None
     return _verdict(mechanism, measurement, judged, without, plan, purpose, checks)
 
 
@@ -94,12 +93,26 @@ def _laws(
     return chosen
 
 
-def _checked(mechanism: Mechanism, measurement: Measurement) -> Checks:
+def _has_control(fit: RecordFit) -> bool:
+    """Whether a fit without friction has anything to look for."""
+    return fit.route == "shooting" and any(
+        path.startswith("mechanism.") for path in fit.unknowns.paths
+    )
+
+
+def _checked(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    validate: Measurement | None = None,
+    which: str = "This record",
+) -> Checks:
     """Return what the record can tell; refuse one that cannot decide."""
+    if validate is not None:
+        _checked(mechanism, validate, which="The second record")
     checks = check(measurement, mechanism=mechanism)
     if checks.worst == "error":
         wrong = [one.sentence for one in checks.findings if one.severity == "error"]
-        raise InputError("This record cannot decide. " + " ".join(wrong))
+        raise InputError(f"{which} cannot decide. " + " ".join(wrong))
     return checks
 
 
@@ -248,15 +261,6 @@ def _chosen(admissible: Sequence[RecordCandidate]) -> RecordCandidate:
         if as_good(other, best):
             return other
     return best
-
-
-def as_good(other: RecordCandidate, best: RecordCandidate) -> bool:
-    """Whether another's loss is within one paired standard error and the floor of the best's."""
-    if other.validation is None or best.validation is None:
-        return False
-    gaps = np.subtract(other.validation.losses, best.validation.losses)
-    error = float(np.std(gaps, ddof=1)) / math.sqrt(len(gaps)) if len(gaps) > 1 else 0.0
-    return bool(gaps.mean() <= error and other.score <= (1.0 + FLOOR) * best.score)
 
 
 def _picks(scored: Sequence[RecordCandidate]) -> Mapping[str, str]:
