@@ -148,7 +148,7 @@ def inverse_dynamics(
         names=tuple(names),
         values=values,
         deviations=_deviations(table, residual, weights),
-        relative_error=float(np.linalg.norm(residual) / max(np.linalg.norm(wanted), 1e-300)),
+        relative_error=float(np.linalg.norm(residual)) / max(float(np.linalg.norm(wanted)), 1e-300),
         time=whole["time"],
         velocity=whole["velocity"],
         friction=wanted - values[0] * whole["inertia"] if unknown else wanted,
