@@ -45,7 +45,8 @@ def test_draws_of_a_linear_problem_have_its_mean_and_covariance(fit, sampler, st
     expected = np.linalg.inv(weight * best.slopes.T @ best.slopes)
     deviation = np.sqrt(np.diag(expected))
     center = best.values + np.linalg.lstsq(best.slopes, best.residual, rcond=None)[0]
-    # some hundred independent draws: means to a tenth of a deviation, deviations to 15 %
+    # a hundred independent draws: means to a tenth of a deviation and 2.5 times that, deviations to
+    # 7 % and three times that
     assert np.all(np.abs(found.draws.mean(axis=0) - center) < 0.25 * deviation)
     np.testing.assert_allclose(found.draws.std(axis=0), deviation, rtol=0.2)
 
@@ -58,12 +59,11 @@ class _WithUnknowns:
         return self.inner.linearise(values, near, slopes=slopes)
 
 
-def test_an_interval_holds_its_share_of_the_draws(fit):
-    pytest.importorskip("emcee")
-    found = sample_posterior(fit, steps=20, seed=2)
-    low, high = found.interval("mechanism.inertia", 0.5)
-    inside = np.mean((found.draws[:, -2] >= low) & (found.draws[:, -2] <= high))
-    assert inside == pytest.approx(0.5, abs=0.05)
+def test_an_interval_lies_between_the_quantiles_of_its_own_column():
+    draws = np.column_stack([np.zeros(101), np.linspace(0.0, 1.0, 101)])
+    found = posterior.Posterior(paths=("mechanism.offset", "mechanism.inertia"), draws=draws)
+    assert found.interval("mechanism.inertia", 0.5) == pytest.approx((0.25, 0.75))
+    assert found.interval("mechanism.offset") == (0.0, 0.0)
 
 
 def test_an_unknown_sampler_is_refused(fit):

@@ -1,6 +1,5 @@
 import dataclasses
 import itertools
-import json
 import math
 
 import numpy as np
@@ -19,6 +18,7 @@ from stickslip import (
     select,
     simulate,
 )
+from stickslip.cli.output import document, json_text
 from stickslip.errors import InputError
 from stickslip.identification.optimise import improve
 from stickslip.identification.record_fit import settled
@@ -122,7 +122,7 @@ def test_a_held_out_error_is_that_of_a_fit_to_the_other_segments_alone(record):
 
 
 def test_everything_of_a_verdict_is_json(verdict):
-    text = json.dumps(verdict.to_dict(), allow_nan=True)
+    text = json_text(document("select", verdict.to_dict()))  # refuses what JSON has no word for
     assert '"best": "direction-dependent"' in text
     assert next(iter(verdict.table()["law"])) == "direction-dependent"
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from stickslip.identification.problem import Linearised
 
-__all__ = ["effective_samples", "sandwich"]
+__all__ = ["sandwich"]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -51,33 +51,3 @@ def sandwich(at: Linearised, free: NDArray[np.bool_]) -> Array:
     covariance[np.ix_(free, free)] = inner / np.outer(scale, scale)
     covariance[~free, ~free] = np.inf
     return covariance
-
-
-def effective_samples(at: Linearised) -> float:
-    """Return how many independent residuals are worth as much as these correlated ones.
-
-    Examples
-    --------
-    >>> white = np.random.default_rng(0).normal(size=4000)
-    >>> slow = np.convolve(white, np.ones(40), "valid")
-    >>> for residual in (white, slow):
-    ...     at = Linearised(
-    ...         values=np.zeros(1),
-    ...         residual=residual,
-    ...         slopes=np.ones((len(residual), 1)),
-    ...         segment=np.zeros(len(residual), dtype=int),
-    ...     )
-    ...     print(effective_samples(at) > 2000)
-    True
-    False
-    """
-    residual = at.residual - at.residual.mean()
-    count = len(residual)
-    spectrum = np.abs(np.fft.rfft(residual, 2 * count)) ** 2
-    covariance = np.fft.irfft(spectrum)[:count]
-    if covariance[0] <= 0.0:
-        return float(count)
-    correlation = covariance / covariance[0]
-    falls = np.flatnonzero(correlation <= 0.0)  # beyond the first zero there is noise only
-    end = int(falls[0]) if len(falls) else count
-    return float(count / max(1.0, 2.0 * correlation[:end].sum() - 1.0))

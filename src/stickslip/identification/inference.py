@@ -15,7 +15,7 @@ from scipy import stats
 
 from stickslip.identification.problem import Linearised
 
-__all__ = ["BLOCKS", "Inference", "block_sums", "bootstrap", "infer"]
+__all__ = ["BLOCKS", "Inference", "block_sums", "bootstrap", "effective_size", "infer"]
 
 Array = NDArray[np.float64]
 

@@ -125,7 +125,7 @@ class ForceMap(Problem):
         array([-1.5,  2.5])
         """
         near = self.linearise(values, slopes=False)
-        locals_: Mapping[int, _Local] = near.memory  # type: ignore[assignment]
+        locals_: Mapping[int, _Local] = near.memory
         if not locals_:
             return np.full(len(self.times), np.nan)
         residual: Array = np.concatenate([one.residual for one in locals_.values()])
@@ -144,7 +144,7 @@ class ForceMap(Problem):
         segment = np.concatenate(
             [one.segment[mask] for one, mask in zip(self.stretches, masks, strict=True)]
         )
-        known: Mapping[int, _Local] = near.memory if near is not None else {}  # type: ignore[assignment]
+        known: Mapping[int, _Local] = near.memory if near is not None else {}
         change = np.zeros(len(values)) if near is None else values - near.values
         done: dict[int, _Local] = {}
         with np.errstate(all="ignore"):  # a law that fails far out gives infinite residuals
@@ -211,7 +211,8 @@ def _with_memory(
     """Return friction along a motion (n, copies), bristles (b, n), and by how much they moved."""
     if before is None:
         start = _first_state(own, one, offset)
-        guess = follow(own.base, one.path, start[:, None])[..., 0]  # type: ignore[arg-type]
+        assert isinstance(own.base, BristleLaw)
+        guess = follow(own.base, one.path, start[:, None])[..., 0]
     else:
         start, guess = before.near(change), before.states
     nudge = MOVED * max(float(np.max(np.abs(guess))), 1e-300)

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, final
+from typing import Any, Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ class Linearised:
     """Derivatives of the prediction by the values (n, p)."""
     segment: NDArray[np.intp]
     """Segment each row belongs to (n,)."""
-    memory: object = None
+    memory: Any = None
     """What the problem wants to be handed when it linearises near by."""
 
     @property

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Measurement
-from stickslip.identification.clusters import effective_samples, sandwich
+from stickslip.identification.clusters import sandwich
+from stickslip.identification.inference import effective_size
 from stickslip.identification.optimise import Found, Watch, search
 from stickslip.identification.problem import Linearised
 from stickslip.identification.rate_state import STIFFNESS, Evolution
@@ -188,7 +189,7 @@ def _profile(slider: Slider, best: Linearised) -> Profile:
     """Return fits with other evolution effects held, as far as the record allows them."""
     values = best.values
     a, b = values[:2]
-    room = best.cost * (1.0 + 4.0 / max(effective_samples(best) - len(values), 4.0))
+    room = best.cost * (1.0 + 4.0 / max(effective_size(best) - len(values), 4.0))
     lowest = slider.unknowns.items[1].low
     kept: list[Linearised] = []
     unbounded = True

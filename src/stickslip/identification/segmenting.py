@@ -1,6 +1,7 @@
 """Cuts records into the segments that are simulated."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -52,7 +53,7 @@ def measured_quantity(measurement: Measurement) -> str:
     )
 
 
-def with_drive(mechanism: Mechanism, drive: Drive) -> Mechanism:
+def with_drive(mechanism: Mechanism, drive: Drive | None) -> Mechanism:
     """Return a mechanism driven by what was measured.
 
     Raises
@@ -65,14 +66,7 @@ def with_drive(mechanism: Mechanism, drive: Drive) -> Mechanism:
             f"{type(mechanism).__name__} has no drive that a measured force could be; use Axis or"
             " SpringBlock."
         )
-    return vary_drive(mechanism, drive)
-
-
-def vary_drive(mechanism: Mechanism, drive: Drive | None) -> Mechanism:
-    """Return a mechanism with another drive."""
-    from dataclasses import replace
-
-    return replace(mechanism, drive=drive)  # type: ignore[call-arg]
+    return replace(mechanism, drive=drive)  # type: ignore[call-arg]  # it has one, as was seen
 
 
 def segments_of(

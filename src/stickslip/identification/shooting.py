@@ -5,7 +5,6 @@ projected out, and they follow the other unknowns from one linearisation to the 
 """
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import final
 
@@ -91,7 +90,6 @@ class Shooting(Problem):
     unknowns_: Unknowns
     segments: tuple[Segment, ...]
     quantity_: str = "position"
-    threads: int = 1
 
     @property
     @override
@@ -125,7 +123,7 @@ class Shooting(Problem):
         slopes: bool = True,
     ) -> Linearised:
         chosen = range(len(self.segments)) if only is None else only
-        known: Mapping[int, _Local] = near.memory if near is not None else {}  # type: ignore[assignment]
+        known: Mapping[int, _Local] = near.memory if near is not None else {}
         change = np.zeros(len(values)) if near is None else values - near.values
         try:
             law, mechanisms = self._changed(values)
@@ -142,12 +140,7 @@ class Shooting(Problem):
                 None if state is None else self._shot(segment, mechanism, law, state, slopes=slopes)
             )
 
-        if self.threads == 1:
-            shots = list(map(one, chosen))
-        else:
-            with ThreadPoolExecutor(self.threads) as pool:
-                shots = list(pool.map(one, chosen))
-        return self._joined(values, chosen, shots)
+        return self._joined(values, chosen, [one(k) for k in chosen])
 
     def _settled(self, segment: Segment, mechanism: Mechanism, law: FrictionLaw) -> Array | None:
         """Return the initial state that fits a segment, from the guess; None if no run succeeds."""

@@ -1,6 +1,5 @@
 """Which measurement would tell the best law from its rivals, designed by simulation."""
 
-import dataclasses
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from stickslip.drives import Drive, Sampled, Sine
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw, towards
+from stickslip.identification.segmenting import with_drive
 from stickslip.mechanisms import Mechanism
 from stickslip.simulation import simulate
 
@@ -133,9 +133,10 @@ def _simulated(
     y0: Mapping[str, float],
 ) -> Mapping[str, float] | None:
     """Return what is read off a run with each law; None where a run fails."""
-    if "drive" not in mechanism.__dataclass_fields__:
+    try:
+        driven = with_drive(mechanism, drive)
+    except InputError:
         return None
-    driven: Any = dataclasses.replace(mechanism, drive=drive)  # type: ignore[call-arg]
     values = {}
     for name, law in laws.items():
         try:
