@@ -87,13 +87,10 @@ def regrets(
     starts: int = 2,
 ) -> dict[str, Any]:
     """Return what was picked, and the errors of all candidates on a fresh record."""
-    from stickslip.selection.specifications import specifications
-
-    laws = [one.law for one in specifications(None) if one.name in candidates]
     verdict = select(
         Axis(inertia=1.0),
         measurement,
-        laws,
+        candidates,
         unknown=("inertia",),
         settings=RecordSettings(starts=starts),
     )
@@ -105,7 +102,12 @@ def regrets(
         **{name: verdict.picks[name] for name in ("held-out blocks", "AIC", "BIC")},
         "training error": verdict.picks["training error"],
     }
-    return {"errors": errors, "picks": picks}
+    judged = {
+        c.name: {"losses": c.validation.losses, "parameters": c.parameters, "dropped": c.dropped}
+        for c in verdict.candidates
+        if c.validation
+    }
+    return {"errors": errors, "picks": picks, "judged": judged}
 
 
 def _error(candidate: RecordCandidate, fresh: Measurement) -> float:
