@@ -50,7 +50,7 @@ class Kernel:
         self.model = formulate(mechanism, law, slopes=slopes)
         self.runner = runner_of(self.model, compiled=compiled)
         self.module = self.runner.module
-        self.inputs = gather(mechanism, law, self.model)
+        self.inputs = gather(mechanism, law, self.model, t_end)
         self._base = self.runner.working(self.inputs.p, self.inputs.first)
         for state, value in (start or {}).items():
             self._base[self.module.Y + self.model.states.index(state)] = value
@@ -108,7 +108,7 @@ class Kernel:
     def sensing(self, paths: Sequence[str]) -> Callable[[], np.ndarray]:
         """Return what gives the sensitivities (states, paths) at the end of the last run."""
         table = np.array([self.inputs.table])
-        along = directions_of(*self.pair, paths, {}, table)
+        along = directions_of(*self.pair, paths, {}, table, self.t_end)
         flat, shape = self.runner.flat, along.start.shape
         w = working(self.runner, self.runner.working(self.inputs.p, self.inputs.first), along)
         fresh = w.copy()

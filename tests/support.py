@@ -168,7 +168,7 @@ class Generated:
 
     def __init__(self, mechanism: Mechanism, law: FrictionLaw, model: Model | None = None) -> None:
         model = formulate(mechanism, law) if model is None else model
-        self.equations = Equations(model, gather(mechanism, law, model))
+        self.equations = Equations(model, gather(mechanism, law, model, 0.0))
         self.module: ModuleType = self.equations.module
 
     def flags(self, y: list[float], t: float = 0.0) -> int:

@@ -41,7 +41,8 @@ def simulate(
     t_end : float
         Last time [s].
     y0 : mapping or sequence, optional
-        Initial states by name (the others 0), or all of them in order. Rest at 0 if not given.
+        Initial states by name, or all of them in order. What is not given is 0, or where the
+        mechanism says that it begins (a swing at the start of its profile).
     solver : Solver, optional
         `EventDriven` if not given, or `FixedStep`.
     throw : bool
@@ -191,12 +192,13 @@ def _initial_state(
     bristles = law.bristles if isinstance(law, (BristleLaw, PrintedForm)) else ()
     names = (*mechanism.coordinates, *mechanism.rates, *bristles)
     if y0 is None:
-        return [0.0] * len(names)
+        y0 = {}
     if isinstance(y0, Mapping):
         for name in y0:
             if name not in names:
                 raise UnknownNameError("state in y0", name, names)
-        y0 = [y0.get(name, 0.0) for name in names]
+        told = {**mechanism.start(), **y0}
+        y0 = [told.get(name, 0.0) for name in names]
     if not hasattr(y0, "__len__"):
         raise InputError(f"y0 must be a mapping of names or a sequence, got {y0!r}.")
     if len(y0) != len(names):

@@ -23,6 +23,11 @@ class Status(enum.Enum):
     END_TIME = "Reached the end time."
     AT_REST = "Came to rest: no drive can move the body any more."
     LIFT_OFF = "The normal force fell to zero: the body leaves the ground."
+    PAINLEVE = (
+        "Painleve's paradox: friction presses the body down the more the more it presses, and the"
+        " equations of a rigid body have no answer."
+    )
+    LIMIT = "The mechanism reached one of its limits; the last event says which."
     STEP_LIMIT = "Used up the allowed number of steps before the end time."
     STEP_TOO_SMALL = "The step fell below rounding: the equations are singular here."
     NOT_FINITE = "The state grew beyond all numbers."

@@ -2,15 +2,21 @@
 
 from stickslip.drives.base import Drive, Piece, Sum
 from stickslip.drives.forms import PiecewiseLinear, Pulse, Ramp, Sampled, Sine, StraightPieces
+from stickslip.drives.profiles import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase
 
 __all__ = [
     "Drive",
     "Piece",
     "PiecewiseLinear",
+    "Profile",
     "Pulse",
     "Ramp",
     "Sampled",
+    "SevenStep",
     "Sine",
+    "SineSwing",
+    "SplineSwing",
     "StraightPieces",
     "Sum",
+    "ThreePhase",
 ]

@@ -45,8 +45,11 @@ class Drive(Parametrised, ABC):
         """Return the part that is one expression for all times; 0.0 where there is none."""
 
     @abstractmethod
-    def pieces(self) -> tuple[Piece, ...]:
-        """Return the pieces of the linear part in the order of time; empty where there are none."""
+    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
+        """Return the pieces of the linear part in the order of time; empty where there are none.
+
+        A drive that repeats itself gives those that begin up to `until` [s], and perhaps more.
+        """
 
     @abstractmethod
     def smooth_bound(self) -> tuple[Scalar, Scalar]:
@@ -66,7 +69,7 @@ class Drive(Parametrised, ABC):
         >>> push.value(0.05), push.value(0.1)
         (10.0, 0.0)
         """
-        pieces = self.pieces()
+        pieces = self.pieces(t)
         linear, _ = _at(pieces, [piece.start for piece in pieces], t)
         return float(self.smooth(t) + linear)
 
@@ -104,8 +107,8 @@ class Sum(Drive):
         return sum((part.smooth(t) for part in self.parts), 0.0)
 
     @override
-    def pieces(self) -> tuple[Piece, ...]:
-        tables = [part.pieces() for part in self.parts]
+    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
+        tables = [part.pieces(until) for part in self.parts]
         begins = [[float(piece.start) for piece in table] for table in tables]
         return tuple(
             Piece(start, sum(v for v, _ in at), sum(s for _, s in at))

@@ -56,7 +56,7 @@ class Pulse(_Pieces):
     """When it begins."""
 
     @override
-    def pieces(self) -> tuple[Piece, ...]:
+    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
         return (
             Piece(self.start, self.level, 0.0),
             Piece(self.start + self.duration, 0.0, 0.0),
@@ -80,7 +80,7 @@ class Ramp(_Pieces):
     """When it begins."""
 
     @override
-    def pieces(self) -> tuple[Piece, ...]:
+    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
         return (Piece(self.start, 0.0, self.rate),)
 
 
@@ -107,7 +107,7 @@ class Sine(Drive):
         return self.amplitude * sin(2.0 * math.pi * self.frequency * t + self.phase)
 
     @override
-    def pieces(self) -> tuple[Piece, ...]:
+    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
         return ()
 
     @override
@@ -178,7 +178,7 @@ class PiecewiseLinear(_Pieces):
         object.__setattr__(self, "values", tuple(u))
 
     @override
-    def pieces(self) -> tuple[Piece, ...]:
+    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
         t, u = self.times, self.values
         inner = [
             Piece(t[i], u[i], (u[i + 1] - u[i]) / (t[i + 1] - t[i])) for i in range(len(t) - 1)
@@ -217,7 +217,7 @@ class Sampled(_Pieces):
         object.__setattr__(self, "values", tuple(u))
 
     @override
-    def pieces(self) -> tuple[Piece, ...]:
+    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
         if self.hold == "first":
             return PiecewiseLinear(times=self.times, values=self.values).pieces()
         held = [Piece(t, u, 0.0) for t, u in zip(self.times, self.values, strict=True)]
@@ -258,6 +258,6 @@ class StraightPieces(_Pieces):
             object.__setattr__(self, name, tuple(found))
 
     @override
-    def pieces(self) -> tuple[Piece, ...]:
+    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
         held = [Piece(*piece) for piece in zip(self.times, self.values, self.slopes, strict=True)]
         return (Piece(BEGINNING, self.values[0], 0.0), *held)

@@ -5,8 +5,9 @@ from types import MappingProxyType
 
 from stickslip.drives.base import Drive
 from stickslip.drives.forms import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
+from stickslip.drives.profiles import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase
 
-__all__ = ["DRIVES"]
+__all__ = ["DRIVES", "PROFILES"]
 
 DRIVES: Mapping[str, type[Drive]] = MappingProxyType(
     {
@@ -21,3 +22,13 @@ DRIVES: Mapping[str, type[Drive]] = MappingProxyType(
 
 Sums have no name of their own: a list of drives is their sum.
 """
+
+PROFILES: Mapping[str, type[Profile]] = MappingProxyType(
+    {
+        "seven-step": SevenStep,
+        "sine-swing": SineSwing,
+        "spline-swing": SplineSwing,
+        "three-phase": ThreePhase,
+    }
+)
+"""The motion profiles that come with the package, by the ``type`` they have in rig files."""

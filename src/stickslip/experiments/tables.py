@@ -16,10 +16,11 @@ from typing import Annotated, Any, ClassVar, Literal, Union
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from stickslip.drives import Drive
-from stickslip.drives.registry import DRIVES
+from stickslip.drives import Drive, Profile
+from stickslip.drives.registry import DRIVES, PROFILES
 from stickslip.errors import ParameterError
 from stickslip.experiments.units import allowed, read_number, shown
+from stickslip.mechanisms import MOTORS, Motor
 from stickslip.quantities import Parametrised, Quantity, fields_of
 
 __all__ = ["Given", "Number", "Table", "choice", "table_of"]
@@ -208,9 +209,16 @@ def _hint(cls: type[Parametrised], name: str, mark: str) -> Any:
     if Drive in parts:
         drives: Any = choice({kind: table_of(drive, kind) for kind, drive in DRIVES.items()})
         return Annotated[list[drives], Field(min_length=1), BeforeValidator(_listed), _OrSingle()]
+    for kind in parts:
+        if kind in MEMBERS:
+            return choice({name: table_of(cls, name) for name, cls in MEMBERS[kind].items()})
     if parts:
         return choice({_kebab(part): table_of(part, _kebab(part)) for part in parts})
     return hint
+
+
+MEMBERS: Mapping[type, Mapping[str, type[Parametrised]]] = {Profile: PROFILES, Motor: MOTORS}
+"""What parts of mechanisms are chosen from, by their ``type``."""
 
 
 def _listed(value: object) -> object:

@@ -1,5 +1,6 @@
 """From a law and a mechanism to the text of a self-contained numeric module."""
 
 from stickslip.formulation.model import Model, formulate
+from stickslip.formulation.modes import PAINLEVE
 
-__all__ = ["Model", "formulate"]
+__all__ = ["PAINLEVE", "Model", "formulate"]

@@ -1,7 +1,7 @@
 """Lagrange's equations of a mechanism, with the force of one contact left open."""
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,70 +12,140 @@ from stickslip.formulation.stops import Wall, derive_walls
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
 from stickslip.mechanisms import Contact, Mechanism
 
-__all__ = ["Mechanics", "derive_mechanics"]
+__all__ = ["Mechanics", "Motion", "derive_mechanics"]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What follows from a friction force: how all coordinates accelerate, and what that takes."""
+
+    accelerations: list[se.Expr]
+    """Of all coordinates."""
+    normal: se.Expr
+    """Normal force."""
+    pivot: se.Expr
+    """What the equation for the normal force was divided by; 0 or less is Painleve's paradox."""
 
 
 @dataclass(frozen=True)
 class Mechanics:
-    """Equations of motion ``M q'' = h - W F``, and the contact's normal force."""
+    """Equations of motion ``M q'' = h - W F``, and the contact's normal force.
+
+    Guided coordinates move as they are told: the equations are those of the others.
+    """
 
     coordinates: tuple[str, ...]
     contact: Contact
     slip: int
     """Index of the slip coordinate."""
     mass: se.DenseMatrix
-    """Mass matrix of the moving coordinates."""
-    forces: se.DenseMatrix
-    """Their forces h, friction left out."""
-    normal_row: se.DenseMatrix | None
-    """Row of the mass matrix that belongs to the held normal coordinate."""
-    normal_force: se.Expr
-    """Force on the held coordinate, or the prescribed load."""
+    """Mass matrix of all moving coordinates, and below it the rows of those that are held."""
+    forces: list[se.Expr]
+    """Forces h on all coordinates, then on those that are held, friction left out."""
+    guides: Mapping[int, se.Expr]
+    """Accelerations of guided coordinates by their index."""
+    efforts: Mapping[int, str]
+    """What the effort of each guided coordinate is called."""
+    held: tuple[str, ...]
+    """Held coordinates, the contact's normal one first if it has one."""
+    load: se.Expr | None
+    """The prescribed load, where nothing is held."""
     energy: se.Expr
     supplied: se.Expr
-    """Power that drives, dampers and moved supports put in, friction left out."""
+    """Power that drives, dampers and moved supports put in; that of guides is left out."""
     walls: tuple[Wall, ...]
     """Hard stops."""
+    mechanism: Mechanism
+    """What it is derived from; its parameters are symbols."""
 
-    def slipping(self, constant: se.Expr, factor: se.Expr) -> tuple[list[se.Expr], se.Expr]:
-        """Return accelerations and normal force for friction ``constant + factor * N``.
+    @property
+    def free(self) -> list[int]:
+        """Indices of the coordinates that no guide moves."""
+        return [i for i in range(len(self.coordinates)) if i not in self.guides]
+
+    def reduced(self, indices: Sequence[int]) -> se.DenseMatrix:
+        """Return the mass matrix of some coordinates."""
+        n = len(indices)
+        return se.DenseMatrix(n, n, [self.mass[i, j] for i in indices for j in indices])
+
+    def _solved(self, indices: Sequence[int], friction: se.Expr) -> list[se.Expr]:
+        """Return all accelerations where only some coordinates are free to move."""
+        found = [self.guides.get(i, se.Integer(0)) for i in range(len(self.coordinates))]
+        if indices:
+            right = [
+                self.forces[i]
+                - sum((self.mass[i, j] * a for j, a in self.guides.items()), se.Integer(0))
+                - int(i == self.slip) * friction
+                for i in indices
+            ]
+            column = self.reduced(indices).LUsolve(se.DenseMatrix(len(indices), 1, right))
+            for k, i in enumerate(indices):
+                found[i] = column[k, 0]
+        return found
+
+    def _pushed(self, size: se.Expr) -> list[se.Expr]:
+        """Return how a friction force changes the accelerations."""
+        indices = self.free
+        unit = [int(i == self.slip) * size for i in indices]
+        column = self.reduced(indices).LUsolve(se.DenseMatrix(len(indices), 1, unit))
+        found = [se.Integer(0)] * len(self.coordinates)
+        for k, i in enumerate(indices):
+            found[i] = column[k, 0]
+        return found
+
+    def surplus(self, row: int, accelerations: Sequence[se.Expr]) -> se.Expr:
+        """Return the force that a coordinate needs beside those that act on it."""
+        inertia = [self.mass[row, j] * a for j, a in enumerate(accelerations)]
+        return sum(inertia, se.Integer(0)) - self.forces[row]
+
+    def _normal(self, accelerations: Sequence[se.Expr]) -> se.Expr:
+        if self.load is not None:
+            return self.load
+        return self.surplus(len(self.coordinates), accelerations)
+
+    def slipping(self, constant: se.Expr, factor: se.Expr) -> Motion:
+        """Return what follows from friction ``constant + factor * N``.
 
         The mass matrix is solved first; what remains is one scalar equation for N, whose pivot
         1 + (row M^-1 W) factor vanishes only where the physics does (Painleve).
         """
         n = len(self.coordinates)
-        w = se.DenseMatrix(n, 1, [int(i == self.slip) for i in range(n)])
-        free = self.mass.LUsolve(self.forces - w * constant)
-        if self.normal_row is None:
-            normal = self.normal_force
-        else:
-            reaction = self.mass.LUsolve(w * factor)
-            pivot = 1 + _dot(self.normal_row, reaction)
-            normal = (_dot(self.normal_row, free) - self.normal_force) / pivot
-        push = self.mass.LUsolve(w * (factor * normal))
-        return [free[i, 0] - push[i, 0] for i in range(n)], normal
+        free = self._solved(self.free, constant)
+        pivot: se.Expr = se.Integer(1)
+        normal = self._normal(free)
+        if self.load is None:
+            reaction = self._pushed(factor)
+            pivot = 1 + sum((self.mass[n, j] * reaction[j] for j in range(n)), se.Integer(0))
+            normal = normal / pivot
+        push = self._pushed(factor * normal)
+        return Motion([a - b for a, b in zip(free, push, strict=True)], normal, pivot)
 
-    def sticking(self) -> tuple[list[se.Expr], se.Expr, se.Expr]:
-        """Return accelerations with the slip coordinate held, normal force and needed friction."""
+    def sticking(self) -> tuple[Motion, se.Expr]:
+        """Return what happens while the slip coordinate is held, and the needed friction."""
+        accelerations = self._solved([i for i in self.free if i != self.slip], se.Integer(0))
+        normal = self._normal(accelerations)
+        needed = -self.surplus(self.slip, accelerations)
+        return Motion(accelerations, normal, se.Integer(1)), needed
+
+    def reactions(self, motion: Motion) -> dict[str, se.Expr]:
+        """Return the reactions of held coordinates and the efforts of guided ones, by coordinate.
+
+        Friction is taken to act along the slip coordinate only, so that it has no part in them but
+        by the accelerations.
+        """
         n = len(self.coordinates)
-        others = [i for i in range(n) if i != self.slip]
-        acceleration = [se.Integer(0)] * n
-        if others:
-            size = len(others)
-            m = se.DenseMatrix(size, size, [self.mass[i, j] for i in others for j in others])
-            solved = m.LUsolve(se.DenseMatrix(size, 1, [self.forces[i, 0] for i in others]))
-            for k, i in enumerate(others):
-                acceleration[i] = solved[k, 0]
-        vector = se.DenseMatrix(n, 1, acceleration)
-        normal = self.normal_force
-        if self.normal_row is not None:
-            normal = _dot(self.normal_row, vector) - self.normal_force
-        row = se.DenseMatrix(1, n, [self.mass[self.slip, j] for j in range(n)])
-        return acceleration, normal, self.forces[self.slip, 0] - _dot(row, vector)
+        found = {self.coordinates[i]: self.surplus(i, motion.accelerations) for i in self.guides}
+        first = 0 if self.load is not None else 1
+        if first:
+            found[self.held[0]] = motion.normal
+        for k, name in enumerate(self.held[first:], n + first):
+            found[name] = self.surplus(k, motion.accelerations)
+        return found
 
-
-def _dot(row: se.DenseMatrix, column: se.DenseMatrix) -> se.Expr:
-    return (row * column)[0, 0]
+    def power(self, motion: Motion, rates: Sequence[se.Expr]) -> se.Expr:
+        """Return the power supplied, that of the guides included."""
+        guiding = [self.surplus(i, motion.accelerations) * rates[i] for i in self.guides]
+        return self.supplied + sum(guiding, se.Integer(0))
 
 
 def _only_contact(mechanism: Mechanism) -> Contact:
@@ -85,6 +155,22 @@ def _only_contact(mechanism: Mechanism) -> Contact:
             f"{type(mechanism).__name__} has {len(contacts)} contacts; this version solves one."
         )
     return contacts[0]
+
+
+def _guides(
+    mechanism: Mechanism, contact: Contact, names: Sequence[str], drives: Mapping[str, se.Symbol]
+) -> dict[int, se.Expr]:
+    """Return the accelerations of guided coordinates by index."""
+    found = {}
+    for name, guide in mechanism.guided().items():
+        if name == contact.slip or name not in names or guide.drive not in drives:
+            raise InputError(
+                f"{type(mechanism).__name__} guides {name!r} by the drive {guide.drive!r}: it must"
+                f" guide one of {', '.join(n for n in names if n != contact.slip) or 'none'} by"
+                f" one of its drives ({', '.join(drives) or 'none'})."
+            )
+        found[names.index(name)] = drives[guide.drive]
+    return found
 
 
 def _traced(symbols: Mapping[str, se.Expr], board: Switchboard) -> dict[str, Traced]:
@@ -106,7 +192,7 @@ def derive_mechanics(
 ) -> Mechanics:
     """Trace the energies and forces of a mechanism whose parameters are symbols."""
     contact = _only_contact(mechanism)
-    held = () if contact.normal is None else (contact.normal,)
+    held = (*(() if contact.normal is None else (contact.normal,)), *mechanism.held())
     places = {**q, **{name: se.Symbol(f"h_{name}") for name in held}}
     speeds = {**q_dot, **{name: se.Symbol(f"hd_{name}") for name in held}}
     traced = functools.partial(_traced, board=board)
@@ -116,22 +202,25 @@ def derive_mechanics(
     at_rest = {symbols[name]: 0 for symbols in (places, speeds) for name in held}
     names = [*q, *held]
     momentum = [kinetic.diff(speeds[i]) for i in names]
-    mass = [[p.diff(speeds[j]).subs(at_rest) for j in names] for p in momentum]
     force = []
     for name, p in zip(names, momentum, strict=True):
         drift = sum((p.diff(places[j]) * speeds[j] for j in names), se.Integer(0))
         own = (kinetic - potential).diff(places[name]) + expression(other.get(name, 0.0))
         force.append(collapsed((own - drift).subs(at_rest)))
-    n = len(q)
+    guides = _guides(mechanism, contact, list(q), drives)
+    rows = [p.diff(speeds[j]).subs(at_rest) for p in momentum for j in q]
     return Mechanics(
         coordinates=tuple(q),
         contact=contact,
         slip=list(q).index(contact.slip),
-        mass=se.DenseMatrix(n, n, [mass[i][j] for i in range(n) for j in range(n)]),
-        forces=se.DenseMatrix(n, 1, force[:n]),
-        normal_row=se.DenseMatrix(1, n, mass[n][:n]) if held else None,
-        normal_force=force[n] if held else expression(contact.load),
+        mass=se.DenseMatrix(len(names), len(q), rows),
+        forces=force,
+        guides=guides,
+        efforts={list(q).index(name): g.effort for name, g in mechanism.guided().items()},
+        held=held,
+        load=None if contact.normal is not None else expression(contact.load),
         energy=(kinetic + potential).subs(at_rest),
         supplied=collapsed((potential.diff(t) + _work_rate(other, speeds)).subs(at_rest)),
         walls=derive_walls(mechanism, q),
+        mechanism=mechanism,
     )

@@ -10,7 +10,7 @@ import symengine as se
 from stickslip.formulation.emit import Case, function
 from stickslip.formulation.linearity import linear_where
 from stickslip.formulation.mechanics import Mechanics, derive_mechanics
-from stickslip.formulation.modes import Mode, ModeEquations, mode_equations
+from stickslip.formulation.modes import PAINLEVE, Mode, ModeEquations, mode_equations
 from stickslip.formulation.stops import impact_events, wall_guards, wall_rows
 from stickslip.formulation.trace import Switch, Switchboard, Traced, expression
 from stickslip.friction import FrictionLaw, bristles_of
@@ -53,6 +53,10 @@ class Model:
     """What each switch is called in events, when it comes true and when it ceases to hold."""
     impact_events: tuple[str | None, ...]
     """What an impact of each coordinate is called in events; None where it has no hard stop."""
+    limits: tuple[str, ...]
+    """What the limits are called that end a run."""
+    channels: tuple[str, ...]
+    """What the efforts of guided coordinates are called."""
 
 
 @dataclass(frozen=True)
@@ -150,6 +154,8 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw, slopes: bool) -> Model:
         has_slopes=slopes,
         switch_events=tuple(switch.events for switch in board.switches.values()),
         impact_events=impact_events(mechanics.walls, mechanism.coordinates, mechanics.slip),
+        limits=_limits(modes),
+        channels=tuple(mechanics.efforts.values()),
     )
 
 
@@ -209,13 +215,13 @@ def _text(
         each("guards", lambda m: guards[m]),
         each("guard_slopes", lambda m: _slopes(guards[m], [*y, t])),
         each("linear", lambda m: [linear_where([*rates[m], *guards[m]], [*y, t], flags)]),
-        each("contact", lambda m: [closed(e) for e in modes[m].contact]),
+        each("contact", lambda m: [closed(e) for e in _contact(modes[m])]),
         each("power", lambda m: [closed(e) for e in modes[m].power]),
         same("energy", [mechanics.energy]),
         same("margins", margins + [se.Integer(0)] * (room - len(margins))),
         same("diagram", _diagram(symbols, mechanics, closed)),
         same("rest", _rest(symbols, modes)),
-        same("walls", wall_rows(mechanics.walls, mechanics.mass)),
+        same("walls", wall_rows(mechanics)),
     ]
     if quantities:
         parts.append(f"QUANTITIES = {len(quantities)}\n")
@@ -231,11 +237,24 @@ def _guards(
     closed: Callable[[se.Expr], se.Expr],
 ) -> dict[Mode, list[se.Expr]]:
     """Return the guards of each mode in the order of their indices, the walls' last."""
+    limits = _limits(modes)
     return {
         mode: [closed(equations.guards.get(i, se.Integer(0))) for i in range(SWITCH + room)]
+        + [closed(equations.limits.get(name, se.Integer(0))) for name in limits]
         + wall_guards(mechanics.walls, mechanics.slip, int(mode))
         for mode, equations in modes.items()
     }
+
+
+def _limits(modes: Mapping[Mode, ModeEquations]) -> tuple[str, ...]:
+    """Return the names of all limits that any mode has, that of the equations' meaning first."""
+    names = dict.fromkeys(name for equations in modes.values() for name in equations.limits)
+    return tuple(sorted(names, key=lambda name: name != PAINLEVE))
+
+
+def _contact(equations: ModeEquations) -> list[se.Expr]:
+    """Return what `contact` gives: forces at the contact, then the channels."""
+    return [*equations.contact, *equations.channels.values()]
 
 
 def _quantities(symbols: _Symbols, parameters: Iterable[int]) -> list[se.Symbol]:
@@ -258,8 +277,10 @@ def _shape(
     values = {
         "N_STATES": len(symbols.states),
         "N_COORDINATES": len(symbols.coordinates),
-        "N_GUARDS": SWITCH + room + len(mechanics.walls),
+        "N_GUARDS": SWITCH + room + len(_limits(modes)) + len(mechanics.walls),
         "N_SWITCHES": room,
+        "N_LIMITS": len(_limits(modes)),
+        "N_CHANNELS": len(mechanics.efforts),
         "N_WALLS": len(mechanics.walls),
         "WALL_COORDINATES": (*[wall.coordinate for wall in mechanics.walls], 0),
         "WALL_SIDES": (*[wall.side for wall in mechanics.walls], 0),
@@ -276,11 +297,12 @@ def _shape(
 def _diagram(
     symbols: _Symbols, mechanics: Mechanics, closed: Callable[[se.Expr], se.Expr]
 ) -> list[se.Expr]:
-    """Return accelerations and normal force for a given friction force, and the needed friction."""
+    """Return accelerations, normal force, needed friction and power for a given friction force."""
     friction = se.Symbol(f"p{3 * len(symbols.drives)}")
-    accelerations, normal = mechanics.slipping(friction, se.Integer(0))
-    _, _, needed = mechanics.sticking()
-    return [closed(e) for e in (*accelerations, normal, needed)]
+    motion = mechanics.slipping(friction, se.Integer(0))
+    _, needed = mechanics.sticking()
+    supplied = mechanics.power(motion, symbols.rates)
+    return [closed(e) for e in (*motion.accelerations, motion.normal, needed, supplied)]
 
 
 def _rest(symbols: _Symbols, modes: Mapping[Mode, ModeEquations]) -> list[se.Expr]:

@@ -7,12 +7,15 @@ from dataclasses import dataclass, replace
 import symengine as se
 
 from stickslip.errors import TracingError
-from stickslip.formulation.mechanics import Mechanics
+from stickslip.formulation.mechanics import Mechanics, Motion
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
 from stickslip.kernels.codes import BREAK_BACKWARD, BREAK_FORWARD, LIFT_OFF, STOP, SWITCH
 
-__all__ = ["Mode", "ModeEquations", "mode_equations"]
+__all__ = ["PAINLEVE", "Mode", "ModeEquations", "mode_equations"]
+
+PAINLEVE = "painleve"
+"""What a limit is called that every mechanism has whose normal force depends on friction."""
 
 
 class Mode(enum.IntEnum):
@@ -37,6 +40,10 @@ class ModeEquations:
     """Friction force, normal force, needed friction, break-away level."""
     power: list[se.Expr]
     """Power supplied, power taken by friction."""
+    channels: dict[str, se.Expr]
+    """What else runs tell, by name: the efforts of guided coordinates."""
+    limits: dict[str, se.Expr]
+    """What ends the run as it falls below 0, by the name of the event."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +64,24 @@ class _Context:
 
     def varies(self, e: se.Expr) -> bool:
         return bool({str(s) for s in e.free_symbols} - self.constants)
+
+    def limits(self, motion: Motion) -> dict[str, se.Expr]:
+        """Return what the mechanism must not do, and where the equations lose their meaning."""
+        reactions = {
+            name: self.traced(force) for name, force in self.mechanics.reactions(motion).items()
+        }
+        own = self.mechanics.mechanism.limits(reactions)
+        found = {name: expression(margin) for name, margin in own.items()}
+        if motion.pivot.free_symbols:
+            found[PAINLEVE] = motion.pivot
+        return found
+
+    def channels(self, motion: Motion) -> dict[str, se.Expr]:
+        """Return the efforts of guided coordinates by what they are called."""
+        mechanics, reactions = self.mechanics, self.mechanics.reactions(motion)
+        return {
+            name: reactions[mechanics.coordinates[i]] for i, name in mechanics.efforts.items()
+        }
 
     def lift_off(self, normal: se.Expr) -> dict[int, se.Expr]:
         """Return a guard where the normal force can change at all."""
@@ -113,31 +138,34 @@ def _slip(context: _Context, mode: Mode) -> ModeEquations:
             " its second derivative with respect to N is not zero"
         )
     constant = friction.subs({load: 0})
-    accelerations, normal = context.mechanics.slipping(constant, factor)
+    motion = context.mechanics.slipping(constant, factor)
+    normal = motion.normal
     friction = constant + factor * normal
     rates = [
         *context.coordinate_rates,
-        *accelerations,
+        *motion.accelerations,
         *[rate.subs({load: normal}) for rate in bristle_rates],
     ]
     return ModeEquations(
         rates=rates,
         guards={STOP: v * int(mode), **context.lift_off(normal)},
         contact=[friction, normal, friction, context.level(normal, int(mode))],
-        power=[context.mechanics.supplied, friction * v],
+        power=[context.mechanics.power(motion, context.coordinate_rates), friction * v],
+        channels=context.channels(motion),
+        limits=context.limits(motion),
     )
 
 
 def _stick(context: _Context) -> ModeEquations:
     held = {context.velocity: 0}
-    accelerations, normal, needed = context.mechanics.sticking()
-    ahead, back = (context.level(normal, side) for side in (1, -1))
+    motion, needed = context.mechanics.sticking()
+    ahead, back = (context.level(motion.normal, side) for side in (1, -1))
     rates = [
         *context.coordinate_rates,
-        *accelerations,
+        *motion.accelerations,
         *[se.Integer(0)] * len(context.bristles),
     ]
-    parts = [e.subs(held) for e in (normal, needed, ahead, back)]
+    parts = [e.subs(held) for e in (motion.normal, needed, ahead, back)]
     normal, needed, ahead, back = parts
     level = ahead if ahead == back else se.Piecewise((ahead, needed > 0), (back, True))
     return ModeEquations(
@@ -148,7 +176,12 @@ def _stick(context: _Context) -> ModeEquations:
             **context.lift_off(normal),
         },
         contact=[needed, normal, needed, level],
-        power=[context.mechanics.supplied.subs(held), se.Integer(0)],
+        power=[
+            context.mechanics.power(motion, context.coordinate_rates).subs(held),
+            se.Integer(0),
+        ],
+        channels={name: e.subs(held) for name, e in context.channels(motion).items()},
+        limits={name: e.subs(held) for name, e in context.limits(motion).items()},
     )
 
 
@@ -187,7 +220,7 @@ def _with_switches(equations: ModeEquations, context: _Context) -> ModeEquations
     """Add a guard for each switch that this mode's rates or guards depend on."""
     used: set[str] = set()
     guards = dict(equations.guards)
-    pending = [*equations.rates, *guards.values()]
+    pending = [*equations.rates, *guards.values(), *equations.limits.values()]
     while pending:
         names = {str(s) for e in pending for s in e.free_symbols} - used
         used |= names

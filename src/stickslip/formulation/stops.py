@@ -1,12 +1,18 @@
 """Hard stops as expressions: margins, and how the rates respond to an impact."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import symengine as se
 
 from stickslip.formulation.trace import expression
 from stickslip.mechanisms import Mechanism, stops_of
+
+if TYPE_CHECKING:
+    from stickslip.formulation.mechanics import Mechanics
 
 __all__ = ["Wall", "derive_walls", "impact_events", "wall_guards", "wall_rows"]
 
@@ -64,17 +70,19 @@ def wall_guards(walls: Sequence[Wall], slip: int, mode: int) -> list[se.Expr]:
     return [wall.margin if yes else se.Integer(0) for wall, yes in zip(walls, watched, strict=True)]
 
 
-def wall_rows(walls: Sequence[Wall], mass: se.DenseMatrix) -> list[se.Expr]:
+def wall_rows(mechanics: Mechanics) -> list[se.Expr]:
     """Return the rows that kernels read, by the columns of `stickslip.kernels.layout`.
 
-    An impulse P on coordinate i changes the rates by P M^-1 e_i, and rate i by P (M^-1)_ii.
+    An impulse P on coordinate i changes the rates by P M^-1 e_i, and rate i by P (M^-1)_ii; those
+    of guided coordinates do not change.
     """
-    n = mass.nrows()
+    free = mechanics.free
     rows: list[se.Expr] = []
-    for wall in walls:
-        unit = se.DenseMatrix(n, 1, [int(i == wall.coordinate) for i in range(n)])
-        solved = mass.LUsolve(unit)
-        own = solved[wall.coordinate, 0]
+    for wall in mechanics.walls:
+        unit = se.DenseMatrix(len(free), 1, [int(i == wall.coordinate) for i in free])
+        solved = mechanics.reduced(free).LUsolve(unit)
+        changes = {i: solved[k, 0] for k, i in enumerate(free)}
+        own = changes[wall.coordinate]
         rows += [wall.position, wall.restitution, 1 / own]
-        rows += [solved[i, 0] / own for i in range(n)]
+        rows += [changes.get(i, se.Integer(0)) / own for i in range(len(mechanics.coordinates))]
     return rows

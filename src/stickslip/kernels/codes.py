@@ -19,6 +19,7 @@ __all__ = [
     "LEFT_STOP",
     "LIFTED_OFF",
     "LIFT_OFF",
+    "LIMITED",
     "MEAN",
     "REVERSED",
     "RUNNING",
@@ -33,8 +34,8 @@ __all__ = [
     "ZENO",
 ]
 
-# Index of each guard in the vector of guards; switch j has index SWITCH + j, and the hard stops,
-# here called walls, follow the switches.
+# Index of each guard in the vector of guards; switch j has index SWITCH + j. Limits, which end the
+# run, follow the switches, and then the hard stops, here called walls.
 STOP = 0
 BREAK_FORWARD = 1
 BREAK_BACKWARD = 2
@@ -51,8 +52,8 @@ EVENT_TIME = 5
 EVENT_COUNT = 6
 GRADIENT = 7
 
-# What happened, in the records of events. An impact of coordinate i gives HIT + i; switch j follows
-# them with two codes, the second where it ceases to hold.
+# What happened, in the records of events. An impact of coordinate i gives HIT + i; limits
+# follow them, and then switch j has two codes, the second where it ceases to hold.
 STOPPED = 0
 REVERSED = 1
 BROKE_AWAY = 2
@@ -65,7 +66,7 @@ SMOOTH = 0
 STIFF = 1
 EXACT = 2
 
-# How a run ended.
+# How a run ended; limit j gives LIMITED + j.
 RUNNING = 0
 END_TIME = 1
 AT_REST = 2
@@ -74,3 +75,4 @@ STEP_LIMIT = 4
 STEP_TOO_SMALL = 5
 ZENO = 6
 HELD = 7
+LIMITED = 8

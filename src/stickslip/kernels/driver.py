@@ -106,7 +106,7 @@ def run(
     while whole[STATUS] == RUNNING:
         if (int(whole[STEPS]) + 2) * ROW_COLUMNS > len(log):  # one of the step, one of its end
             log = longer(log)
-        if (int(whole[EVENTS]) + 2) * EVENT_COLUMNS > len(events):  # one of the step, one of a jump
+        if (int(whole[EVENTS]) + 4) * EVENT_COLUMNS > len(events):  # of the step, of a jump, limits
             events = longer(events)
         if rests_for_good(w, whole, bounds):
             stay(t_end, w, whole, log)

@@ -6,6 +6,7 @@ from outside, the parameters; their room is a round number, so that kernels serv
 """
 
 from stickslip.kernels.model import (
+    N_CHANNELS,
     N_COORDINATES,
     N_DRIVES,
     N_GUARDS,
@@ -120,7 +121,7 @@ POINT = END + N_STATES
 VALUES = POINT + N_STATES
 
 # Stages, matrix, its pivots, df/dt, dense output.
-STAGES = VALUES + N_STATES + N_GUARDS + 8
+STAGES = VALUES + N_STATES + N_GUARDS + N_CHANNELS + 8
 MATRIX = STAGES + DOP853_STAGES * N_STATES
 PIVOTS = MATRIX + N_STATES * N_STATES
 DRIFT = PIVOTS + N_STATES

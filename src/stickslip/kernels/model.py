@@ -10,9 +10,11 @@ from stickslip.kernels.tier import Vector
 __all__ = [
     "CAN_STICK",
     "HAS_BRISTLES",
+    "N_CHANNELS",
     "N_COORDINATES",
     "N_DRIVES",
     "N_GUARDS",
+    "N_LIMITS",
     "N_STATES",
     "N_SWITCHES",
     "N_WALLS",
@@ -41,6 +43,8 @@ N_STATES: int = 0
 N_COORDINATES: int = 0
 N_GUARDS: int = 0
 N_SWITCHES: int = 0
+N_LIMITS: int = 0
+N_CHANNELS: int = 0
 N_WALLS: int = 0
 N_DRIVES: int = 0
 SLIP: int = 0
@@ -79,7 +83,7 @@ def linear(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None
 
 
 def contact(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Friction force, normal force, needed friction, break-away level."""
+    """Friction force, normal force, needed friction, break-away level, then the channels."""
 
 
 def field_slopes(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:

@@ -10,7 +10,7 @@ from stickslip.kernels.layout import (
     VALUES,
     Y,
 )
-from stickslip.kernels.model import N_DRIVES, N_STATES, contact
+from stickslip.kernels.model import N_CHANNELS, N_DRIVES, N_STATES, contact
 from stickslip.kernels.pieces import load_piece
 from stickslip.kernels.series import series_fill
 from stickslip.kernels.tier import Vector
@@ -63,7 +63,7 @@ def play(
     forces: Vector,
     rows: Vector,
 ) -> None:
-    """Write states, friction and normal force, and the row, of each of the times.
+    """Write states, friction, normal force and channels, and the row, of each of the times.
 
     A body at rest for good is one row, during which its drives go on.
     """
@@ -86,6 +86,8 @@ def play(
         contact(int(log[at + 3]), int(log[at + 4]), t, w, POINT, VALUES)
         for j in range(N_STATES):
             states[i * N_STATES + j] = w[POINT + j]
-        forces[2 * i] = w[VALUES]
-        forces[2 * i + 1] = w[VALUES + 1]
+        forces[(2 + N_CHANNELS) * i] = w[VALUES]
+        forces[(2 + N_CHANNELS) * i + 1] = w[VALUES + 1]
+        for j in range(N_CHANNELS):
+            forces[(2 + N_CHANNELS) * i + 2 + j] = w[VALUES + 4 + j]
         rows[i] = row

@@ -24,10 +24,11 @@ from stickslip.kernels.codes import (
 )
 from stickslip.kernels.dense import interpolate
 from stickslip.kernels.layout import END, EVENT_COLUMNS, EVENTS, POINT, ROW_COLUMNS, SAMPLES, STEPS
-from stickslip.kernels.model import N_COORDINATES, N_SWITCHES, WALL_COORDINATES
+from stickslip.kernels.model import N_COORDINATES, N_LIMITS, WALL_COORDINATES
 from stickslip.kernels.nodes import NODES, WEIGHTS
 from stickslip.kernels.playback import restore, row_at
 from stickslip.kernels.tier import Vector
+from stickslip.kernels.walls import FIRST_LIMIT, FIRST_WALL
 
 __all__ = ["happened", "reduced"]
 
@@ -123,10 +124,12 @@ def happened(events: Vector, k: int) -> int:
         return LEFT_STOP if abs(events[at + 1]) == 2.0 else BROKE_AWAY
     if guard == LIFT_OFF:
         return LEFT_GROUND
-    if guard >= SWITCH + N_SWITCHES:
-        return HIT + WALL_COORDINATES[guard - SWITCH - N_SWITCHES]
+    if guard >= FIRST_WALL:
+        return HIT + WALL_COORDINATES[guard - FIRST_WALL]
+    if guard >= FIRST_LIMIT:
+        return HIT + N_COORDINATES + guard - FIRST_LIMIT
     ceased = 1 - ((int(events[at + 4]) >> (guard - SWITCH)) & 1)
-    return HIT + N_COORDINATES + 2 * (guard - SWITCH) + ceased
+    return HIT + N_COORDINATES + N_LIMITS + 2 * (guard - SWITCH) + ceased
 
 
 def event_time(what: int, which: int, whole: Vector, events: Vector) -> float:

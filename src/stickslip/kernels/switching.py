@@ -6,6 +6,8 @@ from stickslip.kernels.codes import (
     HELD,
     LIFT_OFF,
     LIFTED_OFF,
+    LIMITED,
+    RUNNING,
     STOP,
     SWITCH,
     ZENO,
@@ -25,6 +27,7 @@ from stickslip.kernels.layout import (
 from stickslip.kernels.model import (
     CAN_STICK,
     HAS_BRISTLES,
+    N_LIMITS,
     N_SWITCHES,
     SLIP,
     contact,
@@ -34,7 +37,7 @@ from stickslip.kernels.model import (
     time_slope,
 )
 from stickslip.kernels.tier import Vector
-from stickslip.kernels.walls import FIRST_WALL, pressed_by, strike, touched
+from stickslip.kernels.walls import FIRST_LIMIT, FIRST_WALL, pressed_by, strike, touched
 
 __all__ = ["handle_event", "initial_mode", "mode_from_rest", "set_flags", "settle"]
 
@@ -102,6 +105,9 @@ def transition(guard: int, w: Vector, whole: Vector) -> float:
             whole[STATUS] = HELD
         set_mode(flags, w, whole)
         return 0.0
+    if guard >= FIRST_LIMIT:
+        whole[STATUS] = LIMITED + guard - FIRST_LIMIT
+        return 0.0
     if guard >= SWITCH:
         whole[FLAGS] = flags ^ (1 << (guard - SWITCH))
         return 0.0
@@ -128,11 +134,31 @@ def transition(guard: int, w: Vector, whole: Vector) -> float:
     return 0.0
 
 
+def forbidden(w: Vector, whole: Vector) -> int:
+    """Return the guard of a limit that the mode at hand begins beyond, or 0.
+
+    Guards are looked at for a fall from above zero, which would miss one that begins below it. Where
+    the equations have no meaning the normal force has none either, so limits come first.
+    """
+    if N_LIMITS > 0:
+        guards(int(whole[MODE]), int(whole[FLAGS]), w[TIME], w, Y, VALUES)
+        for guard in range(FIRST_LIMIT, FIRST_LIMIT + N_LIMITS):
+            if w[VALUES + guard] < 0.0:
+                return guard
+        if w[VALUES + LIFT_OFF] < 0.0:
+            return LIFT_OFF
+    return 0
+
+
 def settle(w: Vector, whole: Vector, events: Vector) -> None:
     """Make the transitions that follow from a jump of the drives, and from the start."""
     t = w[TIME]
     mode = int(whole[MODE])
     flags = int(whole[FLAGS])
+    beyond = forbidden(w, whole)
+    if beyond > 0:
+        note_event(beyond, t, w, whole, events)
+        return
     if HAS_BRISTLES and abs(mode) == 1 and w[Y + SLIP] == 0.0:
         if mode_from_rest(flags, w) != mode:
             handle_event(STOP, t, w, whole, events)
@@ -147,6 +173,15 @@ def settle(w: Vector, whole: Vector, events: Vector) -> None:
 
 
 def handle_event(guard: int, start: float, w: Vector, whole: Vector, events: Vector) -> None:
+    """Make the transition of a guard, and of a limit that lies behind it."""
+    note_event(guard, start, w, whole, events)
+    if whole[STATUS] == RUNNING:
+        beyond = forbidden(w, whole)
+        if beyond > 0:
+            note_event(beyond, start, w, whole, events)
+
+
+def note_event(guard: int, start: float, w: Vector, whole: Vector, events: Vector) -> None:
     """Make the transition of a guard and write it to the rows of events."""
     t = w[TIME]
     mode = whole[MODE]

@@ -19,6 +19,7 @@ from stickslip.kernels.layout import (
 )
 from stickslip.kernels.model import (
     N_COORDINATES,
+    N_LIMITS,
     N_SWITCHES,
     N_WALLS,
     SLIP,
@@ -30,9 +31,11 @@ from stickslip.kernels.model import (
 )
 from stickslip.kernels.tier import Vector
 
-__all__ = ["FIRST_WALL", "approach", "pressed_by", "strike", "touched"]
+__all__ = ["FIRST_LIMIT", "FIRST_WALL", "approach", "pressed_by", "strike", "touched"]
 
-FIRST_WALL = SWITCH + N_SWITCHES
+FIRST_LIMIT = SWITCH + N_SWITCHES
+"""Index of the guard of the first limit."""
+FIRST_WALL = FIRST_LIMIT + N_LIMITS
 """Index of the guard of the first hard stop."""
 RESTING = 1e-9
 """Share of the largest speed so far below which a body that is pressed bounces no more."""

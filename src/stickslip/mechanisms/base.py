@@ -12,7 +12,15 @@ from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
 from stickslip.quantities import Parametrised
 
-__all__ = ["BoundedMechanism", "Contact", "Mechanism", "Stop", "stops_between", "stops_of"]
+__all__ = [
+    "BoundedMechanism",
+    "Contact",
+    "Guide",
+    "Mechanism",
+    "Stop",
+    "stops_between",
+    "stops_of",
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +65,25 @@ class Stop:
     position: Scalar
     side: Literal["lower", "upper"]
     restitution: Scalar = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Guide:
+    """A coordinate that moves as it is told: a drive gives its acceleration.
+
+    Parameters
+    ----------
+    drive : str
+        Name of the drive whose value is the acceleration.
+    effort : str
+        What the force or torque is called that it takes; a column of runs.
+    unit : str
+        Its unit.
+    """
+
+    drive: str
+    effort: str
+    unit: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,7 +138,32 @@ class Mechanism(Parametrised, ABC):
 
     @abstractmethod
     def drives(self) -> Mapping[str, Drive]:
-        """Return the drives that are fitted, by field name."""
+        """Return the drives that are fitted, by name."""
+
+    def start(self) -> Mapping[str, Scalar]:
+        """Return the states at time 0 that are not 0 unless ``y0`` says otherwise, by name."""
+        return {}
+
+    def guided(self) -> Mapping[str, Guide]:
+        """Return the coordinates whose acceleration is prescribed, by coordinate."""
+        return {}
+
+    def held(self) -> tuple[str, ...]:
+        """Return coordinates held at 0, beside the contact's normal one, of which the reaction
+        tells something: see `limits`.
+        """
+        return ()
+
+    def limits(self, forces: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
+        """Return what ends a run as it falls below 0, by the name of the event.
+
+        Parameters
+        ----------
+        forces : mapping
+            Reactions of the held coordinates (the contact's normal force by the name of its
+            normal coordinate), and the efforts of guided coordinates, by coordinate.
+        """
+        return {}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,13 +8,28 @@ from types import MappingProxyType
 from stickslip.errors import StickslipError
 from stickslip.mechanisms.axis import Axis
 from stickslip.mechanisms.base import Mechanism
+from stickslip.mechanisms.capsule import Capsule
+from stickslip.mechanisms.pendulum import Pendulum
+from stickslip.mechanisms.pendulum_cart import PendulumCart
 from stickslip.mechanisms.spring_block import SpringBlock
 from stickslip.mechanisms.towed_block import TowedBlock
+from stickslip.mechanisms.two_mass_axis import TwoMassAxis
 
 __all__ = ["MECHANISMS", "mechanisms"]
 
 MECHANISMS: Mapping[str, type[Mechanism]] = MappingProxyType(
-    {mechanism.name: mechanism for mechanism in (SpringBlock, TowedBlock, Axis)}
+    {
+        mechanism.name: mechanism
+        for mechanism in (
+            SpringBlock,
+            TowedBlock,
+            Axis,
+            TwoMassAxis,
+            Pendulum,
+            PendulumCart,
+            Capsule,
+        )
+    }
 )
 """The mechanisms that come with the package, by kebab-case name."""
 
@@ -26,7 +41,7 @@ def mechanisms() -> Mapping[str, type[Mechanism]]:
     Examples
     --------
     >>> sorted(mechanisms())
-    ['axis', 'spring-block', 'towed-block']
+    ['axis', 'capsule', 'pendulum', 'pendulum-cart', 'spring-block', 'towed-block', 'two-mass-axis']
     """
     found = dict(MECHANISMS)
     for entry in entry_points(group="stickslip.mechanisms"):

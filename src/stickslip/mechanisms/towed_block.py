@@ -46,10 +46,13 @@ class TowedBlock(Mechanism):
     """Normal force; the weight if not given."""
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""
+    modulation: Drive | None = None
+    """Force that presses the block beside the load [N]; where it lifts it off, a run ends."""
 
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
-        return 0.5 * self.mass * q_dot["x"] * q_dot["x"]
+        upward = q_dot.get("y", 0.0)
+        return 0.5 * self.mass * (q_dot["x"] * q_dot["x"] + upward * upward)
 
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
@@ -64,13 +67,20 @@ class TowedBlock(Mechanism):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
-        return {"x": self.damping * (self.speed - q_dot["x"])}
+        pressed = self._pressed + drives.get("modulation", 0.0)
+        return {"x": self.damping * (self.speed - q_dot["x"]), "y": -pressed}
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
-        weight = self.mass * self.gravity
-        return (Contact(slip="x", load=weight if self.load is None else self.load),)
+        if self.modulation is not None:
+            return (Contact(slip="x", normal="y"),)
+        return (Contact(slip="x", load=self._pressed),)
+
+    @property
+    def _pressed(self) -> Scalar:
+        """Normal force without its modulation [N]."""
+        return self.mass * self.gravity if self.load is None else self.load
 
     @override
     def drives(self) -> Mapping[str, Drive]:
-        return {}
+        return {} if self.modulation is None else {"modulation": self.modulation}

@@ -47,4 +47,5 @@ def column_units(mechanism: Mechanism, bristles: Sequence[str]) -> dict[str, str
         rate: f"{unit}/s" for rate, unit in zip(mechanism.rates, mechanism.units, strict=True)
     }
     units |= dict.fromkeys(bristles, "m")
+    units |= {guide.effort: guide.unit for guide in mechanism.guided().values()}
     return units | {"friction": "N", "normal_force": "N", "mode": "1"}

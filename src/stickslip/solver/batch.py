@@ -42,6 +42,8 @@ class Job:
     solver: EventDriven
     count: int
     """Number of runs."""
+    told: tuple[str, ...]
+    """States that begin where the mechanism says."""
 
     def gradients(self) -> tuple[str, ...]:
         """Return the full paths of which sensitivities are wanted."""
@@ -73,10 +75,12 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
     module, vector = runner.module, runner.flat
     rows = len(next(iter(columns.values())))
     driven = {path: column for path, column in columns.items() if path.count(".") > 1}
-    plan = schedule(job.mechanism, driven, rows if driven else 1)
+    plan = schedule(job.mechanism, driven, rows if driven else 1, job.t_end)
     kinds, arguments, _ = asked(job.outputs, model, job.t_end, job.count)
     own = arguments[start : start + rows] if len(arguments) > 1 else arguments
-    along = directions_of(job.mechanism, job.law, job.gradients(), driven, plan.table)
+    along = directions_of(
+        job.mechanism, job.law, job.gradients(), columns, plan.table, job.t_end, job.told
+    )
     width = len(kinds) // 2
     results, evidence = runner.zeros(rows * width), runner.zeros(rows * module.EVIDENCE)
     statuses, gradients = runner.zeros(rows), runner.zeros(rows * along.start.size)
@@ -147,7 +151,7 @@ def _base(job: Job, runner: Runner) -> Any:
 
 def _cuts(job: Job, columns: Mapping[str, Array]) -> Iterator[tuple[int, Mapping[str, Array]]]:
     """Yield first row and columns of each chunk."""
-    pieces = schedule(job.mechanism, {}, 1).table.size + 1
+    pieces = schedule(job.mechanism, {}, 1, job.t_end).table.size + 1
     rows = max(1, min(MOST_ROWS, MOST_NUMBERS // pieces))
     for start in range(0, job.count, rows):
         yield start, {path: column[start : start + rows] for path, column in columns.items()}

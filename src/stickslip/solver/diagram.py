@@ -33,11 +33,13 @@ class Diagram:
     """Index of the slip velocity in the state."""
 
     @classmethod
-    def build(cls, mechanism: Mechanism, law: FrictionLaw | PrintedForm) -> Self:
+    def build(
+        cls, mechanism: Mechanism, law: FrictionLaw | PrintedForm, t_end: float
+    ) -> Self:
         """Take the mechanism's own equations; any law serves to formulate them."""
         stand_in = Coulomb(kinetic_coefficient=0.0)
         model = formulate(mechanism, stand_in)
-        equations = Equations(model, gather(mechanism, stand_in, model))
+        equations = Equations(model, gather(mechanism, stand_in, model, t_end))
         bristles = _bristles(law)
         return cls(equations, law, bristles, equations.module.SLIP)
 
@@ -47,7 +49,7 @@ class Diagram:
         return self.equations.module
 
     def _free(self, t: float, y: Sequence[float], friction: float) -> list[float]:
-        """Return accelerations, normal force and needed friction for a friction force."""
+        """Return accelerations, normal force, needed friction and power for a friction force."""
         self.equations.load_at(t)
         flags = self.equations.flags(t, y)
         return self.equations("diagram", 0, flags, t, y, given=[friction])
@@ -57,7 +59,7 @@ class Diagram:
 
     def friction(self, t: float, y: Sequence[float], held: bool) -> tuple[float, float]:
         """Return friction and normal force; the normal force is that without friction."""
-        *_, normal, needed = self._free(t, y, 0.0)
+        *_, normal, needed, _ = self._free(t, y, 0.0)
         if held:
             return needed, normal
         v, z = self._split(y)
@@ -70,7 +72,7 @@ class Diagram:
 
     def holds(self, t: float, y: Sequence[float]) -> bool:
         """Whether the contact can hold the body, by the law's own rule."""
-        *_, normal, needed = self._free(t, y, 0.0)
+        *_, normal, needed, _ = self._free(t, y, 0.0)
         if isinstance(self.law, PrintedForm):
             _, z = self._split(y)
             return self.law.force(0.0, z, normal, needed) == needed
@@ -83,7 +85,7 @@ class Diagram:
         """Return the time derivatives of the state."""
         friction, normal = self.friction(t, y, held)
         n = self.module.N_COORDINATES
-        *accelerations, _, _ = self._free(t, y, friction)
+        *accelerations, _, _, _ = self._free(t, y, friction)
         v, z = self._split(y)
         if held:
             accelerations[self.slip - n] = 0.0
@@ -106,9 +108,8 @@ class Diagram:
 
     def power(self, t: float, row: Sequence[float]) -> tuple[float, float]:
         """Return the power supplied and that taken by friction [W], for a state and its forces."""
-        self.equations.load_at(t)
-        supplied, _ = self.equations("power", 1, self.equations.flags(t, row), t, row)
         friction = row[-3]
+        *_, supplied = self._free(t, row, friction)
         return supplied, friction * row[self.slip]
 
 

@@ -11,14 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.errors import InputError, ParameterError
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw
+from stickslip.kernels import codes
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters, vary
 from stickslip.solver.batch import Chunk, Job, run_chunks
 from stickslip.solver.certify import passes
-from stickslip.solver.event_driven import STATUS, EventDriven
+from stickslip.solver.event_driven import EventDriven, status_of
 from stickslip.solver.outputs import Final, Output, asked, is_gradient, value_of
-from stickslip.solver.starts import narrowest, starts_within_stops
-from stickslip.trajectory import Ensemble, Status
+from stickslip.solver.starts import narrowest, starts_as_told, starts_within_stops, told_states
+from stickslip.trajectory import Ensemble
 
 __all__ = ["run_ensemble"]
 
@@ -43,7 +44,8 @@ def run_ensemble(
     model = formulate(mechanism, law)
     columns, count = _columns(mechanism, law, model, varied)
     wanted = _outputs(mechanism, law, model, outputs)
-    job = Job(mechanism, law, tuple(y0), t_end, wanted, solver, count)
+    told = told_states(mechanism, columns, y0)
+    job = Job(mechanism, law, tuple(y0), t_end, wanted, solver, count, told)
     parts = _Parts(job, model)
 
     def keep(chunk: Chunk) -> bool:
@@ -51,7 +53,8 @@ def run_ensemble(
         answer = None if progress is None else progress(parts.done, count)
         return answer is None or bool(answer)
 
-    run_chunks(job, starts_within_stops(mechanism, columns, y0), executor, keep)
+    begun = starts_as_told(mechanism, columns, told)
+    run_chunks(job, starts_within_stops(mechanism, begun, y0), executor, keep)
     return parts.joined(columns)
 
 
@@ -83,7 +86,8 @@ class _Parts:
                 state = self.model.states.index(output.state)
                 direction = self.job.gradients().index(output.parameter)
                 self.results[:, self.places[name]] = self.gradients[:, state, direction, None]
-        table = np.array([STATUS.get(code, Status.CANCELLED) for code in range(max(STATUS) + 1)])
+        most = codes.LIMITED + len(self.model.limits)
+        table = np.array([status_of(code, self.model) for code in range(most)])
         return Ensemble(
             outputs={
                 name: value_of(self.results, place, wanted[name])

@@ -20,8 +20,8 @@ class Equations:
         self.inputs = inputs
         n = module.N_STATES
         self.sizes = {
-            "contact": 4,
-            "diagram": module.N_COORDINATES + 2,
+            "contact": 4 + module.N_CHANNELS,
+            "diagram": module.N_COORDINATES + 3,
             "energy": 1,
             "guard_slopes": module.N_GUARDS * (n + 1),
             "guards": module.N_GUARDS,

@@ -8,7 +8,7 @@ import numpy as np
 from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError
-from stickslip.formulation import Model, formulate
+from stickslip.formulation import PAINLEVE, Model, formulate
 from stickslip.friction import BristleLaw, FrictionLaw, PrintedForm, bristles_of
 from stickslip.kernels import codes
 from stickslip.mechanisms import Mechanism
@@ -23,9 +23,9 @@ from stickslip.solver.starts import within_stops
 from stickslip.solver.tables import Inputs, gather
 from stickslip.trajectory import Event, Status, Trajectory
 
-__all__ = ["EventDriven"]
+__all__ = ["EventDriven", "status_of"]
 
-STATUS = {
+_STATUS = {
     codes.END_TIME: Status.END_TIME,
     codes.AT_REST: Status.AT_REST,
     codes.LIFTED_OFF: Status.LIFT_OFF,
@@ -34,6 +34,13 @@ STATUS = {
     codes.ZENO: Status.ZENO,
     codes.HELD: Status.HELD,
 }
+
+
+def status_of(code: int, model: Model) -> Status:
+    """Return how a run ended, from the kernels' code."""
+    if code < codes.LIMITED:
+        return _STATUS.get(code, Status.CANCELLED)
+    return Status.PAINLEVE if model.limits[code - codes.LIMITED] == PAINLEVE else Status.LIMIT
 
 
 TIGHTEST = 1e-13
@@ -102,7 +109,7 @@ class EventDriven(Solver):
                 f" corrected law {law.corrected.__name__}."
             )
         model = formulate(mechanism, law)
-        inputs = gather(mechanism, law, model)
+        inputs = gather(mechanism, law, model, t_end)
         tolerance = self.tolerance_for(law)
         record = execute(
             model,
@@ -113,7 +120,7 @@ class EventDriven(Solver):
             limit=int(self.max_steps),
             tier=self.tier,
         )
-        run = _trajectory(mechanism, law, model, inputs, record, tolerance)
+        run = _trajectory(mechanism, law, model, inputs, record, tolerance, t_end)
         if not self.estimate_error:
             return run
         finer = replace(
@@ -147,6 +154,7 @@ def _trajectory(
     inputs: Inputs,
     record: Record,
     tolerance: float,
+    t_end: float,
 ) -> Trajectory:
     """Wrap what the kernels recorded."""
     module, whole = record.runner.module, record.whole
@@ -154,15 +162,15 @@ def _trajectory(
     bristles = bristles_of(law)
     return Trajectory(
         t=playback.times(),
-        names=(*model.states, "friction", "normal_force", "mode"),
+        names=(*model.states, "friction", "normal_force", *model.channels, "mode"),
         units=column_units(mechanism, bristles),
         events=_events(mechanism, model, record.events, whole[module.EVENTS], module.happened),
-        status=STATUS[whole[module.STATUS]],
+        status=status_of(whole[module.STATUS], model),
         certificate=certify(playback, record.w, whole, tolerance),
         span=playback.span(),
         evaluate=playback,
         states=model.states,
-        differentiate=Sensing(mechanism, law, inputs, record),
+        differentiate=Sensing(mechanism, law, inputs, record, t_end),
     )
 
 

@@ -85,7 +85,7 @@ class FixedStep(Solver):
         t_end: float,
     ) -> Trajectory:
         refuse_stops(mechanism)
-        diagram = Diagram.build(mechanism, law)
+        diagram = Diagram.build(mechanism, law, t_end)
         if self.dt > t_end:
             raise ParameterError(
                 f"FixedStep.dt (dt) must be at most t_end = {t_end:g} s, got {self.dt:g}."

@@ -269,7 +269,7 @@ def _reason(model: Model, reason: str) -> int:
 def reasons(model: Model) -> Sequence[str | None]:
     """Return the names of what happens, by their codes; None for what has no name."""
     switched = [name for pair in model.switch_events for name in pair or (None, None)]
-    return [*REASONS, *model.impact_events, *switched]
+    return [*REASONS, *model.impact_events, *model.limits, *switched]
 
 
 REASONS = ("stop", "reversal", "break-away", "lift-off", "leaves stop")

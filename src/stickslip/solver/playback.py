@@ -54,10 +54,10 @@ class Playback:
         return np.append(self.rows[:, 0], self.rows[-1, 1])
 
     def played(self, t: Array) -> tuple[Array, Array, NDArray[np.intp]]:
-        """Return states (n, states), friction and normal force (n, 2) and rows (n,) at times."""
+        """Return states (n, states), forces (n, 2 + channels) and rows (n,) at times."""
         vector = self.runner.vector
-        n, size = self.module.N_STATES, len(t)
-        states, forces, rows = (self.runner.zeros(size * width) for width in (n, 2, 1))
+        n, size, wide = self.module.N_STATES, len(t), 2 + len(self.model.channels)
+        states, forces, rows = (self.runner.zeros(size * width) for width in (n, wide, 1))
         self.module.enter_play(
             self.log,
             len(self.rows),
@@ -70,7 +70,7 @@ class Playback:
         )
         return (
             np.reshape(states, (size, n)),
-            np.reshape(forces, (size, 2)),
+            np.reshape(forces, (size, wide)),
             np.asarray(rows, dtype=np.intp),
         )
 
@@ -78,5 +78,7 @@ class Playback:
         """Return all columns at an array of times."""
         states, forces, rows = self.played(t)
         columns: dict[str, Any] = dict(zip(self.model.states, states.T, strict=True))
-        columns |= {"friction": forces[:, 0], "normal_force": forces[:, 1]}
+        columns |= dict(
+            zip(("friction", "normal_force", *self.model.channels), forces.T, strict=True)
+        )
         return columns | {"mode": self.rows[rows, 3].astype(np.int8)}

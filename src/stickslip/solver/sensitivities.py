@@ -13,6 +13,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import full_path
 from stickslip.solver.execution import Record
 from stickslip.solver.runner import Runner, runner_of
+from stickslip.solver.starts import start_slopes, told_states
 from stickslip.solver.tables import Inputs, schedule_slopes
 
 __all__ = ["Directions", "Sensing", "directions_of"]
@@ -40,8 +41,14 @@ def directions_of(
     paths: Sequence[str],
     columns: Mapping[str, Array],
     tables: Array,
+    t_end: float,
+    told: Sequence[str] = (),
 ) -> Directions:
-    """Return the directions of full paths, for runs that differ by `columns`."""
+    """Return the directions of full paths, for runs that differ by `columns`.
+
+    `tables` has a row a run, or one where no drive varies; `told` are the states that begin where
+    the mechanism says.
+    """
     model = formulate(mechanism, law)
     numbers = 3 * len(model.drives)
     own = np.full(len(paths), -1.0)
@@ -51,7 +58,10 @@ def directions_of(
             own[c] = numbers + model.parameter_paths.index(path)
         else:
             start[model.states.index(path.removeprefix("initial.")), c] = 1.0
-    slopes = schedule_slopes(mechanism, columns, paths, tables)
+    for state, slope in start_slopes(mechanism, columns, paths, told).items():
+        start[model.states.index(state)] += slope
+    driven = {path: column for path, column in columns.items() if len(column) == len(tables)}
+    slopes = schedule_slopes(mechanism, driven, paths, tables, t_end)
     return Directions(own, start, slopes, numbers + len(model.parameter_paths))
 
 
@@ -63,6 +73,8 @@ class Sensing:
     law: FrictionLaw
     inputs: Inputs
     record: Record
+    t_end: float
+    """End that was asked for."""
 
     def __call__(self, t: Array, paths: Sequence[str]) -> Array:
         """Return sensitivities (n, states, paths) at times (n,)."""
@@ -71,9 +83,12 @@ class Sensing:
         full = [full_path(path, known) for path in paths]
         runner = runner_of(model, compiled=bool(self.record.runner.address))
         table = np.array([self.inputs.table])
-        along = directions_of(self.mechanism, self.law, full, {}, table)
-        order = np.argsort(t, kind="stable")
         module, record = runner.module, self.record
+        first = module.ROW_DENSE + 1
+        y0 = list(record.log[first : first + len(model.states)])
+        told = told_states(self.mechanism, {}, y0)
+        along = directions_of(self.mechanism, self.law, full, {}, table, self.t_end, told)
+        order = np.argsort(t, kind="stable")
         out = runner.zeros(len(t) * len(model.states) * len(full))
         module.enter_sense(
             record.log,

@@ -1,6 +1,7 @@
 """Where runs may begin in view of the hard stops."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,12 +10,82 @@ from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism, Stop, stops_of
 from stickslip.quantities import parameters, shadow
 
-__all__ = ["narrowest", "refuse_stops", "starts_within_stops", "within_stops"]
+__all__ = [
+    "narrowest",
+    "refuse_stops",
+    "start_slopes",
+    "starts_as_told",
+    "starts_within_stops",
+    "told_states",
+    "within_stops",
+]
 
 BEYOND = 1e-12
 """Share of the larger of place and stop that counts as rounding, so that runs can be continued."""
 
+IMAGINARY = 1e-30
+"""A part so small that what it does is a derivative, exact but for rounding."""
+
 Array = NDArray[np.float64]
+
+
+def _told(mechanism: Mechanism, number: Callable[[str, float], Any]) -> Mapping[str, Any]:
+    """Return the states that a mechanism begins with, of which some parameters are other ones."""
+    values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    return shadow(mechanism, "mechanism", lambda path: number(path, values[path])).start()
+
+
+def told_states(
+    mechanism: Mechanism, columns: Mapping[str, Array], y0: Sequence[float]
+) -> tuple[str, ...]:
+    """Return the states that begin where the mechanism says, and not where `columns` or `y0` do."""
+    states = [*mechanism.coordinates, *mechanism.rates]
+    return tuple(
+        state
+        for state, value in mechanism.start().items()
+        if f"initial.{state}" not in columns and y0[states.index(state)] == value
+    )
+
+
+def starts_as_told(
+    mechanism: Mechanism, columns: Mapping[str, Array], told: Sequence[str]
+) -> dict[str, Array]:
+    """Return what varies among runs, with the states that begin elsewhere because of it."""
+    found = dict(columns)
+    values = _told(mechanism, lambda path, own: columns.get(path, own)) if told else {}
+    for state in told:
+        if np.ndim(values[state]):
+            found[f"initial.{state}"] = np.asarray(values[state], dtype=np.float64)
+    return found
+
+
+def start_slopes(
+    mechanism: Mechanism, columns: Mapping[str, Array], paths: Sequence[str], told: Sequence[str]
+) -> dict[str, Array]:
+    """Return how the states that a mechanism begins with change along paths, by state.
+
+    Raises
+    ------
+    InputError
+        If that differs among runs, of which one set of slopes serves all.
+    """
+    found = {state: np.zeros(len(paths)) for state in told}
+    for c, path in enumerate(paths if told else ()):
+        moved = _told(
+            mechanism,
+            lambda name, value, path=path: (  # type: ignore[misc]
+                columns.get(name, value) + (1j * IMAGINARY if name == path else 0.0)
+            ),
+        )
+        for state in told:
+            slopes = np.atleast_1d(np.imag(moved[state])) / IMAGINARY
+            if np.ptp(slopes) > 1e-12 * np.abs(slopes).max():
+                raise InputError(
+                    f"how {state} begins changes differently with {path} from run to run:"
+                    f" give its start as initial.{state}, or take the sensitivities run by run."
+                )
+            found[state][c] = slopes[0]
+    return found
 
 
 def within_stops(mechanism: Mechanism, y0: Sequence[float]) -> list[float]:

@@ -60,10 +60,10 @@ def values_of(mechanism: Mechanism, law: FrictionLaw) -> dict[str, float]:
     return {path: value for root, prefix in roots for path, _, value in parameters(root, prefix)}
 
 
-def gather(mechanism: Mechanism, law: FrictionLaw, model: Model) -> Inputs:
+def gather(mechanism: Mechanism, law: FrictionLaw, model: Model, t_end: float) -> Inputs:
     """Collect the numbers of a mechanism and a law in the order of the model."""
     values = values_of(mechanism, law)
-    plan = schedule(mechanism, {}, 1)
+    plan = schedule(mechanism, {}, 1, t_end)
     return Inputs(
         p=[float(values[path]) for path in model.parameter_paths],
         first=model.first_parameter,
@@ -73,7 +73,9 @@ def gather(mechanism: Mechanism, law: FrictionLaw, model: Model) -> Inputs:
     )
 
 
-def schedule(mechanism: Mechanism, columns: Mapping[str, Array], count: int) -> Schedule:
+def schedule(
+    mechanism: Mechanism, columns: Mapping[str, Array], count: int, t_end: float
+) -> Schedule:
     """Return what the drives do in a number of runs.
 
     Parameters
@@ -84,11 +86,15 @@ def schedule(mechanism: Mechanism, columns: Mapping[str, Array], count: int) -> 
         Parameters that are not the mechanism's own, an array (count,) by full path.
     count : int
         Number of runs.
+    t_end : float
+        Last time of the runs [s].
     """
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     twin = shadow(mechanism, "mechanism", lambda path: columns.get(path, values[path]))
     drives = list(twin.drives().values())
-    tables = [[_columns(part.pieces(), count) for part in _parts(drive)] for drive in drives]
+    tables = [
+        [_columns(part.pieces(t_end), count) for part in _parts(drive)] for drive in drives
+    ]
     starts = _starts([table[0] for parts in tables for table in parts], count)
     rows = [_merged(parts, starts) for parts in tables]
     return Schedule(
@@ -99,7 +105,11 @@ def schedule(mechanism: Mechanism, columns: Mapping[str, Array], count: int) -> 
 
 
 def schedule_slopes(
-    mechanism: Mechanism, columns: Mapping[str, Array], paths: Sequence[str], tables: Array
+    mechanism: Mechanism,
+    columns: Mapping[str, Array],
+    paths: Sequence[str],
+    tables: Array,
+    t_end: float,
 ) -> Array:
     """Return the derivatives of drives' tables (runs, pieces, 1 + 3 drives, paths).
 
@@ -115,7 +125,9 @@ def schedule_slopes(
             own[path] = own.get(path, np.full(runs * m, values[path])) + 1j * IMAGINARY * side
     twin = shadow(mechanism, "mechanism", lambda path: own.get(path, values[path]))
     drives = list(twin.drives().values())
-    parts = [[_columns(part.pieces(), runs * m) for part in _parts(drive)] for drive in drives]
+    parts = [
+        [_columns(part.pieces(t_end), runs * m) for part in _parts(drive)] for drive in drives
+    ]
     if not any(np.iscomplexobj(table) for tables_of in parts for table in tables_of):
         width = 1 + 3 * len(drives)
         return np.zeros((runs, tables.shape[1] // width, width, m))  # no path moves a drive

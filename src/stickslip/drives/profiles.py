@@ -1,0 +1,376 @@
+"""Motion profiles: what moves a pendulum or an inner mass as it is told, again and again."""
+
+import itertools
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal, final
+
+from typing_extensions import override
+
+from stickslip.drives.base import Drive, Piece
+from stickslip.errors import ParameterError
+from stickslip.maths import Scalar, sin, sqrt
+from stickslip.quantities import Quantity
+
+__all__ = ["Profile", "SevenStep", "SineSwing", "SplineSwing", "ThreePhase"]
+
+MOST_PIECES = 1_000_000
+"""Pieces of a profile that a run may have."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Profile(Drive, ABC):
+    """A motion that repeats itself, given by its acceleration [rad/s^2] or [m/s^2].
+
+    As a drive its value is the acceleration; `start_position` and `start_rate` are where it begins.
+    """
+
+    @property
+    @abstractmethod
+    def period(self) -> Scalar:
+        """Duration of a cycle [s]."""
+
+    @property
+    @abstractmethod
+    def start_position(self) -> Scalar:
+        """Position [rad] or [m] at time 0."""
+
+    @property
+    def start_rate(self) -> Scalar:
+        """Rate [rad/s] or [m/s] at time 0."""
+        return 0.0
+
+    @abstractmethod
+    def at(self, t: float) -> tuple[float, float]:
+        """Return position and rate at a time [s].
+
+        Examples
+        --------
+        >>> swing = ThreePhase(amplitude=0.8, fast=120.0, slow=30.0)
+        >>> position, rate = swing.at(0.5 * swing.period)
+        >>> round(position, 9), round(rate, 9)
+        (0.8, 0.0)
+        """
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stepped(Profile, ABC):
+    """A profile whose acceleration is a straight line between times: it has no smooth part."""
+
+    @abstractmethod
+    def cycle(self) -> tuple[Piece, ...]:
+        """Return the pieces of one cycle, the first at time 0."""
+
+    @final
+    @override
+    def smooth(self, t: Scalar) -> Scalar:
+        return 0.0
+
+    @final
+    @override
+    def smooth_bound(self) -> tuple[Scalar, Scalar]:
+        return 0.0, 0.0
+
+    @final
+    @override
+    def time_scale(self) -> float:
+        return math.inf
+
+    @final
+    @override
+    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
+        cycle, period = self.cycle(), self.period
+        count = max(0.0, until) / _least(period)
+        if not count * len(cycle) < MOST_PIECES:
+            raise ParameterError(
+                f"{type(self).__name__}: a run to t_end = {until:g} s would have {count:.3g} cycles"
+                f" of {_least(period):.3g} s; make it shorter than {MOST_PIECES // len(cycle)}."
+            )
+        return tuple(
+            Piece(piece.start + k * period, piece.value, piece.slope)
+            for k in range(math.floor(count) + 1)
+            for piece in cycle
+        )
+
+    @override
+    def at(self, t: float) -> tuple[float, float]:
+        left = t % float(self.period)
+        position, rate = float(self.start_position), float(self.start_rate)
+        pieces = self.cycle()
+        ends = [*(float(piece.start) for piece in pieces[1:]), float(self.period)]
+        for piece, end in zip(pieces, ends, strict=True):
+            h = min(left, end) - float(piece.start)
+            if h <= 0.0:
+                break
+            value, slope = float(piece.value), float(piece.slope)
+            position += rate * h + value * h * h / 2.0 + slope * h**3 / 6.0
+            rate += value * h + slope * h * h / 2.0
+        return position, rate
+
+
+def _least(period: Any) -> float:
+    """Return the shortest of several periods."""
+    import numpy as np
+
+    return float(np.min(np.real(period)))
+
+
+def _steps(durations: Sequence[Scalar], accelerations: Sequence[Scalar]) -> tuple[Piece, ...]:
+    """Return pieces of constant acceleration that follow each other."""
+    starts = itertools.accumulate(durations[:-1], initial=0.0)
+    return tuple(Piece(s, a, 0.0) for s, a in zip(starts, accelerations, strict=True))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ThreePhase(Stepped):
+    """There and back in three phases of constant acceleration, of which the middle one differs.
+
+    From minus the amplitude at rest it accelerates, brakes beyond the turning point at the
+    amplitude, and comes back to rest where it began. With ``first="fast"`` the outer phases are the
+    fast ones: ``+fast``, ``-slow``, ``+fast``; with ``first="slow"`` the middle one is.
+
+    Examples
+    --------
+    >>> import math
+    >>> swing = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
+    >>> round(float(swing.period), 5)
+    0.7236
+    """
+
+    amplitude: Annotated[float, Quantity("theta_m", "rad", above=0)]
+    """Half the way between the turning points, about 0."""
+    fast: Annotated[float, Quantity("A_1", "rad/s^2", above=0)]
+    """Size of the large acceleration."""
+    slow: Annotated[float, Quantity("A_2", "rad/s^2", above=0)]
+    """Size of the small acceleration."""
+    first: Literal["fast", "slow"] = "fast"
+    """What the outer phases are."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the settings."""
+        super().__post_init__()
+        if self.first not in ("fast", "slow"):
+            raise ParameterError(f"ThreePhase.first must be 'fast' or 'slow', got {self.first!r}.")
+
+    @property
+    def _pair(self) -> tuple[Scalar, Scalar]:
+        """Sizes of the outer and of the middle acceleration."""
+        return (self.fast, self.slow) if self.first == "fast" else (self.slow, self.fast)
+
+    @property
+    def peak_rate(self) -> Scalar:
+        """Largest rate, on the way there and on the way back."""
+        return sqrt(4.0 * self.amplitude / (1.0 / self.fast + 1.0 / self.slow))
+
+    @property
+    @override
+    def period(self) -> Scalar:
+        return 2.0 * self.peak_rate * (1.0 / self.fast + 1.0 / self.slow)
+
+    @property
+    @override
+    def start_position(self) -> Scalar:
+        return -self.amplitude
+
+    @override
+    def cycle(self) -> tuple[Piece, ...]:
+        outer, middle = self._pair
+        rate = self.peak_rate
+        times = (rate / outer, 2.0 * rate / middle, rate / outer)
+        return _steps(times, (outer, -middle, outer))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SevenStep(Stepped):
+    """There and back with a rate that is limited, and a pause: up to seven steps.
+
+    Forwards it accelerates fast, cruises at the top rate and brakes slowly; backwards it
+    accelerates slowly, cruises and brakes fast; then it pauses. Without the pause these are six
+    steps, and with a top rate that is just reached they are the three phases. The steps are ours:
+    profiles of that name in the literature differ.
+
+    Examples
+    --------
+    >>> swing = SevenStep(amplitude=0.8, fast=120.0, slow=30.0, top_rate=6.0, pause=0.1)
+    >>> round(float(swing.period), 6)
+    1.883333
+    """
+
+    amplitude: Annotated[float, Quantity("theta_m", "rad", above=0)]
+    """Half the way between the turning points, about 0."""
+    fast: Annotated[float, Quantity("A_1", "rad/s^2", above=0)]
+    """Size of the large acceleration."""
+    slow: Annotated[float, Quantity("A_2", "rad/s^2", above=0)]
+    """Size of the small acceleration."""
+    top_rate: Annotated[float, Quantity("Omega", "rad/s", above=0)]
+    """Rate of the cruise."""
+    pause: Annotated[float, Quantity("t_p", "s", low=0)] = 0.0
+    """How long it rests at the end of a cycle."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check that the top rate is reached."""
+        super().__post_init__()
+        if self._cruise < 0.0:
+            most = math.sqrt(4.0 * self.amplitude / (1.0 / self.fast + 1.0 / self.slow))
+            raise ParameterError(
+                f"SevenStep.top_rate (Omega) must be at most {most:.4g} rad/s, which the"
+                f" accelerations reach on the way, got {self.top_rate:g}."
+            )
+
+    @property
+    def _cruise(self) -> Scalar:
+        """Duration of a cruise [s]."""
+        ramps = 0.5 * self.top_rate * (1.0 / self.fast + 1.0 / self.slow)
+        return 2.0 * self.amplitude / self.top_rate - ramps
+
+    @property
+    @override
+    def period(self) -> Scalar:
+        ramps = 2.0 * self.top_rate * (1.0 / self.fast + 1.0 / self.slow)
+        return 2.0 * self._cruise + ramps + self.pause
+
+    @property
+    @override
+    def start_position(self) -> Scalar:
+        return -self.amplitude
+
+    @override
+    def cycle(self) -> tuple[Piece, ...]:
+        rise, fall = self.top_rate / self.fast, self.top_rate / self.slow
+        times = (rise, self._cruise, fall, fall, self._cruise, rise, self.pause)
+        signs = (self.fast, 0.0, -self.slow, -self.slow, 0.0, self.fast, 0.0)
+        return _steps(times, signs)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SineSwing(Profile):
+    """A harmonic motion that begins at rest at minus the amplitude.
+
+    Examples
+    --------
+    >>> swing = SineSwing(amplitude=0.5, frequency=2.0)
+    >>> position, rate = swing.at(0.25)
+    >>> round(position, 12), round(rate, 12)
+    (0.5, 0.0)
+    """
+
+    amplitude: Annotated[float, Quantity("theta_m", "rad", above=0)]
+    """Largest position."""
+    frequency: Annotated[float, Quantity("f", "Hz", above=0)]
+    """Cycles per second."""
+
+    @property
+    @override
+    def period(self) -> Scalar:
+        return 1.0 / self.frequency
+
+    @property
+    @override
+    def start_position(self) -> Scalar:
+        return -self.amplitude
+
+    @property
+    def _turn(self) -> Scalar:
+        """Angular frequency [rad/s]."""
+        return 2.0 * math.pi * self.frequency
+
+    @override
+    def smooth(self, t: Scalar) -> Scalar:
+        return self.amplitude * self._turn * self._turn * sin(self._turn * t + 0.5 * math.pi)
+
+    @override
+    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
+        return ()
+
+    @override
+    def smooth_bound(self) -> tuple[Scalar, Scalar]:
+        most = self.amplitude * self._turn * self._turn
+        return -most, most
+
+    @override
+    def time_scale(self) -> float:
+        return 1.0 / self.frequency
+
+    @override
+    def at(self, t: float) -> tuple[float, float]:
+        angle = self._turn * t
+        return -self.amplitude * math.cos(angle), self.amplitude * self._turn * math.sin(angle)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SplineSwing(Stepped):
+    """A periodic cubic spline through positions that are evenly spread over a cycle.
+
+    Examples
+    --------
+    >>> swing = SplineSwing(positions=(-0.5, 0.0, 0.5, 0.0), duration=1.0)
+    >>> round(swing.at(0.25)[0], 12), round(swing.at(0.5)[0], 12)
+    (0.0, 0.5)
+    """
+
+    data_fields: ClassVar[tuple[str, ...]] = ("positions",)
+
+    positions: tuple[float, ...]
+    """Positions [rad] or [m] at 0, 1/n, 2/n, ... of a cycle, at least three."""
+    duration: Annotated[float, Quantity("T", "s", above=0)]
+    """Duration of a cycle."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the positions and keep them as a tuple of floats."""
+        super().__post_init__()
+        try:
+            positions = tuple(float(x) for x in self.positions)
+        except (TypeError, ValueError):
+            raise ParameterError(
+                f"SplineSwing.positions must be a series of numbers, got {self.positions!r}."
+            ) from None
+        if len(positions) < 3 or not all(map(math.isfinite, positions)):
+            raise ParameterError(
+                "SplineSwing.positions must be at least 3 finite numbers [rad] or [m],"
+                f" got {self.positions!r}."
+            )
+        object.__setattr__(self, "positions", positions)
+
+    @property
+    @override
+    def period(self) -> Scalar:
+        return self.duration
+
+    @property
+    @override
+    def start_position(self) -> Scalar:
+        return self.positions[0]
+
+    @property
+    @override
+    def start_rate(self) -> Scalar:
+        return self._scaled()[0] / self.duration
+
+    def _scaled(self) -> tuple[float, list[float]]:
+        """Return first rate and the accelerations at the knots, for a cycle of 1 s."""
+        import numpy as np
+        from scipy.interpolate import CubicSpline
+
+        n = len(self.positions)
+        places = np.linspace(0.0, 1.0, n + 1)
+        spline = CubicSpline(places, [*self.positions, self.positions[0]], bc_type="periodic")
+        return float(spline(0.0, 1)), spline(places, 2).tolist()
+
+    @override
+    def cycle(self) -> tuple[Piece, ...]:
+        _, knots = self._scaled()
+        n, length = len(self.positions), self.duration
+        square = length * length
+        return tuple(
+            Piece(i * length / n, a / square, (b - a) * n / (square * length))
+            for i, (a, b) in enumerate(itertools.pairwise(knots))
+        )

@@ -1,0 +1,138 @@
+"""What moves an inner body: a motion it is told, or a force or torque."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, final
+
+from typing_extensions import override
+
+from stickslip.drives import Drive, Profile
+from stickslip.errors import ParameterError
+from stickslip.maths import Scalar, where
+from stickslip.mechanisms.base import Guide
+from stickslip.quantities import Parametrised, Quantity
+
+__all__ = ["MOTORS", "Motor", "Prescribed", "Torque"]
+
+DRIVE = "motor"
+"""Name of the drive that a motor has."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motor(Parametrised, ABC):
+    """What acts between a body and what it carries."""
+
+    name: ClassVar[str]
+    """``type`` in rig files."""
+
+    @abstractmethod
+    def drives(self) -> Mapping[str, Drive]:
+        """Return the drives that are fitted, by name."""
+
+    @abstractmethod
+    def force(self, drives: Mapping[str, Scalar]) -> Scalar:
+        """Return the force [N] or torque [N m] at present values of the drives."""
+
+    def start(self, coordinate: str, rate: str) -> Mapping[str, Scalar]:
+        """Return where the driven coordinate begins."""
+        return {}
+
+    def guide(self, effort: str, unit: str) -> Guide | None:
+        """Return how the coordinate is guided, None where a force moves it."""
+        return None
+
+    def limits(self, effort: Scalar) -> Mapping[str, Scalar]:
+        """Return what the motor cannot do, by the name of the event."""
+        return {}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Prescribed(Motor):
+    """Moves as a profile says, whatever force or torque that takes.
+
+    Examples
+    --------
+    >>> from stickslip import ThreePhase
+    >>> motor = Prescribed(profile=ThreePhase(amplitude=0.8, fast=120.0, slow=30.0))
+    >>> float(motor.start("theta", "omega")["theta"])
+    -0.8
+    """
+
+    name: ClassVar[str] = "prescribed"
+
+    profile: Profile
+    """The motion."""
+    limit: Annotated[float, Quantity("tau_m", above=0)] | None = None
+    """Largest force or torque; a run that needs more ends there. None if not given."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check that there is a profile."""
+        super().__post_init__()
+        if not isinstance(self.profile, Profile):
+            raise ParameterError(
+                "Prescribed.profile must be a motion profile such as ThreePhase(...), got"
+                f" {self.profile!r}."
+            )
+
+    @override
+    def drives(self) -> Mapping[str, Drive]:
+        return {DRIVE: self.profile}
+
+    @override
+    def force(self, drives: Mapping[str, Scalar]) -> Scalar:
+        return 0.0
+
+    @override
+    def start(self, coordinate: str, rate: str) -> Mapping[str, Scalar]:
+        return {coordinate: self.profile.start_position, rate: self.profile.start_rate}
+
+    @override
+    def guide(self, effort: str, unit: str) -> Guide | None:
+        return Guide(drive=DRIVE, effort=effort, unit=unit)
+
+    @override
+    def limits(self, effort: Scalar) -> Mapping[str, Scalar]:
+        if self.limit is None:
+            return {}
+        return {"motor limit": self.limit * self.limit - effort * effort}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Torque(Motor):
+    """A force or torque given in time, and no larger than the motor can give.
+
+    Examples
+    --------
+    >>> from stickslip import Sine
+    >>> Torque(drive=Sine(amplitude=0.4, frequency=1.0), limit=0.3).name
+    'torque'
+    """
+
+    name: ClassVar[str] = "torque"
+
+    drive: Drive | None = None
+    """Torque [N m] or force [N]; none if not given."""
+    limit: Annotated[float, Quantity("tau_m", above=0)] | None = None
+    """Largest torque: beyond it the motor saturates. None if not given."""
+
+    @override
+    def drives(self) -> Mapping[str, Drive]:
+        return {} if self.drive is None else {DRIVE: self.drive}
+
+    @override
+    def force(self, drives: Mapping[str, Scalar]) -> Scalar:
+        wanted = drives.get(DRIVE, 0.0)
+        if self.limit is None or self.drive is None:
+            return wanted
+        most = self.limit
+        named = ("motor saturates", "motor leaves saturation")
+        above = where(wanted > most, most, wanted, named)
+        return where(wanted < -most, -most, above, named)
+
+
+MOTORS: Mapping[str, type[Motor]] = {motor.name: motor for motor in (Prescribed, Torque)}
+"""The motors by the ``type`` they have in rig files."""

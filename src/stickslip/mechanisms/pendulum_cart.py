@@ -1,0 +1,128 @@
+"""A cart that a swinging pendulum drives: the mechanism of capsule robots."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, final
+
+from typing_extensions import override
+
+from stickslip.drives import Drive
+from stickslip.maths import Scalar, cos, sin
+from stickslip.mechanisms.base import Contact, Guide, Mechanism
+from stickslip.mechanisms.motors import Motor, Torque
+from stickslip.quantities import Quantity
+
+__all__ = ["PendulumCart"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PendulumCart(Mechanism):
+    """A cart on rough ground with an inverted pendulum, a ball on a light rod.
+
+    The angle `theta` is that of the rod from the upright, the ball being at
+    ``(x - length * sin(theta), length * cos(theta))`` above the pivot. The swing is prescribed, or
+    a torque turns the pendulum; the normal force is that of the whole motion. A run ends where the
+    cart lifts off or tips over its wheels, and where its equations lose their meaning (Painleve).
+
+    Examples
+    --------
+    >>> import math
+    >>> from stickslip import Coulomb, Prescribed, ThreePhase, simulate
+    >>> swing = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
+    >>> cart = PendulumCart(
+    ...     cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing)
+    ... )
+    >>> run = simulate(cart, Coulomb(kinetic_coefficient=0.2), t_end=float(swing.period))
+    >>> round(float(run["x"][-1]), 7)
+    0.0248596
+    """
+
+    name: ClassVar[str] = "pendulum-cart"
+    coordinates: ClassVar[tuple[str, ...]] = ("x", "theta")
+    rates: ClassVar[tuple[str, ...]] = ("v", "omega")
+    units: ClassVar[tuple[str, ...]] = ("m", "rad")
+
+    cart_mass: Annotated[float, Quantity("M", "kg", above=0)]
+    """Mass of the cart."""
+    ball_mass: Annotated[float, Quantity("m", "kg", above=0)]
+    """Mass of the ball."""
+    length: Annotated[float, Quantity("l", "m", above=0)]
+    """Length of the rod."""
+    pendulum: Motor = Torque()
+    """What moves the pendulum: `Prescribed` or `Torque`."""
+    gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
+    """Acceleration of free fall."""
+    wheelbase: Annotated[float, Quantity("b", "m", above=0)] | None = None
+    """Distance of the outer wheels; a cart without one does not tip."""
+    pivot_height: Annotated[float, Quantity("h_p", "m", low=0)] = 0.0
+    """Height of the pivot above the ground; it matters to tipping only."""
+    centre_height: Annotated[float, Quantity("h_c", "m", low=0)] = 0.0
+    """Height of the cart's centre of mass above the ground; it matters to tipping only."""
+
+    @override
+    def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
+        tilt, tilting = q.get("tilt", 0.0), q_dot.get("tilt", 0.0)
+        angle, turning = q["theta"] + tilt, q_dot["theta"] + tilting
+        h_p, h_c, l = self.pivot_height, self.centre_height, self.length  # noqa: E741
+        x_dot, y_dot = q_dot["x"], q_dot["y"]
+        cart = _square(x_dot - h_c * cos(tilt) * tilting, y_dot - h_c * sin(tilt) * tilting)
+        ball = _square(
+            x_dot - h_p * cos(tilt) * tilting - l * cos(angle) * turning,
+            y_dot - h_p * sin(tilt) * tilting - l * sin(angle) * turning,
+        )
+        return 0.5 * self.cart_mass * cart + 0.5 * self.ball_mass * ball
+
+    @override
+    def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
+        tilt = q.get("tilt", 0.0)
+        cart = q["y"] + self.centre_height * cos(tilt)
+        ball = q["y"] + self.pivot_height * cos(tilt) + self.length * cos(q["theta"] + tilt)
+        return self.gravity * (self.cart_mass * cart + self.ball_mass * ball)
+
+    @override
+    def forces(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> Mapping[str, Scalar]:
+        return {"theta": self.pendulum.force(drives)}
+
+    @override
+    def contacts(self) -> tuple[Contact, ...]:
+        return (Contact(slip="x", normal="y"),)
+
+    @override
+    def drives(self) -> Mapping[str, Drive]:
+        return self.pendulum.drives()
+
+    @override
+    def start(self) -> Mapping[str, Scalar]:
+        return self.pendulum.start("theta", "omega")
+
+    @override
+    def guided(self) -> Mapping[str, Guide]:
+        guide = self.pendulum.guide("torque", "N m")
+        return {} if guide is None else {"theta": guide}
+
+    @override
+    def held(self) -> tuple[str, ...]:
+        return () if self.wheelbase is None else ("tilt",)
+
+    @override
+    def limits(self, forces: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
+        found = dict(self.pendulum.limits(forces["theta"]) if "theta" in forces else {})
+        if self.wheelbase is not None:
+            # the ground's force acts between the wheels, its moment about their middle being "tilt"
+            reach = 0.5 * self.wheelbase * forces["y"]
+            found |= {
+                "tips forward": reach - forces["tilt"],
+                "tips backward": reach + forces["tilt"],
+            }
+        return found
+
+
+def _square(a: Scalar, b: Scalar) -> Scalar:
+    return a * a + b * b

@@ -1,0 +1,103 @@
+"""An axis whose motor and load are joined by something that gives."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal, final
+
+from typing_extensions import override
+
+from stickslip.drives import Drive
+from stickslip.errors import ParameterError
+from stickslip.maths import Scalar
+from stickslip.mechanisms.base import Contact, Mechanism
+from stickslip.quantities import Quantity
+
+__all__ = ["TwoMassAxis"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class TwoMassAxis(Mechanism):
+    """A motor that drives a load through a spring and a damper: a belt, a shaft, a screw.
+
+    One of the two rubs: `x` is the place of that one and `other` that of the other. Linear or
+    rotary; with the default load of 1, friction levels read as forces [N] or torques [N m].
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Pulse, TwoMassAxis, simulate
+    >>> axis = TwoMassAxis(
+    ...     motor_inertia=0.5,
+    ...     load_inertia=1.5,
+    ...     stiffness=1e4,
+    ...     damping=20.0,
+    ...     drive=Pulse(level=5.0, duration=1.0),
+    ... )
+    >>> run = simulate(axis, Coulomb(kinetic_coefficient=1.0), t_end=10.0)
+    >>> round(float(run["x"][-1]), 2)  # the rigid axis of 2 kg stops at 5 m
+    5.0
+    """
+
+    name: ClassVar[str] = "two-mass-axis"
+    coordinates: ClassVar[tuple[str, ...]] = ("x", "other")
+    rates: ClassVar[tuple[str, ...]] = ("v", "other_dot")
+    units: ClassVar[tuple[str, ...]] = ("m", "m")
+
+    motor_inertia: Annotated[float, Quantity("J_m", "kg", above=0)]
+    """Mass [kg] or moment of inertia [kg m^2] on the motor's side."""
+    load_inertia: Annotated[float, Quantity("J_l", "kg", above=0)]
+    """The same on the load's side."""
+    stiffness: Annotated[float, Quantity("k", "N/m", above=0)]
+    """Stiffness of what joins them."""
+    damping: Annotated[float, Quantity("c", "N s/m", low=0)] = 0.0
+    """Damper beside it."""
+    drive: Drive | None = None
+    """Force [N] or torque [N m] on the motor."""
+    rubs: Literal["load", "motor"] = "load"
+    """Which side has the friction."""
+    load: Annotated[float, Quantity("N", "N", low=0)] = 1.0
+    """Normal force at the contact, or 1 where levels are forces."""
+    offset: Annotated[float, Quantity("o", "N")] = 0.0
+    """Constant force against motion of the load: gravity, a cable."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the settings."""
+        super().__post_init__()
+        if self.rubs not in ("load", "motor"):
+            raise ParameterError(f"TwoMassAxis.rubs must be 'load' or 'motor', got {self.rubs!r}.")
+
+    @property
+    def _sides(self) -> tuple[str, str]:
+        """Coordinates of motor and load."""
+        return ("other", "x") if self.rubs == "load" else ("x", "other")
+
+    @override
+    def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
+        motor, load = (q_dot[side] for side in self._sides)
+        return 0.5 * (self.motor_inertia * motor * motor + self.load_inertia * load * load)
+
+    @override
+    def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
+        stretch = q["x"] - q["other"]
+        return 0.5 * self.stiffness * stretch * stretch
+
+    @override
+    def forces(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> Mapping[str, Scalar]:
+        motor, load = self._sides
+        damped = self.damping * (q_dot[motor] - q_dot[load])
+        return {motor: drives.get("drive", 0.0) - damped, load: damped - self.offset}
+
+    @override
+    def contacts(self) -> tuple[Contact, ...]:
+        return (Contact(slip="x", load=self.load),)
+
+    @override
+    def drives(self) -> Mapping[str, Drive]:
+        return {} if self.drive is None else {"drive": self.drive}
