@@ -67,8 +67,10 @@ class TowedBlock(Mechanism):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
-        pressed = self._pressed + drives.get("modulation", 0.0)
-        return {"x": self.damping * (self.speed - q_dot["x"]), "y": -pressed}
+        found = {"x": self.damping * (self.speed - q_dot["x"])}
+        if self.modulation is not None:
+            found["y"] = -(self._pressed + drives["modulation"])
+        return found
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
