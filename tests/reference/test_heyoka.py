@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.formulation.test_cart import Cart
+from tests.mechanisms.test_pendulum_cart import cart_with
 from tests.support import EXAMPLES, example_of
 
 from stickslip import (
@@ -270,7 +270,7 @@ def test_a_run_without_a_stop_agrees_whatever_the_exponent(law):
 
 @pytest.mark.parametrize("kind", [Coulomb, LuGre])
 def test_a_mechanism_of_two_coordinates_agrees(kind):
-    cart = Cart(cart_mass=1.0, ball_mass=0.4, length=0.5, torque=0.3)
+    cart = cart_with(cart_mass=1.0, ball_mass=0.4, length=0.5, torque=0.3)
     agrees(Setup(mechanism=cart, y0={"theta": 0.3}, t_end=1.0), example_of(kind))
 
 

@@ -178,10 +178,10 @@ def test_rows_that_fail_say_how_and_do_not_disturb_the_others():
 
 
 def test_a_cart_that_lifts_off_in_one_row_says_so_there():
-    from tests.formulation.test_cart import LAW as CART_LAW
-    from tests.formulation.test_cart import Cart
+    from tests.mechanisms.test_pendulum_cart import LAW as CART_LAW
+    from tests.mechanisms.test_pendulum_cart import cart_with
 
-    cart = Cart(cart_mass=1.0, ball_mass=1.0, length=1.0)
+    cart = cart_with(cart_mass=1.0, ball_mass=1.0, length=1.0)
     columns = {"initial.omega": np.array([0.1, 7.0, 0.2])}
     runs = ensemble(cart, CART_LAW, columns, t_end=0.4, y0={"theta": -1.2}, solver=PYTHON)
     assert [s is Status.LIFT_OFF for s in runs.status] == [False, True, False]

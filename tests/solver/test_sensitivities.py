@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.formulation.test_cart import LAW as CART_LAW
-from tests.formulation.test_cart import Cart
+from tests.mechanisms.test_pendulum_cart import LAW as CART_LAW
+from tests.mechanisms.test_pendulum_cart import cart_with
 from tests.solver.sensitivity_support import PYTHON, Case, mismatch
 from tests.support import example_of
 
@@ -270,7 +270,7 @@ def test_no_times_have_no_sensitivities():
 
 
 def test_two_coordinates_have_sensitivities_as_well():
-    cart = Cart(cart_mass=2.0, ball_mass=0.5, length=0.4, torque=0.3)
+    cart = cart_with(cart_mass=2.0, ball_mass=0.5, length=0.4, torque=0.3)
     case = Case(cart, CART_LAW, 1.2, (0.0, 0.3, 1.0, 0.5))
     run = case.run()
     assert len(run.events) >= 2

@@ -209,15 +209,15 @@ def _hint(cls: type[Parametrised], name: str, mark: str) -> Any:
     if Drive in parts:
         drives: Any = choice({kind: table_of(drive, kind) for kind, drive in DRIVES.items()})
         return Annotated[list[drives], Field(min_length=1), BeforeValidator(_listed), _OrSingle()]
-    for kind in parts:
-        if kind in MEMBERS:
-            return choice({name: table_of(cls, name) for name, cls in MEMBERS[kind].items()})
+    for part in parts:
+        if part in MEMBERS:
+            return choice({kind: table_of(member, kind) for kind, member in MEMBERS[part].items()})
     if parts:
         return choice({_kebab(part): table_of(part, _kebab(part)) for part in parts})
     return hint
 
 
-MEMBERS: Mapping[type, Mapping[str, type[Parametrised]]] = {Profile: PROFILES, Motor: MOTORS}
+MEMBERS: Mapping[type, Mapping[str, type]] = {Profile: PROFILES, Motor: MOTORS}
 """What parts of mechanisms are chosen from, by their ``type``."""
 
 

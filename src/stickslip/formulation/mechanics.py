@@ -147,6 +147,22 @@ class Mechanics:
         guiding = [self.surplus(i, motion.accelerations) * rates[i] for i in self.guides]
         return self.supplied + sum(guiding, se.Integer(0))
 
+    def wall_rows(self) -> list[se.Expr]:
+        """Return the rows of the stops that kernels read, by the columns of their layout.
+
+        An impulse P on coordinate i changes the rates by P M^-1 e_i, and rate i by P (M^-1)_ii;
+        those of guided coordinates do not change.
+        """
+        rows: list[se.Expr] = []
+        for wall in self.walls:
+            unit = se.DenseMatrix(len(self.free), 1, [int(i == wall.coordinate) for i in self.free])
+            solved = self.reduced(self.free).LUsolve(unit)
+            changes = {i: solved[k, 0] for k, i in enumerate(self.free)}
+            own = changes[wall.coordinate]
+            rows += [wall.position, wall.restitution, 1 / own]
+            rows += [changes.get(i, se.Integer(0)) / own for i in range(len(self.coordinates))]
+        return rows
+
 
 def _only_contact(mechanism: Mechanism) -> Contact:
     contacts = mechanism.contacts()
@@ -182,6 +198,24 @@ def _work_rate(forces: Mapping[str, Any], speeds: Mapping[str, se.Symbol]) -> se
     return sum((expression(force) * speeds[i] for i, force in forces.items()), se.Integer(0))
 
 
+def _lagrange(
+    kinetic: se.Expr,
+    potential: se.Expr,
+    other: Mapping[str, Any],
+    places: Mapping[str, se.Symbol],
+    speeds: Mapping[str, se.Symbol],
+    moving: Sequence[str],
+) -> tuple[list[se.Expr], list[se.Expr]]:
+    """Return the mass matrix, row by row, its columns those that move, and the forces."""
+    momentum = {name: kinetic.diff(speeds[name]) for name in places}
+    forces = []
+    for name, p in momentum.items():
+        drift = sum((p.diff(places[j]) * speeds[j] for j in places), se.Integer(0))
+        own = (kinetic - potential).diff(places[name]) + expression(other.get(name, 0.0))
+        forces.append(own - drift)
+    return [p.diff(speeds[j]) for p in momentum.values() for j in moving], forces
+
+
 def derive_mechanics(
     mechanism: Mechanism,
     t: se.Symbol,
@@ -200,22 +234,14 @@ def derive_mechanics(
     potential = expression(mechanism.potential_energy(Traced(t, board), traced(places)))
     other = mechanism.forces(Traced(t, board), traced(places), traced(speeds), traced(drives))
     at_rest = {symbols[name]: 0 for symbols in (places, speeds) for name in held}
-    names = [*q, *held]
-    momentum = [kinetic.diff(speeds[i]) for i in names]
-    force = []
-    for name, p in zip(names, momentum, strict=True):
-        drift = sum((p.diff(places[j]) * speeds[j] for j in names), se.Integer(0))
-        own = (kinetic - potential).diff(places[name]) + expression(other.get(name, 0.0))
-        force.append(collapsed((own - drift).subs(at_rest)))
-    guides = _guides(mechanism, contact, list(q), drives)
-    rows = [p.diff(speeds[j]).subs(at_rest) for p in momentum for j in q]
+    mass, forces = _lagrange(kinetic, potential, other, places, speeds, list(q))
     return Mechanics(
         coordinates=tuple(q),
         contact=contact,
         slip=list(q).index(contact.slip),
-        mass=se.DenseMatrix(len(names), len(q), rows),
-        forces=force,
-        guides=guides,
+        mass=se.DenseMatrix(len(places), len(q), [e.subs(at_rest) for e in mass]),
+        forces=[collapsed(e.subs(at_rest)) for e in forces],
+        guides=_guides(mechanism, contact, list(q), drives),
         efforts={list(q).index(name): g.effort for name, g in mechanism.guided().items()},
         held=held,
         load=None if contact.normal is not None else expression(contact.load),

@@ -11,7 +11,7 @@ from stickslip.formulation.emit import Case, function
 from stickslip.formulation.linearity import linear_where
 from stickslip.formulation.mechanics import Mechanics, derive_mechanics
 from stickslip.formulation.modes import PAINLEVE, Mode, ModeEquations, mode_equations
-from stickslip.formulation.stops import impact_events, wall_guards, wall_rows
+from stickslip.formulation.stops import impact_events, wall_guards
 from stickslip.formulation.trace import Switch, Switchboard, Traced, expression
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.kernels.codes import SWITCH
@@ -116,9 +116,31 @@ def formulate(mechanism: Mechanism, law: FrictionLaw, *, slopes: bool = False) -
 
 
 def _formulated(mechanism: Mechanism, law: FrictionLaw, slopes: bool) -> Model:
-    """Trace and derive."""
-    board = Switchboard()
-    index = _places(mechanism, law)
+    """Trace and derive; write the text."""
+    board, index = Switchboard(), _places(mechanism, law)
+    symbols, mechanics, modes = _derived(mechanism, law, index, board)
+    room = _rounded(len(board.switches), FEW_SWITCHES)
+    quantities = _quantities(symbols, index.values()) if slopes else []
+    return Model(
+        title=f"{type(mechanism).__name__} with {type(law).__name__}",
+        shape=_shape(symbols, mechanics, modes, room, max(index.values(), default=0) + 1),
+        text=_text(symbols, mechanics, modes, list(board.switches.values()), room, quantities),
+        states=(*mechanism.coordinates, *mechanism.rates, *bristles_of(law)),
+        parameter_paths=tuple(index),
+        first_parameter=min(index.values(), default=0),
+        drives=tuple(symbols.drives),
+        has_slopes=slopes,
+        switch_events=tuple(switch.events for switch in board.switches.values()),
+        impact_events=impact_events(mechanics.walls, mechanism.coordinates, mechanics.slip),
+        limits=_limits(modes),
+        channels=tuple(mechanics.efforts.values()),
+    )
+
+
+def _derived(
+    mechanism: Mechanism, law: FrictionLaw, index: Mapping[str, int], board: Switchboard
+) -> tuple[_Symbols, Mechanics, Mapping[Mode, ModeEquations]]:
+    """Return symbols, equations of motion, and what holds in each mode."""
 
     def symbol(path: str) -> Traced:
         return Traced(se.Symbol(f"p{index[path]}"), board)
@@ -141,22 +163,7 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw, slopes: bool) -> Model:
         constants=symbols.constants,
         board=board,
     )
-    room = _rounded(len(board.switches), FEW_SWITCHES)
-    quantities = _quantities(symbols, index.values()) if slopes else []
-    return Model(
-        title=f"{type(mechanism).__name__} with {type(law).__name__}",
-        shape=_shape(symbols, mechanics, modes, room, max(index.values(), default=0) + 1),
-        text=_text(symbols, mechanics, modes, list(board.switches.values()), room, quantities),
-        states=(*mechanism.coordinates, *mechanism.rates, *bristles_of(law)),
-        parameter_paths=tuple(index),
-        first_parameter=min(index.values(), default=0),
-        drives=tuple(symbols.drives),
-        has_slopes=slopes,
-        switch_events=tuple(switch.events for switch in board.switches.values()),
-        impact_events=impact_events(mechanics.walls, mechanism.coordinates, mechanics.slip),
-        limits=_limits(modes),
-        channels=tuple(mechanics.efforts.values()),
-    )
+    return symbols, mechanics, modes
 
 
 def _places(mechanism: Mechanism, law: FrictionLaw) -> dict[str, int]:
@@ -221,7 +228,7 @@ def _text(
         same("margins", margins + [se.Integer(0)] * (room - len(margins))),
         same("diagram", _diagram(symbols, mechanics, closed)),
         same("rest", _rest(symbols, modes)),
-        same("walls", wall_rows(mechanics)),
+        same("walls", mechanics.wall_rows()),
     ]
     if quantities:
         parts.append(f"QUANTITIES = {len(quantities)}\n")

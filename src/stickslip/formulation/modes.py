@@ -79,9 +79,7 @@ class _Context:
     def channels(self, motion: Motion) -> dict[str, se.Expr]:
         """Return the efforts of guided coordinates by what they are called."""
         mechanics, reactions = self.mechanics, self.mechanics.reactions(motion)
-        return {
-            name: reactions[mechanics.coordinates[i]] for i, name in mechanics.efforts.items()
-        }
+        return {name: reactions[mechanics.coordinates[i]] for i, name in mechanics.efforts.items()}
 
     def lift_off(self, normal: se.Expr) -> dict[int, se.Expr]:
         """Return a guard where the normal force can change at all."""

@@ -1,20 +1,14 @@
 """Hard stops as expressions: margins, and how the rates respond to an impact."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import symengine as se
 
 from stickslip.formulation.trace import expression
 from stickslip.mechanisms import Mechanism, stops_of
 
-if TYPE_CHECKING:
-    from stickslip.formulation.mechanics import Mechanics
-
-__all__ = ["Wall", "derive_walls", "impact_events", "wall_guards", "wall_rows"]
+__all__ = ["Wall", "derive_walls", "impact_events", "wall_guards"]
 
 SIDES = {"lower": -1, "upper": 1}
 
@@ -68,21 +62,3 @@ def wall_guards(walls: Sequence[Wall], slip: int, mode: int) -> list[se.Expr]:
     """
     watched = [wall.coordinate != slip or wall.side == mode for wall in walls]
     return [wall.margin if yes else se.Integer(0) for wall, yes in zip(walls, watched, strict=True)]
-
-
-def wall_rows(mechanics: Mechanics) -> list[se.Expr]:
-    """Return the rows that kernels read, by the columns of `stickslip.kernels.layout`.
-
-    An impulse P on coordinate i changes the rates by P M^-1 e_i, and rate i by P (M^-1)_ii; those
-    of guided coordinates do not change.
-    """
-    free = mechanics.free
-    rows: list[se.Expr] = []
-    for wall in mechanics.walls:
-        unit = se.DenseMatrix(len(free), 1, [int(i == wall.coordinate) for i in free])
-        solved = mechanics.reduced(free).LUsolve(unit)
-        changes = {i: solved[k, 0] for k, i in enumerate(free)}
-        own = changes[wall.coordinate]
-        rows += [wall.position, wall.restitution, 1 / own]
-        rows += [changes.get(i, se.Integer(0)) / own for i in range(len(mechanics.coordinates))]
-    return rows

@@ -137,8 +137,8 @@ def transition(guard: int, w: Vector, whole: Vector) -> float:
 def forbidden(w: Vector, whole: Vector) -> int:
     """Return the guard of a limit that the mode at hand begins beyond, or 0.
 
-    Guards are looked at for a fall from above zero, which would miss one that begins below it. Where
-    the equations have no meaning the normal force has none either, so limits come first.
+    Guards are looked at for a fall from above zero, which would miss one that begins below it.
+    Where the equations have no meaning the normal force has none either, so limits come first.
     """
     if N_LIMITS > 0:
         guards(int(whole[MODE]), int(whole[FLAGS]), w[TIME], w, Y, VALUES)

@@ -149,12 +149,13 @@ class Mechanism(Parametrised, ABC):
         return {}
 
     def held(self) -> tuple[str, ...]:
-        """Return coordinates held at 0, beside the contact's normal one, of which the reaction
-        tells something: see `limits`.
-        """
+        """Return coordinates held at 0 beside the contact's normal one, for their reactions."""
         return ()
 
-    def limits(self, forces: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
+    def limits(
+        self,
+        forces: Mapping[str, Scalar],  # noqa: ARG002  # for those that have limits
+    ) -> Mapping[str, Scalar]:
         """Return what ends a run as it falls below 0, by the name of the event.
 
         Parameters

@@ -9,7 +9,7 @@ from typing_extensions import override
 from stickslip.drives import Drive
 from stickslip.maths import Scalar
 from stickslip.mechanisms.base import BoundedMechanism, Contact, Guide, Stop, stops_between
-from stickslip.mechanisms.motors import Motor, Torque
+from stickslip.mechanisms.motors import IDLE, Motor
 from stickslip.quantities import Quantity
 
 __all__ = ["Capsule"]
@@ -43,7 +43,7 @@ class Capsule(BoundedMechanism):
     """Mass of the capsule."""
     inner_mass: Annotated[float, Quantity("m", "kg", above=0)]
     """Mass inside."""
-    drive: Motor = Torque()
+    drive: Motor = IDLE
     """What moves the inner mass: `Prescribed`, or `Torque` for a force on it [N]."""
     stiffness: Annotated[float, Quantity("k", "N/m", low=0)] = 0.0
     """Spring between the two, free of force at xi = 0."""

@@ -13,7 +13,7 @@ from stickslip.maths import Scalar, where
 from stickslip.mechanisms.base import Guide
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["MOTORS", "Motor", "Prescribed", "Torque"]
+__all__ = ["IDLE", "MOTORS", "Motor", "Prescribed", "Torque"]
 
 DRIVE = "motor"
 """Name of the drive that a motor has."""
@@ -34,17 +34,17 @@ class Motor(Parametrised, ABC):
     def force(self, drives: Mapping[str, Scalar]) -> Scalar:
         """Return the force [N] or torque [N m] at present values of the drives."""
 
+    @abstractmethod
     def start(self, coordinate: str, rate: str) -> Mapping[str, Scalar]:
-        """Return where the driven coordinate begins."""
-        return {}
+        """Return where the driven coordinate begins, by name; empty where it is free to."""
 
+    @abstractmethod
     def guide(self, effort: str, unit: str) -> Guide | None:
         """Return how the coordinate is guided, None where a force moves it."""
-        return None
 
+    @abstractmethod
     def limits(self, effort: Scalar) -> Mapping[str, Scalar]:
-        """Return what the motor cannot do, by the name of the event."""
-        return {}
+        """Return what ends a run as a guided coordinate needs too much, by event."""
 
 
 @final
@@ -133,6 +133,21 @@ class Torque(Motor):
         above = where(wanted > most, most, wanted, named)
         return where(wanted < -most, -most, above, named)
 
+    @override
+    def start(self, coordinate: str, rate: str) -> Mapping[str, Scalar]:
+        return {}
+
+    @override
+    def guide(self, effort: str, unit: str) -> Guide | None:
+        return None
+
+    @override
+    def limits(self, effort: Scalar) -> Mapping[str, Scalar]:
+        return {}
+
+
+IDLE = Torque()
+"""A motor that does nothing."""
 
 MOTORS: Mapping[str, type[Motor]] = {motor.name: motor for motor in (Prescribed, Torque)}
 """The motors by the ``type`` they have in rig files."""

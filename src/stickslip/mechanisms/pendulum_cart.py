@@ -9,7 +9,7 @@ from typing_extensions import override
 from stickslip.drives import Drive
 from stickslip.maths import Scalar, cos, sin
 from stickslip.mechanisms.base import Contact, Guide, Mechanism
-from stickslip.mechanisms.motors import Motor, Torque
+from stickslip.mechanisms.motors import IDLE, Motor
 from stickslip.quantities import Quantity
 
 __all__ = ["PendulumCart"]
@@ -49,7 +49,7 @@ class PendulumCart(Mechanism):
     """Mass of the ball."""
     length: Annotated[float, Quantity("l", "m", above=0)]
     """Length of the rod."""
-    pendulum: Motor = Torque()
+    pendulum: Motor = IDLE
     """What moves the pendulum: `Prescribed` or `Torque`."""
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""

@@ -33,9 +33,7 @@ class Diagram:
     """Index of the slip velocity in the state."""
 
     @classmethod
-    def build(
-        cls, mechanism: Mechanism, law: FrictionLaw | PrintedForm, t_end: float
-    ) -> Self:
+    def build(cls, mechanism: Mechanism, law: FrictionLaw | PrintedForm, t_end: float) -> Self:
         """Take the mechanism's own equations; any law serves to formulate them."""
         stand_in = Coulomb(kinetic_coefficient=0.0)
         model = formulate(mechanism, stand_in)

@@ -52,7 +52,7 @@ def starts_as_told(
 ) -> dict[str, Array]:
     """Return what varies among runs, with the states that begin elsewhere because of it."""
     found = dict(columns)
-    values = _told(mechanism, lambda path, own: columns.get(path, own)) if told else {}
+    values = _told(mechanism, columns.get) if told else {}
     for state in told:
         if np.ndim(values[state]):
             found[f"initial.{state}"] = np.asarray(values[state], dtype=np.float64)

@@ -92,9 +92,7 @@ def schedule(
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     twin = shadow(mechanism, "mechanism", lambda path: columns.get(path, values[path]))
     drives = list(twin.drives().values())
-    tables = [
-        [_columns(part.pieces(t_end), count) for part in _parts(drive)] for drive in drives
-    ]
+    tables = [[_columns(part.pieces(t_end), count) for part in _parts(drive)] for drive in drives]
     starts = _starts([table[0] for parts in tables for table in parts], count)
     rows = [_merged(parts, starts) for parts in tables]
     return Schedule(
@@ -125,9 +123,7 @@ def schedule_slopes(
             own[path] = own.get(path, np.full(runs * m, values[path])) + 1j * IMAGINARY * side
     twin = shadow(mechanism, "mechanism", lambda path: own.get(path, values[path]))
     drives = list(twin.drives().values())
-    parts = [
-        [_columns(part.pieces(t_end), runs * m) for part in _parts(drive)] for drive in drives
-    ]
+    parts = [[_columns(part.pieces(t_end), runs * m) for part in _parts(drive)] for drive in drives]
     if not any(np.iscomplexobj(table) for tables_of in parts for table in tables_of):
         width = 1 + 3 * len(drives)
         return np.zeros((runs, tables.shape[1] // width, width, m))  # no path moves a drive

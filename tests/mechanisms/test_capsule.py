@@ -1,0 +1,110 @@
+"""The capsule against closed forms of its three-phase drive, and its impacts."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stickslip import Capsule, Coulomb, Prescribed, Sine, Status, ThreePhase, Torque, simulate
+
+G = 9.81
+
+
+def driven(share, mu, stroke, fast):
+    """Return a capsule of 1 kg whose slow phase drives just at the break-away level."""
+    slow = mu * G / share
+    profile = ThreePhase(amplitude=0.5 * stroke, fast=fast, slow=slow, first="slow")
+    motor = Prescribed(profile=profile)
+    return Capsule(capsule_mass=1.0 - share, inner_mass=share, drive=motor), profile
+
+
+def travel(share, mu, stroke, fast):
+    """Return the travel of a cycle and its duration in closed form.
+
+    The capsule stays while the inner mass goes slowly, and is thrown as it comes back: it gains
+    speed for the fast phase and coasts to rest.
+    """
+    slow = mu * G / share
+    rate = math.sqrt(2.0 * stroke / (1.0 / slow + 1.0 / fast))
+    back = 2.0 * rate / fast
+    gained = (share * fast - mu * G) * back
+    return gained * back / 2.0 + gained**2 / (4.0 * mu * G), 2.0 * rate / slow + back
+
+
+def test_the_published_capsule_travels_its_published_way():
+    capsule, profile = driven(0.2, 0.2, 0.02, 50.0)
+    run = simulate(capsule, Coulomb(kinetic_coefficient=0.2), t_end=5.0 * profile.period)
+    x = run.at(profile.period * np.arange(6))["x"]
+    assert np.diff(x).round(7).tolist() == [0.0064304] * 5
+    assert round(float(x[-1] / (5.0 * profile.period)), 6) == 0.046037
+    assert run.certificate.energy_error < 1e-9
+
+
+@settings(max_examples=40)
+@given(
+    share=st.floats(0.05, 0.6),
+    mu=st.floats(0.05, 0.8),
+    stroke=st.floats(0.005, 0.2),
+    faster=st.floats(3.0, 12.0),
+)
+def test_three_phases_carry_any_capsule_as_the_closed_form_says(share, mu, stroke, faster):
+    capsule, profile = driven(share, mu, stroke, faster * mu * G / share)
+    expected, period = travel(share, mu, stroke, faster * mu * G / share)
+    run = simulate(capsule, Coulomb(kinetic_coefficient=mu), t_end=2.0 * period)
+    assert profile.period == pytest.approx(period, rel=1e-14)
+    x = run.at([period, 2.0 * period])["x"]
+    # modes of constant acceleration are exact; the slow phase balances up to roundings of forces,
+    # which may let the capsule creep by 1e-15 of what the forces would do alone
+    assert x[0] == pytest.approx(expected, rel=1e-9)
+    assert x[1] == pytest.approx(2.0 * expected, rel=1e-9)
+
+
+def test_a_faster_return_nears_twice_the_share_of_the_stroke():
+    far, _ = travel(0.2, 0.2, 0.02, 1e9)
+    assert far == pytest.approx(2.0 * 0.2 * 0.02, rel=1e-4)  # the rest falls as w1 / w2 does: 1e-8
+    capsule, profile = driven(0.2, 0.2, 0.02, 1e7)
+    run = simulate(capsule, Coulomb(kinetic_coefficient=0.2), t_end=float(profile.period))
+    assert float(run["x"][-1]) == pytest.approx(0.008, rel=1e-5)
+
+
+def test_without_friction_the_common_centre_stays_where_it_was():
+    capsule = Capsule(
+        capsule_mass=0.7, inner_mass=0.3, stiffness=40.0, damping=0.2,
+        drive=Torque(drive=Sine(amplitude=1.0, frequency=2.0)),
+    )  # fmt: skip
+    run = simulate(capsule, Coulomb(kinetic_coefficient=0.0), t_end=4.0)
+    centre = run["x"] + 0.3 * run["xi"]
+    assert np.abs(centre).max() < 1e-11  # a hundred local errors of 1e-12 of 0.1 m
+
+
+def test_the_mirrored_drive_mirrors_the_motion():
+    capsule = Capsule(
+        capsule_mass=0.7, inner_mass=0.3, stiffness=40.0,
+        drive=Torque(drive=Sine(amplitude=3.0, frequency=1.7, phase=0.4)),
+    )  # fmt: skip
+    law = Coulomb(kinetic_coefficient=0.15, static_coefficient=0.2)
+    other = replace(capsule, drive=Torque(drive=Sine(amplitude=-3.0, frequency=1.7, phase=0.4)))
+    there, back = (simulate(one, law, t_end=3.0) for one in (capsule, other))
+    assert len(there.events) == len(back.events) > 4
+    t = np.linspace(0.0, 3.0, 50)
+    # the same operations with other signs, but for the rounding of sums
+    np.testing.assert_allclose(there.at(t)["x"], -back.at(t)["x"], atol=1e-12)
+
+
+def test_a_vibro_impact_capsule_strikes_its_stops_and_keeps_its_momentum():
+    capsule = Capsule(
+        capsule_mass=0.6, inner_mass=0.4, lower_stop=-0.01, upper_stop=0.02, restitution=0.7
+    )
+    free = Coulomb(kinetic_coefficient=0.0)
+    run = simulate(capsule, free, t_end=0.4, y0={"xi_dot": 0.5}, throw=False)
+    assert run.status is Status.END_TIME
+    hits = [event for event in run.events if event.reason == "xi hits stop"]
+    # 20 mm at 0.5 m/s, then 30 mm each at 0.7 of the speed before
+    times = 0.04 + np.cumsum([0.0, 0.03 / 0.35, 0.03 / 0.245])
+    assert [event.t for event in hits[:3]] == pytest.approx(times.tolist(), rel=1e-12)
+    momentum = 0.6 * run["v"] + 0.4 * (run["v"] + run["xi_dot"])
+    np.testing.assert_allclose(momentum, 0.2, rtol=1e-13)
+    assert run["xi"].max() <= 0.02 + 1e-15

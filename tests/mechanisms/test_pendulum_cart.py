@@ -1,0 +1,355 @@
+"""The pendulum cart against closed forms: Lagrange's equations solved by hand.
+
+The ball is at (x - l sin th, l cos th) on a cart with friction on the ground.
+"""
+
+import functools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from tests.support import Generated, decade
+
+from stickslip import (
+    Coulomb,
+    PendulumCart,
+    PiecewiseLinear,
+    Prescribed,
+    SineSwing,
+    SplineSwing,
+    Status,
+    ThreePhase,
+    Torque,
+    simulate,
+)
+from stickslip.errors import SimulationError
+from stickslip.formulation import formulate
+
+ROUNDING = 1e-12
+"""Roundings, multiplied by the ratio of the masses and by how close D comes to zero."""
+
+
+def cart_with(torque=0.0, **values):
+    """Return a cart whose pendulum a constant torque turns."""
+    constant = PiecewiseLinear(times=(0.0,), values=(torque,))
+    return PendulumCart(pendulum=Torque(drive=constant), **values)
+
+
+def torque_of(cart):
+    return cart.pendulum.drive.values[0]
+
+
+LAW = Coulomb(kinetic_coefficient=0.1, static_coefficient=0.2)
+
+
+@functools.cache
+def model():
+    """Return the equations, which are the same for all numbers."""
+    return formulate(cart_with(cart_mass=1.0, ball_mass=1.0, length=1.0), LAW)
+
+
+carts = st.builds(
+    cart_with,
+    cart_mass=decade(-1, 1),
+    ball_mass=decade(-1, 0.3),
+    length=decade(-1, 0.3),
+    torque=st.floats(-1, 1),
+)
+laws = st.builds(
+    lambda kinetic, surplus: Coulomb(
+        kinetic_coefficient=kinetic, static_coefficient=kinetic + surplus
+    ),
+    st.floats(0, 0.6),
+    st.floats(0, 0.3),
+)
+special = st.sampled_from([0.0, math.pi / 2, -math.pi / 2, math.pi])
+angles = st.floats(-math.pi, math.pi) | special
+rates = st.floats(-5, 5)
+EVERY = settings(max_examples=60)
+
+
+def pivot(cart, mu, s, theta):
+    """D of the cart, over M + m."""
+    M, m = cart.cart_mass, cart.ball_mass
+    sin_, cos_ = math.sin(theta), math.cos(theta)
+    return M + m * sin_**2 - mu * s * m * sin_ * cos_
+
+
+def slipping(cart, mu, s, theta, omega):
+    """Return x'', th'' and N while slipping, and the size of their parts."""
+    M, m, l, tau, g = (  # noqa: E741
+        cart.cart_mass, cart.ball_mass, cart.length, torque_of(cart), cart.gravity,
+    )  # fmt: skip
+    S, C, w2 = math.sin(theta), math.cos(theta), omega * omega
+    D = pivot(cart, mu, s, theta)
+    N = (M * ((M + m) * g - m * l * w2 * C) - (M + m) * tau * S / l) / D
+    x_ddot = (
+        -mu * s * g * (M + m * C**2)
+        + m * g * S * C
+        + m * l * w2 * (mu * s * C - S)
+        + tau * (C + mu * s * S) / l
+    ) / D
+    th_ddot = (
+        (M + m) * tau
+        + (M + m) * m * g * l * (S - mu * s * C)
+        + m**2 * l**2 * w2 * C * (mu * s * C - S)
+    ) / (m * l**2 * D)
+    size = (g * (M + m) + m * l * w2 + abs(tau) / l) / D
+    return x_ddot, th_ddot, N, size
+
+
+@pytest.mark.parametrize("s", [1, -1], ids=["forward", "backward"])
+@EVERY
+@given(cart=carts, law=laws, theta=angles, omega=rates, speed=decade(-3, 1))
+def test_slip_has_the_accelerations_and_normal_force_of_the_closed_form(
+    s, cart, law, theta, omega, speed
+):
+    mu = law.kinetic_coefficient
+    assume(pivot(cart, mu, s, theta) > 0.1 * cart.cart_mass)  # away from the Painleve paradox
+    y = [0.3, theta, s * speed, omega]
+    x_ddot, th_ddot, N, size = slipping(cart, mu, s, theta, omega)
+    generated = Generated(cart, law, model())
+    *same, x_found, th_found = generated.moving("field", s, y)
+    friction, normal, _, level = generated.moving("contact", s, y)
+    ratio = 1.0 + cart.cart_mass / cart.ball_mass + cart.ball_mass / cart.cart_mass
+    allowed = ROUNDING * ratio * size
+    total = cart.cart_mass + cart.ball_mass
+    assert same == [s * speed, omega]
+    assert abs(x_found - x_ddot) <= allowed
+    assert abs(th_found - th_ddot) <= allowed / cart.length
+    assert abs(normal - N) <= allowed * total
+    assert abs(friction - s * mu * N) <= allowed * total
+    assert abs(level - law.static_coefficient * N) <= allowed * total
+
+
+@EVERY
+@given(cart=carts, law=laws, theta=angles, omega=rates)
+def test_stick_needs_the_friction_of_the_closed_form(cart, law, theta, omega):
+    M, m, l, tau, g = (  # noqa: E741
+        cart.cart_mass, cart.ball_mass, cart.length, torque_of(cart), cart.gravity,
+    )  # fmt: skip
+    S, C, w2 = math.sin(theta), math.cos(theta), omega * omega
+    th_ddot = (tau + m * g * l * S) / (m * l**2)
+    needed = (tau + m * g * l * S) * C / l - m * l * w2 * S
+    N = M * g + m * g * C**2 - m * l * w2 * C - tau * S / l
+    size = (M + m) * g + m * l * w2 + abs(tau) / l
+    generated = Generated(cart, law, model())
+    y = [0.3, theta, 0.0, omega]
+    assert generated.moving("field", 0, y)[:3] == [0.0, omega, 0.0]
+    assert abs(generated.moving("field", 0, y)[3] - th_ddot) <= ROUNDING * size / (m * l)
+    friction, normal, same, level = generated.moving("contact", 0, y)
+    assert friction == same
+    assert abs(friction - needed) <= ROUNDING * size
+    assert abs(normal - N) <= ROUNDING * size
+    assert abs(level - law.static_coefficient * N) <= ROUNDING * size
+
+
+@EVERY
+@given(cart=carts, theta=angles, omega=rates, v=rates)
+def test_the_energy_is_that_of_cart_and_ball(cart, theta, omega, v):
+    M, m, l, g = cart.cart_mass, cart.ball_mass, cart.length, cart.gravity  # noqa: E741
+    ball = (v - l * math.cos(theta) * omega) ** 2 + (l * math.sin(theta) * omega) ** 2
+    expected = 0.5 * M * v**2 + 0.5 * m * ball + m * g * l * math.cos(theta)
+    found = Generated(cart, LAW, model()).energy([0.0, theta, v, omega])
+    assert abs(found - expected) <= 1e-14 * (M * v**2 + m * ball + m * g * l)  # a few roundings
+
+
+def test_a_cart_whose_pendulum_lifts_it_ends_with_that_status():
+    cart = PendulumCart(cart_mass=1.0, ball_mass=1.0, length=1.0)
+    # rising to the top fast enough that m l w^2 cos th outweighs both
+    start = {"theta": -1.2, "omega": 7.0}
+    run = simulate(cart, LAW, t_end=5.0, y0=start, throw=False)
+    assert run.status is Status.LIFT_OFF
+    assert run.events[-1].reason == "lift-off"
+    assert run.certificate.certified
+    assert abs(run["normal_force"][-1]) <= 1e-9 * 2 * 9.81  # located to rounding of the time
+    with pytest.raises(SimulationError, match="leaves the ground"):
+        simulate(cart, LAW, t_end=5.0, y0=start)
+
+
+def test_a_cart_without_friction_and_torque_keeps_its_energy_and_momentum():
+    cart = PendulumCart(cart_mass=2.0, ball_mass=0.5, length=0.4)
+    free = Coulomb(kinetic_coefficient=0.0)
+    run = simulate(cart, free, t_end=3.0, y0={"theta": 0.3, "v": 5.0})
+    momentum = 2.5 * run["v"] - 0.5 * 0.4 * run["omega"] * np.cos(run["theta"])
+    assert run.certificate.energy_error <= 1e-9  # the certificate's limit
+    np.testing.assert_allclose(momentum, momentum[0], rtol=1e-10)  # a hundred tolerances
+
+
+SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
+PERIOD = float(SWING.period)
+LIGHT = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING))
+ROUGH = Coulomb(kinetic_coefficient=0.2)
+
+
+@functools.cache
+def cycles():
+    """Return six cycles of the cart of the published checks."""
+    return simulate(LIGHT, ROUGH, t_end=6.0 * PERIOD)
+
+
+def test_the_first_cycle_and_all_others_have_their_published_travel():
+    x = cycles().at(PERIOD * np.arange(7))["x"]
+    assert round(PERIOD, 5) == 0.7236
+    assert round(float(x[1]), 7) == 0.0248596
+    assert np.diff(x[1:]).round(7).tolist() == [0.0634659] * 5
+
+
+def test_the_least_normal_force_and_the_back_slip_are_the_published_ones():
+    run = cycles()
+    t = np.linspace(0.0, 5.0 * PERIOD, 100001)  # 36 us: a peak of N is missed by 1e-6 of it
+    columns = run.at(t)
+    assert round(float(columns["normal_force"].min()), 3) == 3.462
+    moved = np.diff(columns["x"])
+    back = -moved[moved < 0.0].sum() / 5.0  # the first cycle slips back more than the others
+    assert round(1e3 * float(back), 2) == 0.35
+    assert round(float(columns["v"].min()), 3) == -0.006
+
+
+def test_a_prescribed_swing_is_followed_and_its_energy_is_accounted_for():
+    run = cycles()
+    for t in np.linspace(0.0, 6.0 * PERIOD, 50):
+        theta, omega = SWING.at(float(t))
+        # the swing is a polynomial in each piece, and its sum of pieces rounds
+        assert abs(run.at([t])["theta"][0] - theta) < 1e-12
+        assert abs(run.at([t])["omega"][0] - omega) < 1e-11
+    assert run.certificate.energy_error < 1e-9
+
+
+swings = st.builds(
+    ThreePhase, amplitude=st.floats(0.1, 1.4), fast=st.floats(5, 200), slow=st.floats(5, 200)
+)
+
+
+@EVERY
+@given(cart=carts, law=laws, swing=swings, s=st.sampled_from([1, -1]), theta=angles, omega=rates)
+def test_a_prescribed_swing_pushes_the_cart_as_the_closed_form_says(
+    cart, law, swing, s, theta, omega
+):
+    cart = replace(cart, pendulum=Prescribed(profile=swing))
+    M, m, l, g, mu = (  # noqa: E741
+        cart.cart_mass, cart.ball_mass, cart.length, cart.gravity, law.kinetic_coefficient,
+    )  # fmt: skip
+    S, C, w2, turning = math.sin(theta), math.cos(theta), omega * omega, swing.fast
+    H = m * l * (turning * C - w2 * S)
+    N = (M + m) * g - m * l * (turning * S + w2 * C)
+    x_ddot = (H - s * mu * N) / (M + m)
+    tau = m * l**2 * turning - m * l * x_ddot * C - m * g * l * S
+    generated = Generated(cart, law)
+    generated.equations.load(1)  # the first phase
+    y = [0.1, theta, 0.2 * s, omega]
+    size = (M + m) * g + m * l * (turning + w2)
+    # a few roundings of the parts
+    assert np.allclose(
+        generated.moving("field", s, y), [0.2 * s, omega, x_ddot, turning],
+        rtol=1e-12, atol=1e-12 * size / (M + m),
+    )  # fmt: skip
+    friction, normal, _, _, torque = generated.moving("contact", s, y)
+    assert math.isclose(normal, N, rel_tol=1e-12, abs_tol=1e-12 * size)
+    assert math.isclose(friction, s * mu * N, rel_tol=1e-12, abs_tol=1e-12 * size)
+    assert math.isclose(torque, tau, rel_tol=1e-12, abs_tol=1e-12 * size * l)
+    held = generated.moving("contact", 0, [0.1, theta, 0.0, omega])
+    assert math.isclose(held[2], H, rel_tol=1e-12, abs_tol=1e-12 * size)
+
+
+@pytest.mark.parametrize(
+    "swing",
+    [
+        SineSwing(amplitude=0.8, frequency=1.5),
+        SplineSwing(positions=(-0.6, 0.2, 0.7, 0.1), duration=0.8),
+    ],
+    ids=["sine", "spline"],
+)
+def test_smooth_swings_are_followed_too(swing):
+    cart = replace(LIGHT, pendulum=Prescribed(profile=swing))
+    run = simulate(cart, ROUGH, t_end=3.0)
+    for t in np.linspace(0.0, 3.0, 40):
+        theta, omega = swing.at(float(t))
+        # steps of relative error 1e-12, of which some tens add up
+        assert abs(run.at([t])["theta"][0] - theta) < 1e-10
+        assert abs(run.at([t])["omega"][0] - omega) < 1e-9
+    assert run.certificate.energy_error < 1e-9
+
+
+def test_a_motor_that_saturates_gives_its_limit_and_says_when():
+    swing = PiecewiseLinear(times=(0.0, 1.0, 2.0), values=(0.0, 1.0, 0.0))
+    free = replace(LIGHT, pendulum=Torque(drive=swing))
+    weak = replace(LIGHT, pendulum=Torque(drive=swing, limit=0.25))
+    held = Coulomb(kinetic_coefficient=3.0)  # the cart stays where it is
+    run = simulate(weak, held, t_end=0.4, throw=False)
+    reasons = [(event.reason, round(event.t, 12)) for event in run.events]
+    assert ("motor saturates", 0.25) in reasons
+    alike = simulate(free, held, t_end=0.25, throw=False)
+    assert run.at([0.25])["theta"][0] == pytest.approx(alike["theta"][-1], rel=1e-11)
+
+
+GENTLE = SplineSwing(positions=(0.0, 0.05, 0.7, -0.3), duration=0.9)
+"""A swing that asks for most within its cycle and not as it begins."""
+
+
+def first_above(t, values, level):
+    """Return the first sample above a level and the one before it."""
+    k = int(np.argmax(values > level))
+    assert k > 0
+    return t[k - 1], t[k]
+
+
+def test_a_prescribed_swing_that_needs_more_than_the_motor_gives_ends_there():
+    cart = replace(LIGHT, pendulum=Prescribed(profile=GENTLE))
+    t = np.linspace(0.0, 1.8, 36001)
+    needed = np.abs(simulate(cart, ROUGH, t_end=1.8).at(t)["torque"])
+    most = float(needed.max())
+    strong = replace(cart, pendulum=Prescribed(profile=GENTLE, limit=1.001 * most))
+    assert simulate(strong, ROUGH, t_end=1.8).status is Status.END_TIME
+    weak = replace(cart, pendulum=Prescribed(profile=GENTLE, limit=0.9 * most))
+    run = simulate(weak, ROUGH, t_end=1.8, throw=False)
+    assert run.status is Status.LIMIT
+    assert run.events[-1].reason == "motor limit"
+    before, after = first_above(t, needed, 0.9 * most)
+    assert before <= run.span[1] <= after
+    assert run.certificate.certified
+
+
+def test_a_cart_on_narrow_wheels_tips_where_the_ground_cannot_hold_its_moment():
+    M, m, l, g, h_p, h_c = 0.5, 0.1, 0.3, 9.81, 0.1, 0.05  # noqa: E741
+    swing = GENTLE
+    wide = PendulumCart(
+        cart_mass=M, ball_mass=m, length=l, wheelbase=1.0, pivot_height=h_p, centre_height=h_c,
+        pendulum=Prescribed(profile=swing),
+    )  # fmt: skip
+    run = simulate(wide, ROUGH, t_end=2.0)
+    t = np.linspace(0.0, 2.0, 4001)
+    c = run.at(t)
+    turning = np.array([swing.value(float(one)) for one in t])
+    S, C = np.sin(c["theta"]), np.cos(c["theta"])
+    N, F, w = c["normal_force"], c["friction"], c["omega"]
+    H = m * l * (turning * C - w**2 * S)
+    x_ddot = (H - F) / (M + m)
+    # moments about the middle of the wheels, positive over the back ones to the front:
+    # the ball's weight and inertia at (-l S, h_p + l C), the cart's inertia at (0, h_c)
+    a_x = x_ddot - l * (turning * C - w**2 * S)
+    a_y = -l * (turning * S + w**2 * C)
+    moment = m * ((-l * S) * (a_y + g) - (h_p + l * C) * a_x) - M * h_c * x_ddot
+    worst = np.max(np.abs(moment) / N)
+    narrow = simulate(replace(wide, wheelbase=2.002 * worst), ROUGH, t_end=2.0)
+    assert narrow.status is Status.END_TIME
+    tips = simulate(replace(wide, wheelbase=1.9 * worst), ROUGH, t_end=2.0, throw=False)
+    assert tips.status is Status.LIMIT
+    assert tips.events[-1].reason in ("tips forward", "tips backward")
+    before, after = first_above(t, np.abs(moment) / N, 0.95 * worst)
+    assert before <= tips.span[1] <= after
+
+
+def test_a_break_away_into_the_paradox_ends_with_that_status():
+    # r = M/m = .1: the paradox is possible for mu above .663; at theta = .5, mu = 1.5 D < 0
+    cart = cart_with(0.0, cart_mass=0.1, ball_mass=1.0, length=1.0)
+    law = Coulomb(kinetic_coefficient=1.5)
+    assert pivot(cart, 1.5, 1, 0.5) < 0.0 < pivot(cart, 1.5, -1, 0.5)
+    run = simulate(cart, law, t_end=1.0, y0={"theta": 0.5, "v": 0.1}, throw=False)
+    assert run.status is Status.PAINLEVE
+    assert run.events[-1].reason == "painleve"
+    with pytest.raises(SimulationError, match="Painleve"):
+        simulate(cart, law, t_end=1.0, y0={"theta": 0.5, "v": 0.1})
