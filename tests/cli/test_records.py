@@ -105,8 +105,27 @@ def test_a_second_record_is_only_judged_by(run, write):
 def test_purpose_and_horizon_set_what_is_scored(run):
     _, out, _ = run("select", "axis.toml", *FAST, "--purpose", "compensate", "--json")
     assert json.loads(out)["quantity"] == "friction"
+    code, out, _ = run("select", "axis.toml", *FAST, "--purpose", "compensate")
+    assert (code, "mechanism.inertia" in out) == (0, True)  # found beside the force, and reported
     _, out, _ = run("select", "axis.toml", *FAST, "--horizon", "0.5", "--json")
     assert json.loads(out)["horizon"] == pytest.approx(0.5, rel=0.1)  # whole samples
+
+
+def test_a_rig_or_an_option_says_that_a_force_was_joined(run, write, tmp_path):
+    # 20 Hz instead of the 200 Hz of the controller: only joined does the force stay what it was
+    write(rows=slice(None, None, 10))
+    joined = (tmp_path / "axis.toml").read_text() + 'hold = "first"\n'
+    (tmp_path / "joined.toml").write_text(joined)
+
+    def residual(*arguments):
+        code, out, err = run("fit", *arguments, "--starts", "1", "--json")
+        assert code == 0, err
+        return json.loads(out)["residual_rms"]
+
+    by_rig, by_option = residual("joined.toml"), residual("axis.toml", "--hold", "first")
+    held = residual("axis.toml")
+    assert by_rig == by_option < 0.2 * held  # half a sample late is 25 ms
+    assert residual("joined.toml", "--hold", "zero") == held  # the option wins
 
 
 def test_fit_prints_intervals_and_restarts(run):
@@ -143,6 +162,21 @@ def test_fit_takes_travels_too(run):
     assert run("simulate", "law.toml", "--law", "coulomb")[0] == 0
 
 
+def test_the_digest_of_the_inputs_is_that_of_the_data_too(run, write, axis_record):
+    def digest(*arguments):
+        code, out, err = run("fit", *arguments, "--law", "coulomb", "--starts", "1", "--json")
+        assert code == 0, err
+        return json.loads(out)["digest"]
+
+    asked = ("bare.toml", "--data", "axis.csv", *COLUMNS)
+    before = [digest("axis.toml"), digest(*asked), load_rig("bare.toml").digest]
+    write("moved.csv")
+    assert digest("bare.toml", "--data", "moved.csv", *COLUMNS) == before[1]  # the same contents
+    write(u=1.001 * axis_record["u"])
+    after = [digest("axis.toml"), digest(*asked), load_rig("bare.toml").digest]
+    assert [one == other for one, other in zip(before, after, strict=True)] == [False, False, True]
+
+
 def test_only_the_parameters_named_are_free(run):
     own = "friction.coulomb-viscous"
     known = ("--set", f"{own}.kinetic_coefficient=10", "--set", f"{own}.viscous_coefficient=20")
@@ -165,6 +199,8 @@ BAD = [
     (("select", "axis.toml", "--unknown", "inertias"), "inertia"),
     (("select", "axis.toml", "--horizon", "0"), "above 0 s"),
     (("select", "axis.toml", "--segment", "-1"), "above 0 s"),
+    (("select", "axis.toml", "--hold", "second"), "--hold must be zero or first"),
+    (("fit", "--hold", "first"), "--hold is for records"),
     (("select", "axis.toml", "--enforce"), "--enforce is for travels"),
     (("select", "--purpose", "position"), "--purpose is for records"),
     (("select", "--validate", "axis.csv", *COLUMNS), "give more trials instead"),

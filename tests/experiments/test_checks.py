@@ -170,6 +170,42 @@ def test_the_rounded_peaks_of_a_coarse_force_are_not_saturated():
     assert check(Measurement(time=time, force=force)).of("saturation") == ()
 
 
+def test_a_position_beyond_the_range_of_its_sensor_is_saturated_at_both_ends():
+    clean = parts()["position"]
+    above, below = found("saturation", position=np.clip(clean, -0.06, 0.06))
+    assert (above.numbers["level"], below.numbers["level"]) == (0.06, -0.06)
+    runs = np.diff(np.flatnonzero(np.diff(np.r_[0, clean >= 0.06, 0])))[::2]
+    assert above.numbers["longest"] == runs.max()
+    assert above.severity == "warning"
+
+
+def test_the_rounded_peaks_of_a_coarse_position_are_not_saturated():
+    time = np.arange(20_000) / RATE
+    for levels in (1e2, 1e3, 1e4):  # flats of up to 900, 280 and 90 samples
+        position = np.round(levels * np.sin(2 * np.pi * time / 5)) / levels
+        assert check(Measurement(time=time, position=position)).of("saturation") == ()
+
+
+@pytest.mark.parametrize("step", [1e-7, 1e-5])
+def test_a_body_that_rests_at_the_ends_of_its_way_is_not_saturated(step):
+    # pushed from rest and back to rest in 0.5 s, resting for 0.5 s at either end
+    time = np.arange(16_000) / RATE
+    phase = np.clip(2 * (time % 1), 0, 1)
+    way = np.where(phase < 0.5, 2 * phase**2, 1 - 2 * (1 - phase) ** 2)
+    position = 0.05 * np.where(time.astype(int) % 2, 1 - way, way)
+    record = Measurement(time=time, position=step * np.round(position / step))
+    assert check(record).of("saturation") == ()
+
+
+def test_a_body_that_rests_against_a_stop_is_not_saturated():
+    # it hits the stop at full speed and stays; from there it is pulled off from rest
+    time = np.arange(12_000) / RATE
+    at = time % 3
+    position = np.select([at < 1, at < 2], [0.05 * at, 0.05], 0.05 * (1 - (at - 2) ** 2))
+    record = Measurement(time=time, position=1e-7 * np.round(position / 1e-7))
+    assert check(record).of("saturation") == ()
+
+
 @pytest.mark.parametrize("name", ["position", "velocity"])
 def test_no_motion_is_an_error(name):
     still = Measurement(time=np.arange(100.0), **{name: np.zeros(100)})
@@ -560,6 +596,7 @@ def test_the_tribometer_counts_friction_the_other_way(data_dir):
     assert one.severity == "error"
     turned = load_measurement(file, columns=columns, gain={"friction": -1})
     assert check(turned).of("friction sign")[0].severity == "info"
+    assert check(turned).of("saturation") == ()  # it turns round at the ends of its way
 
 
 def test_a_record_of_three_quarters_of_a_million_samples_is_checked(data_dir):

@@ -573,10 +573,16 @@ def test_a_second_record_is_read_alike(axis):
     assert rig.validate.values("position").tolist() == [0.001, 0.001]
 
 
+def test_a_force_is_held_unless_the_rig_says_that_its_samples_are_joined(axis):
+    assert axis(AXIS + IN_FILE).hold == "zero"
+    assert axis(AXIS + IN_FILE + 'hold = "first"\n').hold == "first"
+
+
 def test_the_schema_knows_data_and_marks():
     schema = rig_schema()
     table = schema["$defs"]["DataTable"]["properties"]
-    assert {"file", "files", "columns", "units", "gain", "offset", "repair", "validate"} == {*table}
+    reading = {"columns", "units", "gain", "offset", "repair", "hold"}
+    assert {"file", "files", "validate"} | reading == {*table}
     inertia = schema["$defs"]["Axis"]["properties"]["inertia"]["anyOf"]
     assert any("unknown" in kind.get("properties", ()) for kind in inertia)
     assert "friction" not in schema["required"]
@@ -594,6 +600,7 @@ def test_the_schema_knows_data_and_marks():
         (AXIS + IN_FILE.replace('"1 N"', '"1 m"'), "data.offset.force"),
         (AXIS + IN_FILE.replace("offset = { force", "offset = { fource"), "Did you mean 'force'"),
         (AXIS + IN_FILE + 'repair = ["mend"]\n', "must be 'sort' or 'gaps'"),
+        (AXIS + IN_FILE + 'hold = "second"\n', "must be 'zero' or 'first'"),
         (AXIS + IN_FILE + "repair = []\n", "must not be an empty list"),
         (AXIS + IN_FILE.replace("columns", "colums"), "Did you mean 'columns'"),
         (AXIS.replace("unknown = true", "unknown = 1"), "write true or false"),

@@ -1,15 +1,18 @@
 """Friction levels by linear least squares of forces: exact motions, and what is refused."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import signal
 
-from stickslip import Axis, Measurement, SpringBlock
+from stickslip import Axis, CoulombViscous, Measurement, SpringBlock, fit
 from stickslip.errors import InputError
+from stickslip.experiments.cutting import rows_of
+from stickslip.identification.inertia import inertia_of
 from stickslip.identification.inverse_dynamics import (
     friction_record,
-    inertia_of,
     inverse_dynamics,
     mass_of,
 )
@@ -117,12 +120,44 @@ def test_the_mass_of_a_mechanism_is_what_its_coordinate_moves():
 
 def test_a_mass_is_looked_for_by_its_name_only():
     axis = Axis(inertia=1.0)
-    assert inertia_of(axis, record_of(), ()) == {}
-    assert inertia_of(axis, record_of(), ("inertia",))["mechanism.inertia"] == pytest.approx(
-        J, rel=2e-3
-    )
+    assert inertia_of(axis, record_of(), ()) is None
+    assert inertia_of(axis, record_of(), ("inertia",)).value == pytest.approx(J, rel=2e-3)
     with pytest.raises(InputError, match="not 'stiffness'"):
         inertia_of(axis, record_of(), ("stiffness",))
+
+
+def test_a_mass_found_before_the_search_is_an_estimate_with_its_interval():
+    record = record_of(noise=0.3)
+    found = fit(
+        Axis(inertia=1.0), CoulombViscous, record, unknown=["inertia"], route="inverse-dynamics"
+    )
+    mass = found.estimate("inertia")
+    assert mass == found.estimates[-1]
+    assert found.mechanism.inertia == mass.value
+    assert mass.low < J < mass.high
+    assert mass.high - mass.low < 0.02 * J
+    assert any("mechanism.inertia comes from a regression" in line for line in found.sentences)
+    assert "mechanism.inertia" in [one["parameter"] for one in found.to_dict()["estimates"]]
+    with pytest.raises(InputError, match="has no profile"):
+        found.profile("inertia", [J])
+
+
+def test_the_interval_of_a_mass_covers_it_under_noise_that_lasts():
+    axis, clean, covered = Axis(inertia=1.0), record_of(), 0
+    for seed in range(20):
+        # 50 ms of memory, so that naive deviations would be several times too small
+        white = np.random.default_rng(seed).normal(size=len(T))
+        noise = signal.lfilter([0.1], [1.0, -0.98], white)
+        mass = inertia_of(axis, replace(clean, force=clean.force + noise), ("inertia",))
+        covered += mass.low < J < mass.high
+    # of 20 intervals of 95 %, fewer than 16 hold with a probability of 0.3 %
+    assert covered >= 16
+
+
+def test_forces_of_the_wrong_sign_have_no_mass():
+    clean = record_of()
+    with pytest.raises(InputError, match="gain -1"):
+        inertia_of(Axis(inertia=1.0), replace(clean, force=-clean.force), ("inertia",))
 
 
 def test_friction_records_keep_their_trials():
@@ -136,7 +171,10 @@ def test_friction_records_keep_their_trials():
     ("record", "message"),
     [
         (Measurement(time=T, force=np.ones_like(T)), "needs the position or the velocity"),
-        (Measurement(time=T[:20], position=T[:20]), "at least 30 samples, got 20"),
+        (
+            Measurement(time=T[:20], position=T[:20]),
+            "at least 30 samples without a gap, and the longest has 20",
+        ),
     ],
 )
 def test_a_record_without_enough_positions_is_refused(record, message):
@@ -149,3 +187,24 @@ def test_decimated_rows_end_with_the_last_sample():
     assert found.time[-1] == T[-1]
     assert np.diff(found.time) == pytest.approx(10e-3)
     assert math.isfinite(found.relative_error)
+
+
+def test_what_lies_on_either_side_of_a_gap_is_filtered_as_two_records():
+    record = record_of(noise=0.1)
+    parts = [rows_of(record, 0, 9_000), rows_of(record, 9_500, len(T))]
+    seen = np.r_[0:9_000, 9_500 : len(T)]
+    columns = ("time", "position", "force")
+    holed = Measurement(**{name: getattr(record, name)[seen] for name in columns})
+    found = inverse_dynamics(Axis(inertia=1.0), holed)
+    apart = inverse_dynamics(Axis(inertia=1.0), Measurement(trials=tuple(parts)))
+    np.testing.assert_array_equal(found.values, apart.values)
+    assert found["level"] == pytest.approx(F_C, rel=0.01)  # noise of 0.1 N in 19,500 samples
+
+
+def test_a_record_of_nothing_but_gaps_says_how_long_a_stretch_must_be():
+    bursts = np.concatenate([start + 1e-3 * np.arange(20) for start in range(9)])
+    record = Measurement(time=bursts, position=np.sin(bursts), force=np.cos(bursts))
+    with pytest.raises(
+        InputError, match="at least 30 samples without a gap, and the longest has 20"
+    ):
+        inverse_dynamics(Axis(inertia=1.0), record)

@@ -7,8 +7,10 @@ import pytest
 from stickslip import (
     Axis,
     CoulombViscous,
+    DirectionDependent,
     Measurement,
     PiecewiseLinear,
+    Pulse,
     RecordSettings,
     SpringBlock,
     Viscous,
@@ -16,7 +18,9 @@ from stickslip import (
     load_rig,
     simulate,
 )
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import ConvergenceError, InputError, UnknownNameError
+from stickslip.identification import record_fitting
+from stickslip.identification.optimise import search
 
 QUICK = RecordSettings(starts=1)
 TRUTH = CoulombViscous(kinetic_coefficient=6.0, viscous_coefficient=4.0)
@@ -93,3 +97,53 @@ def test_friction_by_inverse_dynamics_is_near_that_by_simulation():
     # filters smear reversals: a few per cent
     assert by_force.law.kinetic_coefficient == pytest.approx(6.0, rel=0.1)
     assert by_force.problem.quantity == "friction"
+
+
+def test_a_recorded_force_of_zero_leaves_a_free_decay_what_it_is():
+    rig, _, record = decay()
+    pushed = dataclasses.replace(rig, drive=Pulse(level=50.0, duration=1.0))  # not in the record
+    at_rest = dataclasses.replace(record, force=np.zeros_like(record.time))
+    found = fit(pushed, CoulombViscous, at_rest, settings=QUICK)
+    assert len(found.problem.spans) == 1
+    np.testing.assert_array_equal(
+        found.values, fit(rig, CoulombViscous, record, settings=QUICK).values
+    )
+
+
+def test_a_free_decay_with_a_gap_is_fitted_on_both_sides_of_it():
+    rig, law, record = decay()
+    seen = (record.time < 2.0) | (record.time > 2.4)
+    holed = Measurement(time=record.time[seen], position=record.position[seen])
+    found = fit(rig, CoulombViscous, holed, settings=QUICK)
+    np.testing.assert_allclose(found.problem.spans[:, 1], [0.0, 2.405], atol=1e-9)
+    # no noise, as above
+    assert found.law.kinetic_coefficient == pytest.approx(law.kinetic_coefficient, rel=1e-5)
+    assert found.law.viscous_coefficient == pytest.approx(law.viscous_coefficient, rel=1e-4)
+
+
+def test_a_decay_that_only_its_segments_predict_says_over_what_it_fails(monkeypatch):
+    rig, _, record = decay()
+
+    def only_short(problem, **settings):
+        if len(problem.spans) < 6:
+            raise ConvergenceError("the record cannot be predicted.")
+        return search(problem, **settings)
+
+    monkeypatch.setattr(record_fitting, "search", only_short)
+    with pytest.raises(ConvergenceError, match="do not tell enough to predict 3 s: the record"):
+        fit(rig, Viscous, record, settings=QUICK)
+
+
+def test_what_a_record_does_not_tell_is_no_number_in_any_draw():
+    v = np.linspace(0.05, 0.5, 200)
+    friction = 3.0 + 4.0 * v + 0.1 * np.random.default_rng(3).normal(size=v.size)
+    found = fit(Axis(inertia=1.0), DirectionDependent, Measurement(velocity=v, friction=friction))
+    lost = [not np.isfinite(found.estimate(path).high) for path in found.unknowns.paths]
+    backward = ["backward" in path for path in found.unknowns.paths]
+    assert lost == backward  # nothing slips backward
+    np.testing.assert_array_equal(np.isnan(found.bootstrap(draws=50)), np.tile(backward, (50, 1)))
+
+
+def test_an_order_of_hold_that_is_not_known_is_refused():
+    with pytest.raises(UnknownNameError, match="hold in RecordSettings 'second'"):
+        RecordSettings(hold="second")

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Axis, Measurement, TowedBlock
+from stickslip import Axis, Measurement, Sine, TowedBlock
 from stickslip.errors import InputError
 from stickslip.identification.segmenting import measured_quantity, segments_of, with_drive
 
@@ -119,3 +119,10 @@ def test_trials_keep_their_own_parameters():
     )
     segments = segments_of(AXIS, record, length=1.0)
     assert {s.record: s.mechanism.inertia for s in segments} == {0: 2.0, 1: 5.0}
+
+
+def test_a_force_of_zero_is_no_drive_and_takes_the_mechanism_s_own_off():
+    driven = replace(AXIS, drive=Sine(amplitude=3.0, frequency=1.0))
+    none = replace(SMOOTH, force=np.zeros_like(T))
+    assert all(s.mechanism.drive is None for s in segments_of(driven, none, length=1.0))
+    assert segments_of(driven, SMOOTH, length=1.0)[0].mechanism.drive not in (None, driven.drive)

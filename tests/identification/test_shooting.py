@@ -1,12 +1,13 @@
 """Segments simulated from states of their own: slopes, projections, exact records."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, Dahl, Measurement, Sampled, fit, simulate
-from stickslip.errors import ConvergenceError
+from stickslip.errors import ConvergenceError, InputError
 from stickslip.identification.optimise import improve
 from stickslip.identification.record_fitting import RecordSettings, fit_record
 from stickslip.identification.record_starts import (
@@ -58,6 +59,45 @@ def test_an_exact_record_gives_its_parameters_back(record):
     assert values["mechanism.inertia"] == pytest.approx(4.0, rel=1e-6)
     assert values["mechanism.offset"] == pytest.approx(-0.4, rel=1e-6)
     assert end.rms < 1e-7
+
+
+def values_found(axis, record, **more):
+    """Return by path what fits a record best, from where the search of the fit ended."""
+    settings = RecordSettings(resolution=200, starts=1)
+    found = fit_record(axis, CoulombViscous, record, settings=settings, **more)
+    end, _ = improve(found.problem, found.values)
+    assert end.rms < 1e-7  # of an exact record: the tolerance of the solver
+    return found, dict(zip(found.unknowns.paths, end.values, strict=True))
+
+
+def test_an_exact_record_of_velocities_gives_its_parameters_back():
+    rows = record_of(RIG, TRUE)
+    drive = Sampled(times=rows.time.tolist(), values=rows.force.tolist())
+    run = simulate(replace(RIG, drive=drive), TRUE, t_end=float(rows.time[-1]))
+    only = Measurement(time=rows.time, velocity=run.at(rows.time)["v"], force=rows.force)
+    found, values = values_found(Axis(inertia=1.0), only, unknown=("inertia",))
+    assert found.problem.quantity == "velocity"
+    # as for positions
+    assert values["friction.kinetic_coefficient"] == pytest.approx(3.0, rel=1e-6)
+    assert values["friction.viscous_coefficient"] == pytest.approx(8.0, rel=1e-6)
+    assert values["mechanism.inertia"] == pytest.approx(4.0, rel=1e-6)
+    assert values["mechanism.offset"] == pytest.approx(-0.4, rel=1e-6)
+
+
+def test_each_trial_is_simulated_with_what_it_overrides():
+    heavy = replace(RIG, inertia=6.0)
+    trials = (
+        record_of(RIG, TRUE),
+        replace(record_of(heavy, TRUE), overrides={"mechanism.inertia": 6.0}, name="heavy"),
+    )
+    both = Measurement(trials=trials)
+    _, values = values_found(Axis(inertia=4.0), both)
+    # one law and one offset of both masses; taken as 4 kg, the second would not be predicted
+    assert values["friction.kinetic_coefficient"] == pytest.approx(3.0, rel=1e-6)
+    assert values["friction.viscous_coefficient"] == pytest.approx(8.0, rel=1e-6)
+    assert values["mechanism.offset"] == pytest.approx(-0.4, rel=1e-6)
+    with pytest.raises(InputError, match="trial heavy overrides"):
+        fit_record(Axis(inertia=4.0), CoulombViscous, both, unknown=("inertia",))
 
 
 def test_slopes_are_those_of_residuals_whose_initial_states_are_fitted(record):

@@ -14,15 +14,17 @@ from stickslip import (
     RecordSettings,
     RecordVerdict,
     Sampled,
+    SpringBlock,
     Viscous,
     select,
     simulate,
 )
 from stickslip.cli.output import document, json_text
-from stickslip.errors import InputError
+from stickslip.errors import ConvergenceError, InputError
 from stickslip.identification.optimise import improve
 from stickslip.identification.record_fit import settled
 from stickslip.identification.record_fitting import fit_record
+from stickslip.selection import cross_validation
 from stickslip.selection.cross_validation import CrossValidation, Plan, cross_validate, plan_of
 from stickslip.selection.record_verdict import as_good
 from stickslip.selection.record_words import error_text
@@ -173,6 +175,81 @@ def test_gaps_and_horizon_fit_the_record(record):
     assert plan.horizon == pytest.approx(plan.length / plan.folds)
     assert 0.0 < plan.gap <= 0.25 * plan.horizon
     assert isinstance(plan, Plan)
+
+
+def test_the_blocks_that_are_told_are_those_that_are_scored():
+    # two segments of 1 s: without a block that both reach, or nearly, nothing is left to fit to
+    short = recorded(CoulombViscous(kinetic_coefficient=4.0, viscous_coefficient=6.0), length=2.0)
+    found = select(AXIS, short, [CoulombViscous], settings=QUICK)
+    count = len(found.best.validation.losses)
+    assert 0 < count < found.plan.folds
+    assert found.blocks_scored == found.to_dict()["blocks_scored"] == count
+    assert f"on {count} held-out blocks" in found.purpose.scored
+
+
+def failing_without_a_block(*kinds):
+    """Return a descent that fails for laws of some types."""
+
+    def descend(problem, values, **settings):
+        if isinstance(problem.whole.law, kinds):
+            raise ConvergenceError("the record cannot be predicted from this start.")
+        return improve(problem, values, **settings)
+
+    return descend
+
+
+def test_a_candidate_that_cannot_be_refitted_is_dropped_and_says_why(monkeypatch):
+    monkeypatch.setattr(cross_validation, "improve", failing_without_a_block(Viscous))
+    short = recorded(CoulombViscous(kinetic_coefficient=4.0, viscous_coefficient=6.0), length=6.0)
+    found = select(AXIS, short, [Viscous, CoulombViscous], horizon=0.5, settings=QUICK)
+    assert found.best.name == "coulomb-viscous"
+    lost = next(c for c in found.candidates if c.name == "viscous")
+    assert lost.validation is None
+    assert lost.outcome == (
+        "not judged: without a held-out block, the record cannot be predicted from this start."
+    )
+    assert json_text(document("select", found.to_dict()))
+    monkeypatch.setattr(cross_validation, "improve", failing_without_a_block(CoulombViscous))
+    with pytest.raises(ConvergenceError, match="no candidate can be judged"):
+        select(AXIS, short, [CoulombViscous], horizon=0.5, settings=QUICK)
+
+
+def decays(*compressions, noise=2e-5):
+    """Return free decays of a block on a spring, and the block."""
+    rig = SpringBlock(mass=1.0, stiffness=400.0, compression=0.1, attached=True)
+    law = CoulombViscous(kinetic_coefficient=0.02, viscous_coefficient=0.3)
+    t, random = np.arange(0.0, 4.0, 0.01), np.random.default_rng(4)
+    trials = [
+        Measurement(
+            time=t,
+            position=simulate(dataclasses.replace(rig, compression=x), law, t_end=4.0).at(t)["x"]
+            + random.normal(0.0, noise, t.size),
+            overrides={"mechanism.compression": x},
+        )
+        for x in compressions
+    ]
+    return rig, Measurement(trials=tuple(trials)) if len(trials) > 1 else trials[0]
+
+
+def test_one_free_decay_is_enough_to_select_on():
+    rig, record = decays(0.1)
+    found = select(rig, record, [Viscous, CoulombViscous], settings=QUICK)
+    assert found.best.name == "coulomb-viscous"
+    assert len(found.best.fit.problem.spans) == 1  # fitted as a whole
+    assert found.blocks_scored == found.plan.folds == 8
+    # blocks of 50 rows, of which two go into their own first state: noise of 20 um, 4 % less
+    np.testing.assert_allclose(np.sqrt(found.best.validation.losses), 2e-5, rtol=0.35)
+    assert found.best.validation.extrapolation == pytest.approx(2e-5, rel=0.2)
+
+
+def test_of_several_decays_only_the_block_is_left_out():
+    rig, record = decays(0.1, 0.06)
+    fit = fit_record(rig, CoulombViscous, record, settings=QUICK)
+    assert len(fit.problem.spans) == 2
+    found = cross_validate(fit, plan_of(fit, horizon=0.5))
+    # as above: every block is predicted to its noise, from what is left of its own decay too
+    assert len(found.losses) == 8
+    assert found.score == pytest.approx(2e-5, rel=0.1)
 
 
 def test_scores_are_written_with_their_unit():

@@ -14,6 +14,7 @@ from stickslip.cli.options import (
     Force,
     Free,
     Gain,
+    Hold,
     Horizon,
     Jobs,
     Json,
@@ -80,6 +81,7 @@ def select(
     horizon: Horizon = None,
     route: Route = None,
     segment: Segment = None,
+    hold: Hold = None,
     starts: Starts = None,
     seed: Seed = None,
     jobs: Jobs = None,
@@ -97,9 +99,8 @@ def select(
     from stickslip.cli.select import run
 
     reading = reading_of(columns=columns, units=units, gain=gain, repair=repair)
-    how = How(
-        purpose=purpose, horizon=horizon, route=route, segment=segment, starts=starts, seed=seed
-    )
+    fitted = partial(How, segment=segment, hold=hold, starts=starts, seed=seed)
+    how = fitted(purpose=purpose, horizon=horizon, route=route)
     asked = Asked(
         data=data or [], reading=reading, validate=validate, unknown=unknown or [], how=how
     )
@@ -123,6 +124,7 @@ def fit(
     horizon: Horizon = None,
     route: Route = None,
     segment: Segment = None,
+    hold: Hold = None,
     starts: Starts = None,
     seed: Seed = None,
     output: LawFile = None,
@@ -138,7 +140,7 @@ def fit(
     from stickslip.cli.reading import reading_of
 
     reading = reading_of(columns=columns, units=units, gain=gain, repair=repair)
-    how = How(horizon=horizon, route=route, segment=segment, starts=starts, seed=seed)
+    how = How(horizon=horizon, route=route, segment=segment, hold=hold, starts=starts, seed=seed)
     asked = Asked(
         data=data or [], reading=reading, validate=validate, unknown=unknown or [], how=how
     )

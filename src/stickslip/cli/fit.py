@@ -61,7 +61,8 @@ def run(
     if output is not None:
         write_file(output, result.to_toml().encode())
     if as_json:
-        print_json(document("fit", _content(rig, result, checks, second)))
+        content = _content(rig, found, result, checks, second)
+        print_json(document("fit", content))
         return
     show_warnings(checks)
     _show(result, second)
@@ -108,7 +109,7 @@ def _fitted(
             free=free,
             unknown=found.unknown,
             route=asked.how.route,
-            settings=asked.how.settings,
+            settings=asked.how.settings(rig),
             watch=lambda rms: watch(law.name, rms),
         )
 
@@ -124,10 +125,12 @@ def _second(result: Fit, found: Measured, asked: Asked) -> Score | None:
     return result.score(found.validate, horizon=asked.how.horizon)
 
 
-def _content(rig: Rig, result: Fit, checks: Checks, second: Score | None) -> Mapping[str, Any]:
+def _content(
+    rig: Rig, found: Measured, result: Fit, checks: Checks, second: Score | None
+) -> Mapping[str, Any]:
     return {
         "rig": rig.title,
-        "digest": rig.digest,
+        "digest": found.digest,
         **result.to_dict(),
         "checks": checks.to_dict(),
         "second_record": None if second is None else second.rms,

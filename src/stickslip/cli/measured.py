@@ -9,6 +9,7 @@ from typing import final
 from stickslip.cli.output import plain, show_table, stdout
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Measurement, Rig
+from stickslip.experiments.digests import with_files
 from stickslip.experiments.reading import Reading
 from stickslip.experiments.records import read_data
 from stickslip.identification import Estimate, RecordSettings
@@ -38,21 +39,24 @@ class How:
     horizon: float | None = None
     route: str | None = None
     segment: float | None = None
+    hold: str | None = None
     starts: int | None = None
     seed: int | None = None
 
     def __post_init__(self) -> None:
-        """Check lengths of time; names are checked where they are used."""
+        """Check lengths of time and the hold; other names are checked where they are used."""
         for name in ("horizon", "segment"):
             value = getattr(self, name)
             if value is not None:
                 Quantity(name, "s", above=0).check("", f"--{name}", value)
+        if self.hold not in (None, "zero", "first"):
+            raise InputError(f"--hold must be zero or first, got {self.hold!r}.")
 
-    @property
-    def settings(self) -> RecordSettings:
-        """Settings of fits to records."""
+    def settings(self, rig: Rig) -> RecordSettings:
+        """Return settings of fits to records: as asked, or else as the rig says."""
         given = {f.name: getattr(self, f.name, None) for f in fields(RecordSettings)}
-        return RecordSettings(**{k: value for k, value in given.items() if value is not None})
+        said = {name: value for name, value in given.items() if value is not None}
+        return RecordSettings(**{"hold": rig.hold, **said})
 
 
 @final
@@ -75,6 +79,8 @@ class Measured:
     measurement: Measurement
     validate: Measurement | None
     unknown: tuple[str, ...]
+    digest: str
+    """SHA-256 of the rig and of all files that were read."""
 
     @property
     def travels(self) -> bool:
@@ -101,7 +107,13 @@ def measured(rig: Rig, asked: Asked, *, given: bool) -> Measured:
     if asked.validate is not None:
         validate = read_data([asked.validate], reading, mechanism=rig.mechanism)
     names = [part.strip() for given in asked.unknown for part in given.split(",")]
-    found = Measured(measurement=measurement, validate=validate, unknown=(*rig.unknown, *names))
+    files = [*asked.data, *([] if asked.validate is None else [asked.validate])]
+    found = Measured(
+        measurement=measurement,
+        validate=validate,
+        unknown=(*rig.unknown, *names),
+        digest=with_files(rig.digest, files),
+    )
     if found.travels:
         _check_travels(asked.how)
     elif not given:
@@ -114,7 +126,7 @@ def measured(rig: Rig, asked: Asked, *, given: bool) -> Measured:
 
 def _check_travels(how: How) -> None:
     """Refuse what travels have no use for."""
-    for name in ("purpose", "horizon", "route", "segment", "starts", "seed"):
+    for name in ("purpose", "horizon", "route", "segment", "hold", "starts", "seed"):
         if getattr(how, name) is not None:
             raise InputError(
                 f"--{name} is for records in time or of friction; what was measured here is travel."

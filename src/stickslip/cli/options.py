@@ -13,6 +13,7 @@ __all__ = [
     "Force",
     "Free",
     "Gain",
+    "Hold",
     "Horizon",
     "Jobs",
     "Json",
@@ -107,6 +108,15 @@ Route = Annotated[
 Segment = Annotated[
     float | None,
     typer.Option("--segment", help="Length of simulated segments [s], for records; 1 s."),
+]
+Hold = Annotated[
+    str | None,
+    typer.Option(
+        "--hold",
+        metavar="zero|first",
+        help="A force keeps its value until the next sample (zero, a command), or goes straight to"
+        " it (first, a force sensor's), for records; zero.",
+    ),
 ]
 Starts = Annotated[
     int | None, typer.Option("--starts", min=1, help="Starts of a search, for records; 4.")

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import typer
@@ -67,12 +68,13 @@ def _travels(
     rig: Rig, found: Measured, laws: str | None, output: Path, *, as_json: bool, enforce: bool
 ) -> None:
     verdict = _selected(rig, found, _chosen(rig, laws))
-    content = document("select", {"rig": rig.title, "digest": rig.digest, **verdict.to_dict()})
+    content = document("select", {"rig": rig.title, "digest": found.digest, **verdict.to_dict()})
     if as_json:
         print_json(content)
     else:
         note("Writing the report ...")
-        page = rig_report(rig, verdict, command=" ".join(["stickslip", *sys.argv[1:]]))
+        seen = replace(rig, digest=found.digest)
+        page = rig_report(seen, verdict, command=" ".join(["stickslip", *sys.argv[1:]]))
         write_folder(output, {"index.html": page, "verdict.json": json_text(content)})
         _show(verdict)
         stdout().print(f"\nReport: {output / 'index.html'}", markup=False)

@@ -53,11 +53,11 @@ def select_on_records(
 ) -> None:
     """Select, write what was found into a folder, print the verdict."""
     verdict = _selected(rig, found, asked, _chosen(rig, laws), jobs)
-    content = document("select", {"rig": rig.title, "digest": rig.digest, **verdict.to_dict()})
+    content = document("select", {"rig": rig.title, "digest": found.digest, **verdict.to_dict()})
     if as_json:
         print_json(content)
     else:
-        files = {**_page(verdict, rig), "verdict.json": json_text(content)}
+        files = {**_page(verdict, rig, found.digest), "verdict.json": json_text(content)}
         if verdict.best and verdict.best.fit:
             files["law.toml"] = verdict.best.fit.to_toml()
         write_folder(output, files)
@@ -103,7 +103,7 @@ def _selected(
             horizon=asked.how.horizon,
             route=asked.how.route,
             validate=found.validate,
-            settings=asked.how.settings,
+            settings=asked.how.settings(rig),
             watch=watch,
             executor=executor,
         )
@@ -111,7 +111,7 @@ def _selected(
     return verdict
 
 
-def _page(verdict: RecordVerdict, rig: Rig) -> dict[str, str | bytes]:
+def _page(verdict: RecordVerdict, rig: Rig, digest: str) -> dict[str, str | bytes]:
     """Return the report as a page."""
     note("Writing the report ...")
     page = record_page(
@@ -119,7 +119,7 @@ def _page(verdict: RecordVerdict, rig: Rig) -> dict[str, str | bytes]:
         title=rig.title or "Friction model selection",
         kicker=rig.subject,
         subject=Path(rig.path).name,
-        digest=rig.digest,
+        digest=digest,
         commands=[" ".join(["stickslip", *sys.argv[1:]])],
         versions=versions(),
     )

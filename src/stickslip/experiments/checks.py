@@ -167,6 +167,7 @@ def _record(record: Measurement) -> Iterator[Finding]:
         return
     yield from values.jumps(record)
     yield from values.saturated(record)
+    yield from values.cut_off(record)
     yield from values.quantised(record)
     yield from values.lifted(record)
     if record.position is None and record.velocity is None:

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from stickslip.drives import Drive, Sum
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.complaints import complaint, place
+from stickslip.experiments.digests import with_files
 from stickslip.experiments.laws import known_laws
 from stickslip.experiments.measurement import QUANTITIES, Measurement
 from stickslip.experiments.paths import PREFIX, canonical, quantity_at
@@ -56,9 +57,10 @@ def read_rig(path: str | Path | None, overrides: Mapping[str, Any]) -> Rig:
         measurement=_measured(table, mechanism, reading, file),
         validate=_files([table.data.second], mechanism, reading, file),
         reading=reading,
+        hold=table.data.hold,
         t_end=table.run.t_end,
         published=tuple(Published(**row.given()) for row in table.published),
-        digest=_digest(data, overrides),
+        digest=with_files(_digest(data, overrides), _paths(table.data, file)),
         path=file,
     )
 
@@ -143,6 +145,11 @@ def _reading(data: DataTable, file: str) -> Reading:
         offset=offset,
         repair=tuple(data.repair),
     )
+
+
+def _paths(data: DataTable, file: str) -> list[Path]:
+    """Return the files with what was measured, named as they stand beside the rig file."""
+    return [Path(file).parent / name for name in (data.file, *data.files, data.second) if name]
 
 
 def _files(

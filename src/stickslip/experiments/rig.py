@@ -3,7 +3,7 @@
 import html
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import final
+from typing import Literal, final
 
 from typing_extensions import override
 
@@ -77,12 +77,15 @@ class Rig:
         A second record, which no fit sees.
     reading : Reading
         How the files of the rig's measurements are read.
+    hold : {"zero", "first"}
+        Whether a measured force keeps its value until the next sample, or goes straight to it; as
+        `RecordSettings.hold`, to which `stickslip fit` and `select` hand it.
     t_end : float
         Last time of runs [s].
     published : tuple of Published
         What a publication reports.
     digest : str
-        SHA-256 of the file, overrides included.
+        SHA-256 of the file, overrides and the contents of its data files included.
     path : str
         The file.
 
@@ -108,6 +111,7 @@ class Rig:
     measurement: Measurement | None = None
     validate: Measurement | None = None
     reading: Reading = field(default_factory=Reading)
+    hold: Literal["zero", "first"] = "zero"
     t_end: float = 10.0
     published: tuple[Published, ...] = ()
     digest: str = ""
@@ -122,6 +126,8 @@ class Rig:
         for name, law in self.laws.items():
             if not isinstance(law, law_type(name)):
                 raise InputError(f"Rig.laws of {name!r} must be that law, got {law!r}.")
+        if self.hold not in ("zero", "first"):
+            raise InputError(f"Rig.hold must be 'zero' or 'first', got {self.hold!r}.")
         for name in self.assumed:
             if name not in self.laws:
                 raise UnknownNameError("law in Rig.assumed", name, self.laws)

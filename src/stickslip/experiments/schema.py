@@ -61,6 +61,11 @@ class DataTable(Table):
     repair: list[Literal["sort", "gaps"]] = Field(
         default=[], min_length=1, description="`sort` the times, drop `gaps`"
     )
+    hold: Literal["zero", "first"] = Field(
+        default="zero",
+        description="a force keeps its value until the next sample (`zero`: a command), or goes"
+        " straight to it (`first`: a sensor's)",
+    )
     second: str = Field(
         default="", alias="validate", description="a second record, which no fit sees"
     )

@@ -7,9 +7,27 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["applied_force"]
+__all__ = ["applied_force", "driven"]
 
 Array = NDArray[np.float64]
+
+
+def driven(measurement: Measurement) -> bool:
+    """Whether any record is driven: by a force, or a reference, that is not 0 throughout.
+
+    Examples
+    --------
+    >>> decay = Measurement(time=[0.0, 1.0], position=[0.0, 0.9], force=[0.0, 0.0])
+    >>> driven(decay)
+    False
+    """
+    return any(_drives(record) for record in measurement.records())
+
+
+def _drives(record: Measurement) -> bool:
+    known = record.quantities()
+    name = next((one for one in ("force", "reference") if one in known), None)
+    return name is not None and bool(np.any(record.values(name)))
 
 
 def applied_force(mechanism: Mechanism, record: Measurement) -> Array | None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.experiments.cutting import between_gaps
 from stickslip.identification.applied import applied_force
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
@@ -17,7 +18,6 @@ from stickslip.quantities import vary
 __all__ = [
     "InverseDynamics",
     "friction_record",
-    "inertia_of",
     "inverse_dynamics",
     "mass_of",
     "positions_of",
@@ -75,6 +75,10 @@ class InverseDynamics:
     """Force less inertia and springs (n,) [N]: friction and offset."""
     residual: Array
     """Forces less those of the regression (n,) [N]."""
+    table: Array
+    """Columns of the regression (n, p)."""
+    weights: Array
+    """Weights of the rows (n,), 1 where regression is not robust."""
 
     def __getitem__(self, name: str) -> float:
         """Return an estimate by name."""
@@ -95,7 +99,8 @@ def inverse_dynamics(
     """Fit inertia, viscous part, level and offset to a record of position and force.
 
     The position, and then all regressors alike, are filtered forward and backward, so that nothing
-    is delayed; velocity and acceleration are central differences.
+    is delayed; velocity and acceleration are central differences. Nothing is filtered across a gap:
+    what lies on either side is taken as two records, and left out if it has fewer than 30 samples.
 
     Parameters
     ----------
@@ -135,7 +140,8 @@ def inverse_dynamics(
     parts = []
     for record in measurement.records():
         set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
-        parts.append(_columns(set_up, record, cutoff, decimate, directional=directional))
+        for piece in _pieces(record):
+            parts.append(_columns(set_up, piece, cutoff, decimate, directional=directional))
     whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     rest, inertial = whole["forces"], whole["mass"] * whole["inertia"]
     names = [name for name in whole if name.startswith(("viscous", "level"))]
@@ -153,7 +159,25 @@ def inverse_dynamics(
         velocity=whole["velocity"],
         friction=wanted - values[0] * whole["inertia"] if unknown else wanted,
         residual=residual,
+        table=table,
+        weights=weights,
     )
+
+
+def _pieces(record: Measurement) -> list[Measurement]:
+    """Return what lies between the gaps of a record and is long enough to be filtered."""
+    if not isinstance(record.time, np.ndarray):
+        raise InputError("inverse dynamics needs the motion in time.")
+    pieces = between_gaps(record)
+    sizes = [np.asarray(piece.time).size for piece in pieces]
+    found = [piece for piece, size in zip(pieces, sizes, strict=True) if size >= LEAST]
+    if not found:
+        raise InputError(
+            "inverse dynamics, which start values come from, needs a stretch of at least"
+            f" {LEAST} samples without a gap, and the longest has {max(sizes, default=1)}: record"
+            " longer, or resample at even times."
+        )
+    return found
 
 
 def _columns(
@@ -186,19 +210,15 @@ def _signals(mechanism: Mechanism, record: Measurement, cutoff: float | None) ->
     """Return times, positions, velocities, accelerations and forces of one record, filtered."""
     from scipy import signal
 
-    if not isinstance(record.time, np.ndarray):
-        raise InputError("inverse dynamics needs the motion in time.")
+    assert isinstance(record.time, np.ndarray)
     dt = float(np.ptp(record.time)) / (len(record.time) - 1)
     longest = float(np.diff(record.time).max())
     if longest > UNEVEN * dt:
         raise InputError(
             "inverse dynamics, which start values come from, needs even times: the mean step is"
-            f" {dt:.3g} s and the longest {longest:.3g} s. Cut the record at its gaps into trials,"
-            " or resample it."
+            f" {dt:.3g} s and the longest {longest:.3g} s. Resample the record."
         )
     x = positions_of(record)
-    if len(x) < LEAST:
-        raise InputError(f"inverse dynamics needs at least {LEAST} samples, got {len(x)}.")
     share = _share(x, 1.0 / POSITION_SHARE) if cutoff is None else min(2.0 * cutoff * dt, 0.99)
     smooth = _both_ways(signal.butter(BUTTERWORTH, share), x)
     v = np.gradient(smooth, dt)
@@ -313,20 +333,6 @@ def _deviations(table: Array, residual: Array, weights: Array) -> Array:
     inverse = np.linalg.pinv((root * table).T @ (root * table), hermitian=True)
     deviations: Array = np.sqrt(variance * np.diag(inverse))
     return deviations
-
-
-def inertia_of(
-    mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]
-) -> dict[str, float]:
-    """Return the mass of a mechanism by path where it is looked for, by robust regression."""
-    names = [name.rpartition(".")[2] for name in unknown]
-    for name in names:
-        if name not in ("inertia", "mass"):
-            raise InputError(f"inverse dynamics finds the mass of a mechanism, not {name!r}.")
-    if not names:
-        return {}
-    found = inverse_dynamics(mechanism, measurement, directional=True, robust=True)
-    return {f"mechanism.{names[0]}": found["inertia"]}
 
 
 def friction_record(mechanism: Mechanism, measurement: Measurement) -> Measurement:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.errors import InputError
 from stickslip.experiments import QUANTITIES, Measurement
 from stickslip.identification.inference import Inference, bootstrap
 from stickslip.identification.optimise import Found, improve
@@ -93,7 +94,10 @@ class Prediction:
 @final
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class RecordFit(Fit):
-    """A fit to records in time: estimates, residuals, and how each start ended."""
+    """A fit to records in time: estimates, residuals, and how each start ended.
+
+    Estimates stand in the order of the unknowns; a mass by inverse dynamics stands after them.
+    """
 
     route: str
     """How: ``"shooting"``, ``"force-map"`` or ``"inverse-dynamics"``."""
@@ -203,12 +207,17 @@ class RecordFit(Fit):
         return problem, settled(problem, self.values)
 
     def bootstrap(self, *, draws: int = 2000, seed: int = 0) -> Array:
-        """Return estimates (draws, p) with blocks of the record weighted anew, in bounds."""
+        """Return estimates (draws, p) with blocks of the record weighted anew, in bounds.
+
+        What the record does not tell is not a number in all draws, as its interval has no ends.
+        """
         unknowns = self.unknowns
         low, high = unknowns.limits()
         steps = bootstrap(self.found.best, self.scale, draws=draws, seed=seed)
         at = np.clip(unknowns.coordinates(self.values) + steps, low, high)
-        return np.array([unknowns.values(one) for one in at])
+        found = np.array([unknowns.values(one) for one in at])
+        found[:, ~np.isfinite(self.inference.errors)] = np.nan
+        return found
 
     def profile(self, name: str, values: Sequence[float]) -> Array:
         """Return the least sum of squares (n,) with one parameter held at each of the values.
@@ -219,8 +228,18 @@ class RecordFit(Fit):
             Path or last name of an unknown.
         values : sequence of float
             Where it is held.
+
+        Raises
+        ------
+        InputError
+            If it was found before the search, as a mass by inverse dynamics is.
         """
         path = self.estimate(name).path
+        if path not in self.unknowns.paths:
+            raise InputError(
+                f"{path} was found before the search, by inverse dynamics, and has no profile; the"
+                f" unknowns are {', '.join(self.unknowns.paths)}."
+            )
         index = self.unknowns.paths.index(path)
         costs = []
         for value in values:

@@ -3,18 +3,20 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
+from stickslip.identification.applied import driven
 from stickslip.identification.doubts import bounds_met, estimates_of, sentences_of
 from stickslip.identification.force_map import force_map
+from stickslip.identification.inertia import inertia_of
 from stickslip.identification.inference import infer
-from stickslip.identification.inverse_dynamics import friction_record, inertia_of
+from stickslip.identification.inverse_dynamics import friction_record
 from stickslip.identification.map_problem import ForceMap
 from stickslip.identification.map_records import stretches_of
 from stickslip.identification.optimise import Found, Watch, search
@@ -26,6 +28,7 @@ from stickslip.identification.record_starts import (
     mechanism_unknowns,
     scales_of,
 )
+from stickslip.identification.results import Estimate
 from stickslip.identification.segmenting import RESOLUTION, Hold, measured_quantity, segments_of
 from stickslip.identification.shooting import Shooting
 from stickslip.identification.unknowns import Unknowns
@@ -63,6 +66,11 @@ class RecordSettings:
     seed: int = 0
     """Of the jitter of further starts."""
 
+    def __post_init__(self) -> None:
+        """Check the hold: a name that is not known would pass for ``"zero"``."""
+        if self.hold not in get_args(Hold):
+            raise UnknownNameError("hold in RecordSettings", self.hold, get_args(Hold))
+
 
 @dataclass(frozen=True)
 class _Set:
@@ -73,6 +81,8 @@ class _Set:
     problem: Problem
     build: Build
     tried: tuple[Array, ...] = ()
+    before: tuple[Estimate, ...] = ()
+    """What was found before the search, which takes it as known."""
 
 
 # What builds problems is no closure, so that fits can cross processes.
@@ -190,8 +200,7 @@ def fit_record(
         tried=ready.tried,
         watch=watch,
     )
-    driven = {"force", "reference"} & set(measurement.quantities())
-    if way == "shooting" and not driven:
+    if way == "shooting" and not driven(measurement):
         ready, found = _lengthened(ready, found, measurement, settings, watch)
     return _finished(way, measurement, ready, found)
 
@@ -216,7 +225,13 @@ def _lengthened(
         longer = ready.build(measurement, length)
         near = longer.unknowns.starting_at(found.best.values)
         problem = replace(longer, unknowns_=near) if isinstance(longer, Shooting) else longer
-        again = search(problem, starts=1, watch=watch)
+        try:
+            again = search(problem, starts=1, watch=watch)
+        except ConvergenceError as error:
+            raise ConvergenceError(
+                f"segments of {settings.segment:g} s of this free decay do not tell enough to"
+                f" predict {length:.3g} s: {error} Give longer segments."
+            ) from None
         ready = replace(ready, problem=problem)
         found = replace(found, best=again.best, evaluations=found.evaluations + again.evaluations)
     return ready, found
@@ -236,6 +251,7 @@ def _shooting(
     unknowns = joined(start, [*items, *mechanism_unknowns(mechanism, start, unknown, scales)])
     if not len(unknowns):
         raise InputError("there is nothing to fit: name at least one parameter in `free`.")
+    _check_overrides(measurement, unknowns)
 
     build = _Shot(mechanism, start, unknowns, settings)
     tried = tuple(
@@ -243,6 +259,17 @@ def _shooting(
         for other in further
     )
     return _Set(mechanism, start, build(measurement, None), build, tried)
+
+
+def _check_overrides(measurement: Measurement, unknowns: Unknowns) -> None:
+    """Refuse trials with values of their own for what is one unknown of all of them."""
+    for number, record in enumerate(measurement.records(), 1):
+        for path in record.overrides:
+            if path in unknowns.paths:
+                raise InputError(
+                    f"trial {record.name or number} overrides {path}, which is looked for as one"
+                    " number of all trials: leave the override out, or do not look for it."
+                )
 
 
 def _mapped(
@@ -255,8 +282,9 @@ def _mapped(
 ) -> _Set:
     """Return the problem of friction that was measured, or that inverse dynamics finds."""
     derived = way == "inverse-dynamics"
-    if derived:
-        mechanism = vary(mechanism, "mechanism", inertia_of(mechanism, measurement, unknown))
+    mass = inertia_of(mechanism, measurement, unknown) if derived else None
+    if mass is not None:
+        mechanism = vary(mechanism, "mechanism", {mass.path: mass.value})
 
     own = friction_record(mechanism, measurement) if derived else measurement
     kind = law if isinstance(law, type) else type(law)
@@ -264,7 +292,8 @@ def _mapped(
     held = [name for name in kind.fit_order if name not in wanted]
     problem = force_map(law, mechanism, own, held=held)
 
-    return _Set(mechanism, problem.law, problem, _Rubbed(mechanism, problem, derived))
+    build = _Rubbed(mechanism, problem, derived)
+    return _Set(mechanism, problem.law, problem, build, before=() if mass is None else (mass,))
 
 
 def _finished(
@@ -286,7 +315,7 @@ def _finished(
     return RecordFit(
         law=vary(ready.start, "friction", law),
         mechanism=vary(ready.mechanism, "mechanism", own) if own else ready.mechanism,
-        estimates=estimates,
+        estimates=(*estimates, *ready.before),
         route=route,
         measurement=measurement,
         problem=ready.problem,
@@ -297,7 +326,16 @@ def _finished(
         sentences=(
             *sentences_of(unknowns, best, inference, at_bounds, estimates),
             *_doubtful(found),
+            *map(_taken, ready.before),
         ),
+    )
+
+
+def _taken(estimate: Estimate) -> str:
+    """Return the sentence about what was found before the search."""
+    return (
+        f"{estimate.path} comes from a regression of its own: the intervals of friction take it as"
+        " known."
     )
 
 

@@ -139,7 +139,8 @@ def _segment(
     if force is not None:
         part = slice(first, last + 1)
         joined = hold == "first" or "force" not in record.quantities()
-        drive = _drive(record.time[part], force[part], stride, joined=joined)
+        pushed = bool(np.any(force))  # a force of 0 is no drive, and takes the mechanism's own off
+        drive = _drive(record.time[part], force[part], stride, joined=joined) if pushed else None
         mechanism = with_drive(mechanism, drive)
     return Segment(
         record=index,

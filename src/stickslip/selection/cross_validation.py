@@ -2,13 +2,17 @@
 
 import itertools
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError
+from stickslip.errors import ConvergenceError, InputError, SimulationError
+from stickslip.experiments import Measurement
+from stickslip.experiments.cutting import rows_of
+from stickslip.identification.applied import driven
 from stickslip.identification.optimise import improve
 from stickslip.identification.problem import Part, Problem
 from stickslip.identification.record_fit import RecordFit, settled
@@ -21,6 +25,8 @@ FOLDS = 8
 """Blocks of time, each predicted by a fit to the others."""
 EXTRAPOLATED = 1.0 / 3.0
 """Last share of the record that a fit to the rest extrapolates to."""
+FEWEST = 30
+"""Rows beside a held-out block from which they are worth a segment of their own."""
 ROUNDS = 8
 """Steps at most from the estimates of the whole record to those without a block."""
 
@@ -83,6 +89,8 @@ def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
     """Return held-out errors of a fit, its unknowns fitted anew without each block."""
     judged = fit.build(fit.measurement, plan.horizon)
     trained, tested = _positions(fit.problem), _positions(judged)
+    whole = fit.route == "shooting" and not driven(fit.measurement)
+    refitted = _refitted_decay if whole else _refitted
     edges = np.linspace(0.0, max(trained[-1, 1], tested[-1, 1]), plan.folds + 1)
     losses = []
     for first, last in itertools.pairwise(edges.tolist()):
@@ -92,18 +100,19 @@ def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
             continue
         # segments may stick out of their block: what they reach is not trained on
         begin, end = min(first, tested[held, 0].min()), max(last, tested[held, 1].max())
-        seen = (trained[:, 1] <= begin - plan.gap) | (trained[:, 0] >= end + plan.gap)
-        if seen.any():
-            losses.append(_loss(fit, judged, seen, held))
+        values = refitted(fit, begin - plan.gap, end + plan.gap)
+        if values is not None:
+            losses.append(_loss(judged, values, held))
     if not losses:
         raise InputError(
             f"the record of {plan.length:.3g} s has nothing left to fit to when a block of it is"
-            " held out: record longer, or `fit` one law without judging it."
+            " held out: record longer, record several decays if nothing drives it, or `fit` one law"
+            " without judging it."
         )
     border = (1.0 - EXTRAPOLATED) * edges[-1]
-    before = trained[:, 1] <= border - plan.gap
     after = tested[:, 0] >= border
-    ahead = _loss(fit, judged, before, after) if before.any() and after.any() else math.nan
+    before = refitted(fit, border - plan.gap, math.inf) if after.any() else None
+    ahead = math.nan if before is None else _loss(judged, before, after)
     return CrossValidation(losses=tuple(losses), extrapolation=math.sqrt(ahead))
 
 
@@ -116,14 +125,19 @@ def _positions(problem: Problem) -> Array:
     if _interleaved(spans):
         numbers = np.arange(len(spans), dtype=float)
         return np.column_stack([numbers, numbers + 1.0])
-    starts, at = {}, 0.0
+    shifts = _shifts(spans)
+    placed: Array = spans[:, 1:] + np.array([[shifts[int(record)]] for record in spans[:, 0]])
+    return placed
+
+
+def _shifts(spans: Array) -> dict[int, float]:
+    """Return by record what its times are shifted by, so that records lie end to end."""
+    shifts, at = {}, 0.0
     for record in np.unique(spans[:, 0]):
         own = spans[spans[:, 0] == record]
-        starts[record] = at - own[:, 1].min()
+        shifts[int(record)] = at - float(own[:, 1].min())
         at += float(own[:, 2].max() - own[:, 1].min())
-    shift = np.array([starts[record] for record in spans[:, 0]])
-    placed: Array = spans[:, 1:] + shift[:, None]
-    return placed
+    return shifts
 
 
 def _interleaved(spans: Array) -> bool:
@@ -132,31 +146,70 @@ def _interleaved(spans: Array) -> bool:
     return bool(np.any(same & (spans[1:, 1] < 0.5 * (spans[:-1, 1] + spans[:-1, 2]))))
 
 
-def _loss(
-    fit: RecordFit, judged: Problem, seen: NDArray[np.bool_], held: NDArray[np.bool_]
-) -> float:
-    """Return the mean square over segments held out of a fit to those seen."""
-    values = _refitted(fit, seen)
+def _loss(judged: Problem, values: Array, held: NDArray[np.bool_]) -> float:
+    """Return the mean square over segments that a fit with these values has not seen."""
     found = settled(judged, values, only=np.flatnonzero(held).tolist())
     return found.cost / len(found.residual)
 
 
-def _refitted(fit: RecordFit, seen: NDArray[np.bool_]) -> Array:
-    """Return the values that fit some segments best, from those that fit all."""
+def _refitted(fit: RecordFit, first: float, last: float) -> Array | None:
+    """Return the values that fit the segments outside a stretch, from those that fit all.
+
+    None if no segment is outside.
+    """
+    placed = _positions(fit.problem)
+    seen = (placed[:, 1] <= first) | (placed[:, 0] >= last)
+    if not seen.any():
+        return None
     part = Part(fit.problem, np.flatnonzero(seen).tolist(), fit.found.best)
     end, _ = improve(part, fit.values, rounds=ROUNDS)
     return end.values
 
 
+def _refitted_decay(fit: RecordFit, first: float, last: float) -> Array | None:
+    """Return the same for a free decay, which was fitted in segments longer than a block.
+
+    What comes before a stretch and what comes after it are segments of their own, as long as they
+    are, as the whole decay was in the fit that is judged.
+    """
+    spans = fit.problem.spans
+    parts = _outside(fit.measurement, _shifts(spans), first, last)
+    if not parts:
+        return None
+    longest = float(np.max(spans[:, 2] - spans[:, 1]))
+    problem = fit.build(Measurement(trials=parts), longest)
+    end, _ = improve(problem, fit.values, rounds=ROUNDS)
+    return end.values
+
+
+def _outside(
+    measurement: Measurement, shifts: Mapping[int, float], first: float, last: float
+) -> tuple[Measurement, ...]:
+    """Return what records have outside a stretch, where it is more than a few samples."""
+    parts = []
+    for number, record in enumerate(measurement.records()):
+        if number not in shifts:
+            continue
+        time = np.asarray(record.time) + shifts[number]
+        end = int(np.searchsorted(time, first, side="right"))
+        begin = int(np.searchsorted(time, last))
+        # A stretch that is elsewhere leaves the record as it is.
+        pairs = [(0, end), (begin, len(time))] if begin > end else [(0, len(time))]
+        parts += [rows_of(record, a, b) for a, b in pairs if b - a >= FEWEST]
+    return tuple(replace(part, name="") for part in parts)
+
+
 def halves(fit: RecordFit) -> dict[str, tuple[float, float]]:
-    """Return the estimates from the first and from the second half of a record, by path."""
-    placed = _positions(fit.problem)
-    middle = 0.5 * float(placed[-1, 1])
-    first = placed[:, 1] <= middle
-    second = placed[:, 0] >= middle
-    if not (first.any() and second.any()):
+    """Return the estimates from the first and from the second half of a record, by path.
+
+    Nothing where a segment reaches over the middle and nothing else is left, or a half alone
+    cannot be fitted.
+    """
+    middle = 0.5 * float(_positions(fit.problem)[-1, 1])
+    try:
+        first, second = _refitted(fit, middle, math.inf), _refitted(fit, -math.inf, middle)
+    except (ConvergenceError, SimulationError):
         return {}
-    pair = [_refitted(fit, part) for part in (first, second)]
-    return {
-        path: (float(pair[0][i]), float(pair[1][i])) for i, path in enumerate(fit.unknowns.paths)
-    }
+    if first is None or second is None:
+        return {}
+    return {path: (float(first[i]), float(second[i])) for i, path in enumerate(fit.unknowns.paths)}

@@ -143,6 +143,12 @@ class RecordVerdict(Verdict):
         """SI unit of the scores."""
         return QUANTITIES[self.quantity].unit
 
+    @property
+    def blocks_scored(self) -> int:
+        """Number of held-out blocks that are scored; one beside which nothing is left is not."""
+        validation = self.best.validation if self.best else None
+        return len(validation.losses) if validation else 0
+
     @override
     def __repr__(self) -> str:
         fitted = sum(candidate.fit is not None for candidate in self.candidates)
@@ -168,6 +174,7 @@ class RecordVerdict(Verdict):
             "quantity": self.quantity,
             "unit": self.unit,
             "folds": self.plan.folds,
+            "blocks_scored": self.blocks_scored,
             "gap": self.plan.gap,
             "horizon": self.plan.horizon,
             "picks_of_other_criteria": dict(self.picks),

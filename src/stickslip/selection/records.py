@@ -205,13 +205,28 @@ def _judged(
     """Add held-out errors and objections."""
     if candidate.fit is None:
         return candidate
-    second = None if validate is None else candidate.fit.score(validate, horizon=plan.horizon)
+    try:
+        validation = cross_validate(candidate.fit, plan)
+        second = None if validate is None else candidate.fit.score(validate, horizon=plan.horizon)
+    except (ConvergenceError, SimulationError) as error:
+        return replace(candidate, dropped=f"not judged: without a held-out block, {error}")
+    if not math.isfinite(validation.score):
+        reason = "not judged: its simulation of a held-out block fails"
+        return replace(candidate, dropped=reason, second=second)
     return replace(
-        candidate,
-        validation=cross_validate(candidate.fit, plan),
-        dropped=objection(candidate.fit),
-        second=second,
+        candidate, validation=validation, dropped=objection(candidate.fit), second=second
     )
+
+
+def _judgeable(judged: Sequence[RecordCandidate]) -> list[RecordCandidate]:
+    """Return the candidates with a held-out error, at least one."""
+    scored = [c for c in judged if c.validation and math.isfinite(c.score)]
+    if not scored:
+        raise ConvergenceError(
+            "no candidate can be judged on blocks of this record that it has not seen: "
+            + "; ".join(f"{c.title}: {c.dropped}" for c in judged)
+        )
+    return scored
 
 
 def _verdict(
@@ -224,13 +239,13 @@ def _verdict(
     checks: Checks,
 ) -> RecordVerdict:
     ordered = sorted(judged, key=lambda c: c.score)
-    scored = [c for c in ordered if c.validation and math.isfinite(c.score)]
+    scored = _judgeable(ordered)
     best = _chosen([c for c in scored if not c.dropped] or scored)
     picks = _picks(scored)
     ordered = outcomes(ordered, best)
     best = next(c for c in ordered if c.name == best.name)
     assert best.fit is not None
-    what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(best.fit, plan))
+    what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(best, plan))
     pair = halves(best.fit)
     experiments = _experiments(best, ordered)
     return RecordVerdict(
@@ -277,14 +292,15 @@ def _picks(scored: Sequence[RecordCandidate]) -> Mapping[str, str]:
     }
 
 
-def _scored(fit: RecordFit, plan: Plan) -> str:
-    """Return what is scored, in words."""
-    if fit.problem.quantity == "friction":
-        return f"friction on {plan.folds} held-out blocks, root mean square"
-    return (
-        f"{fit.problem.quantity} over {plan.horizon:.2g} s on {plan.folds} held-out blocks, root"
-        " mean square"
-    )
+def _scored(best: RecordCandidate, plan: Plan) -> str:
+    """Return what is scored, in words; a block that leaves nothing to fit to is not."""
+    assert best.fit is not None
+    assert best.validation is not None
+    count, quantity = len(best.validation.losses), best.fit.problem.quantity
+    blocks = f"{count} held-out block{'s' if count > 1 else ''}, root mean square"
+    if quantity == "friction":
+        return f"friction on {blocks}"
+    return f"{quantity} over {plan.horizon:.2g} s on {blocks}"
 
 
 def _experiments(

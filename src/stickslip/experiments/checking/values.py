@@ -13,6 +13,7 @@ from stickslip.experiments.wording import number, percent, quantity
 
 __all__ = [
     "constant",
+    "cut_off",
     "jumps",
     "lifted",
     "plausible",
@@ -32,6 +33,14 @@ LONGEST_RUN: Final = 20
 """Samples that a signal must sit at its extreme to count as saturated."""
 LONGER: Final = 8
 """... and how many times longer than at the levels beside it: a rounded peak is 5 times as long."""
+SIDE: Final = 8
+"""Samples beside a position's flat extreme at least that show whether it comes or leaves slowly."""
+FLAT: Final = 6
+"""... and at most a sixth of the flat: where a rounded peak is cut off, both sides are straight."""
+EVEN: Final = (1.5, 2.5)
+"""Way in twice the time over that in the time itself: 2 at one speed, 4 from rest, 1 in a jump."""
+CLEAR: Final = 10.0
+"""Steps or noises of a position that this way must have; from rest, 2.8 is the least ratio then."""
 VISIBLE: Final = 2**16
 """Steps over the whole range beyond which only those of a position are worth a word."""
 COARSE: Final = 100
@@ -185,6 +194,51 @@ def saturated(record: Measurement) -> Iterator[Finding]:
                 ),
                 numbers={"level": extreme, "longest": longest, "share": share},
             )
+
+
+def cut_off(record: Measurement) -> Iterator[Finding]:
+    """Name positions that stay at their extreme, and come there and leave at full speed.
+
+    What has mass slows down before it rests, and speeds up from rest: where both are missing, the
+    sensor's range ended and the motion went on.
+    """
+    if record.time is None or record.position is None:
+        return
+    values = np.asarray(record.values("position"))
+    step = step_of(values)
+    clear = CLEAR * max(step, noise_of(values, step))
+    levels, lengths = _runs(values)
+    ends = np.cumsum(lengths)
+    for way, extreme in (("largest", float(values.max())), ("smallest", float(values.min()))):
+        short = np.abs(values - extreme)
+        found = [
+            int(lengths[k])
+            for k in np.flatnonzero((levels == extreme) & (lengths >= FLAT * SIDE))
+            if _straight(short[ends[k] - 1 :], clear, int(lengths[k]))
+            and _straight(short[: ends[k] - lengths[k] + 1][::-1], clear, int(lengths[k]))
+        ]
+        if found:
+            yield Finding(
+                kind="saturation",
+                severity="warning",
+                sentence=(
+                    f"Position stays at its {way} value, {quantity(extreme, 'm')}, for up to"
+                    f" {number(max(found), 7)} samples in a row, and comes there and leaves without"
+                    " slowing down: the range of the sensor ends there, unless it was driven so."
+                ),
+                numbers={"level": extreme, "longest": max(found), "times": len(found)},
+            )
+
+
+def _straight(short: Array, clear: float, length: int) -> bool:
+    """Whether a position goes from a flat of some length, at [0], at a speed it has at once."""
+    far = np.flatnonzero(short[: length // FLAT + 1] >= clear)
+    if not far.size:
+        return False
+    n = max(SIDE, int(far[0]))
+    if 2 * n >= short.size:
+        return False
+    return bool(EVEN[0] <= short[2 * n] / short[n] <= EVEN[1]) if short[n] > 0.0 else False
 
 
 def quantised(record: Measurement) -> Iterator[Finding]:

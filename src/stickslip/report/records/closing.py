@@ -169,10 +169,11 @@ def certificate_section(verdict: RecordVerdict) -> Section | None:
     items.append(
         KeyValue(
             key="Held-out blocks",
-            value=f"{plan.folds} blocks, {quantity_value(plan.gap, 's', 2)} left out on both sides,"
+            value=f"{verdict.blocks_scored} blocks, {quantity_value(plan.gap, 's', 2)} left out on"
+            " both sides,"
             f" predicted over {quantity_value(plan.horizon, 's', 2)}"
             if plan.length
-            else f"{plan.folds} blocks, rows dealt out in turn",
+            else f"{verdict.blocks_scored} blocks, rows dealt out in turn",
         )
     )
     agree = all(name in ("", best.name) for name in verdict.picks.values())

@@ -109,6 +109,8 @@ def _to_digits(value: float, estimate: Estimate) -> str:
 
 def _narrow(fit: RecordFit, index: int) -> str:
     """Return how many times wider the interval is than one that takes residuals as independent."""
+    if index >= len(fit.unknowns):
+        return "—"  # found before the search, from other residuals
     error = float(fit.inference.errors[index])
     naive = math.sqrt(max(float(fit.inference.naive[index, index]), 0.0))
     if not (math.isfinite(error) and 0.0 < naive < math.inf) or not fit.estimates[index].bounded:
@@ -161,11 +163,11 @@ def _caption(fit: RecordFit) -> str:
 
 def _together(fit: RecordFit) -> tuple[Block, ...]:
     """Return the triangle of correlations."""
-    count = len(fit.estimates)
+    count = len(fit.unknowns)
     table = np.clip(fit.inference.correlation, -1.0, 1.0)
     if count < 2 or count > MOST_CORRELATED or not np.all(np.isfinite(table)):
         return ()
-    names = tuple(f"${e.quantity.symbol}$" for e in fit.estimates)
+    names = tuple(f"${e.quantity.symbol}$" for e in fit.estimates[:count])
     values = tuple(tuple(float(table[i, j]) for j in range(i)) for i in range(1, count))
     i, j = max(
         ((i, j) for i in range(1, count) for j in range(i)), key=lambda at: abs(float(table[at]))

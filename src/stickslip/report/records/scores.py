@@ -134,14 +134,16 @@ def _how(verdict: RecordVerdict) -> str:
             " the block."
         )
     gap = quantity_value(plan.gap, "s", 2) if plan.gap > 0.0 else "nothing"
+    scored = verdict.blocks_scored
+    block = "the block" if scored == plan.folds else f"the block, which {scored} of them allow"
     text = (
         f"The {quantity_value(plan.length, 's')} of record are cut into {plan.folds} blocks, with"
         f" {gap} left out on both sides of each. Every candidate is fitted to the others"
     )
     if verdict.quantity == "friction":
-        return f"{text} and predicts the friction force in the block."
+        return f"{text} and predicts the friction force in {block}."
     return (
-        f"{text} and predicts the {verdict.quantity} in the block, in pieces of"
+        f"{text} and predicts the {verdict.quantity} in {block}, in pieces of"
         f" {quantity_value(plan.horizon, 's', 2)} that start from states of their own."
     )
 
