@@ -14,13 +14,15 @@ from stickslip.identification import RecordFit
 from stickslip.identification.record_fit import Score
 from stickslip.selection.cross_validation import CrossValidation, Plan
 from stickslip.selection.experiments import Experiment
-from stickslip.selection.scoring import FLOOR
 from stickslip.selection.verdict import Verdict, plain
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Purpose", "RecordCandidate", "RecordVerdict", "as_good"]
+__all__ = ["NEAR", "Purpose", "RecordCandidate", "RecordVerdict", "as_good"]
+
+NEAR = 0.02
+"""Share by which an error may be larger and count as the same, if blocks do not contradict."""
 
 
 @final
@@ -51,6 +53,8 @@ class RecordCandidate:
     """Held-out errors; None without a fit."""
     dropped: str = ""
     """Why it may not be taken, in words; empty if it may."""
+    doubt: str = ""
+    """What speaks against it although it is taken, since nothing else predicts as well."""
     outcome: str = ""
     """What became of it, for tables."""
     second: Score | None = None
@@ -101,6 +105,7 @@ class RecordCandidate:
             "aic": self.aic,
             "bic": self.bic,
             "dropped": plain(self.dropped),
+            "doubt": plain(self.doubt),
             "outcome": plain(self.outcome),
             "fit": self.fit.to_dict() if self.fit else None,
         }
@@ -187,9 +192,9 @@ class RecordVerdict(Verdict):
 
 
 def as_good(other: RecordCandidate, best: RecordCandidate) -> bool:
-    """Whether another's loss is within one paired standard error and the floor of the best's."""
+    """Whether another's loss is within one paired standard error and a share of the best's."""
     if other.validation is None or best.validation is None:
         return False
     gaps = np.subtract(other.validation.losses, best.validation.losses)
     error = float(np.std(gaps, ddof=1)) / math.sqrt(len(gaps)) if len(gaps) > 1 else 0.0
-    return bool(gaps.mean() <= error and other.score <= (1.0 + FLOOR) * best.score)
+    return bool(gaps.mean() <= error and other.score <= (1.0 + NEAR) * best.score)

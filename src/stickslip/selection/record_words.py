@@ -103,6 +103,8 @@ def _verdict(
     name = f"{_inline(best.title)} friction"
     if best.dropped:
         return f"No candidate is beyond objection; the closest is {name}."
+    if best.doubt:
+        return f"Use {name} to predict; not all of it is known: {best.doubt}."
     if equal:
         names = " and ".join(_inline(c.title) for c in equal[:2])
         verb = "is" if len(equal) == 1 else "are"

@@ -240,7 +240,8 @@ def _verdict(
 ) -> RecordVerdict:
     ordered = sorted(judged, key=lambda c: c.score)
     scored = _judgeable(ordered)
-    best = _chosen([c for c in scored if not c.dropped] or scored)
+    best = _chosen(scored)
+    ordered = [best if c.name == best.name else c for c in ordered]
     picks = _picks(scored)
     ordered = outcomes(ordered, best)
     best = next(c for c in ordered if c.name == best.name)
@@ -267,14 +268,17 @@ def _verdict(
     )
 
 
-def _chosen(admissible: Sequence[RecordCandidate]) -> RecordCandidate:
-    """Return the least error, or a simpler candidate within one paired error and the floor."""
-    best = min(admissible, key=lambda c: c.score)
-    for other in sorted(admissible, key=lambda c: (c.parameters, c.score)):
-        if other.parameters >= best.parameters:
-            break
-        if as_good(other, best):
-            return other
+def _chosen(scored: Sequence[RecordCandidate]) -> RecordCandidate:
+    """Return the least error, or of what is as good one that nothing speaks against, the simplest.
+
+    Objections do not outweigh errors: a law whose every parameter is known but that predicts worse
+    is not taken for one that predicts better. What spoke against it remains as its doubt.
+    """
+    least = min(scored, key=lambda c: c.score)
+    near = [c for c in scored if c.name == least.name or as_good(c, least)]
+    best = min(near, key=lambda c: (bool(c.dropped), c.parameters, c.score))
+    if best.dropped and not all(c.dropped for c in scored):
+        return replace(best, dropped="", doubt=best.dropped)
     return best
 
 
