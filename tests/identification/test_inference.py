@@ -7,7 +7,13 @@ import pytest
 from scipy import stats
 from scipy.signal import lfilter
 
-from stickslip.identification.inference import block_sums, bootstrap, effective_size, infer
+from stickslip.identification.inference import (
+    block_sums,
+    bootstrap,
+    effective_size,
+    freedom_of,
+    infer,
+)
 from stickslip.identification.problem import Linearised
 
 
@@ -43,10 +49,31 @@ def test_the_error_of_a_mean_is_that_of_the_means_of_blocks():
     rows = autoregression(400, 0.9, np.random.default_rng(1))
     found = infer(mean_of(rows), np.eye(1))
     # leaving one of b equal blocks out of a mean gives the textbook s / sqrt(b) of block means
-    means = rows.reshape(10, 40).mean(axis=1)
-    assert found.errors[0] == pytest.approx(means.std(ddof=1) / math.sqrt(10.0), rel=1e-12)
-    assert found.quantile == pytest.approx(stats.t.ppf(0.975, 9))
-    assert found.half_widths[0] == pytest.approx(found.quantile * found.errors[0])
+    means = rows.reshape(8, 50).mean(axis=1)
+    assert found.errors[0] == pytest.approx(means.std(ddof=1) / math.sqrt(8.0), rel=1e-12)
+    assert found.freedom[0] == pytest.approx(7.0)
+    assert found.half_widths[0] == pytest.approx(stats.t.ppf(0.975, 7) * found.errors[0])
+
+
+def test_fewer_blocks_that_tell_leave_fewer_degrees_of_freedom():
+    # three of eight blocks hold all that is known of the slope: two degrees are left
+    told = np.zeros((8, 1, 1))
+    told[[1, 3, 6]] = 2.0
+    assert freedom_of(told, np.ones(1)) == pytest.approx(2.0)
+    assert freedom_of(1e6 * told, np.array([5.0])) == pytest.approx(2.0)
+
+
+def test_intervals_keep_what_they_say_where_few_blocks_tell():
+    random, hits, plain = np.random.default_rng(14), 0, 0
+    column = np.where(np.arange(400) // 50 < 3, 1.0, 0.02)[:, None]
+    for _ in range(600):
+        seen = line_of(autoregression(400, 0.5, random), column)
+        found = infer(seen, np.eye(1))
+        hits += abs(seen.values[0]) <= found.half_widths[0]
+        plain += abs(seen.values[0]) <= stats.t.ppf(0.975, 7) * found.errors[0]
+    # 600 draws know 95 % to .9; blocks of 50 rows, 17 correlation lengths, are nearly independent
+    assert 0.925 <= hits / 600 <= 0.985
+    assert plain / 600 < 0.92  # Student's t with as many degrees as blocks less one is too sure
 
 
 def test_leaving_blocks_out_is_exact_for_a_linear_problem():
@@ -55,12 +82,12 @@ def test_leaving_blocks_out_is_exact_for_a_linear_problem():
     rows = columns @ [2.0, -1.0] + autoregression(200, 0.8, random)
     found = infer(line_of(rows, columns), np.eye(2))
     without = []
-    for k in range(10):
-        kept = np.arange(200) // 20 != k
+    for k in range(8):
+        kept = np.arange(200) // 25 != k
         without.append(np.linalg.lstsq(columns[kept], rows[kept], rcond=None)[0])
     whole = np.linalg.lstsq(columns, rows, rcond=None)[0]
     table = np.array(without) - whole
-    np.testing.assert_allclose(found.covariance, 0.9 * table.T @ table, rtol=1e-9)
+    np.testing.assert_allclose(found.covariance, 0.875 * table.T @ table, rtol=1e-9)
 
 
 def test_naive_errors_are_those_of_white_noise():
@@ -76,7 +103,7 @@ def test_intervals_of_a_mean_cover_where_naive_ones_do_not():
         found = infer(seen, np.eye(1))
         hits += abs(seen.values[0]) <= found.half_widths[0]
         naive += abs(seen.values[0]) <= 1.96 * math.sqrt(found.naive[0, 0])
-    # 400 draws know 95 % to 1.1; blocks of 40 rows, 2 correlation lengths, lose 2 to 3 of them
+    # 400 draws know 95 % to 1.1; blocks of 50 rows, 2.5 correlation lengths, lose 2 of them
     assert 0.89 <= hits / 400 <= 0.99
     assert naive / 400 < 0.6  # an autoregression of 0.9 has 19 times the variance of white noise
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.identification.inference import Inference
+from stickslip.identification.inference import Inference, quantile_of
 from stickslip.identification.problem import Linearised
 from stickslip.identification.results import Estimate
 from stickslip.identification.unknowns import Unknown, Unknowns
@@ -90,7 +90,8 @@ def step_intervals(
         j = paths.index(item.above)
         c = inference.covariance
         variance = c[i, i] + c[j, j] - 2.0 * c[i, j]
-        half = inference.quantile * math.sqrt(max(variance, 0.0))
+        fewest = min(inference.freedom[i], inference.freedom[j])
+        half = float(quantile_of(fewest)) * math.sqrt(max(variance, 0.0))
         step = float(seen.values[i] - seen.values[j])
         found[item.path] = (step, step - half, step + half)
     return found
