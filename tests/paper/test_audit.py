@@ -115,7 +115,7 @@ def test_the_page_is_one_complete_file(found):
     assert parser.open == []
     assert "<script" not in page
     assert 'src="http' not in page
-    for number in (3, 4, 6, 7, 8, 9, 10):
+    for number in (2, 3, 4, 6, 7, 8, 9, 10, 11):
         assert f"Fig. {number}." in page
     assert "0.1538736" in page
     assert "<i>A solid friction model.</i>" in page

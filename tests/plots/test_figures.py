@@ -23,6 +23,7 @@ from stickslip import (
 )
 from stickslip.plots import inline_svg
 from stickslip.plots.compare import TRAVEL_SIZES, draw_travels
+from stickslip.plots.cycles import CYCLE_SIZES, draw_cycles
 from stickslip.plots.excitations import EXCITATION_SIZES, draw_excitations, excitation_colours
 from stickslip.plots.labels import Curve, label_curves
 from stickslip.plots.laws import (
@@ -127,6 +128,11 @@ def figures(runs):
             EXCITATION_SIZES,
             ["A, push: 0.154 m", "B, released: 0.204 m", "C, fixed: 0.098 m", "dot: block at rest"],
         ),
+        "cycles": (
+            draw_cycles(readings, chosen="C, fixed", cycle=(0.1, 0.8)),
+            CYCLE_SIZES,
+            ["A, push", "C, fixed", "displacement, m", "velocity near zero, m/s"],
+        ),
         "steps": (
             draw_fixed_steps(runs["Coulomb"], fixed),
             fixed_step_sizes(2),
@@ -144,6 +150,7 @@ NAMES = (
     "laws",
     "presliding",
     "excitations",
+    "cycles",
     "steps",
 )
 

@@ -13,9 +13,12 @@ from stickslip import (
     Coulomb,
     Dahl,
     FixedStep,
+    PendulumCart,
+    Prescribed,
     Pulse,
     SpringBlock,
     Status,
+    ThreePhase,
     TowedBlock,
     simulate,
 )
@@ -172,6 +175,23 @@ def test_a_towed_block_sticks_and_slips_in_fixed_steps_too():
     run = simulate(block, law, t_end=20.0, solver=FixedStep(dt=0.002))
     starts = run.t[1:][(run["mode"][:-1] == 0) & (run["mode"][1:] != 0)]
     assert math.isclose(starts[1] - starts[0], 7.61126, abs_tol=0.02)  # ten steps
+
+
+@pytest.mark.parametrize("method", ["euler", "heun", "rk4"])
+def test_a_guided_coordinate_is_where_its_profile_says(method):
+    swing = ThreePhase(amplitude=0.7, fast=120.0, slow=30.0)
+    cart = PendulumCart(
+        cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing)
+    )
+    solver = FixedStep(dt=0.01, method=method)
+    run = simulate(cart, LAW, t_end=2.0, solver=solver)
+    np.testing.assert_array_equal(run["theta"], [swing.at(t)[0] for t in run.t])
+    # another start moves all of it: by what is ahead, and by what the rate adds in time
+    start = {"theta": -0.6, "omega": 0.25}
+    other = simulate(cart, LAW, t_end=2.0, y0=start, solver=solver)
+    # rounding of angles of some 1 rad
+    np.testing.assert_allclose(other["theta"] - run["theta"], 0.1 + 0.25 * run.t, atol=1e-13)
+    np.testing.assert_allclose(other["omega"] - run["omega"], 0.25, atol=1e-13)
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,8 @@ from stickslip.cli.output import (
 )
 from stickslip.cli.progress import Watching
 from stickslip.experiments import load_rig
-from stickslip.paper import PaperAudit, Requirement, audit, paper_report
+from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
+from stickslip.paper.cart import CYCLES
 from stickslip.report.numbers import significant
 
 __all__ = ["run"]
@@ -66,6 +67,30 @@ def _show(found: PaperAudit) -> None:
     heads = ["law", "bristles, N/m", "at the stop", "A push, m", "lowest velocity, mm/s"]
     stdout().print()
     show_table("Softer bristles in the same push", heads, rows)
+    stdout().print()
+    _show_cart(found.cart)
+
+
+def _show_cart(study: CartStudy) -> None:
+    """Print what the cart does with the printed equations, and with the chosen laws."""
+    heads = ["fig.", "run", "travel, m", "last, mm", "back, mm", "lowest, mm/s"]
+    rows = [
+        [
+            figure,
+            one.title,
+            significant(one.travel, 3),
+            significant(1e3 * one.travels[-1], 3),
+            significant(1e3 * one.mean_return, 2),
+            significant(1e3 * one.least_velocity, 2),
+        ]
+        for figure, runs in (("2", study.runs), ("11", study.choices))
+        for one in runs
+    ]
+    title = (
+        f"The cart, masses, length and swing ours: travel in {CYCLES} cycles and in the last, way"
+        " back in a cycle, lowest velocity"
+    )
+    show_table(title, heads, rows)
 
 
 def _need(need: Requirement) -> list[str]:

@@ -1,6 +1,7 @@
 """The source paper, audited: every table and figure again, beside what was printed."""
 
 from stickslip.paper.audit import PaperAudit, TableRow, audit
+from stickslip.paper.cart import CartRun, CartStudy, Share, study_cart
 from stickslip.paper.excitations import Excitation, excitations
 from stickslip.paper.misprints import Consequence, consequences
 from stickslip.paper.pages import paper_report, rig_report
@@ -9,11 +10,14 @@ from stickslip.paper.unpublished import Requirement, requirements
 from stickslip.paper.values import PaperValues
 
 __all__ = [
+    "CartRun",
+    "CartStudy",
     "Consequence",
     "Excitation",
     "PaperAudit",
     "PaperValues",
     "Requirement",
+    "Share",
     "Springback",
     "TableRow",
     "audit",
@@ -23,4 +27,5 @@ __all__ = [
     "requirements",
     "rig_report",
     "springbacks",
+    "study_cart",
 ]

@@ -8,6 +8,7 @@ from typing import Any
 from stickslip.experiments import Published, Rig, load_rig
 from stickslip.friction import FrictionLaw
 from stickslip.paper.bristles import BristleRow, bristle_rows
+from stickslip.paper.cart import CartStudy, study_cart
 from stickslip.paper.excitations import Excitation, excitations
 from stickslip.paper.misprints import Consequence, consequences
 from stickslip.paper.springback import Springback, springbacks
@@ -49,6 +50,8 @@ class PaperAudit:
     """Travels by the stiffness of the bristles."""
     springbacks: tuple[Springback, ...]
     """How bristle laws spring back where nothing holds the block."""
+    cart: CartStudy
+    """The pendulum-driven cart."""
     verdict: TravelVerdict
     """What our selection says of the rig."""
 
@@ -72,6 +75,7 @@ class PaperAudit:
                 {"law": back.law.name, **asdict(back.criteria)} for back in self.springbacks
             ],
             "fixed_steps": [asdict(row) for row in self.fixed_steps],
+            "cart": self.cart.to_dict(),
             "selection": self.verdict.to_dict(),
         }
 
@@ -136,8 +140,15 @@ def audit(
         fixed_steps=compare_fixed_steps(values.rig, rig.laws["coulomb"], t_end=1.0),
         bristles=bristle_rows(values, t_end=rig.t_end),
         springbacks=springbacks(values),
+        cart=study_cart(_named(verdict), rig.laws["coulomb-viscous"]),
         verdict=verdict,
     )
+
+
+def _named(verdict: TravelVerdict) -> FrictionLaw | None:
+    """Return the law that a selection names, with the parameters that it fitted."""
+    best = verdict.best
+    return None if best is None or best.fit is None else best.fit.law
 
 
 def _row(rig: Rig, values: PaperValues, published: Published) -> TableRow:

@@ -10,6 +10,8 @@ from stickslip.friction import SOURCES
 from stickslip.identification.travel import trials_of
 from stickslip.paper.audit import PaperAudit, audit
 from stickslip.paper.sections import (
+    cart_section,
+    choice_section,
     equation_section,
     excitation_section,
     figure_sections,
@@ -160,6 +162,8 @@ def paper_report(found: PaperAudit, *, command: str = "stickslip paper") -> str:
             table_section(found),
             unpublished_section(found),
             equation_section(found),
+            cart_section(found),
+            choice_section(found),
             *figure_sections(found),
             _closing(found, command),
         ),

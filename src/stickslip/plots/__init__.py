@@ -21,6 +21,7 @@ _HOME = {
     "VARIABLES": "theme",
     "WIDE": "svg",
     "draw_characteristics": "laws",
+    "draw_cycles": "cycles",
     "draw_excitations": "excitations",
     "draw_fixed_steps": "steps",
     "draw_friction_velocity": "run",

@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Self
+from typing import NamedTuple, Self
 
+from stickslip.drives import Profile
 from stickslip.formulation import formulate
 from stickslip.friction import (
     BristleLaw,
@@ -22,6 +23,20 @@ from stickslip.solver.tables import gather
 __all__ = ["Diagram"]
 
 
+class Lead(NamedTuple):
+    """A guided coordinate whose profile is a block of the diagram: it gives place and rate."""
+
+    place: int
+    """Index of the coordinate in the state."""
+    rate: int
+    """Index of its rate."""
+    profile: Profile
+    ahead: float
+    """What the run's start adds to the profile's place."""
+    faster: float
+    """What the run's start adds to the profile's rate."""
+
+
 @dataclass(frozen=True)
 class Diagram:
     """Evaluates forces and rates at a time and a state, as often as asked and nothing else."""
@@ -31,15 +46,22 @@ class Diagram:
     bristles: tuple[str, ...]
     slip: int
     """Index of the slip velocity in the state."""
+    leads: tuple[Lead, ...]
 
     @classmethod
-    def build(cls, mechanism: Mechanism, law: FrictionLaw | PrintedForm, t_end: float) -> Self:
+    def build(
+        cls,
+        mechanism: Mechanism,
+        law: FrictionLaw | PrintedForm,
+        t_end: float,
+        y0: Sequence[float],
+    ) -> Self:
         """Take the mechanism's own equations; any law serves to formulate them."""
         stand_in = Coulomb(kinetic_coefficient=0.0)
         model = formulate(mechanism, stand_in)
         equations = Equations(model, gather(mechanism, stand_in, model, t_end))
         bristles = _bristles(law)
-        return cls(equations, law, bristles, equations.module.SLIP)
+        return cls(equations, law, bristles, equations.module.SLIP, _leads(mechanism, y0))
 
     @property
     def module(self) -> ModuleType:
@@ -54,6 +76,17 @@ class Diagram:
 
     def _split(self, y: Sequence[float]) -> tuple[float, tuple[float, ...]]:
         return y[self.slip], tuple(y[self.module.N_STATES :][: len(self.bristles)])
+
+    def led(self, t: float, y: list[float]) -> list[float]:
+        """Return a state whose guided coordinates are where their profiles say.
+
+        Steps would add up what each misses of a phase that ends within it, and the guided
+        coordinate would stray: in a block diagram its motion is a source.
+        """
+        for place, rate, profile, ahead, faster in self.leads:
+            position, speed = profile.at(t)
+            y[place], y[rate] = position + ahead + faster * t, speed + faster
+        return y
 
     def friction(self, t: float, y: Sequence[float], held: bool) -> tuple[float, float]:
         """Return friction and normal force; the normal force is that without friction."""
@@ -109,6 +142,19 @@ class Diagram:
         friction = row[-3]
         *_, supplied = self._free(t, row, friction)
         return supplied, friction * row[self.slip]
+
+
+def _leads(mechanism: Mechanism, y0: Sequence[float]) -> tuple[Lead, ...]:
+    """Return the guided coordinates that a profile tells of, from where the run begins."""
+    drives, n = mechanism.drives(), len(mechanism.coordinates)
+    found = []
+    for name, guide in mechanism.guided().items():
+        profile, place = drives[guide.drive], mechanism.coordinates.index(name)
+        if isinstance(profile, Profile):
+            position, speed = profile.at(0.0)
+            ahead, faster = y0[place] - position, y0[n + place] - speed
+            found.append(Lead(place, n + place, profile, ahead, faster))
+    return tuple(found)
 
 
 def _bristles(law: FrictionLaw | PrintedForm) -> tuple[str, ...]:

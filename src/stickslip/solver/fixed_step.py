@@ -43,7 +43,8 @@ class FixedStep(Solver):
     """Evaluates the friction block literally at every stage of a fixed step.
 
     Nothing is located: a reversal is noticed one step late, sgn 0 is 0, and a law without the
-    stick rule chatters about zero velocity. Its certificate says what that cost.
+    stick rule chatters about zero velocity. Its certificate says what that cost. A coordinate that
+    a profile guides is where the profile says at every stage.
 
     Examples
     --------
@@ -85,7 +86,7 @@ class FixedStep(Solver):
         t_end: float,
     ) -> Trajectory:
         refuse_stops(mechanism)
-        diagram = Diagram.build(mechanism, law, t_end)
+        diagram = Diagram.build(mechanism, law, t_end, y0)
         if self.dt > t_end:
             raise ParameterError(
                 f"FixedStep.dt (dt) must be at most t_end = {t_end:g} s, got {self.dt:g}."
@@ -138,15 +139,17 @@ def _advanced(
     stages, weights = tableau
     slopes: list[list[float]] = []
     for row in stages:
+        at = t + dt * sum(row)
         point = [
             value + dt * sum(a * slope[i] for a, slope in zip(row, slopes, strict=True))
             for i, value in enumerate(y)
         ]
-        slopes.append(diagram.rates(t + dt * sum(row), point, held))
-    return [
+        slopes.append(diagram.rates(at, diagram.led(at, point), held))
+    new = [
         value + dt * sum(w * slope[i] for w, slope in zip(weights, slopes, strict=True))
         for i, value in enumerate(y)
     ]
+    return diagram.led(t + dt, new)
 
 
 def _trajectory(

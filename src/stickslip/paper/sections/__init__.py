@@ -1,5 +1,7 @@
 """The audit as sections of a page: headings state what was found."""
 
+from stickslip.paper.sections.cart import cart_section
+from stickslip.paper.sections.choice import choice_section
 from stickslip.paper.sections.equations import equation_section
 from stickslip.paper.sections.excitation import excitation_section
 from stickslip.paper.sections.figures import figure_sections
@@ -7,6 +9,8 @@ from stickslip.paper.sections.table import table_section
 from stickslip.paper.sections.unpublished import unpublished_section
 
 __all__ = [
+    "cart_section",
+    "choice_section",
     "equation_section",
     "excitation_section",
     "figure_sections",

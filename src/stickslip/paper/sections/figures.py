@@ -27,14 +27,14 @@ def figure_sections(found: PaperAudit) -> tuple[Section, ...]:
     text = (
         "Figs 3 and 4 show the laws, Figs 6 to 10 the block, in the order of Table II. The"
         " captions of the paper were not at hand: the numbers of the figures are our assignment."
-        " Figs 2 and 11 show the cart and come with it."
+        " Figs 2 and 11, the cart, have sections of their own."
     )
     runs = [_run_figure(row, FIRST_RUN + i) for i, row in enumerate(found.table)]
     return (
         Section(
             id="figures",
             nav="Figures again",
-            heading="The paper’s figures, recomputed",
+            heading="The paper’s other figures, recomputed",
             blocks=(Paragraph(text=text), *_law_figures(found), *runs),
         ),
     )

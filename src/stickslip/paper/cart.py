@@ -1,0 +1,234 @@
+"""The pendulum-driven cart of the paper's Figs 2 and 11, as printed and as it is.
+
+The paper prints neither the masses nor the length nor the swing of its cart; those here are ours.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from stickslip.drives import ThreePhase
+from stickslip.friction import PRINTED_FORMS, Coulomb, FrictionLaw, PrintedForm
+from stickslip.mechanisms import PendulumCart, Prescribed
+from stickslip.simulation import simulate
+from stickslip.solver import EventDriven, FixedStep
+from stickslip.trajectory import Trajectory
+
+__all__ = ["CYCLES", "STEP", "CartRun", "CartStudy", "Share", "study_cart"]
+
+CYCLES = 5
+"""Of the swing, in every run."""
+STEP = 0.01
+"""Of the runs as block diagrams [s]."""
+KINETIC = 0.2
+"""Coefficient of the runs that are compared with the printed equations."""
+SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
+CART = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING))
+GRID = 2000
+"""Times in a cycle at which the lowest velocity and normal force are sought, beside the steps."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CartRun:
+    """What the cart does in some cycles of the swing."""
+
+    key: str
+    title: str
+    law: FrictionLaw | PrintedForm
+    run: Trajectory
+    travels: tuple[float, ...]
+    """Of each cycle [m]."""
+    returns: tuple[float, ...]
+    """All ways backwards of each cycle [m]."""
+    least_velocities: tuple[float, ...]
+    """Of each cycle [m/s]."""
+    least_normal_force: float
+    """[N]."""
+
+    @property
+    def travel(self) -> float:
+        """All travel [m]."""
+        return math.fsum(self.travels)
+
+    @property
+    def mean_return(self) -> float:
+        """Way backwards in a cycle, the mean of all [m]."""
+        return math.fsum(self.returns) / len(self.returns)
+
+    @property
+    def least_velocity(self) -> float:
+        """Lowest velocity [m/s]."""
+        return min(self.least_velocities)
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the numbers, ready for JSON."""
+        return {
+            "run": self.key,
+            "law": self.law.name,
+            "travel": self.travel,
+            "travel_by_cycle": list(self.travels),
+            "way_back_by_cycle": list(self.returns),
+            "mean_way_back": self.mean_return,
+            "least_velocity": self.least_velocity,
+            "least_velocity_by_cycle": list(self.least_velocities),
+            "least_normal_force": self.least_normal_force,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Share:
+    """One cause of backward motion: what it adds where it is taken into a run."""
+
+    key: str
+    """``misprint``, ``no-stick-rule``, ``step`` or ``friction``."""
+    least_velocity: float
+    """What it adds to the lowest velocity [m/s]."""
+    mean_return: float
+    """What it adds to the way backwards in a cycle [m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CartStudy:
+    """The paper's two figures of the cart."""
+
+    cart: PendulumCart
+    swing: ThreePhase
+    runs: tuple[CartRun, ...]
+    """Fig. 2: as printed, corrected in fixed steps, exactly."""
+    choices: tuple[CartRun, ...]
+    """Fig. 11: the law that `select` names for the rig, if it names one, and the paper's choice."""
+
+    @property
+    def weight(self) -> float:
+        """Weight of cart and ball [N]."""
+        return (self.cart.cart_mass + self.cart.ball_mass) * self.cart.gravity
+
+    @property
+    def period(self) -> float:
+        """Duration of a cycle [s]."""
+        return float(self.swing.period)
+
+    def run(self, key: str) -> CartRun:
+        """Return a run of Fig. 2 or 11."""
+        return next(one for one in (*self.runs, *self.choices) if one.key == key)
+
+    @cached_property
+    def shares(self) -> tuple[Share, ...]:
+        """What the backward motion of equations (3) and (4) is made of; its parts sum up to it."""
+        printed, free, held, exact = (
+            self.run(key) for key in ("printed-3-4", "fixed", "fixed-held", "exact")
+        )
+        causes = (("misprint", printed, free), ("no-stick-rule", free, held), ("step", held, exact))
+        differences = [
+            Share(
+                key=key,
+                least_velocity=with_it.least_velocity - without.least_velocity,
+                mean_return=with_it.mean_return - without.mean_return,
+            )
+            for key, with_it, without in causes
+        ]
+        real = Share(
+            key="friction",
+            least_velocity=exact.least_velocity,
+            mean_return=exact.mean_return,
+        )
+        return (*differences, real)
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the study as plain numbers and strings, ready for JSON."""
+        return {
+            "cart_mass": self.cart.cart_mass,
+            "ball_mass": self.cart.ball_mass,
+            "length": self.cart.length,
+            "swing": {
+                "amplitude": self.swing.amplitude,
+                "fast": self.swing.fast,
+                "slow": self.swing.slow,
+                "period": self.period,
+            },
+            "cycles": CYCLES,
+            "step": STEP,
+            "kinetic_coefficient": KINETIC,
+            "figure_2": [one.to_dict() for one in self.runs],
+            "backward_motion": [
+                {
+                    "cause": share.key,
+                    "least_velocity": share.least_velocity,
+                    "mean_way_back": share.mean_return,
+                }
+                for share in self.shares
+            ],
+            "figure_11": [one.to_dict() for one in self.choices],
+        }
+
+
+def study_cart(chosen: FrictionLaw | None, theirs: FrictionLaw) -> CartStudy:
+    """Drive the cart with the printed equations, in fixed steps and exactly; then with two laws.
+
+    Parameters
+    ----------
+    chosen : FrictionLaw or None
+        What `select` names for the rig of the paper; None if it names nothing.
+    theirs : FrictionLaw
+        What the paper chose.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, CoulombViscous
+    >>> study = study_cart(
+    ...     Coulomb(kinetic_coefficient=0.25),
+    ...     CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.5),
+    ... )
+    >>> [f"{one.travel:.3f}" for one in study.runs if one.key in ("printed-3-4", "exact")]
+    ['-12.805', '0.279']
+    """
+    level = {"kinetic_coefficient": KINETIC}
+    law = Coulomb(**level)
+    free = FixedStep(dt=STEP, stick_rule=False)
+    held = FixedStep(dt=STEP, stick_rule=True)
+    exact = EventDriven()
+    signed, plain = (PRINTED_FORMS[name](**level) for name in ("printed-3-4", "printed-1"))
+    return CartStudy(
+        cart=CART,
+        swing=SWING,
+        runs=(
+            _run("printed-3-4", "(3), (4) as printed", signed, free),
+            _run("printed-1", "(1), (2) as printed", plain, free),
+            _run("fixed", "corrected, no stick rule", law, free),
+            _run("fixed-held", "corrected, stick rule", law, held),
+            _run("exact", "exact", law, exact),
+        ),
+        choices=(
+            *(() if chosen is None else (_run("selected", chosen.title, chosen, exact),)),
+            _run("paper", theirs.title, theirs, exact),
+        ),
+    )
+
+
+def _run(
+    key: str, title: str, law: FrictionLaw | PrintedForm, solver: EventDriven | FixedStep
+) -> CartRun:
+    """Drive the cart for all cycles."""
+    period = float(SWING.period)
+    run = simulate(CART, law, t_end=CYCLES * period, solver=solver)
+    cycles = [_cycle(run, k * period, min((k + 1) * period, run.span[1])) for k in range(CYCLES)]
+    return CartRun(
+        key=key,
+        title=title,
+        law=law,
+        run=run,
+        travels=tuple(float(seen["x"][-1] - seen["x"][0]) for seen in cycles),
+        returns=tuple(float(-np.minimum(np.diff(seen["x"]), 0.0).sum()) for seen in cycles),
+        least_velocities=tuple(float(seen["v"].min()) for seen in cycles),
+        least_normal_force=float(min(seen["normal_force"].min() for seen in cycles)),
+    )
+
+
+def _cycle(run: Trajectory, first: float, last: float) -> Trajectory:
+    """Return a run in a cycle, at its own times among others: the velocity changes sign there."""
+    own = run.t[(run.t > first) & (run.t < last)]
+    return run.at(np.union1d(np.linspace(first, last, GRID), own))

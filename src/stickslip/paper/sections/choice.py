@@ -1,0 +1,150 @@
+"""The paper's Fig. 11: the cart with the law that was chosen."""
+
+import math
+
+import numpy as np
+
+from stickslip.friction import FrictionLaw, PrintedForm
+from stickslip.paper.audit import PaperAudit
+from stickslip.paper.cart import CartRun, CartStudy
+from stickslip.plots.motion import draw_motion
+from stickslip.plots.svg import inline_svg
+from stickslip.quantities import fields_of
+from stickslip.report import Caption, Column, Figure, Name, Paragraph, Row, Section, Table
+from stickslip.report.numbers import fixed, length, percent, significant, with_unit
+
+__all__ = ["choice_section"]
+
+
+def choice_section(found: PaperAudit) -> Section:
+    """Fig. 11: the cart with the law that the selection names, and with the paper's choice."""
+    study = found.cart
+    return Section(
+        id="cart-choice",
+        nav="Fig. 11, the choice",
+        heading=_heading(study),
+        blocks=(
+            Paragraph(text=_text(found)),
+            _table(study),
+            _figure(study),
+            Caption(text=f"{_return_text(study)} {_normal_text(study)}"),
+        ),
+    )
+
+
+def _heading(study: CartStudy) -> str:
+    travels = {one.key: length(one.travels[-1]) for one in study.choices}
+    if "selected" not in travels:
+        return f"The paper’s law moves the cart {travels['paper']} a cycle"
+    return (
+        f"The law that select names moves the cart {travels['selected']} a cycle, the paper’s"
+        f" {travels['paper']}"
+    )
+
+
+def _text(found: PaperAudit) -> str:
+    named = [one for one in found.cart.choices if one.key == "selected"]
+    chosen = f"names {named[0].law.title}" if named else "names no law"
+    return (
+        f"The paper puts its winner, {found.cart.run('paper').law.title}, into the cart, with a"
+        f" viscous coefficient that it does not print: {found.values.viscous:g} N s/m is assumed"
+        f" here, as in its Table II above. `select` {chosen} for the rig, with the level that the"
+        " measured travel gives. Cart and swing are those of Fig. 2, so ours: the profile and the"
+        " parameters of the paper’s sources are not known, and the printed figure can be compared"
+        " in kind only."
+    )
+
+
+def _label(one: CartRun) -> str:
+    return "by select" if one.key == "selected" else "the paper’s"
+
+
+def _parameters(law: FrictionLaw | PrintedForm) -> str:
+    """List the parameters that a law has, as symbols with values and units."""
+    parts = []
+    for name, quantity in fields_of(type(law)).items():
+        value = getattr(law, name)
+        if value is not None and not isinstance(value, bool):
+            unit = "" if quantity.unit == "1" else quantity.unit
+            parts.append(f"${quantity.symbol}$ {with_unit(significant(value, 3), unit)}")
+    return ", ".join(parts)
+
+
+def _table(study: CartStudy) -> Table:
+    columns = (
+        Column(head="law"),
+        Column(head="first cycle\nmm", numeric=True, phone="label", label="first cycle, mm"),
+        Column(head="last cycle\nmm", numeric=True, phone="label", label="last cycle, mm"),
+        Column(
+            head="way back\nmm/cycle", numeric=True, phone="label", label="way back, mm per cycle"
+        ),
+        Column(
+            head="lowest normal\nforce, N",
+            numeric=True,
+            phone="label",
+            label="lowest normal force, N",
+        ),
+    )
+    rows = tuple(
+        Row(
+            cells=(
+                Name(text=f"{one.law.title}, {_label(one)}", aside=_parameters(one.law)),
+                fixed(1e3 * one.travels[0], 2),
+                fixed(1e3 * one.travels[-1], 2),
+                _nothing_or(one.mean_return),
+                fixed(one.least_normal_force, 3),
+            ),
+            chosen=one.key == "selected",
+        )
+        for one in study.choices
+    )
+    return Table(columns=columns, rows=rows)
+
+
+def _nothing_or(way: float) -> str:
+    return "none" if way == 0.0 else significant(1e3 * way, 2)
+
+
+def _figure(study: CartStudy) -> Figure:
+    runs = {_label(one): one.run for one in study.choices}
+    return Figure(
+        svg=inline_svg(
+            draw_motion(runs, until=study.choices[0].run.span[1]),
+            alt="Displacement and velocity of the cart with the law that select names, and with"
+            " the paper’s",
+            prefix="fig11",
+            wide=(880, 300),
+            narrow=(358, 420),
+        ),
+        caption="**Fig. 11. The cart with the law that was chosen**, solved exactly.",
+    )
+
+
+def _return_text(study: CartStudy) -> str:
+    """Say whether the cart slips back, and what keeps it from it."""
+    back = [one for one in study.choices if one.mean_return > 0.0]
+    if back:
+        ways = ", ".join(f"{_label(one)}: {length(one.mean_return, 2)}" for one in back)
+        return f"The cart slips back in a cycle: {ways}."
+    asked = max(_pull(one) for one in study.choices)
+    return (
+        f"The cart never slips back: at rest the swing pulls it back with up to {percent(asked)} of"
+        " the normal force, less than what friction holds. In Fig. 2, with a lower level, it does."
+    )
+
+
+def _pull(one: CartRun) -> float:
+    """Return the largest backward pull on the resting cart, over the normal force."""
+    first, last = one.run.span
+    seen = one.run.at(np.union1d(np.linspace(first, last, 20_000), one.run.t))
+    resting = seen["mode"] == 0
+    pulls = -seen["friction"][resting] / seen["normal_force"][resting]
+    return float(max(pulls, default=math.nan))
+
+
+def _normal_text(study: CartStudy) -> str:
+    least = min(one.least_normal_force for one in study.choices)
+    return (
+        "The normal force is the same with every law, since the swing is prescribed; it falls to"
+        f" {percent(least / study.weight)} of the weight."
+    )

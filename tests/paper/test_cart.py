@@ -1,0 +1,171 @@
+"""The pendulum-driven cart of Figs 2 and 11: checked values, and what the backward motion is."""
+
+import json
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from stickslip import Coulomb, CoulombViscous, FixedStep, load_rig, simulate
+from stickslip.paper import PaperValues, study_cart
+from stickslip.paper.cart import CART, CYCLES, KINETIC, STEP, SWING
+from stickslip.paper.sections import cart_section, choice_section
+from stickslip.report import Page, render
+
+NAMED = Coulomb(kinetic_coefficient=0.255, static_coefficient=0.35)
+THEIRS = CoulombViscous(kinetic_coefficient=0.25, static_coefficient=0.35, viscous_coefficient=0.5)
+WEIGHT = (0.5 + 0.1) * 9.81
+
+
+@pytest.fixture(scope="module")
+def study():
+    return study_cart(NAMED, THEIRS)
+
+
+def page_of(study):
+    found = SimpleNamespace(cart=study, values=PaperValues.of(load_rig()))
+    sections = (cart_section(found), choice_section(found))
+    return render(Page(title="Cart", subject="", kicker="", sections=sections, footer=""))
+
+
+def demand(t):
+    """Return the pull of the swing on the cart, and the normal force, by formula."""
+    theta, omega = SWING.at(t)
+    elapsed, alpha = t % float(SWING.period), 0.0
+    for piece in SWING.cycle():
+        if elapsed >= piece.start:
+            alpha = piece.value
+    ml = CART.ball_mass * CART.length
+    pull = ml * (alpha * math.cos(theta) - omega**2 * math.sin(theta))
+    return pull, WEIGHT - ml * (alpha * math.sin(theta) + omega**2 * math.cos(theta))
+
+
+def test_the_lowest_normal_force_is_where_the_swing_begins_to_brake(study):
+    # closed form: theta'' changes from 120 to -30 rad/s^2 at the peak rate
+    peak = math.sqrt(4.0 * math.radians(45.0) / (1 / 120 + 1 / 30))
+    theta = math.radians(-45.0) + peak**2 / (2 * 120)
+    n = WEIGHT - 0.1 * 0.3 * (-30.0 * math.sin(theta) + peak**2 * math.cos(theta))
+    assert round(n, 3) == 3.462
+    exact = study.run("exact")
+    # the run is sampled at that instant: what remains is rounding of the angle in five cycles
+    assert exact.least_normal_force == pytest.approx(n, rel=1e-10)
+    for one in study.choices:
+        # the swing is prescribed, so that friction has no part in the normal force
+        assert one.least_normal_force == pytest.approx(n, rel=1e-10)
+
+
+def test_the_exact_cart_moves_by_the_checked_values(study):
+    exact = study.run("exact")
+    # all to their printed digits
+    assert round(study.period, 5) == 0.72360
+    assert round(exact.travels[0], 7) == 0.0248596
+    assert [round(travel, 7) for travel in exact.travels[1:]] == [0.0634659] * (CYCLES - 1)
+    assert round(exact.travel, 3) == 0.279
+    assert round(exact.least_velocity, 3) == -0.006
+    assert exact.run.certificate.certified
+
+
+def test_the_cart_slips_back_a_third_of_a_millimetre_a_cycle(study):
+    exact = study.run("exact")
+    # the checked value is the mean of five cycles, of which the first one begins at rest
+    assert round(1e3 * exact.mean_return, 2) == 0.35
+    assert exact.returns[0] > exact.returns[1]
+    # each later cycle begins and ends in the same state, to the accuracy of located events
+    assert exact.returns[2:] == pytest.approx(exact.returns[1:-1], rel=1e-9)
+    assert exact.travel == pytest.approx(exact.run["x"][-1], rel=1e-12)
+
+
+def test_literal_equations_3_and_4_send_the_cart_backwards(study):
+    # to the printed digits, in the paper's steps; the error of these steps is below them
+    assert round(study.run("printed-3-4").travel, 1) == -12.8
+
+
+def test_the_negative_velocity_of_a_fixed_step_is_mostly_the_step(study):
+    free, exact = study.run("fixed"), study.run("exact")
+    # -0.038 was found with steps that fell elsewhere in the cycle: it lies among those seen here
+    assert min(free.least_velocities) < -0.038 < max(free.least_velocities)
+    # a sign change is noticed one step late, and one step changes the velocity by this at most
+    pulls = [demand(t) for t in np.linspace(0.0, study.period, 5000)]
+    most = STEP * max(abs(h) + KINETIC * n for h, n in pulls) / 0.6
+    assert exact.least_velocity - most < free.least_velocity < 2.0 * exact.least_velocity
+
+
+def test_the_shares_of_the_step_vanish_with_it_and_that_of_friction_stays(study):
+    exact = study.run("exact").least_velocity
+    errors = []
+    for dt in (STEP, STEP / 10, STEP / 100):
+        solver = FixedStep(dt=dt, stick_rule=False)
+        law = Coulomb(kinetic_coefficient=KINETIC)
+        run = simulate(CART, law, t_end=study.period, solver=solver)
+        errors.append(exact - float(run["v"].min()))
+    # of first order in the step, but for where steps fall: a third of the decade is left for that
+    assert errors[0] > 3.0 * errors[1] > 9.0 * errors[2] > 0.0
+
+
+def test_equations_1_and_2_are_the_corrected_law_without_its_rule(study):
+    printed, free = study.run("printed-1"), study.run("fixed")
+    np.testing.assert_array_equal(printed.run["x"], free.run["x"])
+
+
+def test_the_shares_sum_up_to_what_the_printed_equations_show(study):
+    printed = study.run("printed-3-4")
+    keys = [share.key for share in study.shares]
+    assert keys == ["misprint", "no-stick-rule", "step", "friction"]
+    # rounding of four terms
+    total = math.fsum(share.mean_return for share in study.shares)
+    assert total == pytest.approx(printed.mean_return, rel=1e-12)
+    total = math.fsum(share.least_velocity for share in study.shares)
+    assert total == pytest.approx(printed.least_velocity, rel=1e-12)
+    assert all(share.mean_return > 0.0 > share.least_velocity for share in study.shares)
+
+
+def test_the_rod_is_where_the_swing_says_in_fixed_steps_too(study):
+    run = study.run("printed-3-4").run
+    told = np.array([SWING.at(t) for t in run.t])
+    # the same function: the start adds exactly nothing
+    np.testing.assert_array_equal(np.column_stack([run["theta"], run["omega"]]), told)
+
+
+def test_the_chosen_laws_hold_the_cart_against_the_swing(study):
+    # at rest the swing pulls back with less than the 0.35 that both laws hold
+    for one in study.choices:
+        assert one.mean_return == 0.0
+        assert one.least_velocity == 0.0
+        assert one.run.certificate.certified
+    # more friction and a viscous part in addition: less travel than in Fig. 2, in this order
+    travels = [study.run(key).travels[-1] for key in ("exact", "selected", "paper")]
+    assert travels == sorted(travels, reverse=True)
+
+
+def test_the_study_is_a_json_document_with_all_runs(study):
+    told = json.loads(json.dumps(study.to_dict(), allow_nan=False))
+    assert [one["run"] for one in told["figure_2"]] == [one.key for one in study.runs]
+    assert [one["law"] for one in told["figure_11"]] == ["coulomb", "coulomb-viscous"]
+    assert told["figure_2"][-1]["travel"] == study.run("exact").travel
+    assert [one["cause"] for one in told["backward_motion"]] == [s.key for s in study.shares]
+
+
+def test_the_page_says_what_is_ours_and_shows_both_figures(study):
+    page = page_of(study)
+    assert "Fig. 2." in page
+    assert "Fig. 11." in page
+    assert "Those here are ours" in page
+    assert "12.8\xa0m the wrong way" in page
+    assert "−6.13" in page
+    assert ">nan<" not in page.lower()
+
+
+def test_a_rig_for_which_nothing_is_named_shows_the_papers_choice_alone(study):
+    alone = replace(study, choices=study.choices[-1:])
+    page = page_of(alone)
+    assert "names no law" in page
+    assert "by select" not in page
+
+
+def test_a_cart_that_slips_back_is_said_to(study):
+    weak = study_cart(None, Coulomb(kinetic_coefficient=0.15))
+    assert [one.key for one in weak.choices] == ["paper"]
+    assert "slips back in a cycle" in page_of(weak)
+    assert "slips back in a cycle" not in page_of(study)
