@@ -18,6 +18,11 @@ PAINLEVE = "painleve"
 """What a limit is called that every mechanism has whose normal force depends on friction."""
 
 
+NEAREST = 1e-6
+"""Pivot at which a run ends, 1 being that without friction: the normal force grows as its inverse,
+and a run that nears 0 ends there in ever shorter steps."""
+
+
 class Mode(enum.IntEnum):
     """What the contact does."""
 
@@ -73,7 +78,7 @@ class _Context:
         own = self.mechanics.mechanism.limits(reactions)
         found = {name: expression(margin) for name, margin in own.items()}
         if motion.pivot.free_symbols:
-            found[PAINLEVE] = motion.pivot
+            found[PAINLEVE] = motion.pivot - NEAREST
         return found
 
     def channels(self, motion: Motion) -> dict[str, se.Expr]:

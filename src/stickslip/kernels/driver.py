@@ -4,7 +4,7 @@ import math
 
 from stickslip.kernels.booking import add_work, close_step, record
 from stickslip.kernels.choosing import choose_stepper
-from stickslip.kernels.codes import AT_REST, END_TIME, HELD, RUNNING, STEP_LIMIT
+from stickslip.kernels.codes import AT_REST, END_TIME, HELD, RUNNING, STEP_LIMIT, SWITCH
 from stickslip.kernels.layout import (
     BOOKS,
     DENSE,
@@ -22,15 +22,20 @@ from stickslip.kernels.layout import (
     Y,
     longer,
 )
-from stickslip.kernels.model import N_STATES
+from stickslip.kernels.model import N_STATES, N_SWITCHES
 from stickslip.kernels.pieces import enter_pieces, next_stop, rests_for_good
 from stickslip.kernels.roots import NO_GUARD
 from stickslip.kernels.sizes import first_sizes
 from stickslip.kernels.stepping import advance
-from stickslip.kernels.switching import handle_event, initial_mode, settle
+from stickslip.kernels.switching import handle_event, initial_mode, settle, turn_switches
 from stickslip.kernels.tier import Vector
+from stickslip.kernels.walls import FIRST_LIMIT
 
 __all__ = ["run"]
+
+
+MOST_EVENTS = 4 + N_SWITCHES * N_SWITCHES
+"""Events that one step may have at most."""
 
 
 def stay(end: float, w: Vector, whole: Vector, log: Vector) -> None:
@@ -68,7 +73,10 @@ def finish_step(
         whole[STATUS] = END_TIME
     elif whole[STATUS] == RUNNING and w[TIME] >= stop:
         enter_pieces(table, w, whole)
+        turn_switches(w, whole, events)
         settle(w, whole, events)
+    elif whole[STATUS] == RUNNING and SWITCH <= guard < FIRST_LIMIT:
+        settle(w, whole, events)  # what a switch stands for may jump with it
     if guard != NO_GUARD or w[TIME] >= stop:
         choose_stepper(next_stop(table, t_end, whole), w, whole)
 
@@ -106,7 +114,8 @@ def run(
     while whole[STATUS] == RUNNING:
         if (int(whole[STEPS]) + 2) * ROW_COLUMNS > len(log):  # one of the step, one of its end
             log = longer(log)
-        if (int(whole[EVENTS]) + 4) * EVENT_COLUMNS > len(events):  # of the step, of a jump, limits
+        # of the step, of a jump and what it switches, and a limit after each
+        while (int(whole[EVENTS]) + MOST_EVENTS) * EVENT_COLUMNS > len(events):
             events = longer(events)
         if rests_for_good(w, whole, bounds):
             stay(t_end, w, whole, log)

@@ -17,6 +17,7 @@ from stickslip.kernels.layout import (
     EVENTS,
     FLAGS,
     MODE,
+    REACHED,
     ROUNDING,
     STALLS,
     STATUS,
@@ -39,8 +40,17 @@ from stickslip.kernels.model import (
 from stickslip.kernels.tier import Vector
 from stickslip.kernels.walls import FIRST_LIMIT, FIRST_WALL, pressed_by, strike, touched
 
-__all__ = ["handle_event", "initial_mode", "mode_from_rest", "set_flags", "settle"]
+__all__ = [
+    "handle_event",
+    "initial_mode",
+    "mode_from_rest",
+    "set_flags",
+    "settle",
+    "turn_switches",
+]
 
+ROUNDED = 1e-12
+"""Share of a switch's largest margin so far below which it did not jump: rounding left it there."""
 STALL_LIMIT = 100
 """Events in a row at one instant after which the run is given up as Zeno."""
 
@@ -150,8 +160,17 @@ def forbidden(w: Vector, whole: Vector) -> int:
     return 0
 
 
+def turn_switches(w: Vector, whole: Vector, events: Vector) -> None:
+    """Turn the switches whose margins jumped with the drives, nested ones included."""
+    for _ in range(N_SWITCHES):
+        for guard in range(SWITCH, FIRST_LIMIT):
+            guards(int(whole[MODE]), int(whole[FLAGS]), w[TIME], w, Y, VALUES)
+            if w[VALUES + guard] < -ROUNDED * w[REACHED + guard]:
+                note_event(guard, w[TIME], w, whole, events)
+
+
 def settle(w: Vector, whole: Vector, events: Vector) -> None:
-    """Make the transitions that follow from a jump of the drives, and from the start."""
+    """Make the transitions that follow from a jump of forces, and from the start."""
     t = w[TIME]
     mode = int(whole[MODE])
     flags = int(whole[FLAGS])
