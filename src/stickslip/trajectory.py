@@ -92,6 +92,11 @@ class Certificate:
     """Rejected steps."""
     error_estimate: float | None = None
     """Largest difference of a state to a run with half the tolerance, if that was asked for."""
+    margins: Mapping[str, float] = field(default_factory=dict)
+    """How near the run came to what would have ended it, by the name of the event: the least margin
+    over the largest, 0 where it ended so. Empty where nothing of the kind can happen."""
+    warnings: tuple[str, ...] = ()
+    """What the run came near to."""
     problems: tuple[str, ...] = ()
     """Why the run is not certified; empty if it is."""
 
@@ -266,6 +271,7 @@ class Trajectory:
             ("events", str(len(self.events))),
             ("energy error", f"{self.certificate.energy_error:.1e}"),
             ("certified", "yes" if self.certificate.certified else "no"),
+            *(("near a limit", text) for text in self.certificate.warnings),
         )
         cells = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in rows)
         return f"<table>{cells}</table>"

@@ -353,3 +353,20 @@ def test_a_break_away_into_the_paradox_ends_with_that_status():
     assert run.events[-1].reason == "painleve"
     with pytest.raises(SimulationError, match="Painleve"):
         simulate(cart, law, t_end=1.0, y0={"theta": 0.5, "v": 0.1})
+
+
+def test_a_certificate_tells_how_near_the_cart_came_to_lifting_off():
+    run = cycles()
+    t = np.linspace(0.0, 6.0 * PERIOD, 60001)
+    normal = run.at(t)["normal_force"]
+    told = run.certificate.margins["lift-off"]
+    # the solver looks at eight points of each step, between which the force bends little
+    assert told == pytest.approx(float(normal.min() / normal.max()), rel=1e-3)
+    assert run.certificate.warnings == ()
+    # N = (M + m) g - m l (th'' sin th + th'^2 cos th) falls as l grows
+    tall = simulate(replace(LIGHT, length=0.65), ROUGH, t_end=PERIOD)
+    assert 0.0 < tall.certificate.margins["lift-off"] < 0.1
+    assert tall.certificate.warnings == ("the normal force fell to 5.6 % of its largest value",)
+    taller = simulate(replace(LIGHT, length=0.75), ROUGH, t_end=PERIOD, throw=False)
+    assert taller.status is Status.LIFT_OFF
+    assert taller.certificate.margins["lift-off"] == 0.0

@@ -172,5 +172,7 @@ def _show(rig: Rig, law: FrictionLaw, run: Trajectory, settings: Settings) -> No
         checked += f"guard violation {residue(trust.guard_violation)}, "
         checked += f"stick drift {residue(trust.stick_drift)}, "
     console.print(f"{checked}{trust.steps} steps", markup=False)
+    for warning in trust.warnings:
+        console.print(f"Near a limit: {warning}", markup=False)
     for problem in trust.problems:
         console.print(f"Not certified: {problem}", markup=False)

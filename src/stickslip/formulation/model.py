@@ -14,7 +14,7 @@ from stickslip.formulation.modes import PAINLEVE, Mode, ModeEquations, mode_equa
 from stickslip.formulation.stops import impact_events, wall_guards
 from stickslip.formulation.trace import Switch, Switchboard, Traced, expression
 from stickslip.friction import FrictionLaw, bristles_of
-from stickslip.kernels.codes import SWITCH
+from stickslip.kernels.codes import LIFT_OFF, SWITCH
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow, structure
 
@@ -295,6 +295,7 @@ def _shape(
         "SLIP": len(symbols.coordinates) + mechanics.slip,
         "PARAMETER_ROOM": _rounded(size + 1, FEW_PARAMETERS),
         "CAN_STICK": Mode.STICK in modes,
+        "CAN_LIFT": any(LIFT_OFF in equations.guards for equations in modes.values()),
         "HAS_BRISTLES": bool(symbols.bristles),
         "REST_IS_FINAL": _rest_is_final(symbols, modes),
     }

@@ -24,7 +24,7 @@ from stickslip.kernels.model import (
     guards,
 )
 from stickslip.kernels.polynomials import FALLS_AT_ONCE, first_fall
-from stickslip.kernels.roots import NO_GUARD
+from stickslip.kernels.roots import NO_GUARD, note_least
 from stickslip.kernels.tier import Vector
 
 __all__ = ["first_crossing"]
@@ -49,6 +49,7 @@ def guard_polynomial(guard: int, h: float, w: Vector) -> int:
         if total != 0.0:
             degree = k
     w[REACHED + guard] = max(w[REACHED + guard], abs(w[VALUES + guard]), abs(last))
+    note_least(guard, min(w[VALUES + guard], last), w)
     return degree
 
 

@@ -13,6 +13,7 @@ from stickslip.kernels.layout import (
     EVENTS,
     FRACTION,
     LENGTH,
+    LOWEST,
     ROW_COLUMNS,
     STATUS,
     STEP,
@@ -22,7 +23,7 @@ from stickslip.kernels.layout import (
     Y,
     longer,
 )
-from stickslip.kernels.model import N_STATES, N_SWITCHES
+from stickslip.kernels.model import N_GUARDS, N_STATES, N_SWITCHES
 from stickslip.kernels.pieces import enter_pieces, next_stop, rests_for_good
 from stickslip.kernels.roots import NO_GUARD
 from stickslip.kernels.sizes import first_sizes
@@ -87,6 +88,8 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Vector, events: Vector)
     initial_mode(w, whole)
     settle(w, whole, events)
     first_sizes(w[TIME], t_end, w)
+    for i in range(N_GUARDS):
+        w[LOWEST + i] = math.inf
     w[STEP] = 0.0
     w[STRIDE] = math.inf
     choose_stepper(next_stop(table, t_end, whole), w, whole)

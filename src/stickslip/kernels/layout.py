@@ -34,6 +34,7 @@ __all__ = [
     "INTERVAL",
     "LENGTH",
     "LOST",
+    "LOWEST",
     "MATRIX",
     "MODE",
     "PIECE",
@@ -128,11 +129,12 @@ DRIFT = PIVOTS + N_STATES
 DENSE = DRIFT + N_STATES
 DENSE_SIZE = 1 + (SERIES + 1) * N_STATES
 
-# Guards at points of a step, their largest sizes, their slopes, one as a polynomial, its intervals,
-# hard stops.
+# Guards at points of a step, their largest sizes, the least of those that end runs, their slopes,
+# one as a polynomial, its intervals, hard stops.
 SAMPLED = DENSE + DENSE_SIZE
 REACHED = SAMPLED + (SAMPLES + 1) * N_GUARDS
-SLOPES = REACHED + N_GUARDS
+LOWEST = REACHED + N_GUARDS
+SLOPES = LOWEST + N_GUARDS
 POLYNOMIAL = SLOPES + N_GUARDS * (N_STATES + 1)
 ROOM = POLYNOMIAL + SERIES + 1
 WALLS = ROOM + (DEEPEST + 2) * INTERVAL

@@ -8,6 +8,7 @@ the state from the place `at` on. They write to the place `to` and after it.
 from stickslip.kernels.tier import Vector
 
 __all__ = [
+    "CAN_LIFT",
     "CAN_STICK",
     "HAS_BRISTLES",
     "N_CHANNELS",
@@ -50,6 +51,7 @@ N_DRIVES: int = 0
 SLIP: int = 0
 PARAMETER_ROOM: int = 0
 CAN_STICK: bool = False
+CAN_LIFT: bool = False
 HAS_BRISTLES: bool = False
 REST_IS_FINAL: bool = False
 WALL_COORDINATES: tuple[int, ...] = ()

@@ -1,14 +1,23 @@
 """Where inside a step a guard is first violated."""
 
-from stickslip.kernels.codes import STOP
+from stickslip.kernels.codes import LIFT_OFF, STOP
 from stickslip.kernels.dense import interpolate
 from stickslip.kernels.itp import itp_limit, itp_point
-from stickslip.kernels.layout import FRACTION, POINT, REACHED, SAMPLED, SAMPLES, SCALE, VALUES
-from stickslip.kernels.model import HAS_BRISTLES, N_GUARDS, SLIP, guards
+from stickslip.kernels.layout import (
+    FRACTION,
+    LOWEST,
+    POINT,
+    REACHED,
+    SAMPLED,
+    SAMPLES,
+    SCALE,
+    VALUES,
+)
+from stickslip.kernels.model import CAN_LIFT, HAS_BRISTLES, N_GUARDS, SLIP, guards
 from stickslip.kernels.tier import Vector
-from stickslip.kernels.walls import FIRST_WALL
+from stickslip.kernels.walls import FIRST_LIMIT, FIRST_WALL
 
-__all__ = ["NO_GUARD", "first_violation", "guard_values", "note_sizes", "rises"]
+__all__ = ["NO_GUARD", "first_violation", "guard_values", "note_least", "note_sizes", "rises"]
 
 NO_GUARD = -1
 QUIET = 1e-12
@@ -148,8 +157,16 @@ def rises(guard: int, w: Vector) -> bool:
     return highest > 0.0
 
 
+def note_least(guard: int, value: float, w: Vector) -> None:
+    """Note the least value of a guard that ends runs."""
+    if (CAN_LIFT and guard == LIFT_OFF) or FIRST_LIMIT <= guard < FIRST_WALL:
+        w[LOWEST + guard] = min(w[LOWEST + guard], value)
+
+
 def note_sizes(w: Vector) -> None:
-    """Note the largest size of each guard among the samples of a step."""
+    """Note the largest size of each guard among the samples of a step, and the least ones."""
     for guard in range(N_GUARDS):
         for s in range(SAMPLES + 1):
-            w[REACHED + guard] = max(w[REACHED + guard], abs(w[SAMPLED + s * N_GUARDS + guard]))
+            value = w[SAMPLED + s * N_GUARDS + guard]
+            w[REACHED + guard] = max(w[REACHED + guard], abs(value))
+            note_least(guard, value, w)

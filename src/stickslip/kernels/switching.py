@@ -26,6 +26,7 @@ from stickslip.kernels.layout import (
     Y,
 )
 from stickslip.kernels.model import (
+    CAN_LIFT,
     CAN_STICK,
     HAS_BRISTLES,
     N_LIMITS,
@@ -49,7 +50,7 @@ __all__ = [
     "turn_switches",
 ]
 
-ROUNDED = 1e-12
+UNMOVED = 1e-12
 """Share of a switch's largest margin so far below which it did not jump: rounding left it there."""
 STALL_LIMIT = 100
 """Events in a row at one instant after which the run is given up as Zeno."""
@@ -150,7 +151,7 @@ def forbidden(w: Vector, whole: Vector) -> int:
     Guards are looked at for a fall from above zero, which would miss one that begins below it.
     Where the equations have no meaning the normal force has none either, so limits come first.
     """
-    if N_LIMITS > 0:
+    if CAN_LIFT or N_LIMITS > 0:
         guards(int(whole[MODE]), int(whole[FLAGS]), w[TIME], w, Y, VALUES)
         for guard in range(FIRST_LIMIT, FIRST_LIMIT + N_LIMITS):
             if w[VALUES + guard] < 0.0:
@@ -165,7 +166,7 @@ def turn_switches(w: Vector, whole: Vector, events: Vector) -> None:
     for _ in range(N_SWITCHES):
         for guard in range(SWITCH, FIRST_LIMIT):
             guards(int(whole[MODE]), int(whole[FLAGS]), w[TIME], w, Y, VALUES)
-            if w[VALUES + guard] < -ROUNDED * w[REACHED + guard]:
+            if w[VALUES + guard] < -UNMOVED * w[REACHED + guard]:
                 note_event(guard, w[TIME], w, whole, events)
 
 

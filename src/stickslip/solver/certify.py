@@ -1,10 +1,13 @@
 """The certificate of a run: evidence that does not come from error control."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.formulation import PAINLEVE
+from stickslip.kernels import codes
 from stickslip.solver.equations import Equations
 from stickslip.solver.playback import Playback
 from stickslip.trajectory import Certificate
@@ -14,6 +17,8 @@ __all__ = ["certify", "passes"]
 VIOLATION_LIMIT = 1e-9
 ENERGY_LIMIT = 1e-8
 """Steps of relative error 1e-12 add up over a long run, and rounding over a longer one."""
+CLOSE = 0.1
+"""Share of its largest margin at which a run is said to come near to a limit."""
 RESIDUAL_LIMIT = 1e-6
 """Events are located to rounding of the time; a steep guard at a late time leaves this much."""
 
@@ -48,8 +53,13 @@ def certify(
         problems.append(f"an event was located only to {residual:.1e} of its guard")
     if drift != 0:
         problems.append(f"a stuck body moved by {drift:.1e} m")
+    margins = _margins(playback, w, whole[module.STATUS])
     return Certificate(
         **books,
+        margins=margins,
+        warnings=tuple(
+            _warning(name, share) for name, share in margins.items() if 0.0 < share < CLOSE
+        ),
         guard_violation=violation,
         event_residual=residual,
         stick_drift=drift,
@@ -57,6 +67,31 @@ def certify(
         rejected=whole[module.REJECTED],
         problems=tuple(problems),
     )
+
+
+def _margins(playback: Playback, w: Sequence[float], status: int) -> dict[str, float]:
+    """Return the least margin of each limit over its largest, and that of the normal force."""
+    module, limits = playback.module, playback.model.limits
+    guards = {"lift-off": codes.LIFT_OFF} if module.CAN_LIFT else {}
+    guards |= {name: module.FIRST_LIMIT + i for i, name in enumerate(limits)}
+    ends = {"lift-off": codes.LIFTED_OFF}
+    ends |= {name: codes.LIMITED + i for i, name in enumerate(limits)}
+    found = {}
+    for name, guard in guards.items():
+        least, size = float(w[module.LOWEST + guard]), float(w[module.REACHED + guard])
+        if status == ends[name]:
+            found[name] = 0.0
+        elif math.isfinite(least) and size > 0.0:
+            found[name] = max(least, 0.0) / size
+    return found
+
+
+def _warning(name: str, share: float) -> str:
+    if name == "lift-off":
+        return f"the normal force fell to {100 * share:.2g} % of its largest value"
+    if name == PAINLEVE:
+        return f"the equations came within {100 * share:.2g} % of Painleve's paradox"
+    return f"{name}: the margin fell to {100 * share:.2g} % of its largest value"
 
 
 def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
