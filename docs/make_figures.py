@@ -3,8 +3,21 @@
 import re
 from pathlib import Path
 
-from stickslip import FixedStep, load_rig, select, simulate
+import numpy as np
+
+from stickslip import (
+    Capsule,
+    Coulomb,
+    FixedStep,
+    Sine,
+    Torque,
+    average_velocity,
+    load_rig,
+    select,
+    simulate,
+)
 from stickslip.plots import SURFACE, Draw, Size, standalone_svg
+from stickslip.plots.maps import draw_velocity_map
 from stickslip.plots.separation import SEPARATION_SIZES, draw_separation
 from stickslip.plots.steps import draw_fixed_steps
 
@@ -70,7 +83,33 @@ def chatter() -> None:
     )
 
 
+def reversal() -> None:
+    """The direction of a vibro-impact capsule against the frequency of its drive."""
+    capsule = Capsule(
+        capsule_mass=0.8,
+        inner_mass=0.2,
+        stiffness=100.0,
+        damping=0.3,
+        upper_stop=0.02,
+        restitution=0.6,
+        drive=Torque(drive=Sine(amplitude=1.0, frequency=4.0)),
+    )
+    found = average_velocity(
+        capsule,
+        Coulomb(kinetic_coefficient=0.05),
+        {"mechanism.drive.drive.frequency": np.linspace(2.5, 6.0, 141)},
+    )
+    card(
+        "reversal.svg",
+        draw_velocity_map(found),
+        (800, 320),
+        "Mean velocity of a capsule against the frequency of its drive: forward at resonance,"
+        " backward above 4.42 Hz, none where the inner mass does not reach its stop",
+    )
+
+
 if __name__ == "__main__":
     FOLDER.mkdir(exist_ok=True)
+    reversal()
     separation()
     chatter()

@@ -214,6 +214,67 @@ def simulate(
 
 
 @app.command()
+def animate(
+    rig: Rig = None,
+    law: Law = "coulomb",
+    changes: Set = None,
+    t_end: Annotated[
+        float | None, typer.Option("--t-end", help="Last time [s]; the rig's if not given.")
+    ] = None,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="GIF or MP4 file; MP4 needs ffmpeg.")
+    ] = Path("stickslip.gif"),
+    fps: Annotated[float, typer.Option("--fps", help="Frames a second.")] = 25.0,
+    speed: Annotated[
+        float, typer.Option("--speed", help="Times as fast as it is; 0.1 is slow motion.")
+    ] = 1.0,
+    size: Annotated[
+        str, typer.Option("--size", metavar="WIDTHxHEIGHT", help="In CSS pixels.")
+    ] = "880x400",
+    dpi: Annotated[
+        float, typer.Option("--dpi", help="Resolution; 72 is a pixel for each CSS pixel.")
+    ] = 72.0,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Simulate the rig with one law and draw what moves, to scale, beside its time plots."""
+    from stickslip.cli.animate import Look, run
+
+    look = Look(fps=fps, speed=speed, size=size, dpi=dpi)
+    run(rig, changes or [], law, t_end, look, output, force=force, as_json=as_json)
+
+
+@app.command()
+def sweep(
+    rig: Rig = None,
+    law: Law = "coulomb",
+    changes: Set = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--vary",
+            metavar="PATH=LOW:HIGH:N",
+            help="E.g. mechanism.drive.drive.frequency=1:6:50; once or twice.",
+        ),
+    ] = None,
+    cycles: Annotated[
+        int, typer.Option("--cycles", help="Cycles the mean is taken over; even.")
+    ] = 20,
+    settle: Annotated[int, typer.Option("--settle", help="Cycles before them.")] = 100,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="CSV or Parquet file; a figure (SVG) beside it.")
+    ] = Path("stickslip-sweep.csv"),
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Mean velocity of a driven rig over a grid of parameters: a table and a figure."""
+    from stickslip.cli.sweep import run
+
+    grid = vary or []
+    run(rig, changes or [], law, grid, cycles, settle, output, force=force, as_json=as_json)
+
+
+@app.command()
 def models(
     name: Annotated[str | None, typer.Argument(help="Show one law in full.")] = None,
     published: Annotated[

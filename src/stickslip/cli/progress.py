@@ -17,7 +17,7 @@ from rich.progress import (
 from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.output import stderr
 
-__all__ = ["Compiling", "Searching", "Watching"]
+__all__ = ["Compiling", "Drawing", "Searching", "Watching"]
 
 
 def _bars() -> Progress:
@@ -71,6 +71,19 @@ class Compiling(_Shown):
         if done == total:
             self._bars.remove_task(self._task)
             self._task = None
+
+
+@final
+class Drawing(_Shown):
+    """A bar that counts what is drawn or run; callable as ``report(done, total)``."""
+
+    def __init__(self, verb: str = "Drawing") -> None:
+        super().__init__(_bars())
+        self._task = self._bars.add_task(verb, total=None, runs="")
+
+    def __call__(self, done: int, total: int) -> None:
+        """Note how many are done."""
+        self._bars.update(self._task, completed=done, total=total)
 
 
 @final

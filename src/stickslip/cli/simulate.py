@@ -4,7 +4,7 @@ import io
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.text import Text
@@ -29,7 +29,10 @@ from stickslip.simulation import simulate
 from stickslip.solver import FixedStep, Solver
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Settings", "run"]
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Settings", "check_table", "law_of", "run", "start_of", "table_bytes"]
 
 CRITERIA_FAILED = 4
 EVENT_CHECKS = ("guard_violation", "event_residual", "stick_drift")
@@ -61,16 +64,17 @@ def run(
 ) -> None:
     """Simulate, export, show."""
     if output is not None:
-        _check_suffix(output)
+        check_table(output)
         refuse_overwriting(output, output.parent, force=force)
     rig = load_rig(path, overrides=overrides(changes))
-    law = _law(rig, settings.law)
+    law = law_of(rig, settings.law)
     t_end = rig.t_end if settings.t_end is None else settings.t_end
-    start = _start(rig, law)
+    start = start_of(rig, law)
     trajectory = simulate(rig.mechanism, law, t_end=t_end, y0=start, solver=_solver(settings))
     seen = criteria_of(trajectory, rig.mechanism)
     if output is not None:
-        _export(trajectory.sampled(settings.samples), output)
+        frame = trajectory.sampled(settings.samples).to_dataframe()
+        write_file(output, table_bytes(frame, output))
     if as_json:
         content = _content(rig, law, trajectory, settings) | {"criteria": asdict(seen)}
         print_json(document("simulate", content))
@@ -83,7 +87,8 @@ def run(
         raise typer.Exit(CRITERIA_FAILED)
 
 
-def _law(rig: Rig, name: str) -> FrictionLaw:
+def law_of(rig: Rig, name: str) -> FrictionLaw:
+    """Return a law of the rig, or one with plain values where the rig does not have it."""
     if name in PRINTED_FORMS:
         raise InputError(
             f"{name} is an equation as printed; `stickslip paper` runs those. Its corrected law is"
@@ -93,7 +98,7 @@ def _law(rig: Rig, name: str) -> FrictionLaw:
     return rig.laws.get(name) or starting_law(kind)
 
 
-def _start(rig: Rig, law: FrictionLaw) -> Mapping[str, float]:
+def start_of(rig: Rig, law: FrictionLaw) -> Mapping[str, float]:
     """Return how the first trial begins; bristles that the law does not have are left out."""
     if rig.measurement is None:
         return {}
@@ -113,21 +118,19 @@ def _solver(settings: Settings) -> Solver | None:
     )
 
 
-def _check_suffix(output: Path) -> None:
+def check_table(output: Path) -> None:
+    """Refuse what is neither CSV nor Parquet."""
     if output.suffix not in (".csv", ".parquet"):
         raise InputError(f"--output takes a .csv or .parquet file, got {output}.")
 
 
-def _export(trajectory: Trajectory, output: Path) -> None:
-    """Write the run; the file appears whole or not at all."""
-    frame = trajectory.to_dataframe()
+def table_bytes(frame: "pd.DataFrame", output: Path) -> bytes:
+    """Return a table as the file's kind asks for."""
     if output.suffix == ".csv":
-        content = frame.to_csv(index=False).encode()
-    else:
-        buffer = io.BytesIO()
-        frame.to_parquet(buffer, index=False)
-        content = buffer.getvalue()
-    write_file(output, content)
+        return frame.to_csv(index=False).encode()
+    buffer = io.BytesIO()
+    frame.to_parquet(buffer, index=False)
+    return buffer.getvalue()
 
 
 def _content(

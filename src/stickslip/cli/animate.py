@@ -1,0 +1,111 @@
+"""``stickslip animate``."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.text import Text
+
+from stickslip.cli.output import (
+    document,
+    overrides,
+    print_json,
+    refuse_overwriting,
+    stdout,
+)
+from stickslip.cli.progress import Drawing
+from stickslip.cli.simulate import law_of, start_of
+from stickslip.errors import InputError
+from stickslip.experiments import Rig, load_rig
+from stickslip.friction import FrictionLaw
+from stickslip.simulation import simulate
+from stickslip.trajectory import Trajectory
+
+__all__ = ["Look", "run"]
+
+SIZE = re.compile(r"(\d+)\s*[x×]\s*(\d+)")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Look:
+    """What the animation looks like."""
+
+    fps: float
+    speed: float
+    size: str
+    dpi: float
+
+
+def run(
+    path: Path | None,
+    changes: Sequence[str],
+    law_name: str,
+    t_end: float | None,
+    look: Look,
+    output: Path,
+    *,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Simulate, draw, show; a run that ends early is shown up to its end."""
+    from stickslip.plots.animation import animate, frame_times
+    from stickslip.plots.encoding import encoder_of
+
+    size = _size(look.size)
+    encoder_of(output)
+    refuse_overwriting(output, output.parent, force=force)
+    rig = load_rig(path, overrides=overrides(changes))
+    law = law_of(rig, law_name)
+    end = rig.t_end if t_end is None else t_end
+    start = start_of(rig, law)
+    seen = simulate(rig.mechanism, law, t_end=end, y0=start, throw=False)
+    count = frame_times(seen, rig.mechanism, fps=look.fps, speed=look.speed).size
+    output.parent.mkdir(parents=True, exist_ok=True)
+    with Drawing() as progress:
+        animate(
+            seen,
+            rig.mechanism,
+            output,
+            fps=look.fps,
+            speed=look.speed,
+            size=size,
+            dpi=look.dpi,
+            progress=progress,
+        )
+    if as_json:
+        print_json(document("animate", _content(rig, law, seen, int(count), output)))
+    else:
+        _show(rig, law, seen, int(count), output)
+
+
+def _content(
+    rig: Rig, law: FrictionLaw, seen: Trajectory, count: int, output: Path
+) -> dict[str, Any]:
+    return {
+        "rig": rig.title,
+        "digest": rig.digest,
+        "law": law.name,
+        "status": seen.status.name,
+        "meaning": seen.status.value,
+        "certified": seen.certificate.certified,
+        "frames": count,
+        "file": str(output),
+    }
+
+
+def _show(rig: Rig, law: FrictionLaw, seen: Trajectory, count: int, output: Path) -> None:
+    console = stdout()
+    console.print(Text.assemble((rig.title, "bold"), f", {law.title} friction"))
+    console.print(seen.status.value, markup=False)
+    for problem in seen.certificate.problems:
+        console.print(f"Not certified: {problem}", markup=False)
+    console.print(f"\nAnimation: {output}, {count} frames", markup=False)
+
+
+def _size(text: str) -> tuple[float, float]:
+    match = SIZE.fullmatch(text.strip())
+    if match is None:
+        raise InputError(f"--size takes WIDTHxHEIGHT such as 880x400, got {text!r}.")
+    return float(match[1]), float(match[2])

@@ -1,0 +1,125 @@
+"""``stickslip sweep``."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.text import Text
+
+from stickslip.cli.output import (
+    document,
+    overrides,
+    print_json,
+    refuse_overwriting,
+    show_table,
+    stdout,
+    write_folder,
+)
+from stickslip.cli.progress import Drawing
+from stickslip.cli.simulate import check_table, law_of, start_of, table_bytes
+from stickslip.errors import InputError
+from stickslip.experiments import load_rig
+from stickslip.sweep import VelocityMap, average_velocity
+
+__all__ = ["run"]
+
+SIZE = (800, 360)
+MOST_AXES = 2
+
+
+def run(
+    path: Path | None,
+    changes: Sequence[str],
+    law_name: str,
+    vary: Sequence[str],
+    cycles: int,
+    settle: int,
+    output: Path,
+    *,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Run the grid, write table and figure, show."""
+    check_table(output)
+    figure = output.with_suffix(".svg")
+    for file in (output, figure):
+        refuse_overwriting(file, output.parent, force=force)
+    axes = _axes(vary)
+    rig = load_rig(path, overrides=overrides(changes))
+    law = law_of(rig, law_name)
+    start = start_of(rig, law)
+    with Drawing("Running") as progress:
+        found = average_velocity(
+            rig.mechanism, law, axes, cycles=cycles, settle=settle, y0=start, progress=progress
+        )
+    _write(found, output, figure)
+    turns = found.reversals().tolist() if len(found.axes) == 1 else []
+    if as_json:
+        head = {"rig": rig.title, "digest": rig.digest, "law": law.name}
+        files = [str(output), str(figure)]
+        print_json(document("sweep", head | _content(found, turns) | {"files": files}))
+        return
+    stdout().print(Text.assemble((rig.title, "bold"), f", {law.title} friction"))
+    _show(found, turns)
+    stdout().print(f"\nWritten: {output}, {figure}", markup=False)
+
+
+def _content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
+    return {
+        "axes": {name: values.tolist() for name, values in found.axes.items()},
+        "unit": found.unit,
+        "velocity": found.velocity.tolist(),
+        "reversals": list(turns),
+    }
+
+
+def _write(found: VelocityMap, output: Path, figure: Path) -> None:
+    from stickslip.plots.maps import draw_velocity_map
+    from stickslip.plots.svg import standalone_svg
+
+    svg = standalone_svg(draw_velocity_map(found), size=SIZE, title="Mean velocity")
+    table = table_bytes(found.to_dataframe(), output)
+    write_folder(output.parent, {output.name: table, figure.name: svg})
+
+
+def _show(found: VelocityMap, turns: Sequence[float]) -> None:
+    console = stdout()
+    rows = []
+    for word, pick in (("largest", np.nanargmax), ("least", np.nanargmin)):
+        if not np.isfinite(found.velocity).any():
+            break
+        place = np.unravel_index(pick(found.velocity), found.velocity.shape)
+        at = [
+            f"{values[i]:.6g} {found.units[name]}"
+            for i, (name, values) in zip(place, found.axes.items(), strict=True)
+        ]
+        rows.append([word, f"{found.velocity[place] + 0.0:.6g}", *at])
+    if rows:
+        show_table("", ["mean velocity", found.unit, *found.axes], rows)
+    for turn in turns:
+        console.print(f"The direction turns at {turn:.6g}.", markup=False)
+    short = int(np.sum(~np.isfinite(found.velocity)))
+    if short:
+        console.print(f"{short} of {found.velocity.size} runs ended early.", markup=False)
+
+
+def _axes(vary: Sequence[str]) -> dict[str, "np.typing.NDArray[np.float64]"]:
+    """Read ``path=low:high:n``, once or twice."""
+    if not 1 <= len(vary) <= MOST_AXES:
+        raise InputError(f"--vary is given once or twice, got {len(vary)}.")
+    found = {}
+    for text in vary:
+        path, _, span = text.partition("=")
+        try:
+            low, high, count = span.split(":")
+            values = np.linspace(float(low), float(high), int(count))
+        except ValueError:
+            values = np.empty(0)
+        if not path.strip() or not values.size:
+            raise InputError(
+                "--vary takes PATH=LOW:HIGH:N in SI units such as"
+                f" mechanism.drive.drive.frequency=1:6:50, got {text!r}."
+            )
+        found[path.strip()] = values
+    return found

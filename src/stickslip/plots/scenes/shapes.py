@@ -1,0 +1,143 @@
+"""The shapes that scenes are made of, in metres; how they are painted is another matter."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+from stickslip.trajectory import Trajectory
+
+__all__ = [
+    "Arrow",
+    "Ball",
+    "Box",
+    "Coil",
+    "Fill",
+    "Ground",
+    "Moment",
+    "Picture",
+    "Point",
+    "Rod",
+    "Role",
+    "Scene",
+    "Shape",
+    "Turn",
+    "Wall",
+    "Word",
+]
+
+Point: TypeAlias = tuple[float, float]
+Fill: TypeAlias = Literal["mode", "body", "solid", "none"]
+"""``"mode"``: the colour of stick or slip, for the body that rubs."""
+Role: TypeAlias = Literal["friction", "normal", "drive"]
+Moment: TypeAlias = Mapping[str, float]
+"""Columns of a run at one time, ``"t"``, and the present value of each drive by its name."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Box:
+    """A body with straight sides."""
+
+    left: float
+    bottom: float
+    width: float
+    height: float
+    fill: Fill = "body"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ball:
+    """A ball, a wheel or a pivot."""
+
+    centre: Point
+    radius: float
+    fill: Fill = "body"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rod:
+    """A rod, a string, a rail: straight lines from point to point."""
+
+    points: tuple[Point, ...]
+    width: float = 1.6
+    """Line width [CSS px]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coil:
+    """A spring from one point to another."""
+
+    start: Point
+    end: Point
+    radius: float
+    turns: int = 6
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ground:
+    """Hatched ground from side to side of the view, with the part that is rubbed at the moment."""
+
+    height: float = 0.0
+    touched: tuple[tuple[float, float], ...] = ()
+    """Left and right ends of what rubs: coloured by stick and slip."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wall:
+    """A face that does not move, hatched behind: a support or a hard stop."""
+
+    start: Point
+    end: Point
+    """The hatching is on the left of the way from start to end."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arrow:
+    """A force on a body; all arrows of an animation have one scale, which is stated."""
+
+    at: Point
+    along: Point
+    """Direction of a positive value, of length 1."""
+    value: float
+    """Force [N]."""
+    role: Role
+
+
+@dataclass(frozen=True, kw_only=True)
+class Turn:
+    """A torque about a point, as an arc: three quarters of a turn is the largest of the run."""
+
+    centre: Point
+    radius: float
+    value: float
+    """Torque, anticlockwise positive [N m]."""
+    role: Role
+
+
+@dataclass(frozen=True, kw_only=True)
+class Word:
+    """A text."""
+
+    at: Point
+    text: str
+    align: Literal["left", "center", "right"] = "left"
+
+
+Shape: TypeAlias = Box | Ball | Rod | Coil | Ground | Wall | Arrow | Turn | Word
+
+
+@dataclass(frozen=True, kw_only=True)
+class Picture:
+    """How a run is drawn."""
+
+    shapes: Callable[[Moment], Sequence[Shape]]
+    """What is to be seen at a moment, from back to front."""
+    metric: bool = True
+    """Whether places are metres, and a scale is shown below."""
+    names: Mapping[Role, str] | None = None
+    """What the arrows are called; friction, normal force and drive if not given."""
+
+
+Scene: TypeAlias = Callable[[Any, Trajectory], Picture]
+"""Called once with the mechanism and its run, sampled evenly; dimensions that the mechanism does
+not have follow from the run.
+"""

@@ -1,0 +1,245 @@
+"""Basins of attraction: which motion each start ends in."""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.errors import InputError
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.simulation import ensemble
+from stickslip.solver import EventDriven, Output, Samples
+from stickslip.sweep.cycles import slip_names
+from stickslip.sweep.grids import (
+    Array,
+    Progress,
+    axis_of,
+    compiled,
+    counted,
+    cycles_of,
+    product,
+)
+from stickslip.sweep.orbits import CLOSED, period_of
+from stickslip.trajectory import Ensemble
+
+__all__ = ["Attractor", "Basins", "basins"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Attractor:
+    """A settled motion, by its stroboscopic points."""
+
+    points: Array
+    """Its samples, once a cycle (keep, states), of the first start that led here."""
+    period: int
+    """After how many cycles it closes; 0 if it does not."""
+    velocity: float
+    """Mean slip velocity over the samples [m/s] or [rad/s]."""
+    share: float
+    """Share of all starts that end in it."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Basins:
+    """Which motion each start ends in."""
+
+    starts: Mapping[str, Array]
+    """The two axes of the grid of starts, by state."""
+    states: tuple[str, ...]
+    """The states that tell motions apart: columns of `Attractor.points`."""
+    index: NDArray[np.int64]
+    """Number of the attractor for each start, -1 where a run ended early."""
+    attractors: tuple[Attractor, ...]
+    """The motions, the one with the largest basin first."""
+    status: NDArray[np.object_]
+    """How each run ended, a `Status` each."""
+
+
+def basins(
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    starts: Mapping[str, ArrayLike],
+    *,
+    states: Sequence[str] | None = None,
+    keep: int = 24,
+    settle: int = 200,
+    tolerance: float = CLOSED,
+    y0: Mapping[str, float] | None = None,
+    period: float | None = None,
+    solver: EventDriven | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Basins:
+    """Return which settled motion each start of a grid ends in.
+
+    Motions that close after some cycles are the same if they have the same points; those that do
+    not close within ``keep // 2`` cycles are the same if the boxes around their points overlap.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves, with a periodic drive.
+    law : FrictionLaw
+        What holds it back.
+    starts : mapping
+        Initial values of two states, an array each.
+    states : sequence of str, optional
+        What tells motions apart; the two states of the grid if not given. A place that drifts must
+        not be among them.
+    keep, settle : int
+        Cycles that are sampled, and cycles before them.
+    tolerance : float
+        Share of the size of a state within which two points are the same.
+    y0 : mapping, optional
+        Initial values of the other states.
+    period : float, optional
+        Length of a cycle [s]; that of the drives if not given.
+    solver, executor, progress
+        As in `ensemble`.
+
+    Returns
+    -------
+    Basins
+        Attractors, and the number of one for each start.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or the drives have no cycle.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, Sine
+    >>> axis = Axis(
+    ...     inertia=1.0, stiffness=100.0, damping=1.0, drive=Sine(amplitude=4.0, frequency=1.0)
+    ... )
+    >>> grid = {"x": np.linspace(-1.0, 1.0, 4), "v": np.linspace(-1.0, 1.0, 3)}
+    >>> found = basins(axis, Coulomb(kinetic_coefficient=0.5), grid, settle=30)
+    >>> found.index.shape, [attractor.period for attractor in found.attractors]
+    ((4, 3), [1])
+    """
+    axes = _axes(mechanism, law, starts, keep, settle)
+    told = tuple(starts) if states is None else tuple(states)
+    columns = product(axes)
+    cycle = float(cycles_of(mechanism, columns, period)[0])
+    times = [cycle * (settle + i) for i in range(keep + 1)]
+    runs = ensemble(
+        mechanism,
+        law,
+        columns,
+        t_end=times[-1],
+        outputs=_outputs(mechanism, told, times),
+        y0=y0,
+        solver=compiled(solver),
+        executor=executor,
+        progress=progress,
+    )
+    begun = {path.removeprefix("initial."): values for path, values in axes.items()}
+    sizes = np.array([np.abs(begun.get(name, 0.0)).max() for name in told])
+    samples = _samples(runs, told, keep * cycle)
+    index, found = _sorted(*_clusters(runs, *samples, sizes, tolerance))
+    return _gridded(begun, told, index, found, runs)
+
+
+def _gridded(
+    begun: Mapping[str, Array],
+    told: tuple[str, ...],
+    index: NDArray[np.int64],
+    found: tuple[Attractor, ...],
+    runs: Ensemble,
+) -> Basins:
+    shape = tuple(map(len, begun.values()))
+    return Basins(
+        starts=begun,
+        states=told,
+        index=index.reshape(shape),
+        attractors=found,
+        status=runs.status.reshape(shape),
+    )
+
+
+def _axes(
+    mechanism: Mechanism, law: FrictionLaw, starts: object, keep: int, settle: int
+) -> dict[str, Array]:
+    """Return the axes of the grid by full path, settings checked."""
+    counted("basins", "keep", keep, 2)
+    counted("basins", "settle", settle, 0)
+    if not (isinstance(starts, Mapping) and len(starts) == 2):
+        raise InputError(f"basins: starts must map two states to arrays, got {starts!r}.")
+    return dict(axis_of(mechanism, law, f"initial.{name}", v) for name, v in starts.items())
+
+
+def _outputs(
+    mechanism: Mechanism, told: Sequence[str], times: Sequence[float]
+) -> dict[str, Output]:
+    found: dict[str, Output] = {f"samples {name}": Samples(name, times) for name in told}
+    found["place"] = Samples(slip_names(mechanism)[0], [times[0], times[-1]])
+    return found
+
+
+def _samples(runs: Ensemble, told: Sequence[str], duration: float) -> tuple[Array, Array]:
+    """Return samples (n, keep, states) and the mean slip velocity over them (n,)."""
+    points = np.stack([runs[f"samples {name}"][:, 1:] for name in told], axis=2)
+    place = runs["place"]
+    return points, (place[:, 1] - place[:, 0]) / duration
+
+
+def _clusters(
+    runs: Ensemble, points: Array, velocity: Array, sizes: Array, tolerance: float
+) -> tuple[NDArray[np.int64], list[Attractor]]:
+    """Return the number of the motion of each run, -1 for those that ended early."""
+    index = np.full(len(runs), -1, dtype=np.int64)
+    good = np.array([status.complete for status in runs.status])
+    good &= np.isfinite(points).all(axis=(1, 2))
+    found: list[Attractor] = []
+    if not good.any():
+        return index, found
+    # what has come to rest has no size of its own: then that of the starts counts
+    largest = np.maximum(np.abs(points[good]).max(axis=(0, 1)), sizes)
+    scale = np.maximum(largest, np.finfo(float).tiny)
+    for row in np.flatnonzero(good):
+        orbit = points[row]
+        closes = period_of(orbit, scale, tolerance)
+        same = (i for i, one in enumerate(found) if _same(one, orbit, closes, tolerance * scale))
+        number = next(same, len(found))
+        if number == len(found):
+            found.append(
+                Attractor(points=orbit, period=closes, velocity=float(velocity[row]), share=0.0)
+            )
+        index[row] = number
+    return index, found
+
+
+def _same(one: Attractor, orbit: Array, closes: int, limit: Array) -> bool:
+    if one.period != closes:
+        return False
+    if closes == 0:
+        above = orbit.min(axis=0) > one.points.max(axis=0)
+        below = orbit.max(axis=0) < one.points.min(axis=0)
+        return not np.any(np.logical_or(above, below))
+    # the phase at which a run falls into the orbit does not matter
+    gaps = np.abs(orbit[:closes, None, :] - one.points[None, :closes, :])
+    met: NDArray[np.bool_] = np.all(gaps <= 2.0 * limit, axis=2)
+    return bool(np.all(np.any(met, axis=0)) and np.all(np.any(met, axis=1)))
+
+
+def _sorted(
+    index: NDArray[np.int64], found: list[Attractor]
+) -> tuple[NDArray[np.int64], tuple[Attractor, ...]]:
+    """Return the motions by the size of their basins."""
+    counts = np.array([np.sum(index == number) for number in range(len(found))], dtype=np.int64)
+    order = np.argsort(-counts, kind="stable")
+    ranks = np.append(np.argsort(order), -1)  # the last for runs that ended early
+    attractors = tuple(
+        Attractor(
+            points=found[i].points,
+            period=found[i].period,
+            velocity=found[i].velocity,
+            share=float(counts[i]) / index.size,
+        )
+        for i in order
+    )
+    return ranks[index], attractors

@@ -1,0 +1,318 @@
+"""Bifurcation diagrams: samples of the settled motion while a parameter changes."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from typing_extensions import override
+
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism, TowedBlock
+from stickslip.quantities import Quantity
+from stickslip.quantities import vary as varied
+from stickslip.simulation import ensemble, simulate
+from stickslip.solver import EventDriven, Final, Output, Samples
+from stickslip.sweep.cycles import cycle_of
+from stickslip.sweep.grids import (
+    Array,
+    Progress,
+    Tally,
+    axis_of,
+    compiled,
+    counted,
+    cycles_of,
+    states_of,
+    unit_of,
+)
+from stickslip.sweep.orbits import period_of
+from stickslip.trajectory import Status
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Bifurcation", "bifurcation"]
+
+END = Quantity("T", "s", above=0)
+Starts = tuple[Mapping[str, float], ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Bifurcation:
+    """Samples of a state over the values of a parameter, for each start."""
+
+    path: str
+    """Full path of the parameter."""
+    path_unit: str
+    """Its SI unit."""
+    values: Array
+    """Its values (n,), in the order of the runs."""
+    state: str
+    """What is sampled."""
+    unit: str
+    """SI unit of the state."""
+    sample: str
+    """``"period"``, or the event at which it is sampled."""
+    samples: Array
+    """Samples (n, starts, keep); NaN where there are fewer."""
+    period: NDArray[np.int64]
+    """After how many samples the orbit closes (n, starts), 0 if it does not."""
+    status: NDArray[np.object_]
+    """How each run ended, a `Status` each (n, starts)."""
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return a row for each sample."""
+        import pandas as pd
+
+        n, starts, keep = self.samples.shape
+        columns = {
+            self.path: np.repeat(self.values, starts * keep),
+            "start": np.tile(np.repeat(np.arange(starts), keep), n),
+            self.state: self.samples.ravel(),
+            "period": np.repeat(self.period.ravel(), keep),
+        }
+        return pd.DataFrame(columns)
+
+
+def bifurcation(
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    path: str,
+    values: ArrayLike,
+    *,
+    state: str,
+    sample: str = "period",
+    keep: int = 50,
+    settle: int = 200,
+    t_end: float | None = None,
+    follow: bool = True,
+    starts: Sequence[Mapping[str, float]] = ({},),
+    period: float | None = None,
+    solver: EventDriven | None = None,
+    progress: Progress | None = None,
+) -> Bifurcation:
+    """Sample the settled motion for each value of a parameter.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        What holds it back.
+    path : str
+        What varies, as in `ensemble`.
+    values : array_like (n,)
+        Its values, in the order in which the motion is followed.
+    state : str
+        What is sampled: a state, or at events any column of runs.
+    sample : str
+        ``"period"``: once a cycle of the drives. Or the `reason` of events, such as ``"stop"``.
+    keep : int
+        Samples kept of each run: the last ones.
+    settle : int
+        Cycles before them; used with ``"period"``.
+    t_end : float, optional
+        Length of a run [s]; needed for events, rounded up to whole cycles where there is a drive.
+    follow : bool
+        Whether each run starts where that of the value before ended, so that the motion is followed
+        to where it loses its stability; if not, all runs start as `starts` says.
+    starts : sequence of mapping
+        Initial states by name, one mapping for each motion to be followed.
+    period : float, optional
+        Length of a cycle [s]; that of the drives if not given.
+    solver : EventDriven, optional
+        Compiled if not given.
+    progress : callable, optional
+        Called with the number of runs done and of all; if it returns False, no more begin.
+
+    Returns
+    -------
+    Bifurcation
+        Samples, the period of each orbit in samples, and how each run ended. A followed motion
+        whose run ended early starts again as `starts` says.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or the drives have no cycle.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, Sine
+    >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    >>> found = bifurcation(
+    ...     axis, Coulomb(kinetic_coefficient=0.5), "frequency", [1.0, 1.2], state="x", keep=6
+    ... )
+    >>> found.period[:, 0]
+    array([1, 1])
+    """
+    counted("bifurcation", "keep", keep, 2)
+    counted("bifurcation", "settle", settle, 0)
+    full, array = axis_of(mechanism, law, path, values)
+    if full.startswith("initial."):
+        raise InputError(f"bifurcation: {full} is no parameter; give `starts`, or use basins.")
+    begun = tuple(dict(start) for start in starts)
+    if not begun:
+        raise InputError("bifurcation: starts must hold at least one mapping, got none.")
+    shared = _Shared(mechanism, law, full, state, keep, compiled(solver))
+    method = _method(shared, sample, settle, t_end, period)
+    tally = Tally(len(array) * len(begun), progress)
+    samples = np.full((len(array), len(begun), keep), np.nan)
+    status = np.full(samples.shape[:2], Status.CANCELLED, dtype=object)
+    now: Starts = begun
+    for row, value in enumerate(array):
+        if not tally.going:
+            break
+        samples[row], status[row], ends = method.run(float(value), now if follow else begun)
+        now = tuple(begun[i] if end is None else end for i, end in enumerate(ends))
+        tally.tell((row + 1) * len(begun))
+    return _judged(shared, array, sample, samples, status)
+
+
+def _method(
+    shared: "_Shared", sample: str, settle: int, t_end: float | None, period: float | None
+) -> "_Method":
+    if sample == "period":
+        if t_end is not None:
+            raise InputError('bifurcation: t_end is for events; with "period" give settle, keep.')
+        return _Strobe(shared, settle, period)
+    if t_end is None:
+        raise InputError(f"bifurcation: sampling at {sample!r} needs t_end [s], got none.")
+    return _AtEvents(shared, sample, END.check("bifurcation", "t_end", t_end), period)
+
+
+def _judged(
+    shared: "_Shared",
+    values: Array,
+    sample: str,
+    samples: Array,
+    status: NDArray[np.object_],
+) -> Bifurcation:
+    """Return the samples with the period of each orbit."""
+    mechanism, state = shared.mechanism, shared.state
+    known = samples[np.isfinite(samples)]
+    scale = float(np.abs(known).max()) if known.size else 0.0
+    periods = np.array([[period_of(orbit, scale) for orbit in row] for row in samples], np.int64)
+    rates = {r: f"{u}/s" for r, u in zip(mechanism.rates, mechanism.units, strict=True)}
+    units = dict(zip(mechanism.coordinates, mechanism.units, strict=True)) | rates
+    units |= {"friction": "N", "normal_force": "N"}
+    return Bifurcation(
+        path=shared.path,
+        path_unit=unit_of(mechanism, shared.law, shared.path),
+        values=values,
+        state=state,
+        unit=units.get(state, "1"),
+        sample=sample,
+        samples=samples,
+        period=periods,
+        status=status,
+    )
+
+
+@dataclass(frozen=True)
+class _Shared:
+    """What all runs have in common."""
+
+    mechanism: Mechanism
+    law: FrictionLaw
+    path: str
+    state: str
+    keep: int
+    solver: EventDriven
+
+    def carried(self, mechanism: Mechanism, end: Mapping[str, float], t: float) -> dict[str, float]:
+        """Return the start, at time 0, of a run that goes on from a state at a time."""
+        moved = dict(end)
+        if isinstance(mechanism, TowedBlock):
+            # its spring is pulled from x = 0 again
+            moved["x"] -= mechanism.speed * t
+        return moved
+
+
+Found = tuple[Array, NDArray[np.object_], Sequence[Mapping[str, float] | None]]
+
+
+class _Method(ABC):
+    """How one value is run and sampled."""
+
+    @abstractmethod
+    def run(self, value: float, starts: Starts) -> Found:
+        """Return samples, status, and where the runs from several starts ended."""
+
+
+@final
+class _Strobe(_Method):
+    """Samples once a cycle."""
+
+    def __init__(self, shared: _Shared, settle: int, period: float | None) -> None:
+        self.shared, self.settle, self.period = shared, settle, period
+
+    @override
+    def run(self, value: float, starts: Starts) -> Found:
+        one = self.shared
+        names = states_of(one.mechanism, one.law)
+        row = {one.path: np.array([value])}
+        cycle = float(cycles_of(one.mechanism, row, self.period)[0])
+        last = (self.settle + one.keep) * cycle
+        times = [cycle * (self.settle + 1 + i) for i in range(one.keep - 1)] + [last]
+        outputs: dict[str, Output] = {f"end {name}": Final(name) for name in names}
+        outputs["samples"] = Samples(one.state, times)
+        told = {**dict.fromkeys(names, 0.0), **one.mechanism.start()}
+        columns = {
+            f"initial.{name}": np.array([start.get(name, told[name]) for start in starts], float)
+            for name in names
+        }
+        runs = ensemble(
+            one.mechanism,
+            one.law,
+            {one.path: np.full(len(starts), value), **columns},
+            t_end=last,
+            outputs=outputs,
+            solver=one.solver,
+        )
+        return runs["samples"], runs.status, [
+            {name: float(runs[f"end {name}"][i]) for name in names} if status.complete else None
+            for i, status in enumerate(runs.status)
+        ]  # fmt: skip
+
+
+@final
+class _AtEvents(_Method):
+    """Samples at events of one kind."""
+
+    def __init__(self, shared: _Shared, reason: str, t_end: float, period: float | None) -> None:
+        self.shared, self.reason, self.t_end, self.period = shared, reason, t_end, period
+
+    @override
+    def run(self, value: float, starts: Starts) -> Found:
+        one = self.shared
+        change = {one.path: value}
+        in_law = one.path.startswith("friction.")
+        mechanism = one.mechanism if in_law else varied(one.mechanism, "mechanism", change)
+        law = varied(one.law, "friction", change) if in_law else one.law
+        last = self._whole(mechanism)
+        samples = np.full((len(starts), one.keep), np.nan)
+        status, ends = np.empty(len(starts), dtype=object), []
+        for i, start in enumerate(starts):
+            run = simulate(mechanism, law, t_end=last, y0=start, solver=one.solver, throw=False)
+            if one.state not in run.names:
+                raise UnknownNameError("column", one.state, run.names)
+            times = [event.t for event in run.events if event.reason == self.reason][-one.keep :]
+            if times:
+                samples[i, one.keep - len(times) :] = run.at(times)[one.state]
+            status[i] = run.status
+            end = run.at(run.span[1])
+            at_end = {name: float(end[name][0]) for name in run.states}
+            whole = run.status is Status.END_TIME
+            ends.append(one.carried(mechanism, at_end, last) if whole else None)
+        return samples, status, ends
+
+    def _whole(self, mechanism: Mechanism) -> float:
+        """Return the length of a run, whole cycles so that the next begins at the same phase."""
+        if self.period is None and not mechanism.drives():
+            return self.t_end
+        cycle = cycle_of(mechanism) if self.period is None else self.period
+        return float(np.ceil(self.t_end / cycle * (1.0 - 1e-12)) * cycle)

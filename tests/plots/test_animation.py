@@ -1,0 +1,370 @@
+"""Animations: drawn to scale, coloured by stick and slip, as many frames as were asked for."""
+
+import math
+import stat
+import sys
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from PIL import Image
+
+from stickslip import (
+    MECHANISMS,
+    Axis,
+    Capsule,
+    Coulomb,
+    Pendulum,
+    PendulumCart,
+    Prescribed,
+    Pulse,
+    Sine,
+    SpringBlock,
+    ThreePhase,
+    Torque,
+    TowedBlock,
+    TwoMassAxis,
+    animate,
+    simulate,
+)
+from stickslip.errors import InputError
+from stickslip.plots import animation_html, draw_scene, standalone_svg
+from stickslip.plots.animation import frame_times
+from stickslip.plots.scenes import Arrow, Ball, Box, Coil, Ground, Picture, Rod, scene_of
+from stickslip.plots.scenes.bars import bars
+from stickslip.plots.scenes.extents import Scales, extent_of
+from stickslip.plots.scenes.painting import MODE_COLOURS
+from stickslip.plots.stage import Stage, moments_of
+from stickslip.plots.theme import SLIP_BACK, STICK, SURFACE, house_style
+
+LAW = Coulomb(kinetic_coefficient=0.2)
+SMALL = (440.0, 320.0)
+SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
+CASES = {
+    "spring-block": (SpringBlock(mass=1.0, stiffness=100.0, compression=0.1), {}),
+    "towed-block": (TowedBlock(mass=1.0, stiffness=20.0, speed=0.1), {}),
+    "axis": (
+        Axis(inertia=2.0, drive=Sine(amplitude=5.0, frequency=1.0), stiffness=3.0, lower_stop=-0.1),
+        {},
+    ),
+    "two-mass-axis": (
+        TwoMassAxis(
+            motor_inertia=0.5, load_inertia=1.5, stiffness=200.0,
+            drive=Pulse(level=5.0, duration=1.0),
+        ),
+        {},
+    ),
+    "pendulum": (Pendulum(mass=0.2, length=0.5), {"theta": 0.9}),
+    "pendulum-cart": (
+        PendulumCart(
+            cart_mass=0.5, ball_mass=0.1, length=0.3, wheelbase=0.8, pivot_height=0.05,
+            pendulum=Prescribed(profile=SWING),
+        ),
+        {},
+    ),
+    "capsule": (
+        Capsule(
+            capsule_mass=0.8, inner_mass=0.2, stiffness=100.0, upper_stop=0.02, restitution=0.6,
+            drive=Torque(drive=Sine(amplitude=1.0, frequency=4.0), limit=0.8),
+        ),
+        {},
+    ),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def runs():
+    return {
+        name: simulate(mechanism, LAW, t_end=1.2, y0=y0) for name, (mechanism, y0) in CASES.items()
+    }
+
+
+def shapes_at(name, runs, t):
+    mechanism, _ = CASES[name]
+    run = runs[name]
+    picture = scene_of(mechanism)(mechanism, run.sampled(50))
+    (moment,) = moments_of(run, mechanism, np.array([t]))
+    return moment, picture.shapes(moment)
+
+
+def only(shapes, kind):
+    return [shape for shape in shapes if isinstance(shape, kind)]
+
+
+def test_every_mechanism_of_ours_has_a_scene_and_a_case_here():
+    assert set(CASES) == set(MECHANISMS)
+    assert all(scene_of(mechanism) is not bars for mechanism, _ in CASES.values())
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_scene_is_drawn_at_any_moment(name, runs):
+    run = runs[name]
+    svg = standalone_svg(draw_scene(run, CASES[name][0], run.span[1]), size=(880, 400))
+    assert f"{run.span[1]:.3f} s" in svg
+
+
+def test_the_cart_is_drawn_to_scale(runs):
+    for t in (0.0, 0.31, 0.8):
+        now, shapes = shapes_at("pendulum-cart", runs, t)
+        (rod,) = only(shapes, Rod)
+        pivot, ball = rod.points
+        assert pivot == pytest.approx((now["x"], 0.05))
+        assert math.dist(pivot, ball) == pytest.approx(0.3, rel=1e-12)
+        assert ball[0] - now["x"] == pytest.approx(-0.3 * math.sin(now["theta"]), abs=1e-12)
+        wheels = sorted(b.centre[0] for b in only(shapes, Ball) if b.centre[1] < 0.05)
+        assert wheels == pytest.approx([now["x"] - 0.4, now["x"] + 0.4])
+
+
+def test_the_pendulum_hangs_below_its_pivot(runs):
+    now, shapes = shapes_at("pendulum", runs, 0.4)
+    rod = only(shapes, Rod)[-1]
+    assert rod.points[0] == (0.0, 0.0)
+    assert rod.points[1] == pytest.approx(
+        (0.5 * math.sin(now["theta"]), -0.5 * math.cos(now["theta"]))
+    )
+
+
+def test_the_spring_ends_at_the_block_until_the_block_leaves_it(runs):
+    run = runs["spring-block"]
+    (leaving,) = (e.t for e in run.events if e.reason == "block leaves the spring")
+    now, shapes = shapes_at("spring-block", runs, 0.5 * leaving)
+    assert only(shapes, Coil)[0].end[0] == only(shapes, Box)[0].left == now["x"]
+    now, shapes = shapes_at("spring-block", runs, run.span[1])
+    assert only(shapes, Coil)[0].end[0] == pytest.approx(0.1)  # its natural length
+    assert only(shapes, Box)[0].left == now["x"] > 0.1
+
+
+def test_the_far_end_of_a_towed_block_moves_at_its_speed(runs):
+    ends = [only(shapes_at("towed-block", runs, t)[1], Coil)[0].end[0] for t in (0.0, 1.0)]
+    assert ends[1] - ends[0] == pytest.approx(0.1)
+
+
+def test_the_inner_mass_touches_the_stop_where_it_strikes_it(runs):
+    run = runs["capsule"]
+    t = next(event.t for event in run.events if event.reason == "xi hits stop")
+    _, shapes = shapes_at("capsule", runs, t)
+    post = next(box for box in only(shapes, Box) if box.fill == "solid")
+    mass = next(box for box in only(shapes, Box) if box.fill == "body")
+    # the event is located to rounding in time, at some tenths of a metre a second
+    assert post.left == pytest.approx(mass.left + mass.width, abs=1e-9)
+
+
+def test_a_motor_that_saturates_is_drawn_with_its_limit(runs):
+    now, shapes = shapes_at("capsule", runs, 1.0 / 16.0)
+    assert now["motor"] == pytest.approx(1.0)
+    (force,) = (arrow for arrow in only(shapes, Arrow) if arrow.role == "drive")
+    assert force.value == 0.8
+
+
+def test_friction_points_against_the_slip_and_arrows_have_one_scale(runs):
+    now, shapes = shapes_at("spring-block", runs, 0.1)
+    friction, normal = only(shapes, Arrow)
+    assert now["v"] > 0 > friction.along[0] * friction.value
+    bare, full = extent_of(shapes), extent_of(shapes, Scales(0.01, 0.0))
+    assert normal.value == pytest.approx(9.81)
+    assert full.top == pytest.approx(max(bare.top, 0.0981))
+
+
+def staged(name, runs, size=(880.0, 400.0)):
+    mechanism, _ = CASES[name]
+    figure = Figure(figsize=(size[0] / 72, size[1] / 72), dpi=72)
+    FigureCanvasAgg(figure)
+    run = runs[name]
+    return figure, Stage(figure, run, mechanism, until=run.span[1])
+
+
+@pytest.mark.parametrize("name", ["spring-block", "pendulum-cart"])
+def test_a_metre_is_as_long_upwards_as_along_and_the_key_is_as_long_as_it_says(name, runs):
+    with house_style():
+        _, stage = staged(name, runs)
+        box = stage.axes.get_window_extent()
+        (left, right), (low, high) = stage.axes.get_xlim(), stage.axes.get_ylim()
+        assert box.width / (right - left) == pytest.approx(box.height / (high - low))
+        (bar,) = (line for line in stage.axes.lines if line.get_gid() == "force-scale")
+        said = next(t.get_text() for t in stage.axes.texts if t.get_text().endswith(" N"))
+    length = float(np.ptp(bar.get_xdata())) * (right - left)
+    assert length == pytest.approx(float(said.removesuffix(" N")) * stage.scales.metres)
+
+
+def test_what_rubs_has_the_colour_of_its_mode(runs):
+    mechanism, _ = CASES["pendulum-cart"]
+    run = runs["pendulum-cart"]
+    times = np.linspace(0.0, 1.2, 40)
+    seen = set()
+    with house_style():
+        _, stage = staged("pendulum-cart", runs)
+        for moment in moments_of(run, mechanism, times):
+            artists = stage.show(moment)
+            touched = [a for a in artists if isinstance(a, Rectangle) and a.get_gid() == "contact"]
+            assert len(touched) == 2  # one below each wheel
+            mode = round(moment["mode"])
+            assert {to_hex(a.get_facecolor()) for a in touched} == {MODE_COLOURS[mode]}
+            seen.add(mode)
+    assert seen == {-1, 0, 1}
+    assert (MODE_COLOURS[0], MODE_COLOURS[1], MODE_COLOURS[-1]) == (STICK, SURFACE, SLIP_BACK)
+
+
+def test_the_view_follows_what_goes_far():
+    mechanism = TowedBlock(mass=1.0, stiffness=20.0, speed=0.1)
+    law = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.3)
+    run = simulate(mechanism, law, t_end=60.0)
+    with house_style():
+        figure = Figure(figsize=(12, 5), dpi=72)
+        FigureCanvasAgg(figure)
+        stage = Stage(figure, run, mechanism, until=60.0)
+        for moment in moments_of(run, mechanism, np.array([0.0, 30.0, 60.0])):
+            stage.show(moment)
+            left, right = stage.axes.get_xlim()
+            assert left < moment["x"] < right
+            assert right - left < 2.0  # of the 6 m that it goes
+
+
+def test_a_gif_has_the_frames_and_the_duration_asked_for(runs, tmp_path):
+    mechanism, _ = CASES["pendulum-cart"]
+    told = []
+    path = animate(
+        runs["pendulum-cart"], mechanism, tmp_path / "cart.gif", fps=8, speed=0.5, until=0.75,
+        size=SMALL, progress=lambda done, total: told.append((done, total)),
+    )  # fmt: skip
+    with Image.open(path) as gif:
+        assert (gif.format, gif.n_frames, gif.size) == ("GIF", 13, (440, 320))
+        assert gif.info["loop"] == 0
+        lengths = []
+        for frame in range(gif.n_frames):
+            gif.seek(frame)
+            lengths.append(gif.info["duration"])
+    # 125 ms are no whole hundredths of a second: 120 and 130 alternate, and nothing adds up
+    assert set(lengths) <= {120, 130}
+    assert sum(lengths) == pytest.approx(13 * 125, abs=10)
+    assert told == [(i + 1, 13) for i in range(13)]
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_pixels_of_the_body_are_those_of_its_mode(runs, tmp_path):
+    mechanism, _ = CASES["spring-block"]
+    run = runs["spring-block"]
+    path = animate(run, mechanism, tmp_path / "block.gif", fps=10, until=0.6, size=(880, 400))
+    expected = {0: STICK, 1: SURFACE}
+    with house_style():
+        _, stage = staged("spring-block", runs)
+    with Image.open(path) as gif:
+        for frame in (2, 6):
+            (moment,) = moments_of(run, mechanism, np.array([frame / 10]))
+            body = next(s for s in stage.picture.shapes(moment) if isinstance(s, Box))
+            inside = (body.left + 0.15 * body.width, body.bottom + 0.85 * body.height)
+            x, y = stage.axes.transData.transform(inside)
+            gif.seek(frame)
+            colour = to_hex(np.array(gif.convert("RGB").getpixel((int(x), 400 - int(y)))) / 255)
+            assert colour == expected[round(moment["mode"])]
+
+
+def test_a_cancelled_animation_leaves_nothing(runs, tmp_path):
+    mechanism, _ = CASES["pendulum"]
+    found = animate(
+        runs["pendulum"], mechanism, tmp_path / "clock.gif", fps=5, size=SMALL,
+        progress=lambda done, total: done < 2,
+    )  # fmt: skip
+    assert found is None
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_scene_of_ones_own_is_drawn_instead(runs, tmp_path):
+    seen = []
+
+    def scene(mechanism, run):
+        def shapes(now):
+            seen.append(now["x"])
+            return [Ground(), Box(left=now["x"], bottom=0.0, width=0.1, height=0.1, fill="mode")]
+
+        return Picture(shapes=shapes)
+
+    mechanism, _ = CASES["spring-block"]
+    path = tmp_path / "own.gif"
+    animate(runs["spring-block"], mechanism, path, fps=5, until=0.4, size=SMALL, scene=scene)
+    assert path.exists()
+    assert 0.0 in seen
+
+
+def test_a_mechanism_without_a_scene_has_a_bar_for_each_state(runs):
+    mechanism, _ = CASES["pendulum-cart"]
+    run = runs["pendulum-cart"]
+    picture = bars(mechanism, run.sampled(50))
+    (moment,) = moments_of(run, mechanism, np.array([0.3]))
+    boxes = only(picture.shapes(moment), Box)
+    assert [box.fill for box in boxes] == ["mode", "body", "body", "body"]
+    largest = float(np.abs(run.sampled(50)["theta"]).max())
+    assert boxes[1].width == pytest.approx(abs(moment["theta"]) / largest)
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "words"),
+    [
+        ("cart.avi", {}, "one of .gif, .mp4"),
+        ("cart.gif", {"fps": 60}, "at most 50 frames a second"),
+        ("cart.gif", {"fps": 0}, "fps .* must be above 0"),
+        ("cart.gif", {"speed": 1e-4}, "raise `speed`"),
+        ("cart.gif", {"until": 99.0}, "until must lie between"),
+        ("cart.gif", {"size": (20, 20)}, "size must be at least 200"),
+        ("no/folder/cart.gif", {"until": 0.1, "size": SMALL}, "cannot be written"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(name, settings, words, runs, tmp_path):
+    with pytest.raises(InputError, match=words):
+        animate(runs["pendulum-cart"], CASES["pendulum-cart"][0], tmp_path / name, **settings)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_ffmpeg_an_mp4_is_refused_with_the_cure(runs, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(InputError, match="apt install ffmpeg"):
+        animate(runs["pendulum"], CASES["pendulum"][0], tmp_path / "clock.mp4")
+
+
+def ffmpeg(folder, body):
+    """Put a program of that name on the PATH."""
+    program = folder / "ffmpeg"
+    program.write_text(f"#!{sys.executable}\nimport sys\n{body}\n")
+    program.chmod(program.stat().st_mode | stat.S_IXUSR)
+
+
+def test_ffmpeg_is_given_every_frame(runs, tmp_path, monkeypatch):
+    tools = tmp_path / "tools"
+    tools.mkdir()
+    ffmpeg(tools, "open(sys.argv[-1], 'wb').write(sys.stdin.buffer.read())")
+    monkeypatch.setenv("PATH", str(tools))
+    run, mechanism = runs["pendulum"], CASES["pendulum"][0]
+    path = animate(run, mechanism, tmp_path / "clock.mp4", fps=5, until=1.0, size=SMALL)
+    assert path.stat().st_size == 6 * 440 * 320 * 3
+
+
+def test_what_ffmpeg_complains_of_is_passed_on(runs, tmp_path, monkeypatch):
+    tools = tmp_path / "tools"
+    tools.mkdir()
+    ffmpeg(tools, "sys.exit('Unknown encoder libx264')")
+    monkeypatch.setenv("PATH", str(tools))
+    with pytest.raises(InputError, match="Unknown encoder libx264"):
+        animate(runs["pendulum"], CASES["pendulum"][0], tmp_path / "clock.mp4", fps=5, size=SMALL)
+    assert list(tmp_path.iterdir()) == [tools]
+
+
+def test_the_animation_ends_some_time_after_the_body_has_arrived():
+    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    run = simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=10.0)
+    last = frame_times(run, rig, fps=25, speed=1.0)[-1]
+    (stop,) = (event.t for event in run.events if event.reason == "stop")
+    assert stop < last < 2 * stop
+
+
+def test_a_page_has_the_animation_bounded_and_a_still_for_print(runs):
+    run, mechanism = runs["pendulum"], CASES["pendulum"][0]
+    settings = {"alt": 'A "clock"', "fps": 20, "until": 1.0, "size": SMALL}
+    page = animation_html(run, mechanism, **settings)
+    assert 'alt="A &quot;clock&quot;"' in page
+    assert page.index('media="print') < page.index("data:image/gif;base64,")
+    small = animation_html(run, mechanism, most_bytes=len(page) // 3, **settings)
+    assert len(small) < len(page)
+    with pytest.raises(InputError, match="most_bytes"):
+        animation_html(run, mechanism, most_bytes=100, **settings)

@@ -1,0 +1,82 @@
+"""Figures of campaigns show what was found, and where the direction turns."""
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from stickslip import Status
+from stickslip.errors import InputError
+from stickslip.plots import draw_basins, draw_bifurcation, draw_velocity_map, standalone_svg
+from stickslip.plots.theme import SLIP_BACK, house_style
+from stickslip.sweep import Attractor, Basins, Bifurcation, VelocityMap
+
+
+def velocity_map(axes, velocity):
+    velocity = np.asarray(velocity, dtype=float)
+    return VelocityMap(
+        axes={name: np.asarray(values, dtype=float) for name, values in axes.items()},
+        units=dict.fromkeys(axes, "Hz"),
+        unit="m/s",
+        velocity=velocity,
+        unsettled=np.zeros_like(velocity),
+        period=np.ones_like(velocity),
+        status=np.full(velocity.shape, Status.END_TIME, dtype=object),
+        certified=np.ones(velocity.shape, dtype=bool),
+    )
+
+
+def drawn(draw):
+    with house_style():
+        figure = Figure(figsize=(8, 4), dpi=72)
+        draw(figure, False)
+    return figure.axes
+
+
+def test_a_curve_marks_its_reversal_and_shades_backward_motion():
+    found = velocity_map({"mechanism.drive.frequency": [1, 2, 3, 4]}, [3.0, 1.0, -3.0, -1.0])
+    (axes,) = drawn(draw_velocity_map(found))
+    assert axes.get_xlabel() == "frequency, Hz"
+    assert [text.get_text() for text in axes.texts] == ["2.25"]
+    (band,) = (patch for patch in axes.patches if patch.get_facecolor()[:3] != (1, 1, 1))
+    assert band.get_x() == pytest.approx(2.5)
+    assert band.get_x() + band.get_width() == pytest.approx(4.0)
+    assert SLIP_BACK in standalone_svg(draw_velocity_map(found))
+
+
+def test_a_map_has_its_colours_even_about_zero_and_units_of_small_velocities():
+    found = velocity_map({"a": [1, 2], "b": [1, 2, 3]}, [[0.02, 0.01, -0.01], [0.01, 0.0, -0.01]])
+    axes, bar = drawn(draw_velocity_map(found))
+    assert axes.collections[0].get_clim() == pytest.approx((-20.0, 20.0))
+    assert bar.get_ylabel() == "mean velocity, mm/s"
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("b, Hz", "a, Hz")
+
+
+def test_three_parameters_are_no_map():
+    found = velocity_map({"a": [1], "b": [1], "c": [1]}, [[[1.0]]])
+    with pytest.raises(InputError, match="fix all but two"):
+        draw_velocity_map(found)
+
+
+def test_a_bifurcation_diagram_has_every_sample():
+    samples = np.arange(12.0).reshape(3, 2, 2)
+    found = Bifurcation(
+        path="mechanism.stiffness", path_unit="N/m", values=np.array([1.0, 2.0, 3.0]), state="x",
+        unit="m", sample="period", samples=samples, period=np.ones((3, 2), np.int64),
+        status=np.full((3, 2), Status.END_TIME, dtype=object),
+    )  # fmt: skip
+    (axes,) = drawn(draw_bifurcation(found))
+    points = np.concatenate([line.get_ydata() for line in axes.lines])
+    assert sorted(points) == list(range(12))
+    assert found.to_dataframe()["x"].tolist() == list(range(12))
+
+
+def test_basins_name_their_motions_and_leave_out_failed_starts():
+    rest = Attractor(points=np.zeros((4, 2)), period=1, velocity=0.0, share=0.75)
+    found = Basins(
+        starts={"x": np.array([0.0, 1.0]), "v": np.array([0.0, 1.0])}, states=("x", "v"),
+        index=np.array([[0, 0], [0, -1]]), attractors=(rest,),
+        status=np.full((2, 2), Status.END_TIME, dtype=object),
+    )  # fmt: skip
+    (axes,) = drawn(draw_basins(found))
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["75 %, period 1"]
+    assert np.ma.count_masked(axes.collections[0].get_array()) == 1

@@ -1,0 +1,311 @@
+"""Campaigns: mean velocity, bifurcations, basins, against closed forms and symmetries."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Axis,
+    Capsule,
+    Coulomb,
+    EventDriven,
+    Pendulum,
+    PendulumCart,
+    Prescribed,
+    Pulse,
+    Sine,
+    Status,
+    ThreePhase,
+    Torque,
+    TowedBlock,
+    Viscous,
+    average_velocity,
+    basins,
+    bifurcation,
+    simulate,
+)
+from stickslip.errors import InputError
+from stickslip.sweep import VelocityMap, cycle_of
+from stickslip.sweep.orbits import period_of
+
+PLAIN = EventDriven(tier="python")
+"""Runs in plain Python, which need no compiling; the numbers are those of compiled runs."""
+FREQUENCY = "mechanism.drive.drive.frequency"
+
+
+def capsule(**changes):
+    drive = Torque(drive=Sine(amplitude=1.0, frequency=4.0))
+    settings = {"stiffness": 100.0, "damping": 0.3, "restitution": 0.6, "drive": drive} | changes
+    return Capsule(capsule_mass=0.8, inner_mass=0.2, **settings)
+
+
+def test_three_phase_capsule_moves_on_as_its_closed_form_says():
+    fast, slow, p, g = 50.0, 9.81, 0.2, 9.81
+    stroke = ThreePhase(amplitude=0.01, fast=fast, slow=slow, first="slow")
+    levels = np.array([0.2, 0.25, 0.3])
+    found = average_velocity(
+        capsule(drive=Prescribed(profile=stroke), stiffness=0.0, damping=0.0),
+        Coulomb(kinetic_coefficient=0.2),
+        {"kinetic_coefficient": levels},
+        settle=2,
+        cycles=4,
+        solver=PLAIN,
+    )
+    peak = math.sqrt(2 * 0.02 / (1 / slow + 1 / fast))
+    quick = 2 * peak / fast
+    v_m = (p * fast - levels * g) * quick
+    travel = v_m * quick / 2 + v_m**2 / (2 * (levels * g + p * slow))
+    expected = travel / (2 * peak / slow + quick)
+    # the pieces are polynomials, stepped exactly; what is left is rounding over six cycles
+    np.testing.assert_allclose(found.velocity, expected, rtol=1e-9)
+    assert (found.unsettled < 1e-9).all()
+    assert found.certified.all()
+    assert found.period == pytest.approx(float(stroke.period))
+
+
+def test_pendulum_cart_moves_on_as_published_checks_say():
+    swing = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
+    cart = PendulumCart(
+        cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing)
+    )
+    found = average_velocity(
+        cart, Coulomb(kinetic_coefficient=0.2), {"kinetic_coefficient": [0.2]}, settle=2, cycles=2,
+        solver=PLAIN,
+    )  # fmt: skip
+    # .0634659 m in .72360 s: the reference has six digits
+    assert found.velocity[0] == pytest.approx(0.0634659 / 0.72360, rel=1e-5)
+
+
+def test_a_mirrored_capsule_moves_the_other_way_as_fast():
+    axis = {FREQUENCY: [3.5, 5.0]}
+    law = Coulomb(kinetic_coefficient=0.05)
+    settings = {"settle": 20, "cycles": 4, "solver": PLAIN}
+    one = average_velocity(capsule(upper_stop=0.02), law, axis, **settings)
+    turned = Torque(drive=Sine(amplitude=-1.0, frequency=4.0))
+    other = average_velocity(capsule(lower_stop=-0.02, drive=turned), law, axis, **settings)
+    # mirrored equations have mirrored rounding, but events are located from the other side
+    np.testing.assert_allclose(other.velocity, -one.velocity, rtol=1e-7)
+    assert one.velocity[0] > 0.01
+    assert one.velocity[1] < -0.005  # beyond resonance the same drive carries it back
+
+
+def test_without_a_stop_a_symmetric_drive_carries_nothing_anywhere():
+    found = average_velocity(
+        capsule(), Coulomb(kinetic_coefficient=0.05), {FREQUENCY: [3.5, 4.5]}, settle=60, cycles=4,
+        solver=PLAIN,
+    )  # fmt: skip
+    with_stop = 0.01
+    # what is left of the start decays with the damping; 60 cycles leave less than a 1e-4 of it
+    assert (np.abs(found.velocity) < 1e-4 * with_stop).all()
+
+
+def test_runs_that_end_early_have_no_mean_velocity():
+    stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+    weak = Prescribed(profile=stroke, limit=1.0)
+    found = average_velocity(
+        capsule(drive=weak, stiffness=0.0, damping=0.0), Coulomb(kinetic_coefficient=0.2),
+        {"mechanism.drive.limit": [1.0, 100.0]}, settle=1, cycles=2, solver=PLAIN,
+    )  # fmt: skip
+    assert np.isnan(found.velocity).tolist() == [True, False]
+    assert found.status[0] is Status.LIMIT
+
+
+def line(values, velocity):
+    velocity = np.asarray(velocity, dtype=float)
+    return VelocityMap(
+        axes={"f": np.asarray(values, dtype=float)},
+        units={"f": "Hz"},
+        unit="m/s",
+        velocity=velocity,
+        unsettled=np.zeros_like(velocity),
+        period=np.ones_like(velocity),
+        status=np.full(velocity.shape, Status.END_TIME, dtype=object),
+        certified=np.ones(velocity.shape, dtype=bool),
+    )
+
+
+def test_reversals_lie_on_the_straight_line_between_signs():
+    assert line([1, 2, 3, 4], [3.0, 1.0, -3.0, -1.0]).reversals().tolist() == [2.25]
+
+
+def test_over_points_without_motion_the_middle_is_the_reversal():
+    assert line([1, 2, 3, 4], [3.0, 0.0, 1e-9, -1.0]).reversals().tolist() == [2.5]
+
+
+def test_a_body_that_stops_moving_does_not_turn():
+    assert line([1, 2, 3], [1.0, 0.0, 0.0]).reversals().size == 0
+
+
+def test_grids_have_a_dimension_for_each_axis_and_a_row_for_each_point():
+    drive = Sine(amplitude=4.0, frequency=1.0)
+    found = average_velocity(
+        Axis(inertia=1.0, drive=drive), Coulomb(kinetic_coefficient=1.0),
+        {"frequency": [1.0, 2.0, 3.0], "amplitude": [3.0, 4.0]}, settle=2, cycles=2, solver=PLAIN,
+    )  # fmt: skip
+    assert found.velocity.shape == (3, 2)
+    table = found.to_dataframe()
+    assert table["mechanism.drive.frequency"].tolist() == [1.0, 1.0, 2.0, 2.0, 3.0, 3.0]
+    np.testing.assert_allclose(table["period"], [1.0, 1.0, 0.5, 0.5, 1 / 3, 1 / 3])
+
+
+def test_progress_counts_all_runs_and_can_end_them():
+    seen = []
+
+    def stop(done, total):
+        seen.append((done, total))
+        return False
+
+    found = average_velocity(
+        Axis(inertia=1.0, drive=Sine(amplitude=4.0, frequency=1.0)),
+        Coulomb(kinetic_coefficient=1.0),
+        {"frequency": [1.0, 2.0]},
+        settle=1,
+        cycles=2,
+        solver=PLAIN,
+        progress=stop,
+    )
+    assert seen == [(1, 2)]
+    # short cycles are run first
+    assert [status.name for status in found.status] == ["CANCELLED", "END_TIME"]
+
+
+def test_a_cycle_is_that_of_the_slowest_drive():
+    both = Sine(amplitude=1.0, frequency=2.0) + Sine(amplitude=1.0, frequency=6.0)
+    assert cycle_of(Axis(inertia=1.0, drive=both)) == 0.5
+
+
+@pytest.mark.parametrize(
+    ("drive", "words"),
+    [
+        (None, "has no drive"),
+        (Pulse(level=1.0, duration=1.0), "not known to repeat itself"),
+        (Sine(amplitude=1.0, frequency=2.0) + Sine(amplitude=1.0, frequency=3.0), "no cycle"),
+    ],
+)
+def test_what_has_no_cycle_is_refused_with_the_cure(drive, words):
+    with pytest.raises(InputError, match=words) as caught:
+        cycle_of(Axis(inertia=1.0, drive=drive))
+    assert "give the period [s] yourself" in str(caught.value)
+
+
+def test_samples_of_a_linear_oscillator_are_its_closed_form():
+    frequency = np.array([0.8, 1.0, 1.4])
+    oscillator = Axis(inertia=1.0, stiffness=40.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    found = bifurcation(
+        oscillator, Viscous(viscous_coefficient=2.0), "frequency", frequency, state="x", keep=4,
+        settle=60, solver=PLAIN,
+    )  # fmt: skip
+    omega = 2 * np.pi * frequency
+    expected = np.imag(4.0 / (40.0 - omega**2 + 2.0j * omega))
+    # what is left of the start is exp(-60 cycles * 1 s^-1) at most
+    np.testing.assert_allclose(found.samples[:, 0, -1], expected, rtol=1e-8)
+    assert found.period.tolist() == [[1], [1], [1]]
+    assert found.unit == "m"
+
+
+def test_following_goes_on_where_the_last_run_ended():
+    oscillator = Axis(inertia=1.0, stiffness=40.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    settings = {"state": "x", "settle": 0, "solver": PLAIN}
+    law = Coulomb(kinetic_coefficient=0.5)
+    parts = bifurcation(oscillator, law, "frequency", [1.0, 1.0], keep=4, **settings)
+    whole = bifurcation(oscillator, law, "frequency", [1.0], keep=8, **settings)
+    # two runs instead of one: the same steps but for rounding in the time
+    np.testing.assert_allclose(parts.samples.ravel(), whole.samples.ravel(), atol=1e-9)
+    fixed = bifurcation(oscillator, law, "frequency", [1.0, 1.0], keep=4, follow=False, **settings)
+    np.testing.assert_array_equal(fixed.samples[0], fixed.samples[1])
+
+
+def test_events_of_a_followed_towed_block_are_those_of_one_long_run():
+    block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
+    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    found = bifurcation(
+        block, law, "stiffness", [2.0, 2.0], state="x", sample="break-away", keep=3, t_end=21.0,
+        solver=PLAIN,
+    )  # fmt: skip
+    run = simulate(block, law, t_end=42.0)
+    times = [event.t for event in run.events if event.reason == "break-away"]
+    late = [t for t in times if t > 21.0]
+    known = found.samples[1, 0][np.isfinite(found.samples[1, 0])]
+    np.testing.assert_allclose(known, run.at(late)["x"] - 0.1 * 21.0, atol=1e-8)
+
+
+def test_a_towed_block_stops_at_the_load_that_its_closed_form_says():
+    k, v = 2.0, 0.1
+    block = TowedBlock(mass=1.0, stiffness=k, speed=v, load=1.0)
+    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    found = bifurcation(
+        block, law, "static_coefficient", [1.2, 1.5], state="friction", sample="stop", keep=2,
+        t_end=30.0, follow=False, solver=PLAIN,
+    )  # fmt: skip
+    # sliding swings about the kinetic level, so the spring is as far below it as it was above
+    np.testing.assert_allclose(found.samples[:, 0, -1], [0.8, 0.5], atol=1e-9)
+
+
+def test_samples_need_a_length_of_runs_at_events_only():
+    block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1)
+    law = Coulomb(kinetic_coefficient=0.2)
+    with pytest.raises(InputError, match=r"needs t_end \[s\]"):
+        bifurcation(block, law, "stiffness", [2.0], state="x", sample="stop")
+    with pytest.raises(InputError, match="t_end is for events"):
+        bifurcation(block, law, "stiffness", [2.0], state="x", t_end=1.0, period=1.0)
+
+
+def test_a_chaotic_looking_series_has_no_period():
+    logistic = [0.3]
+    for _ in range(40):
+        logistic.append(3.9 * logistic[-1] * (1 - logistic[-1]))
+    assert period_of(np.array(logistic), 1.0) == 0
+
+
+def test_a_thrown_pendulum_comes_to_hang_after_whole_turns():
+    clock = Pendulum(mass=1.0, length=0.5, damping=0.15)
+    found = basins(
+        clock,
+        Viscous(viscous_coefficient=0.05),
+        {"theta": [0.0, 0.5], "omega": [-12.0, 0.0, 12.0]},
+        settle=40,
+        keep=4,
+        period=1.0,
+        solver=PLAIN,
+    )
+    ends = np.array([motion.points[-1, 0] for motion in found.attractors]) / (2 * np.pi)
+    np.testing.assert_allclose(ends, np.round(ends), atol=1e-6)  # it rests below, and only there
+    assert len(set(np.round(ends))) == len(ends) > 1
+    assert found.index[0, 1] == found.index[1, 1]
+    assert found.attractors[found.index[0, 1]].points[-1, 0] == pytest.approx(0.0, abs=1e-6)
+    assert sum(motion.share for motion in found.attractors) == pytest.approx(1.0)
+    # thrown the other way from below it turns the other way as often
+    turns = ends[found.index[0, [0, 2]]]
+    assert turns[0] == pytest.approx(-turns[1], abs=1e-6)
+
+
+def test_a_motion_is_the_same_whatever_cycle_a_run_falls_into_it():
+    from stickslip.sweep.basins import Attractor, _same
+
+    points = np.array([[1.0], [2.0], [1.0], [2.0]])
+    one = Attractor(points=points, period=2, velocity=0.0, share=1.0)
+    limit = np.array([1e-3])
+    assert _same(one, np.roll(points, 1, axis=0), 2, limit)
+    assert not _same(one, points + 0.1, 2, limit)
+    assert not _same(one, points, 1, limit)
+
+
+def test_wrong_counts_are_refused():
+    axis = Axis(inertia=1.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    law = Coulomb(kinetic_coefficient=1.0)
+    with pytest.raises(InputError, match="cycles must be even"):
+        average_velocity(axis, law, {"frequency": [1.0]}, cycles=3)
+    with pytest.raises(InputError, match="keep must be a whole number"):
+        bifurcation(axis, law, "frequency", [1.0], state="x", keep=1)
+    with pytest.raises(InputError, match="two states"):
+        basins(axis, law, {"x": [0.0]})
+    with pytest.raises(InputError, match="array"):
+        average_velocity(axis, law, {"frequency": "fast"})
+
+
+def test_results_are_frozen():
+    found = line([1, 2], [1.0, 2.0])
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        found.unit = "m"
