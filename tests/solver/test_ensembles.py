@@ -20,11 +20,14 @@ from stickslip import (
     FixedStep,
     Max,
     Mean,
+    PendulumCart,
+    Prescribed,
     Pulse,
     Samples,
     Sine,
     SpringBlock,
     Status,
+    ThreePhase,
     TowedBlock,
     ensemble,
     simulate,
@@ -382,3 +385,15 @@ def test_an_ensemble_shows_itself():
     assert "<td>23</td>" in html
     with pytest.raises(UnknownNameError, match="Did you mean 'way'"):
         runs["ways"]
+
+
+def test_numbers_of_a_motion_profile_vary_without_a_sensitivity_asked_for():
+    swings = [ThreePhase(amplitude=a, fast=120.0, slow=30.0) for a in (0.5, 0.7)]
+    carts = [
+        PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing))
+        for swing in swings
+    ]
+    law = Coulomb(kinetic_coefficient=0.2)
+    runs = ensemble(carts[0], law, {"amplitude": np.array([0.5, 0.7])}, t_end=0.5)
+    single = [simulate(cart, law, t_end=0.5)["x"][-1] for cart in carts]
+    np.testing.assert_allclose(runs["x"], single, rtol=1e-12)

@@ -18,11 +18,14 @@ from stickslip import (
     Coulomb,
     EventDriven,
     FixedStep,
+    PendulumCart,
     PiecewiseLinear,
+    Prescribed,
     Pulse,
     Sine,
     SpringBlock,
     Stribeck,
+    ThreePhase,
     TowedBlock,
     simulate,
 )
@@ -270,7 +273,9 @@ def test_no_times_have_no_sensitivities():
 
 
 def test_two_coordinates_have_sensitivities_as_well():
-    cart = cart_with(cart_mass=2.0, ball_mass=0.5, length=0.4, torque=0.3)
+    cart = cart_with(
+        cart_mass=2.0, ball_mass=0.5, length=0.4, torque=0.3, pivot_height=0.1, centre_height=0.1
+    )
     case = Case(cart, CART_LAW, 1.2, (0.0, 0.3, 1.0, 0.5))
     run = case.run()
     assert len(run.events) >= 2
@@ -331,3 +336,24 @@ def test_fixed_steps_have_no_sensitivities_and_say_what_has(law):
     run = simulate(SpringBlock(mass=1.0), law, t_end=0.1, y0={"v": 1.0}, solver=FixedStep(dt=0.01))
     with pytest.raises(InputError, match=r"use solver=EventDriven\(\)"):
         run.sensitivity("x", "kinetic_coefficient")
+
+
+@pytest.mark.parametrize("fast", [100.0, 150.0])
+def test_switching_times_that_round_otherwise_in_complex_numbers_move_too(fast):
+    # the first switch, sqrt(4 a / (1/A1 + 1/A2)) / A1, differs in its last digit for A1 = 150
+    def cart(slow):
+        swing = ThreePhase(amplitude=0.7, fast=fast, slow=slow)
+        return PendulumCart(
+            cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing)
+        )
+
+    def place(slow, t):
+        return simulate(cart(slow), law, t_end=0.2).at([t])["x"][0]
+
+    law, h = Coulomb(kinetic_coefficient=0.2), 1e-4
+    t = cart(30.0).pendulum.profile.peak_rate / fast + 0.02
+    found = simulate(cart(30.0), law, t_end=0.2).at([t]).sensitivity("x", "slow")[0]
+    known = (place(30.0 + h, t) - place(30.0 - h, t)) / (2 * h)
+    # differences of places of 1e-2 m known to 1e-15 over 2e-4
+    assert found == pytest.approx(known, abs=1e-10)
+    assert found > 1e-6

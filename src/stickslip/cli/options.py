@@ -6,23 +6,34 @@ from typing import Annotated
 import typer
 
 __all__ = [
+    "BackSlip",
     "Columns",
     "Data",
+    "Effort",
     "Enforce",
+    "Evaluations",
     "Folder",
     "Force",
     "Free",
     "Gain",
+    "Goal",
     "Hold",
     "Horizon",
+    "Interval",
     "Jobs",
     "Json",
+    "Kind",
+    "Knots",
     "Law",
     "LawFile",
     "Laws",
+    "LoadShare",
+    "Position",
     "Purpose",
+    "Rate",
     "Record",
     "Repair",
+    "Resume",
     "Rig",
     "Route",
     "Seed",
@@ -129,4 +140,46 @@ Purpose = Annotated[
 ]
 Jobs = Annotated[
     int | None, typer.Option("--jobs", min=1, help="Processes that fit laws to records; 1.")
+]
+
+Goal = Annotated[str, typer.Option("--goal", help="travel (per cycle), speed or economy (per J).")]
+Kind = Annotated[
+    str, typer.Option("--kind", help="Kind of motion: three-phase, seven-step, sine or spline.")
+]
+Position = Annotated[
+    str,
+    typer.Option(
+        "--angle", "--stroke", help='Largest angle or half a stroke, e.g. "60 deg" or "10 mm".'
+    ),
+]
+Rate = Annotated[str, typer.Option("--rate", help='Largest rate, e.g. "12 rad/s" or "0.5 m/s".')]
+Effort = Annotated[
+    str | None,
+    typer.Option("--torque", "--force-limit", help='Largest torque or force, e.g. "0.6 N m".'),
+]
+LoadShare = Annotated[
+    str, typer.Option("--load-share", help='Least normal force over the weight, e.g. "10 %".')
+]
+BackSlip = Annotated[
+    str | None, typer.Option("--back-slip", help='Longest way back in a cycle, e.g. "1 mm".')
+]
+Interval = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--interval",
+        metavar="PATH=LOW..HIGH",
+        help="The worst case counts, e.g. kinetic_coefficient=0.15..0.25; may be repeated.",
+    ),
+]
+Evaluations = Annotated[
+    int, typer.Option("--evaluations", min=1, help="Motions that each search tries.")
+]
+Knots = Annotated[int, typer.Option("--knots", help="Positions of a spline.")]
+Resume = Annotated[
+    Path | None,
+    typer.Option(
+        "--resume",
+        metavar="FILE",
+        help="Keep the state of the search in this file, and go on from it if it is there.",
+    ),
 ]

@@ -17,7 +17,7 @@ from rich.progress import (
 from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.output import stderr
 
-__all__ = ["Compiling", "Drawing", "Searching", "Watching"]
+__all__ = ["Compiling", "Drawing", "Improving", "Searching", "Watching"]
 
 
 def _bars() -> Progress:
@@ -129,6 +129,31 @@ class Searching(_Shown):
             self._task,
             completed=done,
             description=f"Fitting {name}" if known else f"Judging on {name}",
+            runs=reached,
+        )
+        return not self._interrupts.stopped
+
+
+@final
+class Improving(_Shown):
+    """A bar that counts what searches try, with the best so far.
+
+    Callable as ``watch(search, done, total, best)``; the answer is whether to go on.
+    """
+
+    def __init__(self, told: Callable[[float], str], interrupts: Interrupts) -> None:
+        super().__init__(_bars())
+        self._told, self._interrupts = told, interrupts
+        self._task = self._bars.add_task("Searching ", total=None, runs="")
+
+    def __call__(self, search: str, done: int, total: int, best: float) -> bool:
+        """Note how far a search is; a polish does not know how long it takes."""
+        reached = self._told(best) if math.isfinite(best) else "none within the limits yet"
+        self._bars.update(
+            self._task,
+            completed=min(done, total) if total else done,
+            total=total or None,
+            description=f"Searching {search}" if total else "Polishing",
             runs=reached,
         )
         return not self._interrupts.stopped

@@ -3,18 +3,21 @@
 import dataclasses
 import json
 
+from stickslip.drives.registry import PROFILES
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import MOTORS, Mechanism
 from stickslip.quantities import Parametrised, fields_of
 
 __all__ = ["rig_toml"]
 
 
-def rig_toml(mechanism: Mechanism, law: FrictionLaw, *, title: str = "") -> str:
+def rig_toml(
+    mechanism: Mechanism, law: FrictionLaw, *, title: str = "", t_end: float | None = None
+) -> str:
     """Return the text of a rig file with a mechanism and one law, in SI.
 
-    Numbers, texts and truth values are written; a drive is left out, which in an identified
-    mechanism is the record itself.
+    Numbers, texts and truth values are written, and the motor of a pendulum or an inner mass with
+    its motion; a drive is left out, which in an identified mechanism is the record itself.
 
     Examples
     --------
@@ -36,18 +39,30 @@ def rig_toml(mechanism: Mechanism, law: FrictionLaw, *, title: str = "") -> str:
     head = [f"title = {json.dumps(title, ensure_ascii=False)}", ""] if title else []
     lines = [
         *head,
-        "[mechanism]",
-        f'type = "{mechanism.name}"',
-        *_values(mechanism),
+        *_table("mechanism", mechanism.name, mechanism),
         "",
         f"[friction.{law.name}]",
         *_values(law),
     ]
+    if t_end is not None:
+        lines += ["", "[run]", f"t_end = {float(t_end)!r}"]
     return "\n".join(lines) + "\n"
 
 
+def _table(key: str, kind: str, root: Parametrised) -> list[str]:
+    """Return a table that is told apart by its type, and the tables of motor and motion below."""
+    lines = [f"[{key}]", f'type = "{kind}"', *_values(root)]
+    for field in dataclasses.fields(root):
+        value = getattr(root, field.name)
+        for members in (PROFILES, MOTORS):
+            for name, member in members.items():
+                if type(value) is member:
+                    lines += ["", *_table(f"{key}.{field.name}", name, value)]
+    return lines
+
+
 def _values(root: Parametrised) -> list[str]:
-    """Return a line for each plain value, its unit as a comment."""
+    """Return a line for each plain value."""
     lines = []
     for field in dataclasses.fields(root):
         value = getattr(root, field.name)
@@ -57,4 +72,6 @@ def _values(root: Parametrised) -> list[str]:
             lines.append(f"{field.name} = {float(value)!r}")
         elif isinstance(value, str):
             lines.append(f"{field.name} = {json.dumps(value, ensure_ascii=False)}")
+        elif isinstance(value, tuple) and field.name in root.data_fields:
+            lines.append(f"{field.name} = [{', '.join(repr(float(x)) for x in value)}]")
     return lines

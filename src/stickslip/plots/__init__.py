@@ -34,6 +34,7 @@ _HOME = {
     "draw_overview": "overview",
     "draw_prediction_error": "residuals",
     "draw_presliding": "laws",
+    "draw_profile": "profiles",
     "draw_record": "record",
     "draw_residuals": "residuals",
     "draw_run": "run",

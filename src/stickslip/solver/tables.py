@@ -102,6 +102,10 @@ def schedule(
     )
 
 
+ROUNDED = 8
+"""Units in the last place by which the same start may differ in real and complex arithmetic."""
+
+
 def schedule_slopes(
     mechanism: Mechanism,
     columns: Mapping[str, Array],
@@ -116,6 +120,8 @@ def schedule_slopes(
     """
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     runs, m = len(tables), len(paths)
+    if m == 0:
+        return np.zeros((runs, 0, 0, 0))
     own: dict[str, NDArray[Any]] = {path: np.repeat(c, m) for path, c in columns.items()}
     for c, path in enumerate(paths):
         if path in values:
@@ -128,11 +134,28 @@ def schedule_slopes(
         width = 1 + 3 * len(drives)
         return np.zeros((runs, tables.shape[1] // width, width, m))  # no path moves a drive
     begins = np.repeat(tables.reshape(runs, -1, 1 + 3 * len(drives))[:, :, 0], m, axis=0)
+    for tables_of in parts:
+        for table in tables_of:
+            table[0] = _met(table[0], begins)
     starts, apart = _moved_starts([table[0] for own in parts for table in own], begins)
     rows = [_merged(tables_of, starts) for tables_of in parts]
     found = np.concatenate([starts[:, :, None], *rows], axis=2).imag / IMAGINARY
     found[apart, 0] = np.nan
     return np.asarray(found.reshape(runs, m, *found.shape[1:]).transpose(0, 2, 3, 1))
+
+
+def _met(own: NDArray[Any], begins: Array) -> NDArray[Any]:
+    """Return starts whose real parts are those of the schedule.
+
+    Complex arithmetic rounds otherwise than real arithmetic does: a start that is computed from
+    parameters may differ in its last digits.
+    """
+    near = own.astype(np.complex128) if np.iscomplexobj(own) else own.copy()
+    for j in range(begins.shape[1]):
+        begin = begins[:, j : j + 1]
+        here = np.abs(near.real - begin) <= ROUNDED * np.spacing(np.abs(begin))
+        near = np.where(here, begin + 1j * near.imag if np.iscomplexobj(near) else begin, near)
+    return near
 
 
 def _moved_starts(

@@ -1,0 +1,219 @@
+"""``stickslip profile optimise``."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from stickslip.cli.interrupts import Interrupts
+from stickslip.cli.output import (
+    document,
+    json_text,
+    note,
+    overrides,
+    print_json,
+    refuse_overwriting,
+    show_table,
+    stdout,
+    write_folder,
+)
+from stickslip.cli.progress import Improving
+from stickslip.errors import InputError, ParameterError
+from stickslip.experiments import Rig, load_rig
+from stickslip.experiments.units import read_number
+from stickslip.friction import FrictionLaw, law_type
+from stickslip.identification import starting_law
+from stickslip.mechanisms import Mechanism
+from stickslip.optimisation import (
+    GOALS,
+    Judged,
+    Limits,
+    Optimum,
+    optimise_profile,
+    units_of_limits,
+)
+from stickslip.quantities import Quantity, fields_of, full_path, named, parameters
+
+__all__ = ["Settings", "run"]
+
+OPTIONS = {
+    "position": "--angle",
+    "rate": "--rate",
+    "effort": "--torque",
+    "load_share": "--load-share",
+    "back_slip": "--back-slip",
+}
+"""Options by limit."""
+FILES = {"rig.toml", "profile.svg", "optimum.json"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """What to look for and how."""
+
+    limits: Mapping[str, str | None]
+    goal: str
+    kind: str
+    law: str
+    interval: Sequence[str]
+    knots: int
+    evaluations: int
+    seed: int
+    resume: Path | None
+
+
+def run(
+    path: Path,
+    changes: Sequence[str],
+    settings: Settings,
+    output: Path,
+    *,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Search, write rig file, figure and numbers, print what was found."""
+    if not as_json:
+        refuse_overwriting(output, output, force=force)
+    rig = load_rig(path, overrides=overrides(changes))
+    law = rig.laws.get(settings.law) or starting_law(law_type(settings.law))
+    found = _found(rig, law, settings)
+    content = document("profile", {"rig": rig.title, "digest": rig.digest, **found.to_dict()})
+    if as_json:
+        print_json(content)
+    else:
+        write_folder(output, _files(found, content))
+        _show(found)
+        stdout().print(f"\nWritten: {output} ({', '.join(sorted(FILES))})", markup=False)
+    if found.cancelled:
+        note("The search was ended early; this is the best so far.")
+
+
+def _found(rig: Rig, law: FrictionLaw, settings: Settings) -> Optimum:
+    """Search with a bar; Ctrl-C once ends the search."""
+    goal = named(GOALS, settings.goal, "goal")
+    limits = _limits(rig.mechanism, settings.limits)
+    interval = dict(_interval(rig.mechanism, law, text) for text in settings.interval)
+    with (
+        Interrupts() as interrupts,
+        Improving(lambda best: f"{best:.5g} {goal.unit}", interrupts) as watch,
+    ):
+        return optimise_profile(
+            rig.mechanism,
+            law,
+            limits=limits,
+            goal=settings.goal,
+            kind=settings.kind,
+            interval=interval,
+            knots=settings.knots,
+            evaluations=settings.evaluations,
+            seed=settings.seed,
+            state=settings.resume,
+            watch=watch,
+        )
+
+
+def _limits(mechanism: Mechanism, given: Mapping[str, str | None]) -> Limits:
+    """Read the limits, each in its unit."""
+    units, values = units_of_limits(mechanism), {}
+    for name, quantity in fields_of(Limits).items():
+        text = given[name]
+        if text is None:
+            continue
+        own = Quantity(
+            quantity.symbol, units[name], low=quantity.low, high=quantity.high, above=quantity.above
+        )
+        try:
+            values[name] = read_number(text, own)
+        except ParameterError as error:
+            raise ParameterError(f"{OPTIONS[name]} {error}") from None
+    return Limits(**values)
+
+
+def _interval(mechanism: Mechanism, law: FrictionLaw, text: str) -> tuple[str, tuple[float, float]]:
+    """Read ``path=low..high``, with units or in SI."""
+    path, equals, ends = text.partition("=")
+    low, dots, high = ends.partition("..")
+    if not (equals and dots and path.strip() and low.strip() and high.strip()):
+        raise InputError(
+            "--interval takes PATH=LOW..HIGH such as friction.kinetic_coefficient=0.15..0.25,"
+            f" got {text!r}."
+        )
+    known = {
+        full: quantity
+        for root, prefix in ((mechanism, "mechanism"), (law, "friction"))
+        for full, quantity, _ in parameters(root, prefix)
+    }
+    full = full_path(path.strip(), list(known))
+    try:
+        first, last = (_number(end.strip(), known[full]) for end in (low, high))
+    except ParameterError as error:
+        raise ParameterError(f"--interval {full} {error}") from None
+    return full, (first, last)
+
+
+def _number(text: str, quantity: Quantity) -> float:
+    """Return a number in SI, given plainly or with a unit."""
+    try:
+        plain: str | float = float(text)
+    except ValueError:
+        plain = text
+    return read_number(plain, quantity)
+
+
+def _files(found: Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]:
+    from stickslip.plots import standalone_svg
+    from stickslip.plots.profiles import PROFILE_SIZES, draw_profile
+
+    figure = standalone_svg(draw_profile(found), size=PROFILE_SIZES["wide"])
+    return {
+        "rig.toml": found.to_toml(),
+        "profile.svg": figure,
+        "optimum.json": json_text(content),
+    }
+
+
+def _show(found: Optimum) -> None:
+    console, goal = stdout(), found.goal
+    title = f"\nBest {found.kind} motion: {goal.title} {found.value:.5g} {goal.unit}"
+    console.print(title, markup=False, style="bold")
+    if len(found.scenarios) > 1:
+        console.print(f"Of {found.scenarios.words}", markup=False)
+    console.print(f"{found.profile}\n", markup=False)
+    rows = [
+        [
+            m.name.replace("_", " "),
+            f"{m.reached:.5g}",
+            f"{m.allowed:.5g}",
+            f"{m.margin:.3g}",
+            m.unit,
+        ]
+        for m in found.margins
+    ]
+    show_table("", ["limit", "reached", "allowed", "left", "unit"], rows)
+    console.print()
+    others = [("three-phase, optimised", found.three_phase, found.factor)]
+    others.append(("as the rig has it", found.start, found.factor_over_start))
+    shown = [_compared(name, judged, factor) for name, judged, factor in others]
+    show_table("", ["compared with", f"{goal.title}, {goal.unit}", "factor", ""], shown)
+    how = "polished" if found.polished else "from the evolution strategy"
+    console.print(
+        f"\n{found.evaluations} motions tried, seed {found.seed}, {how}; the run is certified.",
+        markup=False,
+    )
+
+
+def _compared(name: str, judged: Judged | None, factor: float | None) -> list[str]:
+    if judged is None:
+        return [name, "", "", "none keeps the limits"]
+    remark = "" if judged.feasible else _broken(judged)
+    return [name, f"{judged.value:.5g}", "" if factor is None else f"{factor:.4g}", remark]
+
+
+def _broken(judged: Judged) -> str:
+    """Say what a motion breaks."""
+    if any(cycle.lasted < 1.0 for cycle in judged.cycles):
+        return "its run ends early"
+    if not all(cycle.repeats for cycle in judged.cycles):
+        return "its cycles do not repeat"
+    names = [m.name.replace("_", " ") for m in judged.margins if m.margin < 0.0]
+    return f"breaks {', '.join(names)}"

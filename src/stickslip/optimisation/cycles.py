@@ -1,0 +1,353 @@
+"""The steady cycle of a mechanism that repeats a motion: what it brings and what it takes."""
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.drives import Profile
+from stickslip.errors import InputError
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism, Prescribed
+from stickslip.simulation import simulate
+from stickslip.solver import EventDriven
+from stickslip.trajectory import Trajectory
+
+__all__ = ["Cycle", "fitted", "guide_of", "measure", "motor_of", "units_of_limits", "weight_of"]
+
+Array = NDArray[np.float64]
+
+FIRST_CYCLES = 3
+"""Cycles that are run before it is asked whether they repeat."""
+MOST_CYCLES = 48
+"""Cycles after which no more are tried."""
+REPEATED = 1e-6
+"""Change from cycle to cycle, over the largest in a cycle, that still counts as the same."""
+SAMPLES = 257
+"""Evenly spread times of a cycle at which extremes are looked for first."""
+ZOOM = 17
+"""Times between the neighbours of the best of those."""
+QUARTERS = 4
+"""Stretches of a motion without steps."""
+GAUSS = 0.5 / math.sqrt(3.0)
+"""Distance of the two Gauss points from the middle of a cell, over its width."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Cycle:
+    """The last of some cycles, in SI units.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Coulomb, Prescribed, ThreePhase
+    >>> stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+    >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
+    >>> cycle = measure(capsule, Coulomb(kinetic_coefficient=0.2))
+    >>> round(cycle.travel, 7), cycle.repeats
+    (0.0064304, True)
+    """
+
+    run: Trajectory = field(repr=False)
+    """All cycles from rest on."""
+    begin: float
+    """When the last cycle begins [s]."""
+    period: float
+    """How long it lasts [s]."""
+    lasted: float = 1.0
+    """Share of the time asked for that the run lasted: below 1 where it ended early."""
+    repeats: bool
+    """Whether travel and velocity are those of the cycle before."""
+    travel: float
+    """Way forward [m]."""
+    work: float
+    """Positive work of the motor [J]."""
+    position: float
+    """Largest distance of the inner body from its middle [rad] or [m]."""
+    rate: float
+    """Largest speed of it [rad/s] or [m/s]."""
+    effort: float
+    """Largest torque [N m] or force [N]."""
+    load_share: float
+    """Least normal force over the weight."""
+    back_slip: float
+    """Way back [m]."""
+    peaks: Mapping[str, Array] = field(default_factory=dict, repr=False)
+    """Extremes of each stretch of the motion, both ways, by the name of the limit: where a motion
+    has several of about one size, each changes smoothly and their largest does not."""
+
+
+def motor_of(mechanism: Mechanism) -> str:
+    """Return the field of a mechanism whose motor prescribes a motion.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Prescribed, SineSwing
+    >>> swing = Prescribed(profile=SineSwing(amplitude=0.01, frequency=2.0))
+    >>> motor_of(Capsule(capsule_mass=0.8, inner_mass=0.2, drive=swing))
+    'drive'
+    """
+    for one in dataclasses.fields(mechanism):
+        if isinstance(getattr(mechanism, one.name), Prescribed) and mechanism.guided():
+            return one.name
+    raise InputError(
+        f"mechanism must have a motion to be improved, got {type(mechanism).__name__} without one:"
+        " give it Prescribed(profile=...), such as PendulumCart(pendulum=...) or Capsule(drive=...)"
+        " take it."
+    )
+
+
+def fitted(mechanism: Mechanism, profile: Profile, *, limit: float | None = None) -> Mechanism:
+    """Return the mechanism with another motion, and its motor with a limit, none if not given."""
+    return dataclasses.replace(
+        mechanism, **{motor_of(mechanism): Prescribed(profile=profile, limit=limit)}
+    )
+
+
+def guide_of(mechanism: Mechanism) -> tuple[str, str, str, str]:
+    """Return the names of the guided coordinate, its rate and its effort, and its unit.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Prescribed, SineSwing
+    >>> swing = Prescribed(profile=SineSwing(amplitude=0.01, frequency=2.0))
+    >>> guide_of(Capsule(capsule_mass=0.8, inner_mass=0.2, drive=swing))
+    ('xi', 'xi_dot', 'force', 'm')
+    """
+    (coordinate,) = mechanism.guided()
+    place = mechanism.coordinates.index(coordinate)
+    effort = mechanism.guided()[coordinate].effort
+    return coordinate, mechanism.rates[place], effort, mechanism.units[place]
+
+
+def units_of_limits(mechanism: Mechanism) -> dict[str, str]:
+    """Return the units that limits have for a mechanism, by name.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Prescribed, SineSwing
+    >>> swing = Prescribed(profile=SineSwing(amplitude=0.01, frequency=2.0))
+    >>> units_of_limits(Capsule(capsule_mass=0.8, inner_mass=0.2, drive=swing))["effort"]
+    'N'
+    """
+    motor_of(mechanism)
+    coordinate, _, _, unit = guide_of(mechanism)
+    return {
+        "position": unit,
+        "rate": f"{unit}/s",
+        "effort": mechanism.guided()[coordinate].unit,
+        "load_share": "1",
+        "back_slip": "m",
+    }
+
+
+def weight_of(mechanism: Mechanism) -> float:
+    """Return what presses on the contact at rest [N].
+
+    Examples
+    --------
+    >>> from stickslip import Capsule
+    >>> round(weight_of(Capsule(capsule_mass=0.8, inner_mass=0.2)), 9)
+    9.81
+    """
+    (contact,) = mechanism.contacts()
+    if contact.normal is None:
+        return float(1.0 if contact.load is None else contact.load)
+    places = dict.fromkeys((*mechanism.coordinates, contact.normal), 0.0)
+    raised = mechanism.potential_energy(0.0, places | {contact.normal: 1.0})
+    return float(raised - mechanism.potential_energy(0.0, places))
+
+
+def measure(mechanism: Mechanism, law: FrictionLaw, *, samples: int = SAMPLES) -> Cycle:
+    """Run cycles until they repeat, and measure the last one.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        With a prescribed motion.
+    law : FrictionLaw
+        What holds it back.
+    samples : int
+        Evenly spread times at which extremes are looked for; between the neighbours of the best
+        it is looked once more.
+
+    Returns
+    -------
+    Cycle
+        `repeats` is False where 48 cycles were not enough, and where the run ended early.
+
+    Examples
+    --------
+    >>> import math
+    >>> from stickslip import Coulomb, PendulumCart, Prescribed, ThreePhase
+    >>> swing = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
+    >>> cart = PendulumCart(
+    ...     cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing)
+    ... )
+    >>> cycle = measure(cart, Coulomb(kinetic_coefficient=0.2))
+    >>> round(cycle.travel, 7), round(1e3 * cycle.back_slip, 2)
+    (0.0634659, 0.31)
+    """
+    profile = getattr(mechanism, motor_of(mechanism)).profile
+    period, count = float(profile.period), FIRST_CYCLES
+    while True:
+        run = simulate(
+            mechanism,
+            law,
+            t_end=count * period,
+            solver=EventDriven(tier="compiled"),
+            throw=False,
+        )
+        if not run.status.complete:
+            return _cut_short(run, period, run.span[1] / (count * period))
+        repeats = _repeats(mechanism, run, count, period)
+        if repeats or 2 * count > MOST_CYCLES:
+            return _measured(mechanism, profile, run, count, repeats, samples)
+        count *= 2
+
+
+def _cut_short(run: Trajectory, period: float, lasted: float) -> Cycle:
+    """Return a cycle of which nothing is known but when it ended."""
+    return Cycle(
+        run=run,
+        begin=0.0,
+        period=period,
+        lasted=lasted,
+        repeats=False,
+        travel=math.nan,
+        work=math.nan,
+        position=math.nan,
+        rate=math.nan,
+        effort=math.nan,
+        load_share=math.nan,
+        back_slip=math.nan,
+    )
+
+
+def _repeats(mechanism: Mechanism, run: Trajectory, count: int, period: float) -> bool:
+    """Whether the last cycle is like the one before it."""
+    (contact,) = mechanism.contacts()
+    rate = mechanism.rates[mechanism.coordinates.index(contact.slip)]
+    last = run.at(np.linspace((count - 1) * period, count * period, 33))
+    before = run.at([(count - 2) * period])
+    x, v = last[contact.slip], last[rate]
+    more = (x[-1] - x[0]) - (x[0] - before[contact.slip][0])
+    return bool(
+        abs(more) <= REPEATED * np.ptp(x) and abs(v[-1] - v[0]) <= REPEATED * np.abs(v).max()
+    )
+
+
+def _measured(
+    mechanism: Mechanism,
+    profile: Profile,
+    run: Trajectory,
+    count: int,
+    repeats: bool,
+    samples: int,
+) -> Cycle:
+    slip = mechanism.contacts()[0].slip
+    begin, end = (count - 1) * profile.period, count * profile.period
+    nodes = _nodes(run, profile, float(begin), float(end), samples)
+    seen = run.at(nodes)
+    columns = _columns(mechanism, seen)
+    stretches = _stretches(profile, nodes, float(begin))
+    extremes = _extremes(run, nodes, columns, mechanism)
+    x = seen[slip]
+    return Cycle(
+        run=run,
+        begin=float(begin),
+        period=float(profile.period),
+        repeats=repeats,
+        travel=float(x[-1] - x[0]),
+        work=_positive_work(mechanism, run, nodes),
+        back_slip=float(np.maximum(-np.diff(x), 0.0).sum()),
+        peaks={
+            name: _peaks(column, stretches, extremes[name], both=name != "load_share")
+            for name, column in columns.items()
+        },
+        position=extremes["position"],
+        rate=extremes["rate"],
+        effort=extremes["effort"],
+        load_share=extremes["load_share"],
+    )
+
+
+def _columns(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
+    """Return what has limits, by their names."""
+    coordinate, rate, effort, _ = guide_of(mechanism)
+    return {
+        "position": seen[coordinate],
+        "rate": seen[rate],
+        "effort": seen[effort],
+        "load_share": seen["normal_force"] / weight_of(mechanism),
+    }
+
+
+def _positive_work(mechanism: Mechanism, run: Trajectory, nodes: Array) -> float:
+    """Return the work of the motor where it drives, by two Gauss points a cell."""
+    _, rate, effort, _ = guide_of(mechanism)
+    widths = np.diff(nodes)
+    middles = nodes[:-1] + 0.5 * widths
+    power = np.zeros_like(widths)
+    for side in (-GAUSS, GAUSS):
+        seen = run.at(middles + side * widths)
+        power = power + np.maximum(seen[effort] * seen[rate], 0.0)
+    return float((0.5 * widths * power).sum())
+
+
+def _nodes(run: Trajectory, profile: Profile, begin: float, end: float, samples: int) -> Array:
+    """Return even times, and those at which something jumps, also just before."""
+    jumps = [float(piece.start) for piece in profile.pieces(end)]
+    jumps += [event.t for event in run.events]
+    inside = np.array([t for t in jumps if begin < t < end])
+    before = np.nextafter(inside, -np.inf)
+    return np.unique(np.concatenate([np.linspace(begin, end, samples), inside, before]))
+
+
+def _stretches(profile: Profile, nodes: Array, begin: float) -> list[slice]:
+    """Return the nodes of each stretch between the steps of a motion, at least one each."""
+    starts = [float(piece.start) for piece in profile.pieces(0.0)]
+    if len(starts) < 2:
+        starts = np.linspace(0.0, float(profile.period), QUARTERS, endpoint=False).tolist()
+    ends = [begin + start for start in (*starts[1:], float(profile.period))]
+    firsts = np.searchsorted(nodes, [begin + start for start in starts]).tolist()
+    lasts = np.searchsorted(nodes, ends).tolist()
+    most = len(nodes) - 1
+    return [
+        slice(min(a, most), max(b, min(a, most) + 1)) for a, b in zip(firsts, lasts, strict=True)
+    ]
+
+
+def _peaks(column: Array, stretches: list[slice], extreme: float, *, both: bool) -> Array:
+    """Return extremes by stretch, moved by what the nodes miss of the extreme of all."""
+    if not both:
+        least = np.array([column[stretch].min() for stretch in stretches])
+        return np.asarray(least + (extreme - least.min()))
+    most = [column[stretch].max() for stretch in stretches]
+    found = np.array([*most, *(-column[stretch].min() for stretch in stretches)])
+    return np.asarray(found + (extreme - found.max()))
+
+
+def _extremes(
+    run: Trajectory, nodes: Array, columns: Mapping[str, Array], mechanism: Mechanism
+) -> dict[str, float]:
+    """Return the extreme of each column, looked for between the neighbours of the extreme node."""
+    sizes = _sizes(columns)
+    best = {name: int(np.argmax(size)) for name, size in sizes.items()}
+    pairs = [(nodes[max(i - 1, 0)], nodes[min(i + 1, len(nodes) - 1)]) for i in best.values()]
+    near = run.at(np.concatenate([np.linspace(*pair, ZOOM) for pair in pairs]))
+    finer = _sizes(_columns(mechanism, near))
+    found = {
+        name: max(float(size[best[name]]), float(finer[name][k * ZOOM : (k + 1) * ZOOM].max()))
+        for k, (name, size) in enumerate(sizes.items())
+    }
+    return found | {"load_share": -found["load_share"]}
+
+
+def _sizes(columns: Mapping[str, Array]) -> dict[str, Array]:
+    """Return what must not grow too large."""
+    return {name: -c if name == "load_share" else np.abs(c) for name, c in columns.items()}

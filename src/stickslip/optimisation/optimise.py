@@ -1,0 +1,302 @@
+"""The verb that looks for the best motion."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.drives import Profile
+from stickslip.errors import ConvergenceError, InputError, ParameterError
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.optimisation.cycles import fitted, guide_of, measure, motor_of
+from stickslip.optimisation.limits import Limits
+from stickslip.optimisation.optimum import Optimum
+from stickslip.optimisation.polish import polish
+from stickslip.optimisation.problem import FINER, GOALS, Judged, Problem
+from stickslip.optimisation.scenarios import scenarios_of
+from stickslip.optimisation.search import Told, search
+from stickslip.optimisation.spaces import KINDS, Space, space_of
+from stickslip.optimisation.states import Memory
+from stickslip.quantities import named
+from stickslip.simulation import simulate
+
+__all__ = ["optimise_profile"]
+
+Array = NDArray[np.float64]
+
+REFERENCE = "three-phase"
+MOST_POLISHED = 2
+"""Ends of laps that are polished, the best first."""
+
+
+def optimise_profile(
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    *,
+    limits: Limits,
+    goal: str = "travel",
+    kind: str = "three-phase",
+    interval: Mapping[str, tuple[float, float]] | None = None,
+    scenarios: Sequence[FrictionLaw] | None = None,
+    quantile: float = 0.05,
+    points: int = 5,
+    knots: int = 12,
+    evaluations: int = 2000,
+    seed: int = 0,
+    state: str | Path | None = None,
+    watch: Told | None = None,
+) -> Optimum:
+    """Find the motion of a kind that drives a mechanism best within limits.
+
+    A search by an evolution strategy (CMA-ES) with restarts, whose best is polished by sequential
+    quadratic programming; first for the three-phase motion, from which the search for another kind
+    begins. Each motion is run from rest until its cycles repeat, and judged by the last one; the
+    result by runs with certificates, its extremes looked for more finely.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        With a prescribed motion, such as ``PendulumCart(pendulum=Prescribed(...))`` or
+        ``Capsule(drive=Prescribed(...))``; a limit of its motor holds beside `limits`.
+    law : FrictionLaw
+        What holds it back.
+    limits : Limits
+        What the motion may take.
+    goal : {"travel", "speed", "economy"}
+        Travel per cycle [m], mean speed [m/s], or travel per positive work of the motor [m/J].
+    kind : {"three-phase", "seven-step", "sine", "spline"}
+        Kind of motion.
+    interval : mapping, optional
+        Lowest and highest value of parameters by path, such as
+        ``{"friction.kinetic_coefficient": (0.15, 0.25)}``: the goal is the worst case, and the
+        limits hold in all cases, of `points` even values each, ends included.
+    scenarios : sequence of FrictionLaw, optional
+        Samples instead, such as those of a bootstrap: the goal is a quantile of theirs, and the
+        limits hold for all of them.
+    quantile : float
+        Which quantile of the samples; 0 is the worst case.
+    points : int
+        Values of each parameter in `interval`.
+    knots : int
+        Positions of a spline, 4 to 60.
+    evaluations : int
+        Motions that each of the two searches tries, or somewhat more.
+    seed : int
+        Of the random numbers: the same seed gives the same result.
+    state : path, optional
+        File that keeps what was found after each generation. If it is there already, the search
+        goes on from it, and ends where it would have ended without an interruption.
+    watch : callable, optional
+        Called after each generation with the name of the search, the motions tried and in all, and
+        the best goal so far, NaN without one. If it returns False, the best so far is the result.
+
+    Returns
+    -------
+    Optimum
+        The best motion, what it leaves of each limit, its certified run, and how it compares.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used.
+    ConvergenceError
+        If no motion was found that keeps the limits.
+
+    References
+    ----------
+    N. Hansen, The CMA evolution strategy: a tutorial, arXiv:1604.00772.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Coulomb, Limits, Prescribed, ThreePhase
+    >>> stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+    >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
+    >>> limits = Limits(position=0.01, rate=0.8, effort=10.0, back_slip=0.0)
+    >>> law = Coulomb(kinetic_coefficient=0.2)
+    >>> best = optimise_profile(capsule, law, limits=limits, goal="speed", evaluations=60)
+    >>> best.best.feasible, best.value > best.start.value
+    (True, True)
+    """
+    plan = _plan(mechanism, limits, evaluations, seed)
+    problem = Problem(
+        mechanism=plan.mechanism,
+        scenarios=scenarios_of(plan.mechanism, law, interval, scenarios, quantile, points),
+        goal=named(GOALS, goal, "goal"),
+        limits=plan.limits,
+    )
+    named(KINDS, kind, "kind of motion")
+    space = space_of(kind, plan.limits, knots)
+    subject = repr((problem, plan, law, space, _versions()))
+    start = problem.judge(plan.profile, samples=FINER)
+    work = _Work(problem=problem, plan=plan, memory=Memory(state, subject), watch=watch)
+    reference = work.best_of(space_of(REFERENCE, plan.limits, knots), plan.profile, start)
+    best = reference
+    if kind != REFERENCE:
+        first = reference.judged.profile if reference.judged else plan.profile
+        best = work.best_of(space, first, start, done=reference)
+    return _optimum(work, law, kind, best, reference.judged, start)
+
+
+def _versions() -> list[str]:
+    """Return the versions that a search depends on."""
+    from importlib.metadata import version
+
+    return [version(name) for name in ("cma", "numpy", "stickslip")]
+
+
+def _optimum(
+    work: "_Work",
+    law: FrictionLaw,
+    kind: str,
+    best: "_Best",
+    reference: Judged | None,
+    start: Judged,
+) -> Optimum:
+    """Return the result, run once more with a certificate."""
+    problem, plan = work.problem, work.plan
+    if best.judged is None:
+        raise ConvergenceError(
+            f"no {kind} motion was found that keeps the limits, among {best.evaluations} tried:"
+            " widen the limits, or give more evaluations."
+        )
+    whole = fitted(plan.mechanism, best.judged.profile, limit=plan.motor_limit)
+    return Optimum(
+        mechanism=whole,
+        law=law,
+        kind=kind,
+        goal=problem.goal,
+        limits=plan.limits,
+        scenarios=problem.scenarios,
+        best=best.judged,
+        three_phase=reference,
+        start=start,
+        run=simulate(whole, law, t_end=_steady_end(whole, law)),
+        polished=best.polished,
+        evaluations=best.evaluations,
+        seed=plan.seed,
+        cancelled=best.cancelled,
+    )
+
+
+def _steady_end(mechanism: Mechanism, law: FrictionLaw) -> float:
+    """Return when the cycles of a motion have come to repeat [s]."""
+    return measure(mechanism, law).run.span[1]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class _Plan:
+    """What was asked for, checked."""
+
+    mechanism: Mechanism
+    profile: Profile
+    motor_limit: float | None
+    limits: Limits
+    evaluations: int
+    seed: int
+
+
+def _plan(mechanism: Mechanism, limits: Limits, evaluations: int, seed: int) -> _Plan:
+    """Check the arguments; the motor's limit becomes one of the limits."""
+    if not isinstance(mechanism, Mechanism):
+        raise InputError(f"mechanism must be a Mechanism such as PendulumCart, got {mechanism!r}.")
+    if not isinstance(limits, Limits):
+        raise InputError(f"limits must be Limits(position=..., rate=...), got {limits!r}.")
+    for name, value, least in (("evaluations", evaluations, 1), ("seed", seed, 0)):
+        if type(value) is not int or value < least:
+            raise ParameterError(
+                f"{name} must be a whole number of at least {least}, got {value!r}."
+            )
+    motor = getattr(mechanism, motor_of(mechanism))
+    slip = mechanism.contacts()[0].slip
+    if guide_of(mechanism)[0] == slip:
+        raise InputError(f"the motion prescribes {slip}, the slip itself: nothing can be improved.")
+    given = limits.given()
+    if motor.limit is not None:
+        given["effort"] = min(given.get("effort", motor.limit), motor.limit)
+    return _Plan(
+        mechanism=fitted(mechanism, motor.profile),
+        profile=motor.profile,
+        motor_limit=motor.limit,
+        limits=Limits(**given),
+        evaluations=evaluations,
+        seed=seed,
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class _Best:
+    """The best of one kind, and what it took up to here."""
+
+    judged: Judged | None
+    polished: bool = False
+    evaluations: int = 0
+    cancelled: bool = False
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class _Work:
+    """Searches for one problem."""
+
+    problem: Problem
+    plan: _Plan
+    memory: Memory
+    watch: Told | None
+
+    def best_of(
+        self, space: Space, first: Profile, start: Judged, *, done: _Best | None = None
+    ) -> _Best:
+        """Return the best motion of a kind: of the start, the search, and the polish."""
+        before = done or _Best(judged=None)
+        inner = self.problem.tighter()
+        own = start if start.feasible and _is_of(space, start.profile) else None
+        if before.cancelled:
+            return _Best(judged=own, evaluations=before.evaluations, cancelled=True)
+        point, more = self._polished_start(inner, space, first)
+        found = search(
+            inner,
+            space,
+            point,
+            name=space.kind,
+            budget=self.plan.evaluations,
+            seed=self.plan.seed,
+            memory=self.memory,
+            watch=self.watch,
+        )
+        count = before.evaluations + more + found.evaluations
+        known = [] if own is None else [(own, False)]
+        for rank, point in enumerate(found.best[:MOST_POLISHED]):
+            if rank == 0:
+                known.append((self._finely(space, point), False))
+            if not found.cancelled:
+                finer, more = polish(inner, space, point, watch=self.watch)
+                count += more
+                if finer is not None:
+                    known.append((self._finely(space, finer), True))
+        good = [(judged, polished) for judged, polished in known if judged.feasible]
+        best = max(good, key=lambda one: one[0].value, default=(None, False))
+        return _Best(judged=best[0], polished=best[1], evaluations=count, cancelled=found.cancelled)
+
+    def _polished_start(
+        self, problem: Problem, space: Space, first: Profile
+    ) -> tuple[Array | None, int]:
+        """Return where a search begins: at a motion, better and within limits if that can be."""
+        point = space.place(first)
+        if point is None:
+            return None, 0
+        better, count = polish(problem, space, point, watch=self.watch)
+        return (point if better is None else better), count
+
+    def _finely(self, space: Space, point: Array) -> Judged:
+        return self.problem.judge(space.profile(point), samples=FINER)
+
+
+def _is_of(space: Space, profile: Profile) -> bool:
+    """Whether a profile is of the kind of a space."""
+    return isinstance(profile, type(space.profile(np.full(space.size, 0.5))))

@@ -1,0 +1,154 @@
+"""What is searched: the goal of a motion and what it breaks, over all scenarios."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.drives import Profile
+from stickslip.mechanisms import Mechanism
+from stickslip.optimisation.cycles import SAMPLES, Cycle, fitted, measure, units_of_limits
+from stickslip.optimisation.limits import Limits, Margin
+from stickslip.optimisation.scenarios import Scenarios
+from stickslip.quantities import vary
+
+__all__ = ["FAILED", "GOALS", "Goal", "Judged", "Problem"]
+
+Array = NDArray[np.float64]
+
+SAFETY = 1e-5
+"""Share of each limit that a search leaves: extremes are looked for more finely in the end."""
+FAILED = 10.0
+"""Violation of a motion that cannot be gone through or does not repeat itself."""
+FINER = 4097
+"""Times of a cycle at which the extremes of a result are looked for."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Goal:
+    """What is to be large."""
+
+    name: str
+    """Its name on the command line."""
+    title: str
+    """Its name in reports."""
+    unit: str
+    """Its unit."""
+    value: Callable[[Cycle], float] = field(repr=False)
+    """Read off a cycle."""
+
+
+def _economy(cycle: Cycle) -> float:
+    return cycle.travel / cycle.work if cycle.work > 0.0 else 0.0
+
+
+GOALS: Mapping[str, Goal] = {
+    goal.name: goal
+    for goal in (
+        Goal(name="travel", title="travel per cycle", unit="m", value=lambda c: c.travel),
+        Goal(name="speed", title="mean speed", unit="m/s", value=lambda c: c.travel / c.period),
+        Goal(name="economy", title="travel per work", unit="m/J", value=_economy),
+    )
+}
+"""The goals by name."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Judged:
+    """A profile, what it brings, and what it leaves of each limit.
+
+    Examples
+    --------
+    >>> from stickslip import ThreePhase
+    >>> swing = ThreePhase(amplitude=0.8, fast=120.0, slow=30.0)
+    >>> Judged(profile=swing, value=0.06, margins=(), cycles=()).feasible
+    False
+    """
+
+    profile: Profile
+    """The motion."""
+    value: float
+    """Its goal, in SI units; 0 where it is not known."""
+    margins: tuple[Margin, ...]
+    """What is left of each limit; none where the run ended early."""
+    cycles: tuple[Cycle, ...]
+    """The steady cycle of each scenario."""
+
+    @property
+    def violation(self) -> float:
+        """What is broken, as the sum of shares of the limits; 0 if nothing is."""
+        ends = [FAILED * (2.0 - c.lasted) for c in self.cycles if not c.repeats]
+        return sum(ends) + sum(max(0.0, -m.share) for m in self.margins)
+
+    @property
+    def feasible(self) -> bool:
+        """Whether every scenario repeats itself within all limits."""
+        return bool(self.cycles) and self.violation <= 0.0
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """A mechanism, scenarios, a goal and limits."""
+
+    mechanism: Mechanism
+    """With any prescribed motion and without a limit of its motor."""
+    scenarios: Scenarios
+    """What it must stand."""
+    goal: Goal
+    """What is to be large."""
+    limits: Limits
+    """What it may take."""
+
+    def cases(self, profile: Profile) -> list[Mechanism]:
+        """Return the mechanism of each scenario with a motion."""
+        moved = fitted(self.mechanism, profile)
+        changes = self.scenarios.changes
+        return [vary(moved, "mechanism", own) if own else moved for own in changes]
+
+    def judge(self, profile: Profile, *, samples: int = SAMPLES) -> Judged:
+        """Run a motion through all scenarios."""
+        pairs = zip(self.cases(profile), self.scenarios.laws, strict=True)
+        cycles = tuple(measure(mechanism, law, samples=samples) for mechanism, law in pairs)
+        if any(cycle.lasted < 1.0 for cycle in cycles):
+            return Judged(profile=profile, value=0.0, margins=(), cycles=cycles)
+        values = self.values(cycles)
+        return Judged(
+            profile=profile,
+            value=float(self.scenarios.weights(values) @ values),
+            margins=self._margins(cycles),
+            cycles=cycles,
+        )
+
+    def values(self, cycles: tuple[Cycle, ...]) -> Array:
+        """Return the goal of each scenario (n,)."""
+        return np.array([self.goal.value(cycle) for cycle in cycles])
+
+    def _margins(self, cycles: tuple[Cycle, ...]) -> tuple[Margin, ...]:
+        units = units_of_limits(self.mechanism)
+        worst = {"load_share": min}
+        return tuple(
+            Margin(
+                name=name,
+                allowed=allowed,
+                reached=worst.get(name, max)(getattr(cycle, name) for cycle in cycles),
+                unit=units[name],
+            )
+            for name, allowed in self.limits.given().items()
+        )
+
+    def tighter(self) -> "Problem":
+        """Return the problem with a little less of each limit, for searching."""
+        given = self.limits.given()
+        changed = {name: value * (1.0 - SAFETY) for name, value in given.items()}
+        changed["load_share"] = min(1.0, given["load_share"] + SAFETY)
+        return Problem(
+            mechanism=self.mechanism,
+            scenarios=self.scenarios,
+            goal=self.goal,
+            limits=Limits(**changed),
+        )

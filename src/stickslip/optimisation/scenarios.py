@@ -1,0 +1,137 @@
+"""The cases that a motion must stand: one, an interval of parameters, or samples of a law."""
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError, ParameterError
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.optimisation.cycles import motor_of
+from stickslip.quantities import Quantity, full_path, parameters, vary
+
+__all__ = ["Scenarios", "scenarios_of"]
+
+Array = NDArray[np.float64]
+
+MOST_POINTS = 200
+SHARE = Quantity("quantile", low=0, high=1)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Scenarios:
+    """Laws, with changes to the mechanism, and what counts of them.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> two = tuple(Coulomb(kinetic_coefficient=mu) for mu in (0.2, 0.3))
+    >>> cases = Scenarios(laws=two, changes=({}, {}), quantile=0.0, words="the worse of two")
+    >>> cases.weights(np.array([3.0, 1.0])).tolist()
+    [0.0, 1.0]
+    """
+
+    laws: tuple[FrictionLaw, ...]
+    """A law for each scenario."""
+    changes: tuple[Mapping[str, float], ...]
+    """Values of the mechanism by path, for each scenario."""
+    quantile: float
+    """Which quantile of the goal counts; 0 is the worst case."""
+    words: str
+    """What they are, as reports say it."""
+
+    def __len__(self) -> int:
+        """Return the number of scenarios."""
+        return len(self.laws)
+
+    def weights(self, values: Array) -> Array:
+        """Return what each value counts in the quantile (n,): the quantile is their sum."""
+        place = self.quantile * (len(values) - 1)
+        low = int(place)
+        found = np.zeros(len(values))
+        order = np.argsort(values, kind="stable")
+        found[order[low]] = 1.0 - (place - low)
+        if place > low:
+            found[order[low + 1]] = place - low
+        return found
+
+
+def scenarios_of(
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    interval: Mapping[str, tuple[float, float]] | None,
+    laws: Sequence[FrictionLaw] | None,
+    quantile: float,
+    points: int,
+) -> Scenarios:
+    """Return the scenarios that the arguments of `optimise_profile` stand for."""
+    if interval and laws is not None:
+        raise InputError("interval and scenarios are both given: leave one out.")
+    if laws is not None:
+        return _samples(laws, quantile)
+    if interval:
+        return _grid(mechanism, law, interval, points)
+    return Scenarios(laws=(law,), changes=({},), quantile=0.0, words="the law as given")
+
+
+def _samples(laws: Sequence[FrictionLaw], quantile: float) -> Scenarios:
+    if not laws or not all(isinstance(law, FrictionLaw) for law in laws):
+        raise InputError(f"scenarios must be friction laws, at least one, got {laws!r}.")
+    share = SHARE.check("optimise_profile", "quantile", quantile)
+    return Scenarios(
+        laws=tuple(laws),
+        changes=({},) * len(laws),
+        quantile=share,
+        words=f"{len(laws)} laws, of which {share:g} do worse",
+    )
+
+
+def _grid(
+    mechanism: Mechanism, law: FrictionLaw, interval: Mapping[str, tuple[float, float]], points: int
+) -> Scenarios:
+    """Return evenly spread values of each parameter, ends included, in all combinations."""
+    if type(points) is not int or points < 2:
+        raise ParameterError(f"points must be a whole number of at least 2, got {points!r}.")
+    known = [
+        path
+        for root, prefix in ((mechanism, "mechanism"), (law, "friction"))
+        for path, _, _ in parameters(root, prefix)
+        if not path.startswith(f"mechanism.{motor_of(mechanism)}.")
+    ]
+    axes = {full_path(path, known): _range(path, ends) for path, ends in interval.items()}
+    if points ** len(axes) > MOST_POINTS:
+        raise InputError(
+            f"interval has {points}^{len(axes)} combinations; at most {MOST_POINTS} are tried:"
+            " give fewer points or fewer parameters."
+        )
+    rows = [
+        dict(zip(axes, values, strict=True))
+        for values in itertools.product(
+            *(np.linspace(*ends, points).tolist() for ends in axes.values())
+        )
+    ]
+    own = [{p: v for p, v in row.items() if p.startswith("mechanism.")} for row in rows]
+    others = [{p: v for p, v in row.items() if p not in mine} for row, mine in zip(rows, own)]  # noqa: B905  # made of each other
+    ranges = ", ".join(f"{path} {low:g} to {high:g}" for path, (low, high) in axes.items())
+    return Scenarios(
+        laws=tuple(vary(law, "friction", row) if row else law for row in others),
+        changes=tuple(own),
+        quantile=0.0,
+        words=f"the worst of {len(rows)} even points of {ranges}",
+    )
+
+
+def _range(path: str, ends: object) -> tuple[float, float]:
+    """Return the ends of an interval, checked."""
+    try:
+        low, high = (float(end) for end in ends)  # type: ignore[attr-defined]  # whatever was given
+    except (TypeError, ValueError):
+        raise InputError(f"interval[{path!r}] must be (low, high), got {ends!r}.") from None
+    if not low < high:
+        raise InputError(f"interval[{path!r}] must rise, got {low:g} to {high:g}.")
+    return low, high

@@ -1,0 +1,281 @@
+"""The kinds of motion that are searched, each as a cube of numbers from 0 to 1."""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.drives import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase
+from stickslip.errors import ParameterError
+from stickslip.optimisation.limits import Limits
+from stickslip.quantities import fields_of
+
+__all__ = ["KINDS", "Space", "space_of"]
+
+Array = NDArray[np.float64]
+
+LEAST_AMPLITUDE = 0.02
+"""Least amplitude over the position allowed."""
+SLOWEST, FASTEST = 1.0 / 50.0, 200.0
+"""Accelerations, over the one that just reaches the rate allowed within the position allowed."""
+LEAST_SHARE = 0.05
+"""Least top rate over the one that could be reached."""
+SHORTEST, LONGEST = 0.5, 30.0
+"""Durations of a spline, over the time for there and back at the rate allowed."""
+BELOW = 1.0 - 1e-12
+"""A top rate must be reached, rounding included."""
+
+
+def _between(low: float, high: float, u: float) -> float:
+    """Return a number between two, its logarithm evenly spread."""
+    return float(low * (high / low) ** u)
+
+
+def _placed(low: float, high: float, value: float) -> float:
+    return math.log(value / low) / math.log(high / low)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Space(ABC):
+    """A kind of motion within limits; a point of the cube is a profile."""
+
+    kind: ClassVar[str]
+    """Name of the kind."""
+    limits: Limits
+    """Their position and rate set the scales."""
+
+    @property
+    @abstractmethod
+    def size(self) -> int:
+        """Numbers of a point."""
+
+    @abstractmethod
+    def profile(self, u: Array) -> Profile:
+        """Return the profile at a point (size,)."""
+
+    @abstractmethod
+    def place(self, profile: Profile) -> Array | None:
+        """Return the point of a profile, moved into the cube, or None where it has none."""
+
+    @abstractmethod
+    def paths(self, u: Array) -> Mapping[str, float]:
+        """Return the values at a point by the fields that runs have sensitivities to."""
+
+    @final
+    def inside(self, u: list[float]) -> Array:
+        """Return a point moved into the cube."""
+        return np.asarray(np.clip(np.array(u), 0.0, 1.0))
+
+    @property
+    def accelerations(self) -> tuple[float, float]:
+        """Least and largest acceleration."""
+        unit = self.limits.rate**2 / (2.0 * self.limits.position)
+        return SLOWEST * unit, FASTEST * unit
+
+
+def _numbers(profile: Profile) -> dict[str, float]:
+    return {name: float(getattr(profile, name)) for name in fields_of(type(profile))}
+
+
+@final
+class ThreePhases(Space):
+    """Amplitude, outer and middle acceleration; which of them is the fast one is left open."""
+
+    kind: ClassVar[str] = "three-phase"
+
+    @property
+    @override
+    def size(self) -> int:
+        return 3
+
+    @override
+    def profile(self, u: Array) -> ThreePhase:
+        outer, middle = (_between(*self.accelerations, x) for x in u[1:])
+        share = LEAST_AMPLITUDE + (1.0 - LEAST_AMPLITUDE) * u[0]
+        return ThreePhase(
+            amplitude=share * self.limits.position,
+            fast=max(outer, middle),
+            slow=min(outer, middle),
+            first="fast" if outer >= middle else "slow",
+        )
+
+    @override
+    def place(self, profile: Profile) -> Array | None:
+        if not isinstance(profile, ThreePhase):
+            return None
+        share = profile.amplitude / self.limits.position
+        pair = (profile.fast, profile.slow)
+        outer, middle = pair if profile.first == "fast" else pair[::-1]
+        return self.inside(
+            [
+                (share - LEAST_AMPLITUDE) / (1.0 - LEAST_AMPLITUDE),
+                _placed(*self.accelerations, outer),
+                _placed(*self.accelerations, middle),
+            ]
+        )
+
+    @override
+    def paths(self, u: Array) -> Mapping[str, float]:
+        return _numbers(self.profile(u))
+
+
+@final
+class SevenSteps(Space):
+    """Amplitude, two accelerations, top rate over the one that can be reached, and a pause."""
+
+    kind: ClassVar[str] = "seven-step"
+
+    @property
+    @override
+    def size(self) -> int:
+        return 5
+
+    @override
+    def profile(self, u: Array) -> SevenStep:
+        fast, slow = (_between(*self.accelerations, x) for x in u[1:3])
+        amplitude = (LEAST_AMPLITUDE + (1.0 - LEAST_AMPLITUDE) * u[0]) * self.limits.position
+        share = LEAST_SHARE + (1.0 - LEAST_SHARE) * u[3]
+        return SevenStep(
+            amplitude=amplitude,
+            fast=fast,
+            slow=slow,
+            top_rate=share * min(_reachable(amplitude, fast, slow), self.limits.rate),
+            pause=u[4] * self._longest_pause,
+        )
+
+    @property
+    def _longest_pause(self) -> float:
+        return 4.0 * self.limits.position / self.limits.rate
+
+    @override
+    def place(self, profile: Profile) -> Array | None:
+        if isinstance(profile, ThreePhase):
+            pair = (profile.fast, profile.slow)
+            fast, slow = pair if profile.first == "fast" else pair[::-1]
+            top, pause = profile.peak_rate, 0.0
+        elif isinstance(profile, SevenStep):
+            fast, slow, top, pause = profile.fast, profile.slow, profile.top_rate, profile.pause
+        else:
+            return None
+        most = min(_reachable(profile.amplitude, fast, slow), self.limits.rate)
+        share = profile.amplitude / self.limits.position
+        return self.inside(
+            [
+                (share - LEAST_AMPLITUDE) / (1.0 - LEAST_AMPLITUDE),
+                _placed(*self.accelerations, fast),
+                _placed(*self.accelerations, slow),
+                (top / most - LEAST_SHARE) / (1.0 - LEAST_SHARE),
+                pause / self._longest_pause,
+            ]
+        )
+
+    @override
+    def paths(self, u: Array) -> Mapping[str, float]:
+        return _numbers(self.profile(u))
+
+
+def _reachable(amplitude: float, fast: float, slow: float) -> float:
+    """Return the rate that two accelerations reach on the way."""
+    return BELOW * math.sqrt(4.0 * amplitude / (1.0 / fast + 1.0 / slow))
+
+
+@final
+class Sines(Space):
+    """Amplitude, and peak rate over the rate allowed."""
+
+    kind: ClassVar[str] = "sine"
+
+    @property
+    @override
+    def size(self) -> int:
+        return 2
+
+    @override
+    def profile(self, u: Array) -> SineSwing:
+        amplitude = (LEAST_AMPLITUDE + (1.0 - LEAST_AMPLITUDE) * u[0]) * self.limits.position
+        rate = _between(LEAST_SHARE, 1.0, u[1]) * self.limits.rate
+        return SineSwing(amplitude=amplitude, frequency=rate / (2.0 * math.pi * amplitude))
+
+    @override
+    def place(self, profile: Profile) -> Array | None:
+        if not isinstance(profile, SineSwing):
+            return None
+        share = profile.amplitude / self.limits.position
+        rate = 2.0 * math.pi * profile.frequency * profile.amplitude / self.limits.rate
+        return self.inside(
+            [
+                (share - LEAST_AMPLITUDE) / (1.0 - LEAST_AMPLITUDE),
+                _placed(LEAST_SHARE, 1.0, rate),
+            ]
+        )
+
+    @override
+    def paths(self, u: Array) -> Mapping[str, float]:
+        return _numbers(self.profile(u))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Splines(Space):
+    """Positions at the knots and the duration; runs have no sensitivities to the positions."""
+
+    kind: ClassVar[str] = "spline"
+    knots: int = 12
+    """Number of positions."""
+
+    @property
+    @override
+    def size(self) -> int:
+        return self.knots + 1
+
+    @property
+    def _durations(self) -> tuple[float, float]:
+        unit = 4.0 * self.limits.position / self.limits.rate
+        return SHORTEST * unit, LONGEST * unit
+
+    @override
+    def profile(self, u: Array) -> SplineSwing:
+        positions = tuple((self.limits.position * (2.0 * u[1:] - 1.0)).tolist())
+        return SplineSwing(positions=positions, duration=_between(*self._durations, u[0]))
+
+    @override
+    def place(self, profile: Profile) -> Array | None:
+        period = float(profile.period)
+        positions = [profile.at(k * period / self.knots)[0] for k in range(self.knots)]
+        return self.inside(
+            [
+                _placed(*self._durations, period),
+                *(0.5 + 0.5 * position / self.limits.position for position in positions),
+            ]
+        )
+
+    @override
+    def paths(self, u: Array) -> Mapping[str, float]:
+        return {}
+
+
+KINDS: Mapping[str, type[Space]] = {
+    space.kind: space for space in (ThreePhases, SevenSteps, Sines, Splines)
+}
+"""The kinds of motion by name."""
+
+
+def space_of(kind: str, limits: Limits, knots: int) -> Space:
+    """Return the space of a kind.
+
+    Examples
+    --------
+    >>> space = space_of("sine", Limits(position=0.5, rate=2.0), 12)
+    >>> space.profile(np.array([1.0, 1.0])).amplitude
+    0.5
+    """
+    if kind != Splines.kind:
+        return KINDS[kind](limits=limits)
+    if type(knots) is not int or not 4 <= knots <= 60:
+        raise ParameterError(f"knots must be a whole number of 4 to 60, got {knots!r}.")
+    return Splines(limits=limits, knots=knots)

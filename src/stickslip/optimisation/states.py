@@ -1,0 +1,95 @@
+"""The memory of a search: what came of every motion tried, in a file that survives a crash."""
+
+import hashlib
+import json
+import os
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, TypeAlias, final
+
+from stickslip.errors import InputError
+
+__all__ = ["Memory", "Row"]
+
+Row: TypeAlias = tuple[float, float]
+"""Goal and violation of one motion."""
+FORM = "stickslip/profile-search/1"
+
+
+@final
+class Memory:
+    """Goals and violations by search and generation; what a file has already is not run again.
+
+    A search asks for the same motions again in the same order, so their results are all there is
+    to know: no random state is kept, and the file is plain JSON.
+
+    Examples
+    --------
+    >>> memory = Memory(None, "one problem")
+    >>> memory.recall("spline", 0) is None
+    True
+    >>> memory.keep("spline", [(0.06, 0.0)])
+    >>> memory.recall("spline", 0)
+    [(0.06, 0.0)]
+    """
+
+    def __init__(self, path: str | Path | None, subject: str) -> None:
+        self.path = None if path is None else Path(path)
+        self.digest = hashlib.sha256(subject.encode()).hexdigest()
+        self.searches: dict[str, list[list[Row]]] = {}
+        if self.path is not None and self.path.exists():
+            self.searches = self._read(self.path)
+
+    def recall(self, search: str, generation: int) -> list[Row] | None:
+        """Return what came of a generation, if that is known."""
+        known = self.searches.get(search, [])
+        return known[generation] if generation < len(known) else None
+
+    def keep(self, search: str, rows: Sequence[Row]) -> None:
+        """Add a generation; the file appears whole or not at all."""
+        self.searches.setdefault(search, []).append(list(rows))
+        if self.path is not None:
+            content = {"form": FORM, "problem": self.digest, "searches": self.searches}
+            _write(self.path, json.dumps(content))
+
+    def _read(self, path: Path) -> dict[str, list[list[Row]]]:
+        try:
+            content: Any = json.loads(path.read_text(encoding="utf-8"))
+            if content["form"] != FORM:
+                raise KeyError
+            found = {
+                str(name): [[(float(a), float(b)) for a, b in rows] for rows in generations]
+                for name, generations in content["searches"].items()
+            }
+            digest = content["problem"]
+        except OSError as error:
+            raise InputError(f"{path} cannot be read: {error.strerror}.") from error
+        except (AttributeError, KeyError, TypeError, ValueError):
+            raise InputError(
+                f"{path} is not the state of a profile search: name another file, or remove it."
+            ) from None
+        if digest != self.digest:
+            raise InputError(
+                f"{path} is the state of another search (another mechanism, law, goal, limit, seed,"
+                " number of evaluations, or version): ask for the same again, or name another file."
+            )
+        return found
+
+
+def _write(path: Path, text: str) -> None:
+    """Replace a file at once."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False) as file:
+            temporary = Path(file.name)
+            try:
+                file.write(text)
+                file.flush()
+                os.fsync(file.fileno())
+                temporary.chmod(0o644)
+                temporary.replace(path)
+            finally:
+                temporary.unlink(missing_ok=True)
+    except OSError as error:
+        raise InputError(f"{path} cannot be written: {error.strerror}.") from error

@@ -1,0 +1,96 @@
+"""``stickslip profile optimise``: files, exit codes, units of limits."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from stickslip import load_rig
+from stickslip.cli import main
+
+RIG = Path(__file__).parents[2] / "docs" / "howto" / "files" / "pendulum-cart.toml"
+LIMITS = (
+    "--angle", "60 deg", "--rate", "12 rad/s", "--torque", "0.6 N m",
+    "--load-share", "10 %", "--back-slip", "1 mm",
+)  # fmt: skip
+QUICK = ("--kind", "three-phase", "--evaluations", "30")
+
+
+@pytest.fixture
+def run(capsys, monkeypatch, tmp_path):
+    """Run the command in an empty folder; return exit code, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments):
+        try:
+            code = main(["profile", "optimise", str(RIG), *arguments])
+        except SystemExit as leaving:
+            code = leaving.code or 0
+        seen = capsys.readouterr()
+        return code, seen.out, seen.err
+
+    return call
+
+
+def test_writes_a_rig_that_simulates_a_figure_and_the_numbers(run, capsys):
+    code, out, _ = run(*LIMITS, *QUICK, "-o", "best", "--resume", "state.json")
+    assert code == 0
+    assert "Best three-phase motion" in out
+    numbers = json.loads(Path("best/optimum.json").read_text())
+    assert numbers["schema"] == "stickslip/profile/1"
+    assert numbers["limits"]["back_slip"] == 1e-3
+    assert all(margin["margin"] >= 0.0 for margin in numbers["margins"])
+    assert Path("best/profile.svg").read_text().startswith("<")
+    assert Path("state.json").exists()
+    rig = load_rig("best/rig.toml")
+    assert rig.mechanism.pendulum.profile.amplitude == numbers["profile"]["amplitude"]
+    with pytest.raises(SystemExit) as leaving:
+        main(["simulate", "best/rig.toml", "--json"])
+    assert not leaving.value.code
+    assert json.loads(capsys.readouterr().out)["status"] == "END_TIME"
+
+
+def test_json_is_one_document_and_nothing_is_written(run):
+    code, out, _ = run(*LIMITS, *QUICK, "--json")
+    assert code == 0
+    assert json.loads(out)["factor"] == 1.0
+    assert list(Path().iterdir()) == []
+
+
+def test_an_interval_takes_paths_and_two_ends(run):
+    given = "friction.kinetic_coefficient=0.19..0.21"
+    code, out, _ = run(*LIMITS, *QUICK, "--interval", given, "--json")
+    assert code == 0
+    assert "the worst of 5 even points" in json.loads(out)["scenarios"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--angle", "60 mm", "--rate", "12 rad/s"), "--angle (q_max)"),
+        (("--angle", "60 deg", "--rate", "12"), "has no unit"),
+        ((*LIMITS, "--goal", "travl"), "Did you mean 'travel'"),
+        ((*LIMITS, "--interval", "kinetic_coefficient=0.2"), "PATH=LOW..HIGH"),
+        ((*LIMITS, "--set", "mechanism.pendulum.type=torque"), "mechanism"),
+    ],
+)
+def test_bad_input_is_one_message(run, arguments, message):
+    code, out, err = run(*arguments)
+    assert code == 2
+    assert out == ""
+    assert message in " ".join(err.split())
+    assert "Traceback" not in err
+
+
+def test_limits_that_no_motion_keeps_exit_with_three(run):
+    code, _, err = run("--angle", "60 deg", "--rate", "12 rad/s", "--torque", "10 mN m", *QUICK)
+    assert code == 3
+    assert "widen the limits" in err
+    assert list(Path().iterdir()) == []
+
+
+def test_a_folder_that_is_there_is_kept_without_force(run):
+    Path("best").mkdir()
+    code, _, err = run(*LIMITS, *QUICK, "-o", "best")
+    assert code == 2
+    assert "--force" in err
