@@ -11,7 +11,23 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from stickslip import LAWS, Axis, PiecewiseLinear, Pulse, SpringBlock, TowedBlock
+from stickslip import (
+    LAWS,
+    Axis,
+    Capsule,
+    Pendulum,
+    PendulumCart,
+    PiecewiseLinear,
+    Prescribed,
+    Pulse,
+    Sine,
+    SineSwing,
+    SpringBlock,
+    ThreePhase,
+    Torque,
+    TowedBlock,
+    TwoMassAxis,
+)
 from stickslip.formulation import Model, formulate
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
 from stickslip.mechanisms import Mechanism
@@ -148,19 +164,100 @@ axes = st.builds(
     load=decade(0, 1.5),
     offset=st.just(0.0) | nearly(-1, 1),
 )
-RIGS: Mapping[str, st.SearchStrategy[Any]] = {
+two_mass_axes = st.builds(
+    TwoMassAxis,
+    motor_inertia=decade(-1, 1),
+    load_inertia=decade(-1, 1),
+    stiffness=decade(1, 3),
+    damping=st.just(0.0) | nearly(0, 2),
+    drive=st.none() | drives,
+    rubs=st.sampled_from(["load", "motor"]),
+    load=decade(0, 1.5),
+    offset=st.just(0.0) | nearly(-1, 1),
+)
+swings = st.builds(
+    ThreePhase, amplitude=nearly(0.1, 1.0), fast=decade(1, 2), slow=decade(0, 1),
+    first=st.sampled_from(["fast", "slow"]),
+) | st.builds(SineSwing, amplitude=nearly(0.1, 1.0), frequency=decade(-1, 0.3))  # fmt: skip
+motors = st.builds(Prescribed, profile=swings) | st.builds(Torque, drive=st.none() | drives)
+pendulums = st.builds(
+    Pendulum,
+    mass=decade(-1, 1),
+    length=decade(-1, 0),
+    inertia=st.just(0.0) | decade(-2, 0),
+    drive=st.none() | drives,
+    damping=st.just(0.0) | nearly(0, 2),
+)
+pendulum_carts = st.builds(
+    PendulumCart,
+    cart_mass=decade(-1, 1),
+    ball_mass=decade(-1, 1),
+    length=decade(-1, 0),
+    pendulum=motors,
+    wheelbase=st.none() | decade(-1, 0),
+)
+capsules = st.builds(
+    Capsule,
+    capsule_mass=decade(-1, 1),
+    inner_mass=decade(-1, 1),
+    drive=motors,
+    stiffness=st.just(0.0) | decade(0, 2),
+    damping=st.just(0.0) | nearly(0, 2),
+)
+SLIDERS: Mapping[str, st.SearchStrategy[Any]] = {
     "spring-block": spring_blocks,
     "towed-block": towed_blocks,
     "axis": axes,
+    "two-mass-axis": two_mass_axes,
+}
+"""Random mechanisms of lengths and forces alone that stay on the ground, by registry name."""
+RIGS: Mapping[str, st.SearchStrategy[Any]] = {
+    **SLIDERS,
+    "pendulum": pendulums,
+    "pendulum-cart": pendulum_carts,
+    "capsule": capsules,
 }
 """Random mechanisms by registry name."""
 
+SWING = ThreePhase(amplitude=0.7, fast=40.0, slow=20.0)
+PUSHES = PiecewiseLinear(times=(0.0, 0.4, 0.5, 0.9), values=(0.1, 0.1, -0.1, -0.1))
 EXAMPLES: Mapping[str, Mechanism] = {
     "spring-block": SpringBlock(mass=1.0, stiffness=100.0, compression=0.1),
     "towed-block": TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0),
     "axis": Axis(inertia=2.0, drive=Pulse(level=5.0, duration=1.0), stiffness=3.0, damping=0.2),
-}
+    "two-mass-axis": TwoMassAxis(
+        motor_inertia=0.5, load_inertia=1.5, stiffness=200.0, damping=0.5,
+        drive=Pulse(level=5.0, duration=0.7),
+    ),
+    "pendulum": Pendulum(
+        mass=0.5, length=0.6, inertia=0.02, damping=0.01, drive=Sine(amplitude=2.0, frequency=0.7)
+    ),
+    "pendulum-cart": PendulumCart(
+        cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Torque(drive=PUSHES)
+    ),
+    "capsule": Capsule(
+        capsule_mass=0.8, inner_mass=0.2, drive=Torque(drive=Sine(amplitude=5.0, frequency=1.5)),
+        stiffness=40.0, damping=0.2,
+    ),
+}  # fmt: skip
 """One of each mechanism by registry name."""
+SHOWN: Mapping[str, Mechanism] = {
+    **EXAMPLES,
+    "two-mass-axis, motor rubs": dataclasses.replace(EXAMPLES["two-mass-axis"], rubs="motor"),
+    "pendulum-cart, prescribed": PendulumCart(
+        cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING),
+        wheelbase=0.4,
+    ),
+    "capsule, prescribed": Capsule(
+        capsule_mass=0.8, inner_mass=0.2,
+        drive=Prescribed(profile=ThreePhase(amplitude=0.01, fast=50.0, slow=9.0, first="slow")),
+    ),
+    "capsule, stops": Capsule(
+        capsule_mass=0.8, inner_mass=0.2, drive=Torque(drive=Sine(amplitude=0.6, frequency=1.5)),
+        stiffness=20.0, damping=0.2, lower_stop=-0.05, upper_stop=0.04, restitution=0.8,
+    ),
+}  # fmt: skip
+"""One of each mechanism, and others where a mechanism has several ways of being driven."""
 
 
 class Generated:

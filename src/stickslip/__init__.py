@@ -34,6 +34,7 @@ _HOME = {
     "Limits": "optimisation",
     "LuGre": "friction",
     "MECHANISMS": "mechanisms",
+    "MatrixMechanism": "mechanisms",
     "Max": "solver",
     "Mean": "solver",
     "Measurement": "experiments",

@@ -7,6 +7,7 @@ from typing_extensions import override
 
 __all__ = [
     "CompilationError",
+    "ConformanceError",
     "ConvergenceError",
     "InputError",
     "ParameterError",
@@ -56,6 +57,10 @@ class SimulationError(StickslipError, RuntimeError):
 
 class CompilationError(StickslipError, RuntimeError):
     """Equations could not be compiled."""
+
+
+class ConformanceError(StickslipError, AssertionError):
+    """A law or a mechanism is not what the solver takes it for; the message lists the findings."""
 
 
 class ConvergenceError(StickslipError, RuntimeError):

@@ -13,13 +13,14 @@ import typing
 from collections.abc import Callable, Collection, Hashable, Iterator, Mapping
 from typing import Any, TypeVar
 
-from stickslip.errors import ParameterError, UnknownNameError
+from stickslip.errors import ParameterError, StickslipError, UnknownNameError
 
 __all__ = [
     "Parametrised",
     "Quantity",
     "fields_of",
     "full_path",
+    "gathered",
     "named",
     "parameters",
     "shadow",
@@ -317,3 +318,32 @@ def named(registry: Mapping[str, Any], name: str, kind: str) -> Any:
     if name not in registry:
         raise UnknownNameError(kind, name, registry)
     return registry[name]
+
+
+def gathered(ours: Mapping[str, type[T]], group: str, base: type[T]) -> Mapping[str, type[T]]:
+    """Return our classes by name, and those that installed packages register in a group.
+
+    Raises
+    ------
+    StickslipError
+        If one of them cannot be imported, is of another kind, or has a name that is taken.
+    """
+    from importlib.metadata import entry_points
+
+    found = dict(ours)
+    for entry in entry_points(group=group):
+        package = "" if entry.dist is None else f" of the installed package {entry.dist.name}"
+        where = f"entry point {entry.name} = {entry.value} in {group}{package}"
+        try:
+            kind = entry.load()
+        except Exception as error:  # a module of somebody else may raise anything
+            raise StickslipError(
+                f"{where} cannot be imported: {type(error).__name__}: {error}. Mend or remove it."
+            ) from error
+        if not (isinstance(kind, type) and issubclass(kind, base)):
+            raise StickslipError(f"{where} must be a class derived from {base.__name__}.")
+        name = getattr(kind, "name", None)
+        if not isinstance(name, str) or found.get(name, kind) is not kind:
+            raise StickslipError(f"{where} is called {name!r}: give it a name of its own.")
+        found[name] = kind
+    return types.MappingProxyType(found)

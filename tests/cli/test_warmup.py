@@ -86,7 +86,9 @@ def test_by_default_it_takes_every_mechanism_and_every_law(run, asked):
     seen = {(rig.name, law.name) for rig, law in asked["pairs"]}
     assert seen == {(rig, law) for rig in mechanisms() for law in laws()}
     driven = {rig.name for rig, _ in asked["pairs"] if rig.drives()}
-    assert driven == {"spring-block", "axis"}
+    assert driven == set(mechanisms()) - {"towed-block"}
+    moved = {type(rig.drive).__name__ for rig, _ in asked["pairs"] if rig.name == "capsule"}
+    assert moved == {"Torque", "Prescribed"}
 
 
 def test_a_rig_without_values_brings_the_laws_that_select_would_try(run, asked, tmp_path):

@@ -8,7 +8,7 @@ import re
 
 import pytest
 from latex2mathml.converter import convert
-from tests.support import EXAMPLES, example_of
+from tests.support import SHOWN, example_of
 
 from stickslip import LAWS, PRINTED_FORMS
 from stickslip.errors import ParameterError
@@ -23,6 +23,8 @@ UNITS = {
     "1",
     "m",
     "kg",
+    "kg m^2",
+    "N m s/rad",
     "m/s",
     "m/s^2",
     "N",
@@ -138,7 +140,7 @@ def test_a_mechanism_has_one_rate_and_one_unit_for_each_coordinate(mechanism):
     assert len(set(names)) == len(names)
 
 
-SPECIMENS = [*map(example_of, LAWS.values()), *EXAMPLES.values()]
+SPECIMENS = [*map(example_of, LAWS.values()), *SHOWN.values()]
 
 
 @pytest.mark.parametrize("specimen", SPECIMENS, ids=lambda one: one.name)

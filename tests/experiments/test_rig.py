@@ -1,7 +1,9 @@
 """Rig files: the bundled one, overrides, units, and everything that may be wrong with a file."""
 
+import dataclasses
 import hashlib
 import json
+import math
 from importlib.resources import files
 from pathlib import Path
 
@@ -9,19 +11,29 @@ import pytest
 
 from stickslip import (
     LAWS,
+    Capsule,
     Coulomb,
     Measurement,
+    PendulumCart,
+    Prescribed,
     Pulse,
     Rig,
+    SevenStep,
+    Sine,
+    SineSwing,
+    SplineSwing,
     SpringBlock,
+    ThreePhase,
+    Torque,
     TowedBlock,
     load_rig,
     rig_schema,
     simulate,
 )
 from stickslip.drives import Sum
-from stickslip.drives.registry import DRIVES
+from stickslip.drives.registry import DRIVES, PROFILES
 from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments.writing import rig_toml
 from stickslip.mechanisms import MECHANISMS
 
 MECHANISM = '[mechanism]\ntype = "spring-block"\nmass = 1\n'
@@ -144,6 +156,79 @@ def test_another_mechanism_is_chosen_by_its_type(read):
     assert rig.mechanism == TowedBlock(mass=1.0, stiffness=2.0, speed=0.1)
 
 
+SWING = """[mechanism]
+type = "pendulum-cart"
+cart_mass = "500 g"
+ball_mass = 0.1
+length = "300 mm"
+[mechanism.pendulum]
+type = "prescribed"
+limit = 2.5
+[mechanism.pendulum.profile]
+"""
+PROFILE_TABLES = {
+    'type = "three-phase"\namplitude = "45 deg"\nfast = 120\nslow = 30\nfirst = "slow"': (
+        ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0, first="slow")
+    ),
+    'type = "seven-step"\namplitude = 0.8\nfast = 120\nslow = 30\ntop_rate = 6\npause = "20 ms"': (
+        SevenStep(amplitude=0.8, fast=120.0, slow=30.0, top_rate=6.0, pause=0.02)
+    ),
+    'type = "sine-swing"\namplitude = 0.8\nfrequency = "2 Hz"': (
+        SineSwing(amplitude=0.8, frequency=2.0)
+    ),
+    'type = "spline-swing"\npositions = [0.0, 0.5, 0.2, -0.4]\nduration = 1.5': (
+        SplineSwing(positions=(0.0, 0.5, 0.2, -0.4), duration=1.5)
+    ),
+}
+NO_FRICTION = Coulomb(kinetic_coefficient=0.1)
+
+
+def test_every_profile_is_met_here():
+    assert {type(profile) for profile in PROFILE_TABLES.values()} == set(PROFILES.values())
+
+
+@pytest.mark.parametrize(("text", "profile"), PROFILE_TABLES.items())
+def test_every_profile_of_a_motor_can_be_read_and_written(read, text, profile):
+    found = read(SWING + text).mechanism
+    assert found.pendulum == Prescribed(profile=profile, limit=2.5)
+    assert read(rig_toml(found, NO_FRICTION)).mechanism == found
+
+
+def test_a_torque_is_read_with_its_drive_and_its_limit(read):
+    found = read(
+        '[mechanism]\ntype = "capsule"\ncapsule_mass = 1\ninner_mass = 0.2\n[mechanism.drive]\n'
+        'type = "torque"\nlimit = 2\n[mechanism.drive.drive]\ntype = "sine"\n'
+        'amplitude = 3\nfrequency = "2 Hz"'
+    ).mechanism
+    motor = Torque(drive=Sine(amplitude=3.0, frequency=2.0), limit=2.0)
+    assert found == Capsule(capsule_mass=1.0, inner_mass=0.2, drive=motor)
+    idle = dataclasses.replace(found, drive=Torque(limit=2.0))
+    assert read(rig_toml(found, NO_FRICTION)).mechanism == idle  # the drive is the record's
+
+
+def test_a_motor_in_a_file_runs_as_it_does_in_python(read):
+    text, profile = next(iter(PROFILE_TABLES.items()))
+    rig = read(SWING + text)
+    cart = PendulumCart(
+        cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=profile, limit=2.5)
+    )
+    ends = [simulate(one, NO_FRICTION, t_end=0.3, throw=False) for one in (rig.mechanism, cart)]
+    assert ends[0]["x"][-1] == ends[1]["x"][-1] != 0.0
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('type = "three-fase"', "pendulum.profile.type in rig.toml: 'three-fase'. Did you mean"),
+        ('type = "sine-swing"\namplitude = 1', r"frequency \(f\) is missing"),
+        ('type = "sine-swing"\namplitude = "1 kg"\nfrequency = 1', r"amplitude \(theta_m\)"),
+    ],
+)
+def test_a_bad_profile_gives_one_message_with_its_place(read, text, message):
+    with pytest.raises(InputError, match=message):
+        read(SWING + text)
+
+
 def test_a_law_is_known_when_all_its_parameters_are(read):
     rig = read(f"{MECHANISM}[friction]\nkinetic_coefficient=0.2\nviscous_coefficient=0.1")
     assert sorted(rig.laws) == ["coulomb", "coulomb-viscous", "viscous"]
@@ -249,7 +334,10 @@ BAD_TEXT = {
     "no mechanism": ("title = 'x'", r"mechanism is missing. Add \[mechanism\]"),
     "no type": ("[mechanism]\nmass = 1", "mechanism.type is missing"),
     "unknown type": ("[mechanism]\ntype = 'spring-blok'", "'spring-blok'. Did you mean 'spring-b"),
-    "type of another kind": ("[mechanism]\ntype = [1]", "Known: axis, spring-block, towed-block"),
+    "type of another kind": (
+        "[mechanism]\ntype = [1]",
+        "Known: axis, capsule, pendulum, pendulum-cart, spring-block",
+    ),
     "mechanism as a value": ("mechanism = 5", "mechanism must be a table, got 5"),
     "negative": (
         f"{SPRING}mass = -1",

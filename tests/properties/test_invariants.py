@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from tests.support import (
     RIGID,
-    RIGS,
+    SLIDERS,
     decade,
     held_by,
     laws,
@@ -28,7 +28,7 @@ each_law = pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.
 rigid = pytest.mark.parametrize("kind", RIGID, ids=lambda kind: kind.name)
 SCALABLE = [kind for kind in LAWS.values() if kind is not PowerViscous]
 """Laws without a speed of their own that is no parameter; see tests/friction/test_power_viscous."""
-rigs = st.one_of(*RIGS.values())
+rigs = st.one_of(*SLIDERS.values())
 starts = st.fixed_dictionaries({"x": nearly(-0.1, 0.1), "v": nearly(-0.5, 0.5) | st.just(0.0)})
 FEW = settings(max_examples=12)
 T_END = 1.5

@@ -85,6 +85,9 @@ SETUPS: Mapping[str, Sequence[Setup]] = {
             t_end=1.2,
         ),
     ],
+    # the pendulum falls: later it lifts the cart off
+    "pendulum-cart": [Setup(mechanism=EXAMPLES["pendulum-cart"], y0={"theta": 0.3}, t_end=0.8)],
+    "capsule": [Setup(mechanism=EXAMPLES["capsule"], t_end=1.0)],
     "towed-block": [
         Setup(mechanism=EXAMPLES["towed-block"], t_end=12.0),
         Setup(  # sticks and slips again and again

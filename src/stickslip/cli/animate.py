@@ -46,6 +46,7 @@ def run(
     look: Look,
     output: Path,
     *,
+    allow_import: bool,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -56,7 +57,7 @@ def run(
     size = _size(look.size)
     encoder_of(output)
     refuse_overwriting(output, output.parent, force=force)
-    rig = load_rig(path, overrides=overrides(changes))
+    rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     law = law_of(rig, law_name)
     end = rig.t_end if t_end is None else t_end
     start = start_of(rig, law)

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from stickslip.cli.options import (
+    AllowImport,
     BackSlip,
     Columns,
     Data,
@@ -85,6 +86,7 @@ def select(
     gain: Gain = None,
     repair: Repair = None,
     changes: Set = None,
+    allow_import: AllowImport = False,
     laws: Laws = None,
     validate: Validate = None,
     unknown: Unknown = None,
@@ -115,7 +117,7 @@ def select(
     asked = Asked(
         data=data or [], reading=reading, validate=validate, unknown=unknown or [], how=how
     )
-    start = partial(run, force=force, as_json=as_json, enforce=enforce)
+    start = partial(run, allow_import=allow_import, force=force, as_json=as_json, enforce=enforce)
     start(rig, asked, changes or [], laws, output, jobs=jobs)
 
 
@@ -130,6 +132,7 @@ def fit(
     gain: Gain = None,
     repair: Repair = None,
     changes: Set = None,
+    allow_import: AllowImport = False,
     validate: Validate = None,
     unknown: Unknown = None,
     horizon: Horizon = None,
@@ -155,7 +158,8 @@ def fit(
     asked = Asked(
         data=data or [], reading=reading, validate=validate, unknown=unknown or [], how=how
     )
-    run(rig, law, free, asked, changes or [], output, force=force, as_json=as_json)
+    start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
+    start(rig, law, free, asked, changes or [], output)
 
 
 @app.command()
@@ -187,6 +191,7 @@ def simulate(
     rig: Rig = None,
     law: Law = "coulomb",
     changes: Set = None,
+    allow_import: AllowImport = False,
     t_end: Annotated[
         float | None, typer.Option("--t-end", help="Last time [s]; the rig's if not given.")
     ] = None,
@@ -221,7 +226,8 @@ def simulate(
         method=method,
         stick_rule=not no_stick_rule,
     )
-    run(rig, changes or [], settings, output, force=force, as_json=as_json, enforce=enforce)
+    start = partial(run, allow_import=allow_import, force=force, as_json=as_json, enforce=enforce)
+    start(rig, changes or [], settings, output)
 
 
 @app.command()
@@ -229,6 +235,7 @@ def animate(
     rig: Rig = None,
     law: Law = "coulomb",
     changes: Set = None,
+    allow_import: AllowImport = False,
     t_end: Annotated[
         float | None, typer.Option("--t-end", help="Last time [s]; the rig's if not given.")
     ] = None,
@@ -252,7 +259,8 @@ def animate(
     from stickslip.cli.animate import Look, run
 
     look = Look(fps=fps, speed=speed, size=size, dpi=dpi)
-    run(rig, changes or [], law, t_end, look, output, force=force, as_json=as_json)
+    start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
+    start(rig, changes or [], law, t_end, look, output)
 
 
 @app.command()
@@ -260,6 +268,7 @@ def sweep(
     rig: Rig = None,
     law: Law = "coulomb",
     changes: Set = None,
+    allow_import: AllowImport = False,
     vary: Annotated[
         list[str] | None,
         typer.Option(
@@ -281,8 +290,8 @@ def sweep(
     """Mean velocity of a driven rig over a grid of parameters: a table and a figure."""
     from stickslip.cli.sweep import run
 
-    grid = vary or []
-    run(rig, changes or [], law, grid, cycles, settle, output, force=force, as_json=as_json)
+    start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
+    start(rig, changes or [], law, vary or [], cycles, settle, output)
 
 
 @app.command()
@@ -321,6 +330,7 @@ def warmup(
         typer.Option("--mechanism", help="Only this one, e.g. spring-block; may be repeated."),
     ] = None,
     laws: Laws = None,
+    allow_import: AllowImport = False,
     jobs: Annotated[
         int | None, typer.Option("--jobs", min=1, help="Processes; one a core if not given.")
     ] = None,
@@ -334,7 +344,7 @@ def warmup(
     """
     from stickslip.cli.warmup import run
 
-    run(rig, mechanisms or [], laws, jobs=jobs, as_json=as_json)
+    run(rig, mechanisms or [], laws, allow_import=allow_import, jobs=jobs, as_json=as_json)
 
 
 @app.command()

@@ -43,6 +43,7 @@ def run(
     changes: Sequence[str],
     output: Path | None,
     *,
+    allow_import: bool,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -51,12 +52,12 @@ def run(
         if output.suffix != ".toml":
             raise InputError(f"--output takes a .toml file, got {output}.")
         refuse_overwriting(output, output.parent, force=force)
-    rig = load_rig(path, overrides=overrides(changes))
-    kind = law_type(name)
+    rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
+    law = rig.laws.get(name) or law_type(name)
     found = measured(rig, asked, given=path is not None)
     checks = _checked(rig, found)
     wanted = None if free is None else [part.strip() for part in free.split(",")]
-    result = _fitted(rig, rig.laws.get(name) or kind, found, asked, wanted)
+    result = _fitted(rig, law, found, asked, wanted)
     second = _second(result, found, asked)
     if output is not None:
         write_file(output, result.to_toml().encode())

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 __all__ = [
+    "AllowImport",
     "BackSlip",
     "Columns",
     "Data",
@@ -49,6 +50,13 @@ Rig = Annotated[Path | None, typer.Argument(help="Rig file (TOML); the paper's r
 Set = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="PATH=VALUE", help="Override, e.g. mechanism.attached=true."),
+]
+AllowImport = Annotated[
+    bool,
+    typer.Option(
+        "--allow-import",
+        help="Let the rig file import classes (type = 'module:Class'), which runs their code.",
+    ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace what is already there.")]

@@ -45,6 +45,7 @@ def run(
     output: Path,
     *,
     jobs: int | None,
+    allow_import: bool,
     force: bool,
     as_json: bool,
     enforce: bool,
@@ -52,7 +53,7 @@ def run(
     """Select, write the report, print the verdict."""
     if not as_json:
         refuse_overwriting(output, output, force=force)
-    rig = load_rig(path, overrides=overrides(changes))
+    rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     found = measured(rig, asked, given=path is not None)
     if found.travels:
         if jobs is not None:
@@ -111,8 +112,7 @@ def _chosen(rig: Rig, names: str | None) -> Mapping[str, FrictionLaw]:
         }
     chosen = {}
     for name in (part.strip() for part in names.split(",")):
-        kind = law_type(name)
-        chosen[name] = rig.laws.get(name) or starting_law(kind)
+        chosen[name] = rig.laws.get(name) or starting_law(law_type(name))
     return chosen
 
 

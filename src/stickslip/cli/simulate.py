@@ -58,6 +58,7 @@ def run(
     settings: Settings,
     output: Path | None,
     *,
+    allow_import: bool,
     force: bool,
     as_json: bool,
     enforce: bool,
@@ -66,7 +67,7 @@ def run(
     if output is not None:
         check_table(output)
         refuse_overwriting(output, output.parent, force=force)
-    rig = load_rig(path, overrides=overrides(changes))
+    rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     law = law_of(rig, settings.law)
     t_end = rig.t_end if settings.t_end is None else settings.t_end
     start = start_of(rig, law)
@@ -94,8 +95,7 @@ def law_of(rig: Rig, name: str) -> FrictionLaw:
             f"{name} is an equation as printed; `stickslip paper` runs those. Its corrected law is"
             f" {PRINTED_FORMS[name].corrected.name}."
         )
-    kind = law_type(name)
-    return rig.laws.get(name) or starting_law(kind)
+    return rig.laws.get(name) or starting_law(law_type(name))
 
 
 def start_of(rig: Rig, law: FrictionLaw) -> Mapping[str, float]:

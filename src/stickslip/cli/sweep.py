@@ -37,6 +37,7 @@ def run(
     settle: int,
     output: Path,
     *,
+    allow_import: bool,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -46,7 +47,7 @@ def run(
     for file in (output, figure):
         refuse_overwriting(file, output.parent, force=force)
     axes = _axes(vary)
-    rig = load_rig(path, overrides=overrides(changes))
+    rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     law = law_of(rig, law_name)
     start = start_of(rig, law)
     with Drawing("Running") as progress:

@@ -1,27 +1,30 @@
 """``stickslip warmup``."""
 
 import dataclasses
+import typing
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from stickslip.cli.output import document, note, print_json, stdout
 from stickslip.cli.progress import Compiling
-from stickslip.drives import Pulse
+from stickslip.drives import Pulse, ThreePhase
 from stickslip.errors import InputError
-from stickslip.experiments import load_rig
+from stickslip.experiments import Rig, load_rig
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.friction import laws as known_laws
 from stickslip.identification import starting_law
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, Motor, Prescribed, Torque
 from stickslip.mechanisms import mechanisms as known_mechanisms
 from stickslip.quantities import fields_of, named
 from stickslip.solver import WarmUp, warm_up
 
 __all__ = ["run"]
 
-DRIVE = Pulse(level=1.0, duration=1.0)
-"""Stands for any drive: of another one only the equations differ, not the kernels."""
+PULSE = Pulse(level=1.0, duration=1.0)
+SWING = ThreePhase(amplitude=1.0, fast=2.0, slow=1.0)
+MOTORS = (Torque(drive=PULSE), Prescribed(profile=SWING))
+"""With the pulse, what stands for any: of others only the equations differ, not the kernels."""
 
 
 def run(
@@ -29,14 +32,17 @@ def run(
     mechanisms: Sequence[str],
     laws: str | None,
     *,
+    allow_import: bool,
     jobs: int | None,
     as_json: bool,
 ) -> None:
     """Compile, and say what was done."""
     if path is not None and mechanisms:
         raise InputError("give --rig or --mechanism, not both: a rig file has its own mechanism.")
-    chosen = _laws(laws)
-    pairs = _of_rig(path, chosen) if path is not None else _of_registry(mechanisms, chosen)
+    if path is not None:
+        pairs = _of_rig(load_rig(path, allow_import=allow_import), laws)
+    else:
+        pairs = _of_registry(mechanisms, laws)
     with Compiling() as progress:
         try:
             done = warm_up(pairs, jobs=jobs, progress=progress)
@@ -49,34 +55,32 @@ def run(
         stdout().print(_sentence(done), markup=False)
 
 
-def _laws(names: str | None) -> Sequence[type[FrictionLaw]] | None:
-    return None if names is None else [law_type(name.strip()) for name in names.split(",")]
+def _names(laws: str | None) -> list[str]:
+    return [] if laws is None else [name.strip() for name in laws.split(",")]
 
 
-def _of_rig(
-    path: Path, chosen: Sequence[type[FrictionLaw]] | None
-) -> list[tuple[Mechanism, FrictionLaw]]:
+def _of_rig(rig: Rig, laws: str | None) -> list[tuple[Mechanism, FrictionLaw]]:
     """Return the mechanism of a rig with the laws that `stickslip select` would try."""
-    rig = load_rig(path)
-    if chosen is None:
+    if laws is None:
         usual = [law for law in known_laws().values() if not law.on_request]
         own = list(rig.laws.values()) or [starting_law(law) for law in usual]
         return [(rig.mechanism, law) for law in own]
-    return [(rig.mechanism, rig.laws.get(law.name) or starting_law(law)) for law in chosen]
+    return [
+        (rig.mechanism, rig.laws.get(name) or starting_law(law_type(name))) for name in _names(laws)
+    ]
 
 
-def _of_registry(
-    names: Sequence[str], chosen: Sequence[type[FrictionLaw]] | None
-) -> list[tuple[Mechanism, FrictionLaw]]:
+def _of_registry(names: Sequence[str], laws: str | None) -> list[tuple[Mechanism, FrictionLaw]]:
     """Return mechanisms by name, without and with a drive, with laws; all if none are named."""
     known = known_mechanisms()
     kinds = [named(known, name, "mechanism") for name in names] or list(known.values())
-    laws = [starting_law(law) for law in chosen or known_laws().values()]
-    return [(rig, law) for kind in kinds for rig in _variants(kind) for law in laws]
+    chosen = [law_type(name) for name in _names(laws)] or list(known_laws().values())
+    starts = [starting_law(law) for law in chosen]
+    return [(rig, law) for kind in kinds for rig in _variants(kind) for law in starts]
 
 
 def _variants(kind: type[Mechanism]) -> Iterator[Mechanism]:
-    """Yield a mechanism with ordinary numbers, without and, if it takes one, with a drive."""
+    """Yield a mechanism with ordinary numbers, without and, if it takes any, with drives."""
     quantities = fields_of(kind)
     values: dict[str, Any] = {
         field.name: min(max(1.0, quantities[field.name].low), quantities[field.name].high)
@@ -84,8 +88,11 @@ def _variants(kind: type[Mechanism]) -> Iterator[Mechanism]:
         if field.name in quantities and field.default is dataclasses.MISSING
     }
     yield kind(**values)
-    if "drive" in kind.__dataclass_fields__:
-        yield kind(**values, drive=DRIVE)  # type: ignore[call-arg]  # not every mechanism has one
+    for name, hint in typing.get_type_hints(kind).items():
+        if hint is Motor:
+            yield from (kind(**values, **{name: motor}) for motor in MOTORS)
+        elif name == "drive":
+            yield kind(**values, drive=PULSE)  # type: ignore[call-arg]  # not every one has it
 
 
 def _content(pairs: Sequence[tuple[Mechanism, FrictionLaw]], done: WarmUp) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from stickslip.drives import Drive, Sum
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.complaints import complaint, place
 from stickslip.experiments.digests import with_files
+from stickslip.experiments.imports import imported
 from stickslip.experiments.laws import known_laws
 from stickslip.experiments.measurement import QUANTITIES, Measurement
 from stickslip.experiments.paths import PREFIX, canonical, quantity_at
@@ -23,6 +24,7 @@ from stickslip.experiments.schema import DataTable, RigTable, TrialTable, rig_ta
 from stickslip.experiments.tables import Given, Table
 from stickslip.experiments.toml import LARGEST, apply, parse, read_bytes
 from stickslip.experiments.units import read_number
+from stickslip.friction import laws
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 
@@ -31,7 +33,9 @@ __all__ = ["read_rig"]
 BUNDLED = "paper_rig.toml"
 
 
-def read_rig(path: str | Path | None, overrides: Mapping[str, Any]) -> Rig:
+def read_rig(
+    path: str | Path | None, overrides: Mapping[str, Any], *, allow_import: bool = False
+) -> Rig:
     """Return the rig of a file, or the bundled one, with overrides put in."""
     if path is None:
         file, data = BUNDLED, files("stickslip.experiments").joinpath(BUNDLED).read_bytes()
@@ -39,12 +43,14 @@ def read_rig(path: str | Path | None, overrides: Mapping[str, Any]) -> Rig:
         file, data = str(path), read_bytes(path, largest=LARGEST)
     raw = parse(data, file)
     apply(raw, overrides)
+    beside = None if path is None else Path(path).parent
+    own = imported(raw, file, beside=beside, overridden=overrides, allow=allow_import)
     try:
-        table = rig_table().model_validate(raw)
+        table = rig_table(own.mechanism, tuple(own.laws.values())).model_validate(raw)
     except ValidationError as error:
         raise complaint(error, raw, file, overrides) from None
     mechanism = _mechanism(table, file, overrides)
-    known = known_laws(table.friction, file, overrides)
+    known = known_laws(table.friction, file, overrides, {**laws(), **own.laws})
     reading = _reading(table.data, file)
     return Rig(
         title=table.title or Path(file).stem,

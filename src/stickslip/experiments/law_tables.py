@@ -4,7 +4,7 @@ import dataclasses
 import functools
 import inspect
 import typing
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import Annotated, Any
 
@@ -89,9 +89,9 @@ def _hint(law: type[FrictionLaw], name: str) -> Any:
     return typing.get_type_hints(law, include_extras=True)[name]
 
 
-def _owners() -> dict[str, list[type[FrictionLaw]]]:
+def _owners(kinds: Iterable[type[FrictionLaw]]) -> dict[str, list[type[FrictionLaw]]]:
     owners: dict[str, list[type[FrictionLaw]]] = {}
-    for law in laws().values():
+    for law in kinds:
         for field in dataclasses.fields(law):
             owners.setdefault(field.name, []).append(law)
     return owners
@@ -111,11 +111,12 @@ def _means_one_thing(name: str, owners: list[type[FrictionLaw]]) -> bool:
 
 
 @functools.cache
-def friction_table() -> type[FrictionTable]:
-    """Return the model of ``[friction]`` for all laws that are installed."""
+def friction_table(more: tuple[type[FrictionLaw], ...] = ()) -> type[FrictionTable]:
+    """Return the model of ``[friction]`` for all laws that are installed, and more."""
+    kinds = {**laws(), **{law.name: law for law in more}}
     fields: dict[str, Any] = {}
     misplaced = {}
-    for name, owners in _owners().items():
+    for name, owners in _owners(kinds.values()).items():
         if not _means_one_thing(name, owners):
             where = " or ".join(f"[friction.{law.name}]" for law in owners)
             misplaced[name] = f"it differs from law to law: give it under {where}"
@@ -126,7 +127,7 @@ def friction_table() -> type[FrictionTable]:
             fields[name] = (Annotated[Any, number], None)
         else:
             fields[name] = (_hint(owners[0], name), None)
-    for law_name, law in laws().items():
+    for law_name, law in kinds.items():
         own = _law_table(law) | None
         fields[python_name(law_name)] = (own, Field(default=None, alias=law_name))
     model = create_model("Friction", __base__=FrictionTable, **fields)

@@ -8,7 +8,7 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.experiments.complaints import place
 from stickslip.experiments.law_tables import force_parameters, python_name
 from stickslip.experiments.tables import Given, Table
-from stickslip.friction import FrictionLaw, laws
+from stickslip.friction import FrictionLaw
 from stickslip.quantities import fields_of
 
 __all__ = ["Known", "known_laws"]
@@ -21,12 +21,17 @@ class Known(NamedTuple):
     assumed: Mapping[str, tuple[str, ...]]
 
 
-def known_laws(friction: Table, file: str, overridden: Collection[str]) -> Known:
+def known_laws(
+    friction: Table,
+    file: str,
+    overridden: Collection[str],
+    kinds: Mapping[str, type[FrictionLaw]],
+) -> Known:
     """Return the laws for which the table gives every required parameter."""
     found: dict[str, FrictionLaw] = {}
     assumed: dict[str, tuple[str, ...]] = {}
     shared = friction.given()
-    for name, law in laws().items():
+    for name, law in kinds.items():
         own: Table | None = getattr(friction, python_name(name))
         names = [field.name for field in dataclasses.fields(law)]
         values = {key: shared[key] for key in names if key in shared}
@@ -35,7 +40,7 @@ def known_laws(friction: Table, file: str, overridden: Collection[str]) -> Known
         missing = [key for key in _required(law) if key not in values]
         if missing and own is not None:
             raise ParameterError(_missing(law, missing[0], file))
-        if missing or (own is None and law.on_request and not _is_meant(law, values)):
+        if missing or (own is None and law.on_request and not _is_meant(law, kinds, values)):
             continue
         found[name] = _build(law, values, file, overridden)
         marked = [key for key in names if isinstance(values.get(key), Given) and values[key].marked]
@@ -44,11 +49,13 @@ def known_laws(friction: Table, file: str, overridden: Collection[str]) -> Known
     return Known(found, assumed)
 
 
-def _is_meant(law: type[FrictionLaw], values: Collection[str]) -> bool:
+def _is_meant(
+    law: type[FrictionLaw], kinds: Mapping[str, type[FrictionLaw]], values: Collection[str]
+) -> bool:
     """Return whether shared values are among them that no other law has."""
     others = {
         field.name
-        for other in laws().values()
+        for other in kinds.values()
         if other is not law
         for field in dataclasses.fields(other)
     }

@@ -12,7 +12,10 @@ __all__ = ["load_rig", "rig_schema"]
 
 
 def load_rig(
-    path: str | Path | None = None, *, overrides: Mapping[str, str | float | bool] | None = None
+    path: str | Path | None = None,
+    *,
+    overrides: Mapping[str, str | float | bool] | None = None,
+    allow_import: bool = False,
 ) -> Rig:
     """Read a rig file.
 
@@ -23,6 +26,9 @@ def load_rig(
     overrides : mapping, optional
         Values by dotted path, as on the command line: ``{"run.t_end": "5 s"}``. A shared value
         under ``friction`` does not replace one in a law's own table.
+    allow_import : bool
+        Whether a file may name a mechanism or a law by import path (``type = "module:Class"``),
+        which runs the code of that module. Allow it for files you trust only.
 
     Returns
     -------
@@ -48,7 +54,7 @@ def load_rig(
     for key, value in given.items():
         if not isinstance(value, str | bool | numbers.Real):
             raise InputError(f"override {key!r}: must be text, a number or a bool, got {value!r}.")
-    return read_rig(path, given)
+    return read_rig(path, given, allow_import=allow_import)
 
 
 def rig_schema() -> dict[str, Any]:

@@ -66,7 +66,7 @@ class Rig:
     mechanism : Mechanism
         What moves.
     laws : mapping of str to FrictionLaw
-        By name in the registry: the laws all of whose parameters are known.
+        By name: the laws all of whose parameters are known.
     assumed : mapping of str to tuple of str
         By law, the fields whose values are assumed and not measured.
     unknown : tuple of str
@@ -124,7 +124,8 @@ class Rig:
         t_end = Quantity("t_end", "s", above=0).check("Rig", "t_end", self.t_end)
         object.__setattr__(self, "t_end", t_end)
         for name, law in self.laws.items():
-            if not isinstance(law, law_type(name)):
+            kind = type(law) if name not in laws() and _is_called(law, name) else law_type(name)
+            if not isinstance(law, kind):
                 raise InputError(f"Rig.laws of {name!r} must be that law, got {law!r}.")
         if self.hold not in ("zero", "first"):
             raise InputError(f"Rig.hold must be 'zero' or 'first', got {self.hold!r}.")
@@ -155,6 +156,10 @@ class Rig:
 
     def _repr_html_(self) -> str:
         return "<p>" + "<br>".join(html.escape(line) for line in self._lines()) + "</p>"
+
+
+def _is_called(law: object, name: str) -> bool:
+    return isinstance(law, FrictionLaw) and law.name == name
 
 
 def state_units(mechanism: Mechanism) -> dict[str, str]:

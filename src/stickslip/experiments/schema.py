@@ -10,8 +10,9 @@ from pydantic_core import PydanticCustomError
 from stickslip.experiments.law_tables import FrictionTable, friction_table
 from stickslip.experiments.measurement import QUANTITIES
 from stickslip.experiments.tables import Number, Table, choice, table_of
-from stickslip.friction import laws
-from stickslip.mechanisms import mechanisms
+from stickslip.friction import FrictionLaw
+from stickslip.friction import laws as known_laws
+from stickslip.mechanisms import Mechanism, mechanisms
 from stickslip.quantities import Quantity
 
 __all__ = [
@@ -72,8 +73,8 @@ class DataTable(Table):
 
 
 def _known_law(name: str) -> str:
-    if name not in laws():
-        known = {"kind": "friction law", "key": name, "known": list(laws())}
+    if name not in known_laws():
+        known = {"kind": "friction law", "key": name, "known": list(known_laws())}
         raise PydanticCustomError("unknown_name", "", known)
     return name
 
@@ -82,7 +83,7 @@ class PublishedTable(Table):
     """What a publication reports for one law."""
 
     law: Annotated[str, AfterValidator(_known_law)] = Field(
-        json_schema_extra=lambda schema: schema.update(enum=list(laws()))
+        json_schema_extra=lambda schema: schema.update(enum=list(known_laws()))
     )
     travel: Annotated[Any, Number(TRAVEL)] = None
     velocity_positive: bool | None = None
@@ -106,10 +107,16 @@ class RigTable(Table):
 
 
 @functools.cache
-def rig_table() -> type[RigTable]:
-    """Return the model of a rig file with all mechanisms, drives and laws that are installed."""
-    options = choice({name: table_of(cls, name, UNKNOWN) for name, cls in mechanisms().items()})
-    friction = friction_table()
+def rig_table(
+    own: tuple[str, type[Mechanism]] | None = None, laws: tuple[type[FrictionLaw], ...] = ()
+) -> type[RigTable]:
+    """Return the model of a rig file with all mechanisms, drives and laws that are installed.
+
+    A mechanism of the user's, with its ``type``, and more laws may come to them.
+    """
+    known = {**mechanisms(), **({} if own is None else dict([own]))}
+    options = choice({name: table_of(cls, name, UNKNOWN) for name, cls in known.items()})
+    friction = friction_table(laws)
     return create_model(
         "Rig", __base__=RigTable, mechanism=(options, ...), friction=(friction, friction())
     )

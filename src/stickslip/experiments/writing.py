@@ -2,10 +2,11 @@
 
 import dataclasses
 import json
+from collections.abc import Mapping
 
 from stickslip.drives.registry import PROFILES
-from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import MOTORS, Mechanism
+from stickslip.friction import FrictionLaw, laws
+from stickslip.mechanisms import MOTORS, Mechanism, Motor, mechanisms
 from stickslip.quantities import Parametrised, fields_of
 
 __all__ = ["rig_toml"]
@@ -16,8 +17,8 @@ def rig_toml(
 ) -> str:
     """Return the text of a rig file with a mechanism and one law, in SI.
 
-    Numbers, texts and truth values are written, and the motor of a pendulum or an inner mass with
-    its motion; a drive is left out, which in an identified mechanism is the record itself.
+    Numbers, texts, truth values, motors and profiles are written; a drive is left out, which in an
+    identified mechanism is the record itself. What is in no registry is named by its import path.
 
     Examples
     --------
@@ -39,9 +40,13 @@ def rig_toml(
     head = [f"title = {json.dumps(title, ensure_ascii=False)}", ""] if title else []
     lines = [
         *head,
-        *_table("mechanism", mechanism.name, mechanism),
+        "[mechanism]",
+        f'type = "{_type(mechanism, mechanisms())}"',
+        *_values(mechanism),
+        *_parts(mechanism, "mechanism"),
         "",
         f"[friction.{law.name}]",
+        *([] if law.name in laws() else [f'type = "{_type(law, laws())}"']),
         *_values(law),
     ]
     if t_end is not None:
@@ -49,16 +54,22 @@ def rig_toml(
     return "\n".join(lines) + "\n"
 
 
-def _table(key: str, kind: str, root: Parametrised) -> list[str]:
-    """Return a table that is told apart by its type, and the tables of motor and motion below."""
-    lines = [f"[{key}]", f'type = "{kind}"', *_values(root)]
+def _parts(root: Parametrised, path: str) -> list[str]:
+    """Return the tables of motors and of the profiles that they follow."""
+    lines = []
     for field in dataclasses.fields(root):
-        value = getattr(root, field.name)
-        for members in (PROFILES, MOTORS):
-            for name, member in members.items():
-                if type(value) is member:
-                    lines += ["", *_table(f"{key}.{field.name}", name, value)]
+        part, below = getattr(root, field.name), f"{path}.{field.name}"
+        kinds: Mapping[str, type] = MOTORS if isinstance(part, Motor) else PROFILES
+        name = next((name for name, kind in kinds.items() if type(part) is kind), None)
+        if name is not None:
+            lines += ["", f"[{below}]", f'type = "{name}"', *_values(part), *_parts(part, below)]
     return lines
+
+
+def _type(one: Mechanism | FrictionLaw, known: Mapping[str, type]) -> str:
+    """Return the name in the registry, or the import path of a class that has none."""
+    kind = type(one)
+    return one.name if one.name in known else f"{kind.__module__}:{kind.__qualname__}"
 
 
 def _values(root: Parametrised) -> list[str]:

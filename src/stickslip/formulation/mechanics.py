@@ -7,10 +7,11 @@ from typing import Any
 
 import symengine as se
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.formulation.matrices import matrix_rows, matrix_supply
 from stickslip.formulation.stops import Wall, derive_walls
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
-from stickslip.mechanisms import Contact, Mechanism
+from stickslip.mechanisms import Contact, MatrixMechanism, Mechanism
 
 __all__ = ["Mechanics", "Motion", "derive_mechanics"]
 
@@ -193,15 +194,25 @@ def _traced(symbols: Mapping[str, se.Expr], board: Switchboard) -> dict[str, Tra
     return {name: Traced(symbol, board) for name, symbol in symbols.items()}
 
 
-def _work_rate(forces: Mapping[str, Any], speeds: Mapping[str, se.Symbol]) -> se.Expr:
+def _checked(
+    mechanism: Mechanism, forces: Mapping[str, Any], places: Mapping[str, se.Symbol]
+) -> dict[str, se.Expr]:
+    """Return the force on every coordinate, held ones included; 0 where none is given."""
+    for name in forces:
+        if name not in places:
+            raise UnknownNameError(f"coordinate in {type(mechanism).__name__}.forces", name, places)
+    return {name: expression(forces.get(name, 0.0)) for name in places}
+
+
+def _work_rate(forces: Mapping[str, se.Expr], speeds: Mapping[str, se.Symbol]) -> se.Expr:
     """Return the power of generalised forces."""
-    return sum((expression(force) * speeds[i] for i, force in forces.items()), se.Integer(0))
+    return sum((force * speeds[i] for i, force in forces.items()), se.Integer(0))
 
 
 def _lagrange(
     kinetic: se.Expr,
     potential: se.Expr,
-    other: Mapping[str, Any],
+    other: Mapping[str, se.Expr],
     places: Mapping[str, se.Symbol],
     speeds: Mapping[str, se.Symbol],
     moving: Sequence[str],
@@ -211,7 +222,7 @@ def _lagrange(
     forces = []
     for name, p in momentum.items():
         drift = sum((p.diff(places[j]) * speeds[j] for j in places), se.Integer(0))
-        own = (kinetic - potential).diff(places[name]) + expression(other.get(name, 0.0))
+        own = (kinetic - potential).diff(places[name]) + other[name]
         forces.append(own - drift)
     return [p.diff(speeds[j]) for p in momentum.values() for j in moving], forces
 
@@ -232,9 +243,15 @@ def derive_mechanics(
     traced = functools.partial(_traced, board=board)
     kinetic = expression(mechanism.kinetic_energy(traced(places), traced(speeds)))
     potential = expression(mechanism.potential_energy(Traced(t, board), traced(places)))
-    other = mechanism.forces(Traced(t, board), traced(places), traced(speeds), traced(drives))
+    now = Traced(t, board), traced(places), traced(speeds), traced(drives)
+    other = _checked(mechanism, mechanism.forces(*now), places)
     at_rest = {symbols[name]: 0 for symbols in (places, speeds) for name in held}
-    mass, forces = _lagrange(kinetic, potential, other, places, speeds, list(q))
+    supplied = _work_rate(other, speeds)
+    if isinstance(mechanism, MatrixMechanism):
+        mass, forces = matrix_rows(mechanism, now[1], held), [other[name] for name in places]
+        supplied = matrix_supply(mechanism.power(*now), kinetic + potential, other, places, speeds)
+    else:
+        mass, forces = _lagrange(kinetic, potential, other, places, speeds, list(q))
     return Mechanics(
         coordinates=tuple(q),
         contact=contact,
@@ -246,7 +263,7 @@ def derive_mechanics(
         held=held,
         load=None if contact.normal is not None else expression(contact.load),
         energy=(kinetic + potential).subs(at_rest),
-        supplied=collapsed((potential.diff(t) + _work_rate(other, speeds)).subs(at_rest)),
+        supplied=collapsed((potential.diff(t) + supplied).subs(at_rest)),
         walls=derive_walls(mechanism, q),
         mechanism=mechanism,
     )

@@ -2,10 +2,8 @@
 
 import functools
 from collections.abc import Mapping
-from importlib.metadata import entry_points
 from types import MappingProxyType
 
-from stickslip.errors import StickslipError
 from stickslip.friction.base import FrictionLaw
 from stickslip.friction.coulomb import Coulomb
 from stickslip.friction.coulomb_viscous import CoulombViscous
@@ -16,7 +14,7 @@ from stickslip.friction.power_viscous import PowerViscous
 from stickslip.friction.quadratic_drag import QuadraticDrag
 from stickslip.friction.stribeck import Stribeck
 from stickslip.friction.viscous import Viscous
-from stickslip.quantities import named
+from stickslip.quantities import gathered, named
 
 __all__ = ["LAWS", "law_type", "laws"]
 
@@ -48,13 +46,7 @@ def laws() -> Mapping[str, type[FrictionLaw]]:
     >>> sorted(laws())[:2]
     ['coulomb', 'coulomb-viscous']
     """
-    found = dict(LAWS)
-    for entry in entry_points(group="stickslip.friction"):
-        law = entry.load()
-        if not (isinstance(law, type) and issubclass(law, FrictionLaw)):
-            raise StickslipError(f"entry point {entry.value} is not a friction law")
-        found[law.name] = law
-    return MappingProxyType(found)
+    return gathered(LAWS, "stickslip.friction", FrictionLaw)  # type: ignore[type-abstract]
 
 
 def law_type(name: str) -> type[FrictionLaw]:

@@ -11,6 +11,7 @@ from stickslip.mechanisms.base import (
     stops_of,
 )
 from stickslip.mechanisms.capsule import Capsule
+from stickslip.mechanisms.matrices import MatrixMechanism
 from stickslip.mechanisms.motors import MOTORS, Motor, Prescribed, Torque
 from stickslip.mechanisms.pendulum import Pendulum
 from stickslip.mechanisms.pendulum_cart import PendulumCart
@@ -27,6 +28,7 @@ __all__ = [
     "Capsule",
     "Contact",
     "Guide",
+    "MatrixMechanism",
     "Mechanism",
     "Motor",
     "Pendulum",

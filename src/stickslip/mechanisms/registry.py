@@ -2,10 +2,8 @@
 
 import functools
 from collections.abc import Mapping
-from importlib.metadata import entry_points
 from types import MappingProxyType
 
-from stickslip.errors import StickslipError
 from stickslip.mechanisms.axis import Axis
 from stickslip.mechanisms.base import Mechanism
 from stickslip.mechanisms.capsule import Capsule
@@ -14,6 +12,7 @@ from stickslip.mechanisms.pendulum_cart import PendulumCart
 from stickslip.mechanisms.spring_block import SpringBlock
 from stickslip.mechanisms.towed_block import TowedBlock
 from stickslip.mechanisms.two_mass_axis import TwoMassAxis
+from stickslip.quantities import gathered
 
 __all__ = ["MECHANISMS", "mechanisms"]
 
@@ -43,10 +42,4 @@ def mechanisms() -> Mapping[str, type[Mechanism]]:
     >>> sorted(mechanisms())
     ['axis', 'capsule', 'pendulum', 'pendulum-cart', 'spring-block', 'towed-block', 'two-mass-axis']
     """
-    found = dict(MECHANISMS)
-    for entry in entry_points(group="stickslip.mechanisms"):
-        mechanism = entry.load()
-        if not (isinstance(mechanism, type) and issubclass(mechanism, Mechanism)):
-            raise StickslipError(f"entry point {entry.value} is not a mechanism")
-        found[mechanism.name] = mechanism
-    return MappingProxyType(found)
+    return gathered(MECHANISMS, "stickslip.mechanisms", Mechanism)  # type: ignore[type-abstract]

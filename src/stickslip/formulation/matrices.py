@@ -1,0 +1,42 @@
+"""Reads the equations of a mechanism that gives matrices."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import symengine as se
+
+from stickslip.errors import InputError
+from stickslip.formulation.trace import expression
+from stickslip.mechanisms import MatrixMechanism
+
+__all__ = ["matrix_rows", "matrix_supply"]
+
+
+def matrix_rows(
+    mechanism: MatrixMechanism, places: Mapping[str, Any], held: Sequence[str]
+) -> list[se.Expr]:
+    """Return the mass matrix row by row, those of held coordinates last."""
+    n = len(mechanism.coordinates)
+    rows = [list(row) for row in mechanism.mass_matrix(places)]
+    if len(rows) != n + len(held) or any(len(row) != n for row in rows):
+        got = f"{len(rows)} rows of {' or '.join(sorted({str(len(row)) for row in rows}))}"
+        names = ", ".join((*mechanism.coordinates, *held))
+        raise InputError(
+            f"{type(mechanism).__name__}.mass_matrix must return {n + len(held)} rows ({names})"
+            f" of {n} ({', '.join(mechanism.coordinates)}), got {got}."
+        )
+    return [expression(entry) for row in rows for entry in row]
+
+
+def matrix_supply(
+    given: Any,
+    energy: se.Expr,
+    force: Mapping[str, se.Expr],
+    places: Mapping[str, se.Symbol],
+    speeds: Mapping[str, se.Symbol],
+) -> se.Expr:
+    """Return the power supplied [W]: what is given, or what the forces do beyond the energies."""
+    if given is not None:
+        return expression(given)
+    work = sum((f * speeds[name] for name, f in force.items()), se.Integer(0))
+    return work + sum((energy.diff(places[i]) * speeds[i] for i in places), se.Integer(0))

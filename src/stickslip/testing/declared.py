@@ -1,0 +1,116 @@
+"""Checks of what a class says of itself."""
+
+import ast
+import dataclasses
+import inspect
+import re
+import textwrap
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from stickslip.errors import ParameterError
+from stickslip.quantities import Parametrised, Quantity, fields_of
+
+__all__ = ["explained", "frozen", "kebab_case", "parameters_checked", "quantities_declared", "told"]
+
+_KEBAB = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
+
+
+def kebab_case(one: Any) -> Iterator[str]:
+    """Yield a name that rig files and registries cannot use."""
+    name = getattr(one, "name", None)
+    if not isinstance(name, str) or not _KEBAB.fullmatch(name):
+        yield f"{type(one).__name__}.name is {name!r}; such as 'two-mass-axis' is wanted"
+
+
+def told(one: Any, names: Sequence[str]) -> Iterator[str]:
+    """Yield class attributes that are missing."""
+    for name in names:
+        if not hasattr(type(one), name):
+            yield f"{type(one).__name__}.{name} is missing"
+
+
+def frozen(one: Any) -> Iterator[str]:
+    """Yield what keeps objects from being values: they are compared, varied and cached as such."""
+    kind = type(one)
+    settings = kind.__dict__.get("__dataclass_params__")
+    if settings is None:
+        yield f"{kind.__name__} has no @dataclass(frozen=True, kw_only=True) of its own"
+        return
+    if not settings.frozen:
+        yield f"{kind.__name__} is not frozen"
+    if not all(field.kw_only for field in dataclasses.fields(kind)):
+        yield f"{kind.__name__} is not keyword-only"
+    hash(one)
+    if dataclasses.replace(one) != one:
+        yield "a copy is not equal to what was copied"
+
+
+def quantities_declared(one: Parametrised) -> Iterator[str]:
+    """Yield numbers without a quantity, and symbols that are there twice."""
+    quantities = fields_of(type(one))
+    for field in dataclasses.fields(one):
+        value = getattr(one, field.name)
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if number and field.name not in quantities:
+            yield f"{field.name} is a number without a Quantity: its derivatives are unknown"
+    symbols: dict[str, str] = {}
+    for name, quantity in quantities.items():
+        if not quantity.symbol or not quantity.unit:
+            yield f"{name} has no symbol or no unit"
+        elif quantity.symbol in symbols:
+            yield f"{name} and {symbols[quantity.symbol]} have the same symbol {quantity.symbol}"
+        symbols[quantity.symbol] = name
+
+
+def explained(one: Parametrised) -> Iterator[str]:
+    """Yield what no docstring explains: of the class, or below the field."""
+    kind = type(one)
+    text = kind.__doc__ or ""
+    if not text.strip() or text.startswith(f"{kind.__name__}("):  # written by dataclass itself
+        yield f"{kind.__name__} has no docstring"
+        text = ""
+    below: set[str] = set()
+    for base in kind.__mro__:
+        below |= _written_below(base) if issubclass(base, Parametrised) else set()
+    for name in fields_of(kind):
+        if name not in below and not re.search(rf"\b{name}\b", text):
+            yield f"{name} is explained neither below it nor in the docstring of the class"
+
+
+def _written_below(kind: type) -> set[str]:
+    """Return the names in a class body that a string follows; none where there is no source."""
+    try:
+        (body,) = ast.parse(textwrap.dedent(inspect.getsource(kind))).body
+    except (OSError, TypeError, SyntaxError, ValueError):
+        return set()
+    assert isinstance(body, ast.ClassDef)
+    return {
+        before.target.id
+        for before, after in zip(body.body, body.body[1:], strict=False)
+        if isinstance(before, ast.AnnAssign)
+        and isinstance(before.target, ast.Name)
+        and isinstance(after, ast.Expr)
+        and isinstance(after.value, ast.Constant)
+    }
+
+
+def parameters_checked(one: Parametrised) -> Iterator[str]:
+    """Yield values outside their range that are taken all the same."""
+    for name, quantity in fields_of(type(one)).items():
+        for value in _outside(quantity):
+            try:
+                dataclasses.replace(one, **{name: value})
+            except ParameterError:
+                continue
+            yield f"{name} = {value:g} is taken, but must be {quantity.range}"
+
+
+def _outside(quantity: Quantity) -> Iterator[float]:
+    yield float("nan")
+    if quantity.above is not None:
+        yield quantity.above
+    if quantity.low > float("-inf"):
+        yield quantity.low - 1.0
+    if quantity.high < float("inf"):
+        yield quantity.high + 1.0

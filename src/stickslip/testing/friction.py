@@ -1,0 +1,256 @@
+"""The suite for friction laws."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.formulation import formulate
+from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw, towards
+from stickslip.mechanisms import Axis
+from stickslip.quantities import fields_of
+from stickslip.simulation import simulate
+from stickslip.testing import declared, numbers
+from stickslip.testing.report import Report, Suite, examine
+
+__all__ = ["check_friction"]
+
+ROUNDING = 1e-11
+"""Some thousand roundings of the largest term; bristles have terms a hundred times their sum."""
+TOLD = ("name", "title", "formula", "sources", "fit_order")
+
+
+@dataclass(frozen=True)
+class _Case:
+    law: FrictionLaw
+    load: float
+    speed: float
+    mirrored: bool
+    t_end: float
+
+    @property
+    def speeds(self) -> Sequence[float]:
+        """Slip speeds over nine decades [m/s]."""
+        return [float(v) for v in self.speed * np.logspace(-8, 1, 37)]
+
+    def steady(self, velocity: float, load: float) -> float:
+        """Return the friction force after long sliding [N]."""
+        if isinstance(self.law, BristleLaw):
+            return float(self.law.steady(velocity, load))
+        assert isinstance(self.law, SetValuedLaw | DirectionalLaw)
+        return float(self.law.force(velocity, load))
+
+    def level(self, direction: int, load: float) -> float:
+        """Return the break-away level in a direction [N]."""
+        return float(towards(self.law, direction).break_away(load))
+
+    @property
+    def rig(self) -> Axis:
+        """A mass between springs, which friction alone brings to rest."""
+        return Axis(inertia=1.0, stiffness=(self.load + 1.0), load=self.load)
+
+
+def check_friction(
+    law: FrictionLaw,
+    *,
+    load: float = 10.0,
+    speed: float = 1.0,
+    mirrored: bool | None = None,
+    t_end: float = 2.0,
+    compiled: bool = True,
+    throw: bool = False,
+) -> Report:
+    """Check that a friction law is what the solver takes it for.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        What is checked, with ordinary values.
+    load : float
+        An ordinary normal force [N], or 1 where levels are forces.
+    speed : float
+        A high slip speed [m/s]; checks go from 1e-8 to 10 times this.
+    mirrored : bool, optional
+        Whether it claims to be the same in both directions; all but directional ones if not given.
+    t_end : float
+        Length of the runs [s], of an oscillation with a period of some seconds.
+    compiled : bool
+        Whether to compile the equations, which takes seconds, and compare what both tiers give.
+    throw : bool
+        Raise `ConformanceError` if there are findings.
+
+    Returns
+    -------
+    Report
+        With all findings; ``report.ok`` where there are none.
+
+    Examples
+    --------
+    >>> from stickslip import Stribeck
+    >>> law = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.01)
+    >>> check_friction(law, compiled=False)
+    <Stribeck: 19 checks passed>
+    """
+    if mirrored is None:
+        mirrored = not isinstance(law, DirectionalLaw)
+    case = _Case(law, load, speed, mirrored, t_end)
+    then = {name: check for name, check in THEN.items() if compiled or name != numbers.TIERS}
+    return examine(type(law).__name__, case, FIRST, then, throw=throw)
+
+
+def _fit_order(case: _Case) -> Iterator[str]:
+    known, order = fields_of(type(case.law)), case.law.fit_order
+    yield from (f"{name!r} is no parameter" for name in order if name not in known)
+    yield from (f"{name!r} stands there twice" for name in {*order} if order.count(name) > 1)
+
+
+def _opposes(case: _Case) -> Iterator[str]:
+    for speed in case.speeds:
+        for v in (speed, -speed):
+            force = case.steady(v, case.load)
+            if not force * v >= 0.0:
+                yield f"{force:g} N at {v:g} m/s drives"
+
+
+def _within_cone(case: _Case) -> Iterator[str]:
+    """Yield speeds at which the part that the load presses exceeds the break-away level."""
+    for speed in case.speeds:
+        for sense in (1, -1):
+            v = sense * speed
+            pressed = abs(case.steady(v, case.load) - case.steady(v, 0.0))
+            level = case.level(sense, case.load)
+            size = level + abs(case.steady(v, case.load))
+            if pressed > level + ROUNDING * size:
+                yield f"{pressed:g} N at {v:g} m/s is more than the break-away level {level:g} N"
+
+
+def _breaks_away(case: _Case) -> Iterator[str]:
+    """Yield levels that do not go with the sliding they give way to."""
+    slowest = case.speeds[0]
+    for sense in (1, -1):
+        level, slow = case.level(sense, case.load), abs(case.steady(sense * slowest, case.load))
+        free = abs(case.steady(sense * slowest, 0.0))
+        if not level >= 0.0:
+            yield f"the break-away level is {level:g} N"
+        if slow > level + free + ROUNDING * (slow + level):
+            yield f"sliding begins with {slow:g} N, above the break-away level {level:g} N"
+        if case.level(sense, 0.0) != 0.0:
+            yield f"without load the break-away level is {case.level(sense, 0.0):g} N, not 0"
+        if isinstance(case.law, BristleLaw):
+            yield from _bristles_break_away(case.law, case.load, level)
+
+
+def _bristles_break_away(law: BristleLaw, load: float, level: float) -> Iterator[str]:
+    """Yield what bristles hold, or keep, at rest that they should not."""
+    z = (numbers.reach(law),) * len(law.bristles)
+    if any(rate != 0.0 for rate in law.bristle_rates(0.0, z, load)):
+        yield "at rest the bristles do not stay"
+    beyond = tuple(1.01 * one for one in z)
+    if any(rate > 0.0 for rate in law.bristle_rates(1e-3, beyond, load)):
+        yield f"bristles that hold the break-away level {level:g} N are stretched further"
+
+
+def _affine(case: _Case) -> Iterator[str]:
+    for speed in case.speeds:
+        for v in (speed, -speed):
+            parts = [case.steady(v, share * case.load) for share in (2.0, 1.0, 0.0)]
+            if abs(parts[0] - 2.0 * parts[1] + parts[2]) > ROUNDING * max(map(abs, parts)):
+                yield f"at {v:g} m/s friction is not a + b N"
+
+
+def _odd(case: _Case) -> Iterator[str]:
+    if not case.mirrored:
+        return
+    for v in case.speeds:
+        ahead, back = case.steady(v, case.load), case.steady(-v, case.load)
+        if abs(ahead + back) > ROUNDING * abs(ahead):
+            yield f"{ahead:g} N at {v:g} m/s, {back:g} N at {-v:g} m/s"
+
+
+def _arrays(case: _Case) -> Iterator[str]:
+    law, v = case.law, np.array([*case.speeds, *(-s for s in case.speeds)])
+    if isinstance(law, BristleLaw):
+        found = law.steady(v, case.load)
+    else:
+        assert isinstance(law, SetValuedLaw | DirectionalLaw)
+        found = law.force(v, case.load)
+    one_by_one = np.array([case.steady(float(each), case.load) for each in v])
+    # exp and pow of NumPy may differ from those of math in the last digit
+    if not np.allclose(np.broadcast_to(found, v.shape), one_by_one, rtol=ROUNDING, atol=0.0):
+        yield "an array of velocities gives other forces than its elements"
+
+
+def _traced(case: _Case) -> Iterator[str]:
+    """Yield speeds at which the generated equations have another force than the law itself."""
+    law = case.law
+    equations = numbers.generated(case.rig, law)
+    share = numbers.reach(law) * 0.3 if isinstance(law, BristleLaw) else 0.0
+    for speed in case.speeds[::4]:
+        for sense in (1, -1):
+            v = sense * speed
+            if isinstance(law, BristleLaw):
+                z = (share,) * len(law.bristles)
+                y = [0.0, v, *z]
+                expected = float(law.force(v, z, case.load))
+            else:
+                y, expected = [0.0, v], case.steady(v, case.load)
+            force = equations("contact", sense, equations.flags(0.0, y), 0.0, y)[0]
+            if abs(force - expected) > ROUNDING * (abs(expected) + case.load):
+                yield f"{force:g} N at {v:g} m/s in the equations, {expected:g} N by itself"
+
+
+def _dissipates(case: _Case) -> Iterator[str]:
+    """Yield times at which a mass on springs has more energy than it had without deflection."""
+    rig = case.rig
+    for v in (case.speed, -case.speed):
+        run = simulate(rig, case.law, t_end=case.t_end, y0={"v": v}, throw=False)
+        energy = 0.5 * rig.inertia * run["v"] ** 2 + 0.5 * rig.stiffness * run["x"] ** 2
+        # the solver's tolerance, a hundredfold
+        if energy.max() > energy[0] * (1.0 + 1e-6):
+            worst = int(np.argmax(energy))
+            yield f"from {energy[0]:g} J to {energy[worst]:g} J at {run.t[worst]:g} s"
+
+
+def _certified(case: _Case) -> Iterator[str]:
+    for v in (case.speed, -case.speed):
+        run = simulate(case.rig, case.law, t_end=case.t_end, y0={"v": v}, throw=False)
+        if not run.status.complete:
+            yield run.status.value
+        yield from run.certificate.problems
+
+
+def _derived(case: _Case) -> Iterator[str]:
+    formulate(case.rig, case.law)
+    yield from ()
+
+
+FIRST: Suite[_Case] = {
+    "its name is kebab-case": lambda case: declared.kebab_case(case.law),
+    "it says what it is": lambda case: declared.told(case.law, TOLD),
+    "it is a frozen, keyword-only dataclass": lambda case: declared.frozen(case.law),
+    "every number is a declared quantity": lambda case: declared.quantities_declared(case.law),
+    "every quantity is explained": lambda case: declared.explained(case.law),
+    "parameters are checked": lambda case: declared.parameters_checked(case.law),
+    "the order of fitting names parameters": _fit_order,
+    "friction opposes slip": _opposes,
+    "friction is affine in the load": _affine,
+    "friction stays within the cone of the break-away level": _within_cone,
+    "break-away and sliding agree": _breaks_away,
+    "directions are alike where that is claimed": _odd,
+    "arrays give what numbers give": _arrays,
+    "its equations can be derived": _derived,
+}
+THEN: Suite[_Case] = {
+    "its equations give what it gives itself": _traced,
+    "energy never rises through friction": _dissipates,
+    "runs keep the energy balance": _certified,
+    "equations are finite where slip ends": lambda case: numbers.finite_near_rest(
+        case.rig, case.law, ({}, {"x": 0.1})
+    ),
+    numbers.TIERS: lambda case: numbers.same_in_both_tiers(
+        case.rig, case.law, {"v": case.speed}, case.t_end
+    ),
+    "sensitivities are what differences give": lambda case: numbers.sensitivities_hold(
+        case.rig, case.law, case.law, {"v": case.speed}, case.t_end
+    ),
+}

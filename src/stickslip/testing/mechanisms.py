@@ -1,0 +1,293 @@
+"""The suite for mechanisms."""
+
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.drives import Drive
+from stickslip.formulation import formulate
+from stickslip.friction import Coulomb, FrictionLaw
+from stickslip.mechanisms import MatrixMechanism, Mechanism
+from stickslip.quantities import Parametrised
+from stickslip.simulation import simulate
+from stickslip.testing import declared, numbers
+from stickslip.testing.report import Report, Suite, examine
+from stickslip.trajectory import Status
+
+__all__ = ["check_mechanism"]
+
+ROUNDING = 1e-11
+"""Some thousand roundings of the largest term: what sums of a mechanism's size may leave."""
+ENDS = (Status.LIFT_OFF, Status.PAINLEVE, Status.LIMIT)
+"""How a run may end early for reasons of mechanics."""
+USUAL = Coulomb(kinetic_coefficient=0.2)
+
+
+@dataclass(frozen=True)
+class _Case:
+    mechanism: Mechanism
+    law: FrictionLaw
+    t_end: float
+    starts: Sequence[Mapping[str, float]]
+    mirror: Mechanism | None
+    draws: int
+    seed: int
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All coordinates, those that are held last."""
+        normals = [contact.normal for contact in self.mechanism.contacts() if contact.normal]
+        return (*self.mechanism.coordinates, *normals, *self.mechanism.held())
+
+    def states(self) -> Iterator[tuple[dict[str, float], dict[str, float]]]:
+        """Yield coordinates and rates, those of held coordinates 0."""
+        dice = random.Random(self.seed)
+        moving = self.mechanism.coordinates
+        for _ in range(self.draws):
+            q = {name: dice.uniform(-1.0, 1.0) * (name in moving) for name in self.names}
+            q_dot = {name: dice.uniform(-1.0, 1.0) * (name in moving) for name in self.names}
+            yield q, q_dot
+
+    def mass_matrix(self, q: Mapping[str, float]) -> NDArray[np.float64]:
+        """Return the mass matrix (n, n) that is given, or follows from the kinetic energy."""
+        moving = self.mechanism.coordinates
+        if isinstance(self.mechanism, MatrixMechanism):
+            return np.array(self.mechanism.mass_matrix(q)[: len(moving)], dtype=float)
+
+        def energy(*which: str) -> float:
+            rates = {name: float(which.count(name)) for name in self.names}
+            return float(self.mechanism.kinetic_energy(q, rates))
+
+        alone = [energy(i) for i in moving]
+        return np.array(
+            [[energy(i, j) - a - b for j, b in zip(moving, alone, strict=True)]
+             for i, a in zip(moving, alone, strict=True)]
+        )  # fmt: skip
+
+
+def check_mechanism(
+    mechanism: Mechanism,
+    law: FrictionLaw = USUAL,
+    *,
+    t_end: float = 1.0,
+    starts: Sequence[Mapping[str, float]] | None = None,
+    mirror: Mechanism | None = None,
+    compiled: bool = True,
+    draws: int = 20,
+    seed: int = 0,
+    throw: bool = False,
+) -> Report:
+    """Check that a mechanism is what the solver takes it for.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What is checked, with ordinary values.
+    law : FrictionLaw
+        The friction with which it is run.
+    t_end : float
+        Length of the runs [s]: as long as the mechanism needs to show all it does.
+    starts : sequence of mapping, optional
+        States by name from which runs begin; from where the mechanism begins by itself, and with a
+        slip velocity of 0.5, if not given.
+    mirror : Mechanism, optional
+        Claims a symmetry: its runs from negated states must be the negated runs. The mechanism
+        itself where nothing tells its directions apart.
+    compiled : bool
+        Whether to compile the equations, which takes seconds, and compare what both tiers give.
+    draws : int
+        Number of random states.
+    seed : int
+        Of these.
+    throw : bool
+        Raise `ConformanceError` if there are findings.
+
+    Returns
+    -------
+    Report
+        With all findings; ``report.ok`` where there are none.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> check_mechanism(block, compiled=False)
+    <SpringBlock: 18 checks passed>
+    """
+    if starts is None:
+        starts = ({}, dict.fromkeys(_slip_rates(mechanism), 0.5))
+    case = _Case(mechanism, law, t_end, starts, mirror, draws, seed)
+    then = {name: check for name, check in THEN.items() if compiled or name != numbers.TIERS}
+    return examine(type(mechanism).__name__, case, FIRST, then, throw=throw)
+
+
+def _slip_rates(mechanism: Mechanism) -> list[str]:
+    """Return the slip velocity, if contacts are named as they should be."""
+    try:
+        return [numbers.rest_of(mechanism)]
+    except Exception:  # a check says what is wrong with the contacts
+        return []
+
+
+def _lengths(case: _Case) -> Iterator[str]:
+    kind = type(case.mechanism)
+    sizes = {name: len(getattr(kind, name)) for name in ("coordinates", "rates", "units")}
+    if len(set(sizes.values())) > 1:
+        yield ", ".join(f"{n} {name}" for name, n in sizes.items())
+    names = (*kind.coordinates, *kind.rates)
+    yield from (f"{name!r} stands there twice" for name in {*names} if names.count(name) > 1)
+
+
+def _contacts(case: _Case) -> Iterator[str]:
+    coordinates = case.mechanism.coordinates
+    contacts = case.mechanism.contacts()
+    if len(contacts) != 1:
+        yield f"there are {len(contacts)} contacts; this version solves one"
+    for contact in contacts:
+        if contact.slip not in coordinates:
+            yield f"{contact.slip!r} slips, but the coordinates are {', '.join(coordinates)}"
+        if (contact.normal is None) == (contact.load is None):
+            yield "either a normal coordinate or a load must be given, not both or neither"
+        if contact.normal in coordinates:
+            yield f"{contact.normal!r} is held, but stands among the coordinates that move"
+
+
+def _drives(case: _Case) -> Iterator[str]:
+    held = {id(one) for one in _drives_in(case.mechanism)}
+    for name, drive in case.mechanism.drives().items():
+        if not name:
+            yield f"a drive is called {name!r}"
+        if id(drive) not in held:
+            yield f"{name!r} stands in no field, so that its parameters are unknown"
+
+
+def _drives_in(root: Parametrised) -> Iterator[Drive]:
+    """Yield the drives in the fields of an object and of its parts."""
+    for value in vars(root).values():
+        for part in value if isinstance(value, tuple) else (value,):
+            if isinstance(part, Drive):
+                yield part
+            elif isinstance(part, Parametrised):
+                yield from _drives_in(part)
+
+
+def _start(case: _Case) -> Iterator[str]:
+    known = (*case.mechanism.coordinates, *case.mechanism.rates)
+    yield from (f"{name!r} is no state" for name in case.mechanism.start() if name not in known)
+
+
+def _quadratic(case: _Case) -> Iterator[str]:
+    for q, q_dot in case.states():
+        once = float(case.mechanism.kinetic_energy(q, q_dot))
+        thrice = float(
+            case.mechanism.kinetic_energy(q, {name: 3.0 * v for name, v in q_dot.items()})
+        )
+        if not once > 0.0:
+            yield f"it is {once:g} J at rates {q_dot}"
+        elif abs(thrice - 9.0 * once) > ROUNDING * thrice:
+            yield f"three times the rates give {thrice / once:.6g} times the energy, not 9 times"
+
+
+def _symmetric(case: _Case) -> Iterator[str]:
+    for q, _ in case.states():
+        mass = case.mass_matrix(q)
+        size = float(np.abs(mass).max())
+        if np.abs(mass - mass.T).max() > ROUNDING * size:
+            yield f"it is not symmetric at {q}: {mass.tolist()}"
+        elif np.linalg.eigvalsh(mass).min() <= ROUNDING * size:
+            yield f"it is not positive definite at {q}: {mass.tolist()}"
+
+
+def _gyroscopic(case: _Case) -> Iterator[str]:
+    """Yield states at which power grows with the cube of the rates, as no damper's does.
+
+    That of guided coordinates does, with the accelerations of the others.
+    """
+    if case.mechanism.guided():
+        return
+    equations = numbers.generated(case.mechanism, case.law)
+
+    def power(q: Mapping[str, float], q_dot: Mapping[str, float], scale: float) -> float:
+        rates = zip(case.mechanism.rates, case.mechanism.coordinates, strict=True)
+        values = {**q, **{rate: scale * q_dot[i] for rate, i in rates}}
+        y = numbers.vector(case.mechanism, case.law, values)
+        return float(equations("power", 1, equations.flags(0.0, y), 0.0, y)[0])
+
+    for q, q_dot in case.states():
+        odd, odd_twice = (power(q, q_dot, k) - power(q, q_dot, -k) for k in (1.0, 2.0))
+        size = float(case.mechanism.kinetic_energy(q, q_dot)) + abs(odd) + abs(odd_twice)
+        if abs(odd_twice - 2.0 * odd) > 1e3 * ROUNDING * size:
+            yield f"they give {(odd_twice - 2.0 * odd) / 12.0:.3g} W at {q}, {q_dot}"
+
+
+def _balanced(case: _Case) -> Iterator[str]:
+    for start in case.starts:
+        run = simulate(case.mechanism, case.law, t_end=case.t_end, y0=start, throw=False)
+        if not run.status.complete and run.status not in ENDS:
+            yield f"from {dict(start)}: {run.status.value}"
+        yield from (f"from {dict(start)}: {problem}" for problem in run.certificate.problems)
+
+
+def _sensitivities(case: _Case) -> Iterator[str]:
+    for start in case.starts:
+        yield from numbers.sensitivities_hold(
+            case.mechanism, case.law, case.mechanism, start, case.t_end
+        )
+
+
+def _mirrored(case: _Case) -> Iterator[str]:
+    if case.mirror is None:
+        return
+    columns = (*case.mechanism.coordinates, *case.mechanism.rates, "friction")
+    for start in case.starts:
+        run = simulate(case.mechanism, case.law, t_end=case.t_end, y0=start, throw=False)
+        back = {name: -value for name, value in start.items()}
+        image = simulate(case.mirror, case.law, t_end=case.t_end, y0=back, throw=False)
+        end = min(run.span[1], image.span[1])
+        t = np.linspace(0.0, end, 50)[1:-1]
+        for name in columns:
+            one, other = run.at(t)[name], image.at(t)[name]
+            # a moment of stick more or less grows as the square root of a rounding
+            if np.abs(one + other).max() > 1e-6 * (np.abs(run[name]).max() + 1e-9):
+                yield f"{name} from {dict(start)} differs by {np.abs(one + other).max():.2g}"
+
+
+def _derived(case: _Case) -> Iterator[str]:
+    formulate(case.mechanism, case.law)
+    yield from ()
+
+
+FIRST: Suite[_Case] = {
+    "its name is kebab-case": lambda case: declared.kebab_case(case.mechanism),
+    "it says what its states are": lambda case: declared.told(
+        case.mechanism, ("name", "coordinates", "rates", "units")
+    ),
+    "it is a frozen, keyword-only dataclass": lambda case: declared.frozen(case.mechanism),
+    "every number is a declared quantity": lambda case: declared.quantities_declared(
+        case.mechanism
+    ),
+    "every quantity is explained": lambda case: declared.explained(case.mechanism),
+    "parameters are checked": lambda case: declared.parameters_checked(case.mechanism),
+    "every coordinate has one rate and one unit": _lengths,
+    "contacts name coordinates": _contacts,
+    "drives are named and stand in fields": _drives,
+    "it begins in states that it has": _start,
+    "its kinetic energy is positive and quadratic in the rates": _quadratic,
+    "its mass matrix is symmetric and positive definite": _symmetric,
+    "its equations can be derived": _derived,
+}
+THEN: Suite[_Case] = {
+    "centrifugal and Coriolis forces do no work": _gyroscopic,
+    "runs keep the energy balance": _balanced,
+    "equations are finite where slip ends": lambda case: numbers.finite_near_rest(
+        case.mechanism, case.law, [dict(case.mechanism.start()) | dict(s) for s in case.starts]
+    ),
+    numbers.TIERS: lambda case: numbers.same_in_both_tiers(
+        case.mechanism, case.law, case.starts[-1], case.t_end
+    ),
+    "sensitivities are what differences give": _sensitivities,
+    "its mirror image runs in mirror image": _mirrored,
+}

@@ -1,0 +1,26 @@
+"""The suites that other packages run on their laws and mechanisms hold for ours."""
+
+import pytest
+from tests.support import SHOWN, example_of
+
+from stickslip import LAWS
+from stickslip.testing import check_friction, check_mechanism
+
+
+@pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
+def test_every_law_passes_the_suite_for_laws(kind):
+    report = check_friction(example_of(kind), compiled=False)
+    assert report.ok, report
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_every_mechanism_passes_the_suite_for_mechanisms(name):
+    report = check_mechanism(SHOWN[name], t_end=0.8, compiled=False)
+    assert report.ok, report
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SHOWN)
+def test_every_mechanism_is_the_same_in_both_tiers(name):
+    report = check_mechanism(SHOWN[name], t_end=0.8)
+    assert report.ok, report

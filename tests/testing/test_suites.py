@@ -1,0 +1,373 @@
+"""The suites for third parties: each check finds what is deliberately wrong, and nothing else."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Axis,
+    BristleLaw,
+    Contact,
+    Coulomb,
+    Dahl,
+    DirectionDependent,
+    MatrixMechanism,
+    Mechanism,
+    Pulse,
+    SetValuedLaw,
+    Trajectory,
+)
+from stickslip.errors import ConformanceError
+from stickslip.maths import sqrt
+from stickslip.quantities import Quantity
+from stickslip.testing import check_friction, check_mechanism, friction, mechanisms, numbers
+
+Mass = Annotated[float, Quantity("m", "kg", above=0)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sound(Mechanism):
+    """A mass on a spring; `mass` and `speed` are what they say."""
+
+    name: ClassVar[Any] = "sound"
+    coordinates: ClassVar[tuple[str, ...]] = ("x",)
+    rates: ClassVar[tuple[str, ...]] = ("v",)
+    units: ClassVar[tuple[str, ...]] = ("m",)
+
+    mass: Mass = 1.0
+    speed: Annotated[float, Quantity("v_0", "m/s")] = 1.0
+
+    def kinetic_energy(self, q, q_dot):
+        return 0.5 * self.mass * q_dot["x"] * q_dot["x"]
+
+    def potential_energy(self, t, q):
+        return 5.0 * q["x"] * q["x"]
+
+    def forces(self, t, q, q_dot, drives):
+        return {}
+
+    def contacts(self):
+        return (Contact(slip="x", load=self.mass),)
+
+    def drives(self):
+        return {}
+
+    def start(self):
+        return {"v": self.speed}
+
+
+@dataclass(frozen=True, kw_only=True)
+class ByMatrices(MatrixMechanism):
+    """A turning arm with a bead of that `mass`: x along the arm, turn of the arm."""
+
+    name: ClassVar[str] = "by-matrices"
+    coordinates: ClassVar[tuple[str, ...]] = ("x", "turn")
+    rates: ClassVar[tuple[str, ...]] = ("v", "turn_dot")
+    units: ClassVar[tuple[str, ...]] = ("m", "rad")
+
+    mass: Mass = 1.0
+
+    def mass_matrix(self, q):
+        return [[self.mass, 0.0], [0.0, self.mass * (1.0 + q["x"] * q["x"])]]
+
+    def forces(self, t, q, q_dot, drives):
+        turn = q_dot["turn"]
+        return {
+            "x": self.mass * q["x"] * turn * turn,
+            "turn": -2.0 * self.mass * q["x"] * q_dot["x"] * turn,
+        }
+
+    def potential_energy(self, t, q):
+        return 0.0
+
+    def contacts(self):
+        return (Contact(slip="x", load=1.0),)
+
+    def drives(self):
+        return {}
+
+
+def changed(base, undecorated=False, **members):
+    """Return an object of a class that differs from a sound one in some members."""
+    kind = type("Changed", (base,), {"__doc__": base.__doc__, "__module__": __name__, **members})
+    return (kind if undecorated else dataclass(frozen=True, kw_only=True)(kind))()
+
+
+def hidden(self):
+    """Start with the speed, and hide from tracing that it is the parameter's."""
+    try:
+        return {"v": float(self.speed)}
+    except TypeError:
+        return {"v": 0.0}
+
+
+WRONG_MECHANISMS = {
+    "its name is kebab-case": changed(Sound, name="Not_Kebab"),
+    "it is a frozen, keyword-only dataclass": changed(Sound, undecorated=True),
+    "every number is a declared quantity": changed(
+        Sound, __annotations__={"extra": float}, extra=1.0
+    ),
+    "every quantity is explained": changed(Sound, __doc__="Nothing is said of parameters."),
+    "parameters are checked": changed(Sound, __post_init__=lambda self: None),
+    "every coordinate has one rate and one unit": changed(Sound, units=("m", "rad")),
+    "contacts name coordinates": changed(
+        Sound, contacts=lambda self: (Contact(slip="y", load=1.0),)
+    ),
+    "drives are named and stand in fields": changed(
+        Sound, drives=lambda self: {"push": Pulse(level=1.0, duration=0.1)}
+    ),
+    "it begins in states that it has": changed(Sound, start=lambda self: {"w": 1.0}),
+    "its kinetic energy is positive and quadratic in the rates": changed(
+        Sound, kinetic_energy=lambda self, q, q_dot: self.mass * abs(q_dot["x"]) * q_dot["x"] ** 2
+    ),
+    "its mass matrix is symmetric and positive definite": changed(
+        ByMatrices, mass_matrix=lambda self, q: [[2.0, 1.0], [0.0, 2.0]]
+    ),
+    "its equations can be derived": changed(
+        Sound, potential_energy=lambda self, t, q: q["x"] if q["x"] > 0.0 else 0.0
+    ),
+    "centrifugal and Coriolis forces do no work": changed(
+        ByMatrices,
+        forces=lambda self, t, q, q_dot, drives: {"x": self.mass * q["x"] * q_dot["turn"] ** 2},
+    ),
+    "runs keep the energy balance": changed(
+        ByMatrices,
+        forces=lambda self, t, q, q_dot, drives: {"x": -5.0 * q["x"]},
+        mass_matrix=lambda self, q: [[self.mass, 0.0], [0.0, 1.0]],
+        power=lambda self, t, q, q_dot, drives: 0.0 * t,
+    ),
+    "equations are finite where slip ends": changed(
+        Sound, forces=lambda self, t, q, q_dot, drives: {"x": -sqrt(q_dot["x"])}
+    ),
+    "sensitivities are what differences give": changed(Sound, start=hidden),
+}
+
+
+def failed(report):
+    return {finding.check for finding in report.findings}
+
+
+@pytest.mark.parametrize("sound", [Sound(), ByMatrices()], ids=lambda one: one.name)
+def test_a_sound_mechanism_passes_every_check(sound):
+    report = check_mechanism(sound, compiled=False)
+    assert report.ok, report
+    assert len(report.checks) == len(mechanisms.FIRST) + len(mechanisms.THEN) - 1
+
+
+@pytest.mark.parametrize(("check", "wrong"), WRONG_MECHANISMS.items(), ids=WRONG_MECHANISMS)
+def test_each_check_of_mechanisms_finds_what_it_is_there_for(check, wrong):
+    assert check in failed(check_mechanism(wrong, compiled=False))
+
+
+def test_a_mechanism_that_is_not_complete_is_told_what_is_missing():
+    class Unnamed(Mechanism):
+        kinetic_energy, potential_energy = Sound.kinetic_energy, Sound.potential_energy
+        forces, contacts, drives = Sound.forces, Sound.contacts, Sound.drives
+
+    assert "it says what its states are" in failed(check_mechanism(Unnamed(), compiled=False))
+
+
+def test_a_claimed_symmetry_is_tested_and_another_is_not_looked_for():
+    pulled = Axis(inertia=1.0, stiffness=4.0, offset=0.5)
+    start = [{"v": 1.0}]
+    assert check_mechanism(pulled, compiled=False, starts=start).ok
+    claimed = check_mechanism(pulled, compiled=False, starts=start, mirror=pulled)
+    assert failed(claimed) == {"its mirror image runs in mirror image"}
+    image = Axis(inertia=1.0, stiffness=4.0, offset=-0.5)
+    assert check_mechanism(pulled, compiled=False, starts=start, mirror=image).ok
+
+
+# --- laws
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plain(SetValuedLaw):
+    """Coulomb's law with `mu`."""
+
+    name: ClassVar[str] = "plain"
+    title: ClassVar[str] = "Plain"
+    formula: ClassVar[str] = "F = mu N"
+    sources: ClassVar[tuple[str, ...]] = ()
+    fit_order: ClassVar[tuple[str, ...]] = ("mu",)
+
+    mu: Annotated[float, Quantity("mu", low=0)] = 0.2
+
+    def sliding(self, speed, load):
+        return self.mu * load + 0.0 * speed
+
+    def break_away(self, load):
+        return self.mu * load
+
+
+@dataclass(frozen=True, kw_only=True)
+class Brush(BristleLaw):
+    """Bristles with `mu` and `stiffness`."""
+
+    name: ClassVar[str] = "brush"
+    title: ClassVar[str] = "Brush"
+    formula: ClassVar[str] = "F = sigma z N"
+    sources: ClassVar[tuple[str, ...]] = ()
+    fit_order: ClassVar[tuple[str, ...]] = ("mu",)
+
+    mu: Annotated[float, Quantity("mu", above=0)] = 0.2
+    stiffness: Annotated[float, Quantity("sigma", "1/m", above=0)] = 1e3
+
+    def force(self, velocity, bristles, load):
+        return self.stiffness * bristles[0] * load
+
+    def bristle_rates(self, velocity, bristles, load):
+        return (velocity - self.stiffness * abs(velocity) / self.mu * bristles[0],)
+
+    def steady(self, velocity, load):
+        return self.mu * load * np.sign(velocity)
+
+    def break_away(self, load):
+        return self.mu * load
+
+
+def of_floats(self, speed, load):
+    """Say one thing to numbers and another to symbols."""
+    return (0.1 if isinstance(load, float) else self.mu) * load + 0.0 * speed
+
+
+def of_arrays(self, speed, load):
+    """Say one thing to arrays and another to numbers."""
+    return (0.1 if isinstance(speed, np.ndarray) else self.mu) * load + 0.0 * speed
+
+
+WRONG_LAWS = {
+    "its name is kebab-case": changed(Plain, name="My Law"),
+    "it says what it is": type("Untitled", (SetValuedLaw,), {
+        "__module__": __name__, "sliding": Plain.sliding, "break_away": Plain.break_away, "mu": 0.2,
+    })(),
+    "it is a frozen, keyword-only dataclass": changed(Plain, undecorated=True),
+    "every number is a declared quantity": changed(
+        Plain, __annotations__={"extra": float}, extra=1.0
+    ),
+    "every quantity is explained": changed(Plain, __doc__="Nothing is said of parameters."),
+    "parameters are checked": changed(Plain, __post_init__=lambda self: None),
+    "the order of fitting names parameters": changed(Plain, fit_order=("nu",)),
+    "friction opposes slip": changed(
+        Plain, sliding=lambda self, speed, load: self.mu * load - 0.5 * speed
+    ),
+    "friction is affine in the load": changed(
+        Plain, sliding=lambda self, speed, load: 0.01 * load * load + 0.0 * speed
+    ),
+    "friction stays within the cone of the break-away level": changed(
+        Plain, sliding=lambda self, speed, load: (self.mu + speed) * load
+    ),
+    "break-away and sliding agree": changed(Plain, break_away=lambda self, load: 0.1 * load),
+    "arrays give what numbers give": changed(Plain, sliding=of_arrays),
+    "its equations can be derived": changed(
+        Plain, sliding=lambda self, speed, load: load if speed < 1.0 else 0.5 * load
+    ),
+    "its equations give what it gives itself": changed(Plain, sliding=of_floats),
+    "energy never rises through friction": changed(
+        Brush,
+        force=lambda self, velocity, bristles, load: (
+            (self.stiffness * bristles[0] - 0.5 * velocity) * load
+        ),
+    ),
+    "runs keep the energy balance": changed(
+        Plain, sliding=lambda self, speed, load: self.mu * load / (speed * speed * speed)
+    ),
+    "equations are finite where slip ends": changed(
+        Plain, sliding=lambda self, speed, load: (self.mu - 0.01 * sqrt(speed)) * load
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("sound", [Plain(), Brush()], ids=lambda one: one.name)
+def test_a_sound_law_passes_every_check(sound):
+    report = check_friction(sound, compiled=False)
+    assert report.ok, report
+    assert len(report.checks) == len(friction.FIRST) + len(friction.THEN) - 1
+
+
+@pytest.mark.parametrize(("check", "wrong"), WRONG_LAWS.items(), ids=WRONG_LAWS)
+def test_each_check_of_laws_finds_what_it_is_there_for(check, wrong):
+    assert check in failed(check_friction(wrong, compiled=False))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        changed(Plain, break_away=lambda self, load: self.mu * load + 1.0),
+        changed(Plain, break_away=lambda self, load: -self.mu * load),
+        changed(Brush, bristle_rates=lambda self, velocity, bristles, load: (1.0 + velocity,)),
+        changed(Brush, bristle_rates=lambda self, velocity, bristles, load: (velocity,)),
+    ],
+    ids=["level without load", "negative level", "bristles creep at rest", "bristles know no end"],
+)
+def test_what_a_law_holds_at_rest_must_go_with_its_sliding(wrong):
+    assert "break-away and sliding agree" in failed(check_friction(wrong, compiled=False))
+
+
+def test_a_law_with_two_directions_must_not_claim_to_have_one():
+    law = DirectionDependent(
+        forward_kinetic_coefficient=0.2,
+        forward_viscous_coefficient=0.1,
+        backward_kinetic_coefficient=0.3,
+        backward_viscous_coefficient=0.1,
+    )
+    assert check_friction(law, compiled=False).ok
+    claimed = check_friction(law, compiled=False, mirrored=True)
+    assert failed(claimed) == {"directions are alike where that is claimed"}
+
+
+# --- both
+
+
+SUITES = {
+    "mechanism": lambda **how: check_mechanism(Axis(inertia=1.0, stiffness=4.0), **how),
+    "law": lambda **how: check_friction(
+        Dahl(kinetic_coefficient=0.2, bristle_stiffness=1e3), **how
+    ),
+}
+
+
+@pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
+def test_a_wrong_derivative_is_found(suite, monkeypatch):
+    right = Trajectory.sensitivity
+    monkeypatch.setattr(Trajectory, "sensitivity", lambda *names: 1.01 * right(*names))
+    assert failed(suite(compiled=False)) == {"sensitivities are what differences give"}
+
+
+@pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
+def test_a_difference_between_the_tiers_in_the_last_digit_is_found(suite, monkeypatch):
+    right = numbers.simulate
+
+    def wrong(*what, solver=None, **how):
+        run = right(*what, **how)  # in plain Python: what is wrong is put in by hand
+        if solver is not None and solver.tier == "compiled":
+            columns = {name: np.nextafter(run[name], 2.0 * run[name] + 1.0) for name in run.names}
+            return type("Other", (), {
+                "t": run.t, "names": run.names, "status": run.status,
+                "__getitem__": lambda self, name: columns[name],
+            })()  # fmt: skip
+        return run
+
+    monkeypatch.setattr(numbers, "simulate", wrong)
+    assert failed(suite()) == {"both tiers agree bit for bit"}
+
+
+def test_a_report_reads_as_text_and_raises_only_if_asked_to():
+    wrong = WRONG_LAWS["friction opposes slip"]
+    report = check_friction(wrong, compiled=False)
+    assert not report.ok
+    text = repr(report)
+    assert text.startswith("<Changed: ")
+    assert "- friction opposes slip\n" in text
+    assert "     -3 N at 10 m/s drives" in text
+    assert "<pre>" in report._repr_html_()
+    with pytest.raises(ConformanceError, match="friction opposes slip"):
+        check_friction(wrong, compiled=False, throw=True)
+    assert check_friction(Coulomb(kinetic_coefficient=0.2), compiled=False, throw=True).ok
+
+
+def test_without_equations_the_checks_that_need_them_are_skipped():
+    report = check_mechanism(WRONG_MECHANISMS["its equations can be derived"])
+    assert report.skipped == tuple(mechanisms.THEN)
+    assert "Not looked at before that is mended" in repr(report)
