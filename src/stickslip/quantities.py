@@ -50,6 +50,8 @@ class Quantity:
         Name of another field of the same object that this one must not fall below.
     structural : bool
         A whole number here shapes the equations (an exponent, say) instead of standing in them.
+    or_unit : str, optional
+        SI unit where the same field is of the other kind of motion: straight, or about an axis.
 
     Examples
     --------
@@ -66,6 +68,7 @@ class Quantity:
     above: float | None = None
     at_least: str | None = None
     structural: bool = False
+    or_unit: str = ""
 
     def stands_in_equations(self, value: float | None) -> bool:
         """Whether `value` is a parameter of the equations and not part of their shape."""

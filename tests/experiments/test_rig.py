@@ -700,3 +700,34 @@ def test_mistakes_in_data_name_the_rig_file_and_the_key(axis, text, message):
         axis(text)
     assert message in str(caught.value)
     assert "axis.toml" in str(caught.value)
+
+
+CAPSULE = """
+[mechanism]
+type = "capsule"
+capsule_mass = "800 g"
+inner_mass = 0.2
+[mechanism.drive]
+type = "prescribed"
+limit = "{limit}"
+profile = {{ type = "three-phase", amplitude = "{amplitude}", fast = "50 m/s^2", slow = 9.81 }}
+[friction]
+kinetic_coefficient = 0.2
+"""
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "limit", "size"), [("10 mm", "30 N", 0.01), ("45 deg", "2 N m", math.pi / 4)]
+)
+def test_what_moves_may_be_straight_or_turn(tmp_path, amplitude, limit, size):
+    file = tmp_path / "rig.toml"
+    file.write_text(CAPSULE.format(amplitude=amplitude, limit=limit))
+    motor = load_rig(file).mechanism.drive
+    assert motor.profile.amplitude == pytest.approx(size, rel=1e-15)
+
+
+def test_a_unit_of_neither_kind_is_refused(tmp_path):
+    file = tmp_path / "rig.toml"
+    file.write_text(CAPSULE.format(amplitude="10 kg", limit="30 N"))
+    with pytest.raises(InputError, match=r"amplitude \(theta_m\) must be in rad .* '10 kg'"):
+        load_rig(file)

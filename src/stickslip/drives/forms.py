@@ -48,7 +48,7 @@ class Pulse(_Pieces):
     10.0
     """
 
-    level: Annotated[float, Quantity("F_0", "N")]
+    level: Annotated[float, Quantity("F_0", "N", or_unit="N m")]
     """Value while it lasts."""
     duration: Annotated[float, Quantity("T", "s", low=0)]
     """How long it lasts."""
@@ -74,7 +74,7 @@ class Ramp(_Pieces):
     4.0
     """
 
-    rate: Annotated[float, Quantity("r", "N/s")]
+    rate: Annotated[float, Quantity("r", "N/s", or_unit="N m/s")]
     """Growth per second."""
     start: Annotated[float, Quantity("t_0", "s")] = 0.0
     """When it begins."""
@@ -95,7 +95,7 @@ class Sine(Drive):
     25.0
     """
 
-    amplitude: Annotated[float, Quantity("P", "N")]
+    amplitude: Annotated[float, Quantity("P", "N", or_unit="N m")]
     """Largest value."""
     frequency: Annotated[float, Quantity("f", "Hz", above=0)]
     """Cycles per second."""

@@ -140,11 +140,11 @@ class ThreePhase(Stepped):
     0.7236
     """
 
-    amplitude: Annotated[float, Quantity("theta_m", "rad", above=0)]
+    amplitude: Annotated[float, Quantity("theta_m", "rad", above=0, or_unit="m")]
     """Half the way between the turning points, about 0."""
-    fast: Annotated[float, Quantity("A_1", "rad/s^2", above=0)]
+    fast: Annotated[float, Quantity("A_1", "rad/s^2", above=0, or_unit="m/s^2")]
     """Size of the large acceleration."""
-    slow: Annotated[float, Quantity("A_2", "rad/s^2", above=0)]
+    slow: Annotated[float, Quantity("A_2", "rad/s^2", above=0, or_unit="m/s^2")]
     """Size of the small acceleration."""
     first: Literal["fast", "slow"] = "fast"
     """What the outer phases are."""
@@ -201,13 +201,13 @@ class SevenStep(Stepped):
     1.883333
     """
 
-    amplitude: Annotated[float, Quantity("theta_m", "rad", above=0)]
+    amplitude: Annotated[float, Quantity("theta_m", "rad", above=0, or_unit="m")]
     """Half the way between the turning points, about 0."""
-    fast: Annotated[float, Quantity("A_1", "rad/s^2", above=0)]
+    fast: Annotated[float, Quantity("A_1", "rad/s^2", above=0, or_unit="m/s^2")]
     """Size of the large acceleration."""
-    slow: Annotated[float, Quantity("A_2", "rad/s^2", above=0)]
+    slow: Annotated[float, Quantity("A_2", "rad/s^2", above=0, or_unit="m/s^2")]
     """Size of the small acceleration."""
-    top_rate: Annotated[float, Quantity("Omega", "rad/s", above=0)]
+    top_rate: Annotated[float, Quantity("Omega", "rad/s", above=0, or_unit="m/s")]
     """Rate of the cruise."""
     pause: Annotated[float, Quantity("t_p", "s", low=0)] = 0.0
     """How long it rests at the end of a cycle."""
@@ -261,7 +261,7 @@ class SineSwing(Profile):
     (0.5, 0.0)
     """
 
-    amplitude: Annotated[float, Quantity("theta_m", "rad", above=0)]
+    amplitude: Annotated[float, Quantity("theta_m", "rad", above=0, or_unit="m")]
     """Largest position."""
     frequency: Annotated[float, Quantity("f", "Hz", above=0)]
     """Cycles per second."""

@@ -196,7 +196,8 @@ def choice(tables: Mapping[str, type[Table]]) -> Any:
 def _hint(cls: type[Parametrised], name: str, mark: str) -> Any:
     quantity = fields_of(cls).get(name)
     if quantity is not None:
-        return Annotated[Any, Number(quantity, mark=mark)]
+        others = (dataclasses.replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
+        return Annotated[Any, Number(quantity, mark=mark, alternatives=others)]
     hint = typing.get_type_hints(cls, include_extras=True)[name]
     if hint == tuple[float, ...]:
         return Annotated[Any, _Numbers()]

@@ -35,17 +35,17 @@ class Axis(BoundedMechanism):
     rates: ClassVar[tuple[str, ...]] = ("v",)
     units: ClassVar[tuple[str, ...]] = ("m",)
 
-    inertia: Annotated[float, Quantity("J", "kg", above=0)]
+    inertia: Annotated[float, Quantity("J", "kg", above=0, or_unit="kg m^2")]
     """Mass [kg] or moment of inertia [kg m^2]."""
     drive: Drive | None = None
     """Force [N] or torque [N m]."""
-    stiffness: Annotated[float, Quantity("k", "N/m", low=0)] = 0.0
+    stiffness: Annotated[float, Quantity("k", "N/m", low=0, or_unit="N m/rad")] = 0.0
     """Spring towards x = 0."""
-    damping: Annotated[float, Quantity("c", "N s/m", low=0)] = 0.0
+    damping: Annotated[float, Quantity("c", "N s/m", low=0, or_unit="N m s/rad")] = 0.0
     """Damper to the ground."""
     load: Annotated[float, Quantity("N", "N", low=0)] = 1.0
     """Normal force at the contact, or 1 where levels are forces."""
-    offset: Annotated[float, Quantity("o", "N")] = 0.0
+    offset: Annotated[float, Quantity("o", "N", or_unit="N m")] = 0.0
     """Constant force against the drive: gravity, a cable, a sensor's bias."""
     lower_stop: Annotated[float, Quantity("x_l", "m")] | None = None
     """Hard stop that x does not fall below; none if not given."""

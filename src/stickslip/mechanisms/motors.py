@@ -64,7 +64,7 @@ class Prescribed(Motor):
 
     profile: Profile
     """The motion."""
-    limit: Annotated[float, Quantity("tau_m", above=0)] | None = None
+    limit: Annotated[float, Quantity("tau_m", "N m", above=0, or_unit="N")] | None = None
     """Largest force or torque; a run that needs more ends there. None if not given."""
 
     @override
@@ -116,7 +116,7 @@ class Torque(Motor):
 
     drive: Drive | None = None
     """Torque [N m] or force [N]; none if not given."""
-    limit: Annotated[float, Quantity("tau_m", above=0)] | None = None
+    limit: Annotated[float, Quantity("tau_m", "N m", above=0, or_unit="N")] | None = None
     """Largest torque: beyond it the motor saturates. None if not given."""
 
     @override

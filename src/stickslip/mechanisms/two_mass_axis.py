@@ -43,13 +43,13 @@ class TwoMassAxis(Mechanism):
     rates: ClassVar[tuple[str, ...]] = ("v", "other_dot")
     units: ClassVar[tuple[str, ...]] = ("m", "m")
 
-    motor_inertia: Annotated[float, Quantity("J_m", "kg", above=0)]
+    motor_inertia: Annotated[float, Quantity("J_m", "kg", above=0, or_unit="kg m^2")]
     """Mass [kg] or moment of inertia [kg m^2] on the motor's side."""
-    load_inertia: Annotated[float, Quantity("J_l", "kg", above=0)]
+    load_inertia: Annotated[float, Quantity("J_l", "kg", above=0, or_unit="kg m^2")]
     """The same on the load's side."""
-    stiffness: Annotated[float, Quantity("k", "N/m", above=0)]
+    stiffness: Annotated[float, Quantity("k", "N/m", above=0, or_unit="N m/rad")]
     """Stiffness of what joins them."""
-    damping: Annotated[float, Quantity("c", "N s/m", low=0)] = 0.0
+    damping: Annotated[float, Quantity("c", "N s/m", low=0, or_unit="N m s/rad")] = 0.0
     """Damper beside it."""
     drive: Drive | None = None
     """Force [N] or torque [N m] on the motor."""
@@ -57,7 +57,7 @@ class TwoMassAxis(Mechanism):
     """Which side has the friction."""
     load: Annotated[float, Quantity("N", "N", low=0)] = 1.0
     """Normal force at the contact, or 1 where levels are forces."""
-    offset: Annotated[float, Quantity("o", "N")] = 0.0
+    offset: Annotated[float, Quantity("o", "N", or_unit="N m")] = 0.0
     """Constant force against motion of the load: gravity, a cable."""
 
     @override
