@@ -6,17 +6,21 @@ from pathlib import Path
 import numpy as np
 
 from stickslip import (
+    PID,
+    Axis,
     Capsule,
     Coulomb,
     FixedStep,
     Sine,
     Torque,
     average_velocity,
+    closed_loop,
     load_rig,
     select,
     simulate,
 )
 from stickslip.plots import SURFACE, Draw, Size, standalone_svg
+from stickslip.plots.loop import LOOP_SIZES, draw_closed_loop
 from stickslip.plots.maps import draw_velocity_map
 from stickslip.plots.separation import SEPARATION_SIZES, draw_separation
 from stickslip.plots.steps import draw_fixed_steps
@@ -108,8 +112,23 @@ def reversal() -> None:
     )
 
 
+def hunting() -> None:
+    """Integral action that hunts about its target, because rest holds more than sliding."""
+    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    pid = PID(proportional=100.0, integral=300.0, derivative=20.0, reference=0.1)
+    loop = closed_loop(Axis(inertia=1.0), law, pid, period=5e-3, t_end=40.0)
+    card(
+        "hunting.svg",
+        draw_closed_loop(loop, reference=0.1, level=1.5, since=2.0),
+        LOOP_SIZES["wide"],
+        "Position and command of an axis whose integral action hunts: it rests beside its target"
+        " while the command grows to the break-away level, jumps past the target and rests again",
+    )
+
+
 if __name__ == "__main__":
     FOLDER.mkdir(exist_ok=True)
     reversal()
     separation()
     chatter()
+    hunting()

@@ -69,9 +69,9 @@ def simulate(
     >>> round(float(run["x"][-1]), 7)
     0.1538736
     """
-    _check(mechanism, law)
+    check_pair(mechanism, law)
     last = END.check("simulate", "t_end", t_end)
-    start = _initial_state("simulate", mechanism, law, y0)
+    start = initial_state("simulate", mechanism, law, y0)
     solver = EventDriven() if solver is None else solver
     if not isinstance(solver, Solver):
         raise InputError(f"solver must be an EventDriven(...) or FixedStep(...), got {solver!r}.")
@@ -152,7 +152,7 @@ def ensemble(
     >>> runs["fastest"].round(3), runs["rest"][:, 0].round(3)
     (array([0.255, 0.505, 0.755]), array([0.204, 0.306, 0.408]))
     """
-    _check(mechanism, law)
+    check_pair(mechanism, law)
     if not isinstance(law, FrictionLaw):
         raise InputError(f"ensembles run with EventDriven, which does not take {law!r}.")
     solver = EventDriven(tier="compiled") if solver is None else solver
@@ -161,7 +161,7 @@ def ensemble(
     if solver.estimate_error:
         raise InputError("ensembles make no error estimate: use simulate for some of the runs.")
     last = END.check("ensemble", "t_end", t_end)
-    start = _initial_state("ensemble", mechanism, law, y0)
+    start = initial_state("ensemble", mechanism, law, y0)
     return run_ensemble(
         mechanism,
         law,
@@ -175,14 +175,15 @@ def ensemble(
     )
 
 
-def _check(mechanism: object, law: object) -> None:
+def check_pair(mechanism: object, law: object) -> None:
+    """Refuse what is no mechanism or no law."""
     if not isinstance(mechanism, Mechanism):
         raise InputError(f"mechanism must be a Mechanism such as SpringBlock, got {mechanism!r}.")
     if not isinstance(law, (FrictionLaw, PrintedForm)):
         raise InputError(f"law must be a friction law such as Coulomb, got {law!r}.")
 
 
-def _initial_state(
+def initial_state(
     owner: str,
     mechanism: Mechanism,
     law: FrictionLaw | PrintedForm,

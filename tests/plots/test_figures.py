@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from stickslip import (
+    PID,
+    Axis,
     Coulomb,
     CoulombViscous,
     Dahl,
@@ -18,6 +20,7 @@ from stickslip import (
     Stribeck,
     TowedBlock,
     Viscous,
+    closed_loop,
     plots,
     simulate,
 )
@@ -32,6 +35,7 @@ from stickslip.plots.laws import (
     draw_presliding,
     presliding_sizes,
 )
+from stickslip.plots.loop import LOOP_SIZES, draw_closed_loop
 from stickslip.plots.run import (
     FRICTION_SIZES,
     RUN_SIZES,
@@ -323,3 +327,14 @@ def test_a_fixed_step_run_that_ends_before_the_exact_stop_is_drawn_empty(runs):
         **fixed_step_sizes(1),
     )
     assert "exact" in texts_of(svg, "fw")
+
+
+def test_a_closed_loop_shows_its_reference_and_what_breaks_it_away() -> None:
+    pid = PID(proportional=100.0, integral=300.0, derivative=20.0, reference=0.1)
+    law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    loop = closed_loop(Axis(inertia=1.0), law, pid, period=0.01, t_end=8.0)
+    draw = draw_closed_loop(loop, reference=lambda t: 0.1, level=1.5, since=1.0)
+    drawn = inline_svg(draw, alt="A loop", prefix="loop", **LOOP_SIZES)
+    for text in ("x, mm", "reference", "command, N", "break-away", "shaded: at rest"):
+        assert text in drawn
+    assert drawn == inline_svg(draw, alt="A loop", prefix="loop", **LOOP_SIZES)

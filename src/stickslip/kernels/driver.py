@@ -95,6 +95,15 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Vector, events: Vector)
     choose_stepper(next_stop(table, t_end, whole), w, whole)
 
 
+def go_on(table: Vector, t_end: float, w: Vector, whole: Vector, events: Vector) -> None:
+    """Take a run up that reached its end time, as if it had only met a new piece of the drives."""
+    whole[STATUS] = RUNNING
+    enter_pieces(table, w, whole)
+    turn_switches(w, whole, events)
+    settle(w, whole, events)
+    choose_stepper(next_stop(table, t_end, whole), w, whole)
+
+
 def run(
     w: Vector,
     whole: Vector,
@@ -110,10 +119,14 @@ def run(
     """Integrate from the time and the state in `w` to `t_end`.
 
     `table` has a row a piece: start, then value, slope and start of each drive; `bounds` has least
-    and largest value of each drive from the start of each piece on. Returns the rows of steps and
+    and largest value of each drive from the start of each piece on. A run that has reached an end
+    time goes on from there: pieces may be told as late as they begin. Returns the rows of steps and
     of events, in the vectors given or in longer ones.
     """
-    begin(table, t_end, w, whole, events)
+    if whole[STATUS] == END_TIME:
+        go_on(table, t_end, w, whole, events)
+    else:
+        begin(table, t_end, w, whole, events)
     while whole[STATUS] == RUNNING:
         if (int(whole[STEPS]) + 2) * ROW_COLUMNS > len(log):  # one of the step, one of its end
             log = longer(log)

@@ -26,6 +26,7 @@ _HOME = {
     "draw_bifurcation": "maps",
     "draw_characteristics": "laws",
     "draw_cycles": "cycles",
+    "draw_closed_loop": "loop",
     "draw_excitations": "excitations",
     "draw_fixed_steps": "steps",
     "draw_friction_velocity": "run",

@@ -23,7 +23,7 @@ from stickslip.solver.starts import within_stops
 from stickslip.solver.tables import Inputs, gather
 from stickslip.trajectory import Event, Status, Trajectory
 
-__all__ = ["EventDriven", "status_of"]
+__all__ = ["EventDriven", "status_of", "trajectory_of"]
 
 _STATUS = {
     codes.END_TIME: Status.END_TIME,
@@ -120,7 +120,7 @@ class EventDriven(Solver):
             limit=int(self.max_steps),
             tier=self.tier,
         )
-        run = _trajectory(mechanism, law, model, inputs, record, tolerance, t_end)
+        run = trajectory_of(mechanism, law, model, inputs, record, tolerance, t_end)
         if not self.estimate_error:
             return run
         finer = replace(
@@ -147,7 +147,7 @@ def _difference(run: Trajectory, other: Trajectory) -> float:
     return worst
 
 
-def _trajectory(
+def trajectory_of(
     mechanism: Mechanism,
     law: FrictionLaw,
     model: Model,

@@ -1,0 +1,115 @@
+"""Where a mechanism takes the command of a controller."""
+
+import dataclasses
+import typing
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from stickslip.drives import Drive, Profile, Sampled, StraightPieces
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Parametrised
+
+__all__ = ["Place", "place_of"]
+
+
+class Place(NamedTuple):
+    """A field, of a mechanism or of a part of it, that holds a drive."""
+
+    path: tuple[str, ...]
+    """Names of fields from the mechanism down."""
+
+    @property
+    def name(self) -> str:
+        """The path as it is written."""
+        return ".".join(self.path)
+
+    def commanded(
+        self, mechanism: Mechanism, command: Sampled | StraightPieces
+    ) -> tuple[Mechanism, str]:
+        """Return a mechanism with a command there, and what it calls that drive.
+
+        A drive that is there already stays, and the command is added to it.
+        """
+        driven = _put(mechanism, self.path, command)
+        held = _got(driven, self.path)
+        for name, drive in driven.drives().items():
+            if drive is held:
+                return driven, name
+        raise InputError(
+            f"{type(mechanism).__name__}.{self.name} is no drive that acts: drives() must tell it"
+            f" (it tells {', '.join(driven.drives()) or 'none'})."
+        )
+
+
+def _got(root: Any, path: tuple[str, ...]) -> Any:
+    for name in path:
+        root = getattr(root, name)
+    return root
+
+
+def _put(root: Any, path: tuple[str, ...], command: Drive) -> Any:
+    first, rest = path[0], path[1:]
+    own = getattr(root, first)
+    if rest:
+        return dataclasses.replace(root, **{first: _put(own, rest, command)})
+    return dataclasses.replace(root, **{first: command if own is None else own + command})
+
+
+def _places(root: Parametrised, path: tuple[str, ...] = ()) -> Iterator[Place]:
+    """Yield the fields that hold a drive, or may."""
+    hints = typing.get_type_hints(type(root))
+    for field in dataclasses.fields(root):
+        value = getattr(root, field.name)
+        here = (*path, field.name)
+        if isinstance(value, Profile):
+            continue  # a motion that is told leaves nothing to command
+        if isinstance(value, Drive) or (
+            value is None and Drive in typing.get_args(hints[field.name])
+        ):
+            yield Place(here)
+        elif isinstance(value, Parametrised):
+            yield from _places(value, here)
+
+
+def place_of(mechanism: Mechanism, drive: str | None) -> Place:
+    """Return the place of a drive by its name, or the only one.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What is driven.
+    drive : str, optional
+        Path of the drive, such as ``"pendulum.drive"``, or its first or last name where that tells.
+
+    Raises
+    ------
+    InputError
+        If there is no such place, or several and none is named.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, PendulumCart
+    >>> place_of(Axis(inertia=1.0), None).name
+    'drive'
+    >>> place_of(PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3), "pendulum").name
+    'pendulum.drive'
+    """
+    known = {place.name: place for place in _places(mechanism)}
+    kind = type(mechanism).__name__
+    if not known:
+        raise InputError(
+            f"{kind} has no drive that a controller can command: give it one that is a force or a"
+            " torque (a prescribed motion leaves nothing to command)."
+        )
+    if drive is None:
+        if len(known) > 1:
+            raise InputError(f"{kind} has several drives: name one, drive={' or '.join(known)}.")
+        return next(iter(known.values()))
+    if drive in known:
+        return known[drive]
+    short = drive.removeprefix("mechanism.")
+    found = [p for p in known.values() if short in (p.name, p.path[0], p.path[-1])]
+    if len(found) != 1:
+        raise UnknownNameError("drive", drive, known)
+    return found[0]

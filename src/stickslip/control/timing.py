@@ -1,0 +1,95 @@
+"""When a controller samples, when its commands act, and the drive that they make."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, TypeAlias, final
+
+from stickslip.drives import Sampled, StraightPieces
+from stickslip.quantities import Parametrised, Quantity
+
+__all__ = ["Commands", "Stretch", "Timing", "drive_of"]
+
+SAME = 1e-9
+"""Share of a period that counts as none: delays are multiples of it or are not."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Timing(Parametrised):
+    """Settings of a loop, checked."""
+
+    period: Annotated[float, Quantity("T_s", "s", above=0)]
+    delay: Annotated[float, Quantity("tau", "s", low=0)] = 0.0
+    limit: Annotated[float, Quantity("u_max", above=0)] | None = None
+
+    def times(self, t_end: float) -> list[float]:
+        """Return the times of the samples before the end."""
+        return [k * self.period for k in range(math.ceil(t_end / self.period - SAME))]
+
+    def lag(self) -> tuple[int, float]:
+        """Return the delay as whole periods and a rest [s]."""
+        whole = round(self.delay / self.period)
+        if abs(self.delay - whole * self.period) <= SAME * self.period:
+            return whole, 0.0
+        whole = math.floor(self.delay / self.period)
+        return whole, self.delay - whole * self.period
+
+    def within(self, command: float) -> float:
+        """Return a command within the limit."""
+        if self.limit is None:
+            return command
+        return min(max(command, -self.limit), self.limit)
+
+
+Stretch: TypeAlias = tuple[float, float, float]
+"""Start of a stretch of constant or straight command [s], its value there, its slope."""
+
+
+@final
+class Commands:
+    """Commands as they take effect: after the delay, and held."""
+
+    def __init__(self, timing: Timing, samples: Sequence[float], hold: str, t_end: float) -> None:
+        """Take the times of the samples."""
+        self.whole, self.rest = timing.lag()
+        self.period, self.hold = timing.period, hold
+        self.told: list[float] = []
+        ends = [*samples[1:], t_end]
+        middle = [t + self.rest for t in samples if self.rest > 0.0]
+        inner = [t for t, end in zip(middle, ends, strict=False) if t < end]
+        self._breaks, self._end = sorted([*samples, *inner]), t_end
+
+    def untold(self) -> Sampled | StraightPieces:
+        """Return the drive before anything is commanded: zeros, piece by piece."""
+        return drive_of(self.hold, [(t, 0.0, 0.0) for t in self._breaks], self._end)
+
+    def _line(self, index: int) -> tuple[float, float]:
+        """Return value and slope of a command at its own start; nothing acts before the first."""
+        if index < 0:
+            return 0.0, 0.0
+        now = self.told[index]
+        if self.hold == "zero" or index == 0:
+            return now, 0.0
+        return now, (now - self.told[index - 1]) / self.period
+
+    def stretches(self, index: int, start: float, end: float) -> list[Stretch]:
+        """Return what acts from a sample to the next, in one stretch or two."""
+        value, slope = self._line(index - self.whole)
+        if self.rest <= 0.0:
+            return [(start, value, slope)]
+        old, steep = self._line(index - self.whole - 1)
+        first = (start, old + steep * (self.period - self.rest), steep)
+        middle = start + self.rest
+        return [first, (middle, value, slope)] if middle < end else [first]
+
+
+def drive_of(hold: str, stretches: Sequence[Stretch], end: float) -> Sampled | StraightPieces:
+    """Return commands as a drive; a line ends, at the end at the latest, and its value is held."""
+    if hold == "zero":
+        times, values, _ = (tuple(column) for column in zip(*stretches, strict=True))
+        return Sampled(times=times, values=values)
+    start, value, slope = stretches[-1]
+    lines = [*stretches, (end, value + slope * (end - start), 0.0)]
+    times, values, slopes = (tuple(column) for column in zip(*lines, strict=True))
+    return StraightPieces(times=times, values=values, slopes=slopes)
