@@ -1,5 +1,6 @@
 """Reports: self-contained HTML pages, independent of any physics."""
 
+from stickslip.report.animations import Animation
 from stickslip.report.blocks import (
     Block,
     Caption,
@@ -26,6 +27,7 @@ from stickslip.report.rowplots import Axis, Mark, RowPlot
 from stickslip.report.tables import Cell, Column, Correlations, Name, Number, Row, Table
 
 __all__ = [
+    "Animation",
     "Axis",
     "Block",
     "Caption",

@@ -5,10 +5,12 @@ import math
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.cart import CYCLES, KINETIC, STEP, CartRun, CartStudy, Share
 from stickslip.paper.sections.common import counted
+from stickslip.plots import animation_html
 from stickslip.plots.cycles import CYCLE_SIZES, draw_cycles
 from stickslip.plots.run import draw_runs
 from stickslip.plots.svg import inline_svg
 from stickslip.report import (
+    Animation,
     Caption,
     Column,
     Figure,
@@ -34,6 +36,8 @@ CAUSES = {
     "friction": ("friction itself", "the exact run: the swing pulls harder than friction holds"),
 }
 """What each share is called, and which runs it is the difference of."""
+ANIMATED = 12.0
+"""Frames a second of what is shown."""
 STEADY = 1e-6
 """Share of the travel within which cycles are the same."""
 
@@ -57,6 +61,7 @@ def cart_section(found: PaperAudit) -> Section:
             _run_table(study),
             _printed_figure(study),
             _cycle_figure(study),
+            _animation(study),
             Subheading(text="Where the backward motion comes from"),
             Paragraph(text=_shares_text(study)),
             _share_table(study),
@@ -76,6 +81,19 @@ def _setting(study: CartStudy) -> str:
         f" {swing.fast:g} rad/s², in {study.period:.5f} s. {counted(CYCLES).capitalize()} cycles"
         " from rest, as printed and corrected, in fixed steps (forward Euler) and exactly; the rod"
         " is where the swing says in all of them."
+    )
+
+
+def _animation(study: CartStudy) -> Animation:
+    """The first two cycles of the exact run, drawn to scale."""
+    exact = study.run("exact").run
+    alt = "A cart with an inverted pendulum moves to the right as the pendulum swings"
+    html = animation_html(exact, study.cart, alt=alt, fps=ANIMATED, until=2.0 * study.period)
+    return Animation(
+        html=html,
+        caption="**The exact run** in its first two cycles, drawn to scale and as fast as it is."
+        " The cart is yellow where it sticks; arrows are the forces of the ground and the"
+        " torque.",
     )
 
 
