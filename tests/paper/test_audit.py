@@ -101,7 +101,7 @@ class Balance(html.parser.HTMLParser):
         self.open = []
 
     def handle_starttag(self, tag, attrs):
-        if tag not in ("meta", "br", "link", "hr", "img", "input"):
+        if tag not in ("meta", "br", "link", "hr", "img", "input", "source"):
             self.open.append(tag)
 
     def handle_endtag(self, tag):
