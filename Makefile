@@ -19,7 +19,7 @@ endif
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help select test lint types architecture unit doctest docs bench fuzz format clean
+.PHONY: help select test lint types architecture unit doctest docs bench slow fuzz format clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
@@ -59,6 +59,9 @@ docs: $(DEV) ## documentation in docs/_build/html, warnings are errors
 
 bench: $(DEV) ## benchmarks
 	$(BIN)/python -m benchmarks
+
+slow: $(DEV) ## tests that compile much or take long, which `make test` leaves out
+	$(PYTEST) -n $(WORKERS) -m slow
 
 fuzz: $(DEV) ## 20,000 random simulations (half an hour); tests run 300 of their kind
 	$(BIN)/python -m tests.properties.fuzzing --cases 20000 --seed 1

@@ -31,6 +31,7 @@ _HOME = {
     "Finding": "experiments",
     "FixedStep": "solver",
     "FrictionLaw": "friction",
+    "Guide": "mechanisms",
     "LAWS": "friction",
     "Limits": "optimisation",
     "LimitCycle": "control",

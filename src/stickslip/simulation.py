@@ -9,7 +9,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.solver import EventDriven, Output, Solver
 from stickslip.solver.ensembles import run_ensemble
-from stickslip.trajectory import Ensemble, Trajectory
+from stickslip.trajectory import Ensemble, Status, Trajectory
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 __all__ = ["ensemble", "simulate"]
 
+ALWAYS = ("friction", "normal_force", "mode")
+"""Columns that every run has beside its states."""
 END = Quantity("T", "s", above=0)
 
 
@@ -75,9 +77,12 @@ def simulate(
     solver = EventDriven() if solver is None else solver
     if not isinstance(solver, Solver):
         raise InputError(f"solver must be an EventDriven(...) or FixedStep(...), got {solver!r}.")
-    run = solver.run(mechanism, law, y0=start, t_end=last)
+    told = _told(mechanism, y0)
+    run = solver.run(mechanism, law, y0=start, t_end=last, told=told)
     if throw and not run.status.complete:
-        raise SimulationError(f"{run.status.value} It ended at t = {run.span[1]:g} s.")
+        raise SimulationError(
+            f"{run.status.value}{_numbers(run)} It ended at t = {run.span[1]:g} s."
+        )
     if throw and isinstance(solver, EventDriven) and not run.certificate.certified:
         raise SimulationError("The run is not certified: " + "; ".join(run.certificate.problems))
     return run
@@ -167,6 +172,7 @@ def ensemble(
         law,
         parameters,
         y0=start,
+        told=_told(mechanism, y0),
         t_end=last,
         outputs=outputs,
         solver=solver,
@@ -175,12 +181,32 @@ def ensemble(
     )
 
 
+def _numbers(run: Trajectory) -> str:
+    """Return what a run ended with in view of its limits: which one, and the efforts then."""
+    if run.status is not Status.LIMIT:
+        return ""
+    last = run.at([run.span[1]])
+    efforts = [name for name in run.names if name not in (*run.states, *ALWAYS)]
+    values = [f"{name} {last[name][0]:.4g} {run.units[name]}" for name in efforts]
+    values.append(f"normal force {last['normal_force'][0]:.4g} N")
+    return f" It is: {run.events[-1].reason} ({', '.join(values)})."
+
+
 def check_pair(mechanism: object, law: object) -> None:
     """Refuse what is no mechanism or no law."""
     if not isinstance(mechanism, Mechanism):
         raise InputError(f"mechanism must be a Mechanism such as SpringBlock, got {mechanism!r}.")
     if not isinstance(law, (FrictionLaw, PrintedForm)):
         raise InputError(f"law must be a friction law such as Coulomb, got {law!r}.")
+
+
+def _told(
+    mechanism: Mechanism, y0: Mapping[str, float] | Sequence[float] | None
+) -> tuple[str, ...]:
+    """Return the states that begin where the mechanism says, since nothing else was said."""
+    if y0 is not None and not isinstance(y0, Mapping):
+        return ()
+    return tuple(state for state in mechanism.start() if state not in (y0 or {}))
 
 
 def initial_state(

@@ -27,7 +27,7 @@ class Status(enum.Enum):
         "Painleve's paradox: friction presses the body down the more the more it presses, and the"
         " equations of a rigid body have no answer."
     )
-    LIMIT = "The mechanism reached one of its limits; the last event says which."
+    LIMIT = "The mechanism reached one of its limits."
     STEP_LIMIT = "Used up the allowed number of steps before the end time."
     STEP_TOO_SMALL = "The step fell below rounding: the equations are singular here."
     NOT_FINITE = "The state grew beyond all numbers."

@@ -55,6 +55,7 @@ def asked(monkeypatch):
     return seen
 
 
+@pytest.mark.slow
 def test_one_mechanism_with_two_laws_is_compiled_once(run, monkeypatch, tmp_path):
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "cache"))
     task = ("warmup", "--mechanism", "towed-block", "--laws", "coulomb,viscous", "--json")

@@ -118,7 +118,7 @@ def test_a_held_contact_needs_the_same_friction_by_matrices_and_energies():
             )
 
 
-@pytest.mark.parametrize("tier", ["python", "compiled"])
+@pytest.mark.parametrize("tier", ["python", pytest.param("compiled", marks=pytest.mark.slow)])
 def test_a_run_by_matrices_has_sensitivities_and_a_certificate(tier):
     law, solver = Coulomb(kinetic_coefficient=0.05), EventDriven(tier=tier)
     start = {"theta": 1.5}

@@ -129,6 +129,7 @@ def test_a_coordinate_that_does_not_slip_and_stays_at_its_stop_ends_the_run(rest
         simulate(rig, law, t_end=50.0)
 
 
+@pytest.mark.slow
 def test_stops_of_several_coordinates_run_alike_in_both_tiers():
     rig = Capsule(force=0.05, end=0.2)
     law = Coulomb(kinetic_coefficient=0.04)

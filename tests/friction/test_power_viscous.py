@@ -90,7 +90,7 @@ def test_under_a_growing_force_a_block_leaves_rest_with_the_cube_of_time(level):
 
 
 @pytest.mark.parametrize("n", [0.2, 0.4])
-@pytest.mark.parametrize("tier", ["python", "compiled"])
+@pytest.mark.parametrize("tier", ["python", pytest.param("compiled", marks=pytest.mark.slow)])
 def test_creep_from_rest_under_a_slowly_growing_force_is_certified(n, tier):
     # without a plateau the slope at rest has no bound, and such a run ends in ever smaller steps
     rig = Axis(inertia=1.0, drive=Ramp(rate=0.1))

@@ -155,6 +155,7 @@ def test_a_stop_at_the_very_instant_of_leaving_the_spring_does_not_end_a_fit():
     assert result.law.kinetic_coefficient == pytest.approx(energy_balance(0.20), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_bristle_stiffness_is_not_fitted_to_travels():
     soft = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e3, static_switch=True)
     result = fit(RIG, soft, trials(Coulomb(kinetic_coefficient=0.25), (0.06, 0.1, 0.15), digits=4))

@@ -153,6 +153,7 @@ def test_without_an_evolution_effect_only_the_difference_is_known():
     assert distance.reason
 
 
+@pytest.mark.slow
 def test_a_drift_is_found_where_there_is_one_and_left_out_where_there_is_none():
     drifting = fit_rate_state(record(law(), noise=3e-4, drift=5.0))
     assert drifting.drift == pytest.approx(5.0, rel=0.1)

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stickslip import Capsule, Coulomb, Prescribed, Sine, Status, ThreePhase, Torque, simulate
+from stickslip.errors import InputError
 
 G = 9.81
 
@@ -108,3 +109,9 @@ def test_a_vibro_impact_capsule_strikes_its_stops_and_keeps_its_momentum():
     momentum = 0.6 * run["v"] + 0.4 * (run["v"] + run["xi_dot"])
     np.testing.assert_allclose(momentum, 0.2, rtol=1e-13)
     assert run["xi"].max() <= 0.02 + 1e-15
+
+
+def test_a_prescribed_motion_and_a_hard_stop_exclude_each_other():
+    capsule, _ = driven(0.2, 0.2, 0.02, 50.0)
+    with pytest.raises(InputError, match="motion of xi is prescribed"):
+        simulate(replace(capsule, upper_stop=0.02), Coulomb(kinetic_coefficient=0.2), t_end=1.0)

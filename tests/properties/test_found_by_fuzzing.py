@@ -126,14 +126,15 @@ def test_a_body_on_bristles_changes_its_mode_with_an_event():
     assert before == after or run.events
 
 
-@pytest.mark.xfail(reason="where rigid bodies with friction jam, the normal force changes sign")
 def test_a_cart_that_jams_does_not_lift_off():
     cart = PendulumCart(
         mass=0.002, ball=1.0, length=0.006, torque=Pulse(level=-0.001, duration=1.0)
     )
     law = Coulomb(kinetic_coefficient=0.45, static_coefficient=0.8)
     run = simulate(cart, law, t_end=1.0, throw=False)
-    assert run.status is not Status.LIFT_OFF or run["normal_force"][-1] < 1e-6
+    # nor does it go on with events without end, as it did
+    assert run.status in (Status.PAINLEVE, Status.LIFT_OFF)
+    assert run.status is Status.PAINLEVE or run["normal_force"][-1] < 1e-6
 
 
 def test_a_block_that_starts_where_its_spring_ends_slides_to_rest():

@@ -39,7 +39,7 @@ WANTED = {
 }
 
 
-@pytest.mark.parametrize("tier", ["python", "compiled"])
+@pytest.mark.parametrize("tier", ["python", pytest.param("compiled", marks=pytest.mark.slow)])
 def test_an_ensemble_of_bouncing_blocks_equals_their_runs(tier):
     solver = EventDriven(tier=tier)
     varied = {

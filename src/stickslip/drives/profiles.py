@@ -117,6 +117,12 @@ def _least(period: Any) -> float:
     return float(np.min(np.real(period)))
 
 
+def _number(value: Any) -> float:
+    if isinstance(value, (bool, str)):
+        raise TypeError
+    return float(value)
+
+
 def _steps(durations: Sequence[Scalar], accelerations: Sequence[Scalar]) -> tuple[Piece, ...]:
     """Return pieces of constant acceleration that follow each other."""
     starts = itertools.accumulate(durations[:-1], initial=0.0)
@@ -328,7 +334,7 @@ class SplineSwing(Stepped):
         """Check the positions and keep them as a tuple of floats."""
         super().__post_init__()
         try:
-            positions = tuple(float(x) for x in self.positions)
+            positions = tuple(_number(x) for x in self.positions)
         except (TypeError, ValueError):
             raise ParameterError(
                 f"SplineSwing.positions must be a series of numbers, got {self.positions!r}."

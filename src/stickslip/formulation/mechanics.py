@@ -8,6 +8,7 @@ from typing import Any
 import symengine as se
 
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.formulation.guides import guides_of, held_of
 from stickslip.formulation.matrices import matrix_rows, matrix_supply
 from stickslip.formulation.stops import Wall, derive_walls
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
@@ -174,22 +175,6 @@ def _only_contact(mechanism: Mechanism) -> Contact:
     return contacts[0]
 
 
-def _guides(
-    mechanism: Mechanism, contact: Contact, names: Sequence[str], drives: Mapping[str, se.Symbol]
-) -> dict[int, se.Expr]:
-    """Return the accelerations of guided coordinates by index."""
-    found = {}
-    for name, guide in mechanism.guided().items():
-        if name == contact.slip or name not in names or guide.drive not in drives:
-            raise InputError(
-                f"{type(mechanism).__name__} guides {name!r} by the drive {guide.drive!r}: it must"
-                f" guide one of {', '.join(n for n in names if n != contact.slip) or 'none'} by"
-                f" one of its drives ({', '.join(drives) or 'none'})."
-            )
-        found[names.index(name)] = drives[guide.drive]
-    return found
-
-
 def _traced(symbols: Mapping[str, se.Expr], board: Switchboard) -> dict[str, Traced]:
     return {name: Traced(symbol, board) for name, symbol in symbols.items()}
 
@@ -237,7 +222,7 @@ def derive_mechanics(
 ) -> Mechanics:
     """Trace the energies and forces of a mechanism whose parameters are symbols."""
     contact = _only_contact(mechanism)
-    held = (*(() if contact.normal is None else (contact.normal,)), *mechanism.held())
+    held = held_of(mechanism, contact)
     places = {**q, **{name: se.Symbol(f"h_{name}") for name in held}}
     speeds = {**q_dot, **{name: se.Symbol(f"hd_{name}") for name in held}}
     traced = functools.partial(_traced, board=board)
@@ -258,7 +243,7 @@ def derive_mechanics(
         slip=list(q).index(contact.slip),
         mass=se.DenseMatrix(len(places), len(q), [e.subs(at_rest) for e in mass]),
         forces=[collapsed(e.subs(at_rest)) for e in forces],
-        guides=_guides(mechanism, contact, list(q), drives),
+        guides=guides_of(mechanism, contact, drives),
         efforts={list(q).index(name): g.effort for name, g in mechanism.guided().items()},
         held=held,
         load=None if contact.normal is not None else expression(contact.load),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import symengine as se
 
 from stickslip.errors import TracingError
+from stickslip.formulation.guides import own_limits
 from stickslip.formulation.mechanics import Mechanics, Motion
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
@@ -75,7 +76,7 @@ class _Context:
         reactions = {
             name: self.traced(force) for name, force in self.mechanics.reactions(motion).items()
         }
-        own = self.mechanics.mechanism.limits(reactions)
+        own = own_limits(self.mechanics.mechanism, reactions)
         found = {name: expression(margin) for name, margin in own.items()}
         if motion.pivot.free_symbols:
             found[PAINLEVE] = motion.pivot - NEAREST

@@ -13,7 +13,7 @@ from stickslip.maths import Scalar, where
 from stickslip.mechanisms.base import Guide
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["IDLE", "MOTORS", "Motor", "Prescribed", "Torque"]
+__all__ = ["IDLE", "MOTORS", "Motor", "Prescribed", "Torque", "check_motor"]
 
 DRIVE = "motor"
 """Name of the drive that a motor has."""
@@ -97,7 +97,8 @@ class Prescribed(Motor):
     def limits(self, effort: Scalar) -> Mapping[str, Scalar]:
         if self.limit is None:
             return {}
-        return {"motor limit": self.limit * self.limit - effort * effort}
+        share = effort / self.limit
+        return {"motor limit forward": 1.0 - share, "motor limit backward": 1.0 + share}
 
 
 @final
@@ -118,6 +119,18 @@ class Torque(Motor):
     """Torque [N m] or force [N]; none if not given."""
     limit: Annotated[float, Quantity("tau_m", "N m", above=0, or_unit="N")] | None = None
     """Largest torque: beyond it the motor saturates. None if not given."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check that the drive is one, and no motion."""
+        super().__post_init__()
+        given: object = self.drive
+        motion = isinstance(given, Profile)
+        if motion or not isinstance(given, Drive | None):
+            cure = " For a motion write Prescribed(profile=...)." if motion else ""
+            raise ParameterError(
+                f"Torque.drive must be a drive such as Sine(...) or None, got {self.drive!r}.{cure}"
+            )
 
     @override
     def drives(self) -> Mapping[str, Drive]:
@@ -144,6 +157,18 @@ class Torque(Motor):
     @override
     def limits(self, effort: Scalar) -> Mapping[str, Scalar]:
         return {}
+
+
+def check_motor(owner: str, motor: object) -> None:
+    """Refuse what is no motor, and say how what is nearly one is written."""
+    if isinstance(motor, Motor):
+        return
+    cure = ""
+    if isinstance(motor, Profile):
+        cure = " Write Prescribed(profile=...)."
+    elif isinstance(motor, Drive):
+        cure = " Write Torque(drive=...)."
+    raise ParameterError(f"{owner} must be a motor, Prescribed or Torque, got {motor!r}.{cure}")
 
 
 IDLE = Torque()

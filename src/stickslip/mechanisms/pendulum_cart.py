@@ -9,7 +9,7 @@ from typing_extensions import override
 from stickslip.drives import Drive
 from stickslip.maths import Scalar, cos, sin
 from stickslip.mechanisms.base import Contact, Guide, Mechanism
-from stickslip.mechanisms.motors import IDLE, Motor
+from stickslip.mechanisms.motors import IDLE, Motor, check_motor
 from stickslip.quantities import Quantity
 
 __all__ = ["PendulumCart"]
@@ -59,6 +59,12 @@ class PendulumCart(Mechanism):
     """Height of the pivot above the ground; it matters to tipping only."""
     centre_height: Annotated[float, Quantity("h_c", "m", low=0)] = 0.0
     """Height of the cart's centre of mass above the ground; it matters to tipping only."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the parameters and the motor."""
+        super().__post_init__()
+        check_motor("PendulumCart.pendulum", self.pendulum)
 
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
@@ -116,11 +122,9 @@ class PendulumCart(Mechanism):
         found = dict(self.pendulum.limits(forces["theta"]) if "theta" in forces else {})
         if self.wheelbase is not None:
             # the ground's force acts between the wheels, its moment about their middle being "tilt"
-            reach = 0.5 * self.wheelbase * forces["y"]
-            found |= {
-                "tips forward": reach - forces["tilt"],
-                "tips backward": reach + forces["tilt"],
-            }
+            reach, weight = 0.5 * self.wheelbase, self.gravity * (self.cart_mass + self.ball_mass)
+            spare, moment = forces["y"] / weight, forces["tilt"] / (reach * weight)
+            found |= {"tips forward": spare - moment, "tips backward": spare + moment}
         return found
 
 

@@ -24,6 +24,7 @@ class Solver(Parametrised, ABC):
         *,
         y0: Sequence[float],
         t_end: float,
+        told: Sequence[str] = (),
     ) -> Trajectory:
         """Integrate from time 0 to `t_end`.
 
@@ -37,6 +38,8 @@ class Solver(Parametrised, ABC):
             Coordinates, rates and bristle states at time 0.
         t_end : float
             Last time [s].
+        told : sequence of str
+            States that begin where the mechanism says, and with its parameters elsewhere.
         """
 
 

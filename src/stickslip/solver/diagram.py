@@ -20,7 +20,16 @@ from stickslip.mechanisms import Mechanism
 from stickslip.solver.equations import Equations
 from stickslip.solver.tables import gather
 
-__all__ = ["Diagram"]
+__all__ = ["Diagram", "limits_of"]
+
+
+STAND_IN = Coulomb(kinetic_coefficient=0.0)
+"""The law that a mechanism's own equations are formulated with."""
+
+
+def limits_of(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return what ends runs of a mechanism."""
+    return formulate(mechanism, STAND_IN).limits
 
 
 class Lead(NamedTuple):
@@ -57,7 +66,7 @@ class Diagram:
         y0: Sequence[float],
     ) -> Self:
         """Take the mechanism's own equations; any law serves to formulate them."""
-        stand_in = Coulomb(kinetic_coefficient=0.0)
+        stand_in = STAND_IN
         model = formulate(mechanism, stand_in)
         equations = Equations(model, gather(mechanism, stand_in, model, t_end))
         bristles = _bristles(law)

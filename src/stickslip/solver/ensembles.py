@@ -18,7 +18,7 @@ from stickslip.solver.batch import Chunk, Job, run_chunks
 from stickslip.solver.certify import passes
 from stickslip.solver.event_driven import EventDriven, status_of
 from stickslip.solver.outputs import Final, Output, asked, is_gradient, value_of
-from stickslip.solver.starts import narrowest, starts_as_told, starts_within_stops, told_states
+from stickslip.solver.starts import narrowest, starts_as_told, starts_within_stops
 from stickslip.trajectory import Ensemble
 
 __all__ = ["run_ensemble"]
@@ -34,17 +34,18 @@ def run_ensemble(
     varied: Mapping[str, ArrayLike],
     *,
     y0: Sequence[float],
+    told: Sequence[str],
     t_end: float,
     outputs: Sequence[str] | Mapping[str, Output] | None,
     solver: EventDriven,
     executor: Executor | None,
     progress: Callable[[int, int], object] | None,
 ) -> Ensemble:
-    """Run an ensemble; see `stickslip.ensemble`."""
+    """Run an ensemble; see `stickslip.ensemble`, and `told` in `Solver.run`."""
     model = formulate(mechanism, law)
     columns, count = _columns(mechanism, law, model, varied)
     wanted = _outputs(mechanism, law, model, outputs)
-    told = told_states(mechanism, columns, y0)
+    told = tuple(state for state in told if f"initial.{state}" not in columns)
     job = Job(mechanism, law, tuple(y0), t_end, wanted, solver, count, told)
     parts = _Parts(job, model)
 

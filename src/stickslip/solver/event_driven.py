@@ -101,6 +101,7 @@ class EventDriven(Solver):
         *,
         y0: Sequence[float],
         t_end: float,
+        told: Sequence[str] = (),
     ) -> Trajectory:
         if isinstance(law, PrintedForm):
             raise InputError(
@@ -120,7 +121,7 @@ class EventDriven(Solver):
             limit=int(self.max_steps),
             tier=self.tier,
         )
-        run = trajectory_of(mechanism, law, model, inputs, record, tolerance, t_end)
+        run = trajectory_of(mechanism, law, model, inputs, record, tolerance, t_end, told)
         if not self.estimate_error:
             return run
         finer = replace(
@@ -155,6 +156,7 @@ def trajectory_of(
     record: Record,
     tolerance: float,
     t_end: float,
+    told: Sequence[str] = (),
 ) -> Trajectory:
     """Wrap what the kernels recorded."""
     module, whole = record.runner.module, record.whole
@@ -170,7 +172,7 @@ def trajectory_of(
         span=playback.span(),
         evaluate=playback,
         states=model.states,
-        differentiate=Sensing(mechanism, law, inputs, record, t_end),
+        differentiate=Sensing(mechanism, law, inputs, record, t_end, tuple(told)),
     )
 
 

@@ -15,8 +15,8 @@ from stickslip.friction import FrictionLaw, PrintedForm
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.solver.base import Solver, column_units
-from stickslip.solver.diagram import Diagram
-from stickslip.solver.starts import refuse_stops
+from stickslip.solver.diagram import Diagram, limits_of
+from stickslip.solver.starts import refuse_limits, refuse_stops
 from stickslip.trajectory import Certificate, Status, Trajectory
 
 __all__ = ["FixedStep", "Method"]
@@ -35,6 +35,9 @@ TABLEAUS: dict[str, Tableau] = {
     "rk4": (((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0)), (1 / 6, 1 / 3, 1 / 3, 1 / 6)),
 }
 """Runge-Kutta coefficients: rows of stages, then weights."""
+
+NORMAL = -2
+"""Place of the normal force in a sample."""
 
 
 @final
@@ -84,8 +87,10 @@ class FixedStep(Solver):
         *,
         y0: Sequence[float],
         t_end: float,
+        told: Sequence[str] = (),
     ) -> Trajectory:
         refuse_stops(mechanism)
+        refuse_limits(mechanism, limits_of(mechanism))
         diagram = Diagram.build(mechanism, law, t_end, y0)
         if self.dt > t_end:
             raise ParameterError(
@@ -104,6 +109,8 @@ class FixedStep(Solver):
             try:
                 y, held = self._step(diagram, t, following - t, y, held)
                 rows.append(diagram.sample(following, y, held))
+                if rows[-1][NORMAL] < 0.0:
+                    return _trajectory(mechanism, diagram, np.array(rows), Status.LIFT_OFF)
             except (ArithmeticError, ValueError):
                 return _trajectory(mechanism, diagram, np.array(rows), Status.NOT_FINITE)
         return _trajectory(mechanism, diagram, np.array(rows), Status.END_TIME)

@@ -13,7 +13,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import full_path
 from stickslip.solver.execution import Record
 from stickslip.solver.runner import Runner, runner_of
-from stickslip.solver.starts import start_slopes, told_states
+from stickslip.solver.starts import start_slopes
 from stickslip.solver.tables import Inputs, schedule_slopes
 
 __all__ = ["Directions", "Sensing", "directions_of"]
@@ -75,6 +75,8 @@ class Sensing:
     record: Record
     t_end: float
     """End that was asked for."""
+    told: tuple[str, ...]
+    """States that began where the mechanism says."""
 
     def __call__(self, t: Array, paths: Sequence[str]) -> Array:
         """Return sensitivities (n, states, paths) at times (n,)."""
@@ -84,10 +86,7 @@ class Sensing:
         runner = runner_of(model, compiled=bool(self.record.runner.address))
         table = np.array([self.inputs.table])
         module, record = runner.module, self.record
-        first = module.ROW_DENSE + 1
-        y0 = list(record.log[first : first + len(model.states)])
-        told = told_states(self.mechanism, {}, y0)
-        along = directions_of(self.mechanism, self.law, full, {}, table, self.t_end, told)
+        along = directions_of(self.mechanism, self.law, full, {}, table, self.t_end, self.told)
         order = np.argsort(t, kind="stable")
         out = runner.zeros(len(t) * len(model.states) * len(full))
         module.enter_sense(

@@ -7,16 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
+from stickslip.formulation import PAINLEVE
 from stickslip.mechanisms import Mechanism, Stop, stops_of
 from stickslip.quantities import parameters, shadow
 
 __all__ = [
     "narrowest",
+    "refuse_limits",
     "refuse_stops",
     "start_slopes",
     "starts_as_told",
     "starts_within_stops",
-    "told_states",
     "within_stops",
 ]
 
@@ -33,18 +34,6 @@ def _told(mechanism: Mechanism, number: Callable[[str, float], Any]) -> Mapping[
     """Return the states that a mechanism begins with, of which some parameters are other ones."""
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     return shadow(mechanism, "mechanism", lambda path: number(path, values[path])).start()
-
-
-def told_states(
-    mechanism: Mechanism, columns: Mapping[str, Array], y0: Sequence[float]
-) -> tuple[str, ...]:
-    """Return the states that begin where the mechanism says, and not where `columns` or `y0` do."""
-    states = [*mechanism.coordinates, *mechanism.rates]
-    return tuple(
-        state
-        for state, value in mechanism.start().items()
-        if f"initial.{state}" not in columns and y0[states.index(state)] == value
-    )
 
 
 def starts_as_told(
@@ -150,6 +139,20 @@ def narrowest(mechanism: Mechanism, columns: Mapping[str, Array]) -> set[int]:
         for side in ("lower", "upper")
     )
     return {int(np.argmin(upper[q] - lower[q])) for q in lower.keys() & upper.keys()}
+
+
+def refuse_limits(mechanism: Mechanism, limits: Sequence[str]) -> None:
+    """Raise if a mechanism has limits, or a normal force that depends on friction."""
+    if PAINLEVE in limits:
+        raise InputError(
+            f"FixedStep takes the normal force without friction, and that of this"
+            f" {type(mechanism).__name__} depends on friction: run it with EventDriven()."
+        )
+    if limits:
+        raise InputError(
+            f"FixedStep knows no limits, and this {type(mechanism).__name__} has some"
+            f" ({', '.join(limits)}): run it with EventDriven(), or without them."
+        )
 
 
 def refuse_stops(mechanism: Mechanism) -> None:

@@ -23,6 +23,8 @@ __all__ = ["Inputs", "Schedule", "gather", "schedule", "schedule_slopes", "value
 IMAGINARY = 1e-30
 """A part so small that what it does is a derivative, exact but for rounding."""
 
+ALIKE = 1e-9
+"""Share of a start's derivative within which another one is the same."""
 SHORTEST = 8
 """Units in the last place of the time that a piece must last; what a shorter one does is a jump."""
 
@@ -172,7 +174,8 @@ def _moved_starts(
         for j in range(table.shape[1]):
             own = table[:, j : j + 1]
             here = begins == own.real
-            apart |= here & seen & (starts.imag != own.imag)
+            moved = np.abs(starts.imag - own.imag) > ALIKE * np.abs(own.imag)
+            apart |= here & seen & moved
             starts += np.where(here & ~seen, 1j * own.imag, 0.0)
             seen |= here
     return starts, apart
@@ -189,11 +192,10 @@ def _parts(drive: Drive) -> Iterator[Drive]:
 
 def _columns(pieces: Sequence[Piece], count: int) -> NDArray[Any]:
     """Return starts, values and slopes (3, 1 or count, pieces); one row where all are the same."""
-    try:
+    if not any(np.ndim(number) for piece in pieces for number in piece):
         return np.array(pieces, dtype=np.float64).reshape(1, -1, 3).transpose(2, 0, 1)
-    except (TypeError, ValueError):  # some numbers are arrays
-        columns = [[np.broadcast_to(number, count) for number in piece] for piece in pieces]
-        return np.array(columns).transpose(1, 2, 0)
+    columns = [[np.broadcast_to(number, count) for number in piece] for piece in pieces]
+    return np.array(columns).transpose(1, 2, 0)
 
 
 def _starts(tables: Sequence[Array], count: int) -> Array:

@@ -1,0 +1,84 @@
+"""Coordinates that do not move freely: those that drives guide, and those held at 0."""
+
+from collections.abc import Mapping, Sequence
+
+import symengine as se
+
+from stickslip.errors import InputError
+from stickslip.mechanisms import Contact, Guide, Mechanism, stops_of
+
+__all__ = ["guides_of", "held_of", "own_limits"]
+
+TAKEN = ("t", "friction", "normal_force", "mode")
+"""Columns that every run has."""
+RESERVED = ("lift-off", "painleve")
+"""Limits that the solver knows itself."""
+
+
+def held_of(mechanism: Mechanism, contact: Contact) -> tuple[str, ...]:
+    """Return the coordinates held at 0, the contact's normal one first."""
+    held = (*(() if contact.normal is None else (contact.normal,)), *mechanism.held())
+    for name in held:
+        if name in mechanism.coordinates or held.count(name) > 1:
+            raise InputError(
+                f"{type(mechanism).__name__} holds {name!r} at 0, which moves or is held twice:"
+                " held coordinates have names of their own."
+            )
+    return held
+
+
+def guides_of(
+    mechanism: Mechanism, contact: Contact, drives: Mapping[str, se.Symbol]
+) -> dict[int, se.Expr]:
+    """Return the accelerations of guided coordinates by index."""
+    found = {}
+    for name, guide in mechanism.guided().items():
+        wrong = _fault(mechanism, contact, name, guide, list(drives))
+        if wrong:
+            raise InputError(f"{type(mechanism).__name__}: {wrong}")
+        found[mechanism.coordinates.index(name)] = drives[guide.drive]
+    return found
+
+
+def _fault(
+    mechanism: Mechanism, contact: Contact, name: str, guide: object, drives: Sequence[str]
+) -> str:
+    """Return why a coordinate cannot be guided so, or nothing."""
+    if name == contact.slip:
+        return f"{name} is the coordinate that slips, whose motion cannot be prescribed."
+    others = [one for one in mechanism.coordinates if one != contact.slip]
+    if name not in others or not isinstance(guide, Guide) or guide.drive not in drives:
+        return (
+            f"{name!r} is guided by {guide!r}; it must be one of {', '.join(others) or 'none'},"
+            f" by a Guide(...) that names one of the drives {', '.join(drives) or '(none)'}."
+        )
+    if name in {stop.coordinate for stop in stops_of(mechanism)}:
+        return (
+            f"the motion of {name} is prescribed, so that no hard stop can hold it. Leave the stops"
+            " out, or drive it by a force."
+        )
+    if guide.effort in (*mechanism.coordinates, *mechanism.rates, *TAKEN):
+        return (
+            f"the effort on {name} is called {guide.effort!r}, as another column of runs is: give"
+            " it a name of its own."
+        )
+    return ""
+
+
+def own_limits(mechanism: Mechanism, forces: Mapping[str, object]) -> Mapping[str, object]:
+    """Return the limits that a mechanism has of its own."""
+    owner = type(mechanism).__name__
+    try:
+        limits = mechanism.limits(forces)
+    except KeyError as error:
+        raise InputError(
+            f"{owner}.limits asks for the force {error.args[0]!r}; there are"
+            f" {', '.join(forces) or 'none'}."
+        ) from None
+    for name in RESERVED:
+        if name in limits:
+            raise InputError(
+                f"{owner} has a limit {name!r}, which the solver knows itself: give it a name of"
+                " its own."
+            )
+    return limits
