@@ -57,6 +57,13 @@ def test_json_is_one_document_and_nothing_is_written(run):
     assert list(Path().iterdir()) == []
 
 
+def test_kinds_are_called_as_in_rig_files_too(run):
+    ask = (*LIMITS, "--evaluations", "1", "--json")
+    documents = [json.loads(run(*ask, "--kind", kind)[1]) for kind in ("sine", "sine-swing")]
+    assert documents[0] == documents[1]
+    assert documents[0]["kind"] == "sine"
+
+
 def test_an_interval_takes_paths_and_two_ends(run):
     given = "friction.kinetic_coefficient=0.19..0.21"
     code, out, _ = run(*LIMITS, *QUICK, "--interval", given, "--json")

@@ -17,9 +17,13 @@ from stickslip import (
     optimise_profile,
     simulate,
 )
+from stickslip.drives.registry import PROFILES
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
-from stickslip.optimisation import measure
-from stickslip.optimisation.spaces import KINDS, space_of
+from stickslip.optimisation import GOALS, Margin, measure
+from stickslip.optimisation.optimise import MOST_POLISHED
+from stickslip.optimisation.problem import FINER, Problem
+from stickslip.optimisation.scenarios import scenarios_of
+from stickslip.optimisation.spaces import KINDS, kind_of, space_of
 
 SMALL = 60
 """Motions that a search tries here."""
@@ -201,11 +205,83 @@ def test_limits_that_no_motion_keeps_are_said_to_be_so(cart, law):
         ({"scenarios": []}, "at least one"),
         ({"seed": -1}, "at least 0"),
         ({"evaluations": 0}, "at least 1"),
+        ({"kind": 3}, "kind must be one of three-phase"),
+        ({"state": 3}, "state must be the path of a file, got 3"),
+        ({"watch": 3}, "watch must be callable"),
     ],
 )
 def test_bad_arguments_are_told_with_a_cure(capsule, law, change, message):
     with pytest.raises((InputError, UnknownNameError), match=message):
         optimise_profile(capsule, law, limits=CAPSULE_LIMITS, **change)
+
+
+def test_what_is_no_law_is_refused(capsule):
+    with pytest.raises(InputError, match="law must be a friction law"):
+        optimise_profile(capsule, None, limits=CAPSULE_LIMITS)
+
+
+def test_a_state_that_cannot_be_written_is_refused_before_anything_is_run(
+    capsule, law, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("stickslip.optimisation.problem.measure", None)  # would be no InputError
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be written"):
+        optimise_profile(capsule, law, limits=CAPSULE_LIMITS, state=tmp_path / "file" / "s.json")
+
+
+def test_kinds_have_the_names_of_rig_files_too():
+    assert {kind_of(kind) for kind in PROFILES} == set(KINDS)
+    assert [kind_of(kind) for kind in KINDS] == list(KINDS)
+
+
+@pytest.mark.parametrize(
+    ("name", "allowed", "beyond"),
+    [
+        ("position", 0.01, 0.01 + 2.3e-16),
+        ("rate", 12.0, 12.0 * (1.0 + 0.9e-9)),
+        ("load_share", 0.1, 0.1 * (1.0 - 0.9e-9)),
+        ("back_slip", 0.0, 0.9e-12),
+    ],
+)
+def test_a_limit_that_is_just_reached_is_not_broken_by_rounding(name, allowed, beyond):
+    def margin(reached):
+        return Margin(name=name, allowed=allowed, reached=reached, unit="")
+
+    assert margin(allowed).margin == margin(beyond).margin == 0.0
+    assert margin(beyond).share == 0.0
+    # a millionth is no rounding any more
+    assert margin(allowed + math.copysign(1e-6, beyond - allowed)).margin < 0.0
+
+
+def test_a_start_that_reaches_its_limit_exactly_keeps_it(capsule, law):
+    amplitude = capsule.drive.profile.amplitude
+    limits = Limits(position=amplitude, rate=0.8, effort=20.0)
+    problem = Problem(
+        mechanism=capsule,
+        scenarios=scenarios_of(capsule, law, None, None, 0.05, 5),
+        goal=GOALS["travel"],
+        limits=limits,
+    )
+    judged = problem.judge(capsule.drive.profile, samples=FINER)
+    assert judged.margins[0].reached == pytest.approx(amplitude, rel=1e-9)
+    assert judged.feasible
+
+
+def test_evaluations_bound_and_count_the_motions_that_are_tried(capsule, law, monkeypatch):
+    tried, judge = [], Problem.judge
+
+    def counting(self, profile, **settings):
+        tried.append(profile)
+        return judge(self, profile, **settings)
+
+    monkeypatch.setattr(Problem, "judge", counting)
+    # the slopes of the work are differences, whose motions count as well
+    found = optimise_profile(capsule, law, limits=CAPSULE_LIMITS, goal="economy", evaluations=5)
+    finely = len(tried) - found.evaluations
+    # looked at once more, more finely: the start, the best of the search, the ends of the polishes
+    assert 2 <= finely <= 2 + MOST_POLISHED
+    generation = 8 + int(3.0 * math.log(3))
+    assert found.evaluations <= 1 + generation + (1 + MOST_POLISHED) * 80 * (3 + 1)
 
 
 def test_sine_on_level_ground_brings_nothing_and_is_still_an_answer(cart, law):

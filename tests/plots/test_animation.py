@@ -17,6 +17,7 @@ from stickslip import (
     Axis,
     Capsule,
     Coulomb,
+    FixedStep,
     Pendulum,
     PendulumCart,
     Prescribed,
@@ -308,6 +309,13 @@ def test_a_mechanism_without_a_scene_has_a_bar_for_each_state(runs):
         ("cart.gif", {"speed": 1e-4}, "raise `speed`"),
         ("cart.gif", {"until": 99.0}, "until must lie between"),
         ("cart.gif", {"size": (20, 20)}, "size must be at least 200"),
+        ("cart.gif", {"size": 400}, "size must be .width, height."),
+        ("cart.gif", {"size": ("wide", 400)}, "size: width must be a finite number"),
+        ("cart.gif", {"fps": "25"}, "fps must be a finite number, got '25'"),
+        ("cart.gif", {"speed": None}, "speed must be a finite number"),
+        ("cart.gif", {"dpi": "high"}, "dpi must be a finite number"),
+        ("cart.gif", {"until": "end"}, "until must be a finite number"),
+        ("cart.gif", {"scene": "cart"}, "scene must be a function"),
         ("no/folder/cart.gif", {"until": 0.1, "size": SMALL}, "cannot be written"),
     ],
 )
@@ -315,6 +323,35 @@ def test_what_cannot_be_drawn_is_refused(name, settings, words, runs, tmp_path):
     with pytest.raises(InputError, match=words):
         animate(runs["pendulum-cart"], CASES["pendulum-cart"][0], tmp_path / name, **settings)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_path_is_a_text_or_a_path(runs):
+    with pytest.raises(InputError, match="path must be the name of a file"):
+        animate(runs["pendulum"], CASES["pendulum"][0], 3)
+
+
+def test_a_run_of_another_mechanism_is_refused(runs, tmp_path):
+    run, other = runs["pendulum-cart"], CASES["capsule"][0]
+    words = "not one of Capsule, whose states are .*xi"
+    with pytest.raises(InputError, match=words):
+        animate(run, other, tmp_path / "cart.gif")
+    with pytest.raises(InputError, match=words):
+        draw_scene(run, other, 0.1)
+    with pytest.raises(InputError, match="run must be a Trajectory"):
+        draw_scene(None, other, 0.1)
+    with pytest.raises(InputError, match="mechanism must be a Mechanism"):
+        draw_scene(run, None, 0.1)
+    with pytest.raises(InputError, match="t must be a finite number"):
+        draw_scene(run, CASES["pendulum-cart"][0], "late")
+
+
+def test_runs_in_fixed_steps_are_drawn_too():
+    clock = CASES["pendulum"][0]
+    start = {"theta": 0.5}
+    run = simulate(
+        clock, Coulomb(kinetic_coefficient=0.02), t_end=1.0, y0=start, solver=FixedStep(dt=0.01)
+    )
+    assert "<svg" in standalone_svg(draw_scene(run, clock, 0.5), size=(880, 400))
 
 
 def test_without_ffmpeg_an_mp4_is_refused_with_the_cure(runs, tmp_path, monkeypatch):

@@ -217,6 +217,68 @@ def test_following_goes_on_where_the_last_run_ended():
     np.testing.assert_array_equal(fixed.samples[0], fixed.samples[1])
 
 
+def swinging_cart(amplitude):
+    swing = ThreePhase(amplitude=amplitude, fast=120.0, slow=30.0)
+    return PendulumCart(
+        cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing)
+    )
+
+
+@pytest.mark.parametrize("follow", [False, True])
+def test_a_varied_swing_begins_where_its_own_profile_does(follow):
+    law, amplitudes = Coulomb(kinetic_coefficient=0.2), [0.6, 0.785]
+    path = "mechanism.pendulum.profile.amplitude"
+    settings = {"keep": 2, "settle": 4, "follow": follow, "solver": PLAIN}
+    places = bifurcation(swinging_cart(0.7), law, path, amplitudes, state="theta", **settings)
+    found = bifurcation(swinging_cart(0.7), law, path, amplitudes, state="v", **settings)
+    for row, amplitude in enumerate(amplitudes):
+        cart = swinging_cart(amplitude)
+        cycle = cycle_of(cart)
+        run = simulate(cart, law, t_end=6 * cycle).at([5 * cycle, 6 * cycle])
+        # the switching times are sums of the same numbers in another order
+        np.testing.assert_allclose(places.samples[row, 0], -amplitude, rtol=1e-9)
+        # four cycles are enough for a followed motion to forget where it came from
+        np.testing.assert_allclose(found.samples[row, 0], run["v"], rtol=1e-6)
+
+
+def test_events_of_a_followed_swing_are_those_of_a_run_of_its_own():
+    law, settings = Coulomb(kinetic_coefficient=0.2), {"sample": "stop", "keep": 2, "t_end": 2.0}
+    found = bifurcation(
+        swinging_cart(0.7), law, "amplitude", [0.6, 0.785], state="theta", solver=PLAIN, **settings
+    )
+    for row, amplitude in enumerate([0.6, 0.785]):
+        cart = swinging_cart(amplitude)
+        cycle = cycle_of(cart)
+        run = simulate(cart, law, t_end=math.ceil(2.0 / cycle) * cycle)
+        stops = [event.t for event in run.events if event.reason == "stop"][-2:]
+        # after so many cycles the start is forgotten, and stops repeat themselves
+        np.testing.assert_allclose(found.samples[row, 0], run.at(stops)["theta"], rtol=1e-6)
+
+
+def test_a_prescribed_place_that_starts_give_is_kept_when_following():
+    law, path = Coulomb(kinetic_coefficient=0.2), "mechanism.pendulum.profile.amplitude"
+    found = bifurcation(
+        swinging_cart(0.7), law, path, [0.6, 0.65], state="theta", keep=2, settle=0,
+        starts=[{"theta": 0.1}], solver=PLAIN,
+    )  # fmt: skip
+    # whole cycles of a profile end where they began; rounding only
+    np.testing.assert_allclose(found.samples[:, 0], 0.1, rtol=1e-9)
+
+
+def test_mean_velocity_over_amplitudes_is_that_of_runs_of_their_own():
+    law = Coulomb(kinetic_coefficient=0.2)
+    path, amplitudes = "mechanism.pendulum.profile.amplitude", [0.6, 0.785]
+    found = average_velocity(
+        swinging_cart(0.7), law, {path: amplitudes}, settle=4, cycles=2, solver=PLAIN
+    )
+    for velocity, amplitude in zip(found.velocity, amplitudes, strict=True):
+        cart = swinging_cart(amplitude)
+        cycle = cycle_of(cart)
+        x = simulate(cart, law, t_end=6 * cycle).at([4 * cycle, 6 * cycle])["x"]
+        # the runs share an end, a little later for the shorter cycle, when they have settled
+        assert velocity == pytest.approx((x[1] - x[0]) / (2 * cycle), rel=1e-6)
+
+
 def test_events_of_a_followed_towed_block_are_those_of_one_long_run():
     block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
     law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
@@ -303,6 +365,35 @@ def test_wrong_counts_are_refused():
         basins(axis, law, {"x": [0.0]})
     with pytest.raises(InputError, match="array"):
         average_velocity(axis, law, {"frequency": "fast"})
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"cycles": "a"}, "cycles must be a whole number .* got 'a'"),
+        ({"cycles": math.nan}, "cycles must be a whole number .* got nan"),
+        ({"settle": None}, "settle must be a whole number .* got None"),
+        ({"settle": 10**9}, "settle must be a whole number of 0 to 1000000"),
+        ({"settle": 400_000}, "400020 cycles are too many"),
+    ],
+)
+def test_cycles_that_cannot_be_run_are_refused_before_anything_is(settings, words, monkeypatch):
+    monkeypatch.setattr("stickslip.sweep.average.ensemble", None)  # would be no InputError
+    with pytest.raises(InputError, match=words):
+        average_velocity(
+            swinging_cart(0.7), Coulomb(kinetic_coefficient=0.2), {"fast": [120.0]}, **settings
+        )
+
+
+def test_what_is_no_law_is_refused_by_each_campaign():
+    axis = Axis(inertia=1.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    for campaign in (
+        lambda: average_velocity(axis, None, {"frequency": [1.0]}),
+        lambda: bifurcation(axis, None, "frequency", [1.0], state="x"),
+        lambda: basins(axis, None, {"x": [0.0], "v": [0.0]}),
+    ):
+        with pytest.raises(InputError, match="law must be a friction law"):
+            campaign()
 
 
 def test_results_are_frozen():

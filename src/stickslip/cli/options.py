@@ -152,7 +152,10 @@ Jobs = Annotated[
 
 Goal = Annotated[str, typer.Option("--goal", help="travel (per cycle), speed or economy (per J).")]
 Kind = Annotated[
-    str, typer.Option("--kind", help="Kind of motion: three-phase, seven-step, sine or spline.")
+    str,
+    typer.Option(
+        "--kind", help="Kind of motion: three-phase, seven-step, sine(-swing) or spline(-swing)."
+    ),
 ]
 Position = Annotated[
     str,
@@ -180,7 +183,13 @@ Interval = Annotated[
     ),
 ]
 Evaluations = Annotated[
-    int, typer.Option("--evaluations", min=1, help="Motions that each search tries.")
+    int,
+    typer.Option(
+        "--evaluations",
+        min=1,
+        help="Motions that each search tries; each of its up to three polishes at most six"
+        " times as many, or 80 (n + 1) for the n numbers of a motion: 320 for three-phase.",
+    ),
 ]
 Knots = Annotated[int, typer.Option("--knots", help="Positions of a spline.")]
 Resume = Annotated[

@@ -9,6 +9,8 @@ __all__ = ["UNIT_OF_BACK_SLIP", "Limits", "Margin"]
 
 UNIT_OF_BACK_SLIP = 1e-3
 """What counts as one unit of violation where no back-slip at all is allowed [m]."""
+ROUNDING = 1e-9
+"""Share of a limit by which it may be exceeded: a motion that just reaches it is rounded."""
 
 
 @final
@@ -63,6 +65,8 @@ class Margin:
     --------
     >>> Margin(name="rate", allowed=12.0, reached=11.5, unit="rad/s").margin
     0.5
+    >>> Margin(name="position", allowed=0.01, reached=0.010000000000000231, unit="m").margin
+    0.0
     """
 
     name: str
@@ -76,9 +80,12 @@ class Margin:
 
     @property
     def margin(self) -> float:
-        """What is left [unit]; below 0 where the limit is broken."""
+        """What is left [unit]; below 0 where the limit is broken, by more than rounding."""
         left = self.allowed - self.reached
-        return -left if self.name == "load_share" else left
+        if self.name == "load_share":
+            left = -left
+        allowance = ROUNDING * (self.allowed or UNIT_OF_BACK_SLIP)
+        return 0.0 if -allowance <= left < 0.0 else left
 
     @property
     def share(self) -> float:

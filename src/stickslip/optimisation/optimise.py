@@ -19,7 +19,7 @@ from stickslip.optimisation.polish import polish
 from stickslip.optimisation.problem import FINER, GOALS, Judged, Problem
 from stickslip.optimisation.scenarios import scenarios_of
 from stickslip.optimisation.search import Told, search
-from stickslip.optimisation.spaces import KINDS, Space, space_of
+from stickslip.optimisation.spaces import Space, kind_of, space_of
 from stickslip.optimisation.states import Memory
 from stickslip.quantities import named
 from stickslip.simulation import simulate
@@ -31,6 +31,10 @@ Array = NDArray[np.float64]
 REFERENCE = "three-phase"
 MOST_POLISHED = 2
 """Ends of laps that are polished, the best first."""
+POLISH = 6
+"""Motions that a polish may try, over those of a search: splines with many knots need that many."""
+LEAST_ROUNDS = 40
+"""Rounds that a polish may take however few motions a search tries: with fewer it gets nowhere."""
 
 
 def optimise_profile(
@@ -69,7 +73,7 @@ def optimise_profile(
     goal : {"travel", "speed", "economy"}
         Travel per cycle [m], mean speed [m/s], or travel per positive work of the motor [m/J].
     kind : {"three-phase", "seven-step", "sine", "spline"}
-        Kind of motion.
+        Kind of motion; ``"sine-swing"`` and ``"spline-swing"``, as in rig files, will do too.
     interval : mapping, optional
         Lowest and highest value of parameters by path, such as
         ``{"friction.kinetic_coefficient": (0.15, 0.25)}``: the goal is the worst case, and the
@@ -84,7 +88,12 @@ def optimise_profile(
     knots : int
         Positions of a spline, 4 to 60.
     evaluations : int
-        Motions that each of the two searches tries, or somewhat more.
+        Motions that the evolution strategy tries, rounded up to whole generations. The polish comes
+        on top: of the start, and of the ends of the best two laps, each time by at most six times
+        as many motions, or 80 (n + 1) if that is more, for the slopes by the n numbers of a motion
+        (3 of a three-phase, 5 of a seven-step and 2 of a sine motion, knots + 1 of a spline).
+        Another kind than ``"three-phase"`` takes all this for both kinds. `Optimum.evaluations` is
+        the number of all that were tried.
     seed : int
         Of the random numbers: the same seed gives the same result.
     state : path, optional
@@ -122,17 +131,19 @@ def optimise_profile(
     (True, True)
     """
     plan = _plan(mechanism, limits, evaluations, seed)
+    _check(law, watch)
     problem = Problem(
         mechanism=plan.mechanism,
         scenarios=scenarios_of(plan.mechanism, law, interval, scenarios, quantile, points),
         goal=named(GOALS, goal, "goal"),
         limits=plan.limits,
     )
-    named(KINDS, kind, "kind of motion")
+    kind = kind_of(kind)
     space = space_of(kind, plan.limits, knots)
     subject = repr((problem, plan, law, space, _versions()))
+    memory = Memory(state, subject)  # a file that cannot be used is told before anything runs
     start = problem.judge(plan.profile, samples=FINER)
-    work = _Work(problem=problem, plan=plan, memory=Memory(state, subject), watch=watch)
+    work = _Work(problem=problem, plan=plan, memory=memory, watch=watch)
     reference = work.best_of(space_of(REFERENCE, plan.limits, knots), plan.profile, start)
     best = reference
     if kind != REFERENCE:
@@ -228,6 +239,16 @@ def _plan(mechanism: Mechanism, limits: Limits, evaluations: int, seed: int) -> 
     )
 
 
+def _check(law: object, watch: object) -> None:
+    if not isinstance(law, FrictionLaw):
+        raise InputError(f"law must be a friction law such as Coulomb, got {law!r}.")
+    if watch is not None and not callable(watch):
+        raise InputError(
+            "watch must be callable with the search, the motions tried and in all, and the best"
+            f" goal, got {watch!r}."
+        )
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
 class _Best:
@@ -275,7 +296,9 @@ class _Work:
             if rank == 0:
                 known.append((self._finely(space, point), False))
             if not found.cancelled:
-                finer, more = polish(inner, space, point, watch=self.watch)
+                finer, more = polish(
+                    inner, space, point, budget=self._polish(space), watch=self.watch
+                )
                 count += more
                 if finer is not None:
                     known.append((self._finely(space, finer), True))
@@ -290,8 +313,12 @@ class _Work:
         point = space.place(first)
         if point is None:
             return None, 0
-        better, count = polish(problem, space, point, watch=self.watch)
+        better, count = polish(problem, space, point, budget=self._polish(space), watch=self.watch)
         return (point if better is None else better), count
+
+    def _polish(self, space: Space) -> int:
+        """Return the motions that one polish may try: a round takes differences both ways."""
+        return max(POLISH * self.plan.evaluations, LEAST_ROUNDS * (2 * space.size + 2))
 
     def _finely(self, space: Space, point: Array) -> Judged:
         return self.problem.judge(space.profile(point), samples=FINER)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,8 @@ from stickslip.optimisation.spaces import Space
 __all__ = ["goal_gradient", "polish", "travel_gradient"]
 
 Array = NDArray[np.float64]
+At: TypeAlias = Callable[[Array], Judged | None]
+"""Runs the motion at a point."""
 
 NUDGE = 1e-4
 """Half width of differences in the cube."""
@@ -36,10 +38,13 @@ LAST = 1e-12
 
 
 def polish(
-    problem: Problem, space: Space, start: Array, *, watch: Told | None = None
+    problem: Problem, space: Space, start: Array, *, budget: int, watch: Told | None = None
 ) -> tuple[Array | None, int]:
-    """Improve a point; return the best within limits, if one was met, and the motions tried."""
-    steps = _Steps(problem, space, watch)
+    """Improve a point; return the best within limits, if one was met, and the motions tried.
+
+    These are no more than the budget, slopes by differences included.
+    """
+    steps = _Steps(problem, space, budget, watch)
     first = steps.at(start)
     if first is None or not first.margins:
         return None, steps.evaluations
@@ -64,7 +69,7 @@ def polish(
 
 
 class _EndedError(Exception):
-    """Somebody wants the best so far."""
+    """Somebody wants the best so far, or the budget is used up."""
 
 
 @final
@@ -74,6 +79,7 @@ class _Steps:
 
     problem: Problem
     space: Space
+    budget: int
     watch: Told | None
     known: dict[bytes, Judged | None] = field(default_factory=dict)
     count: int = 0
@@ -91,6 +97,8 @@ class _Steps:
         u = np.clip(u, 0.0, 1.0)
         key = u.tobytes()
         if key not in self.known:
+            if self.evaluations >= self.budget:
+                raise _EndedError
             judged = judged_at(self.problem, self.space, u)
             self.known[key] = judged
             if judged is not None and judged.feasible and judged.value > self.top:
@@ -147,14 +155,13 @@ class _Steps:
         return np.asarray(np.clip(found.x, 0.0, 1.0))
 
     def goal(self, u: Array) -> float:
-        judged = self.at(u)
-        return 0.0 if judged is None else judged.value
+        return _value(self.at(u))
 
     def slope(self, u: Array) -> Array:
         judged = self.at(u)
         if judged is None or not judged.margins:
             return np.zeros(self.space.size)
-        return goal_gradient(self.problem, self.space, np.clip(u, 0.0, 1.0), judged, self.goal)
+        return goal_gradient(self.problem, self.space, np.clip(u, 0.0, 1.0), judged, self.at)
 
     def left(self, u: Array) -> Array:
         """Return what is left of each limit, in each stretch and scenario, as a share of it."""
@@ -188,24 +195,30 @@ def _differences(function: Any, u: Array, nudge: float) -> Array:
 
 
 def goal_gradient(
-    problem: Problem, space: Space, u: Array, judged: Judged, goal: Any = None
+    problem: Problem, space: Space, u: Array, judged: Judged, at: At | None = None
 ) -> Array:
     """Return the slopes of the goal in the cube (size,).
 
     Travel and period come from the sensitivities of the runs and from the profile; the work of the
-    motor, and all of it where a kind of motion has no sensitivities, from differences.
+    motor, and all of it where a kind of motion has no sensitivities, from differences, whose
+    motions `at` runs, so that they are counted.
     """
+    seen: At = (lambda v: judged_at(problem, space, v)) if at is None else at
     if not space.paths(u):
-        return _differences(goal, u, NUDGE)
+        return _differences(lambda v: _value(seen(v)), u, NUDGE)
     values = problem.values(judged.cycles)
     weights = problem.scenarios.weights(values)
     found = np.zeros(space.size)
     for k in np.flatnonzero(weights):
-        found += weights[k] * _slope_of(problem, space, u, judged.cycles[k], int(k))
+        found += weights[k] * _slope_of(problem, space, u, judged.cycles[k], int(k), seen)
     return found
 
 
-def _slope_of(problem: Problem, space: Space, u: Array, cycle: Cycle, k: int) -> Array:
+def _value(judged: Judged | None) -> float:
+    return 0.0 if judged is None else judged.value
+
+
+def _slope_of(problem: Problem, space: Space, u: Array, cycle: Cycle, k: int, at: At) -> Array:
     """Return the slopes of the goal of one scenario."""
     travel = travel_gradient(problem, space, u, cycle)
     if problem.goal.name == "travel":
@@ -215,7 +228,7 @@ def _slope_of(problem: Problem, space: Space, u: Array, cycle: Cycle, k: int) ->
         return (travel - cycle.travel / cycle.period * period) / cycle.period
 
     def work(v: Array) -> float:
-        judged = judged_at(problem, space, v)
+        judged = at(v)
         return cycle.work if judged is None or not judged.margins else judged.cycles[k].work
 
     slope = _differences(work, u, NUDGE)

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.drives import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase
-from stickslip.errors import ParameterError
+from stickslip.errors import InputError, ParameterError
 from stickslip.optimisation.limits import Limits
-from stickslip.quantities import fields_of
+from stickslip.quantities import fields_of, named
 
-__all__ = ["KINDS", "Space", "space_of"]
+__all__ = ["KINDS", "Space", "kind_of", "space_of"]
 
 Array = NDArray[np.float64]
 
@@ -263,6 +263,23 @@ KINDS: Mapping[str, type[Space]] = {
     space.kind: space for space in (ThreePhases, SevenSteps, Sines, Splines)
 }
 """The kinds of motion by name."""
+TYPES: Mapping[str, str] = {"sine-swing": Sines.kind, "spline-swing": Splines.kind}
+"""The names that kinds have as the ``type`` of a profile in a rig file, where they differ."""
+
+
+def kind_of(name: str) -> str:
+    """Return the name of a kind, which may be given as rig files have it.
+
+    Examples
+    --------
+    >>> kind_of("spline-swing"), kind_of("spline")
+    ('spline', 'spline')
+    """
+    if not isinstance(name, str):
+        raise InputError(f"kind must be one of {', '.join(KINDS)}, got {name!r}.")
+    kind = TYPES.get(name, name)
+    named(KINDS, kind, "kind of motion")
+    return kind
 
 
 def space_of(kind: str, limits: Limits, knots: int) -> Space:

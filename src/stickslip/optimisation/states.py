@@ -35,11 +35,15 @@ class Memory:
     """
 
     def __init__(self, path: str | Path | None, subject: str) -> None:
+        if not (path is None or isinstance(path, (str, os.PathLike))):
+            raise InputError(f"state must be the path of a file, got {path!r}.")
         self.path = None if path is None else Path(path)
         self.digest = hashlib.sha256(subject.encode()).hexdigest()
         self.searches: dict[str, list[list[Row]]] = {}
         if self.path is not None and self.path.exists():
             self.searches = self._read(self.path)
+        if self.path is not None:
+            _refuse_unwritable(self.path)
 
     def recall(self, search: str, generation: int) -> list[Row] | None:
         """Return what came of a generation, if that is known."""
@@ -75,6 +79,16 @@ class Memory:
                 " number of evaluations, or version): ask for the same again, or name another file."
             )
         return found
+
+
+def _refuse_unwritable(path: Path) -> None:
+    """Say at once what writing would only say after the first generation."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise InputError(f"{path} cannot be written: {error.strerror}.") from error
 
 
 def _write(path: Path, text: str) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism
+from stickslip.plots.checking import check_scene, check_size, file_of, number
 from stickslip.plots.encoding import ENCODERS, Encoder, encoder_of
 from stickslip.plots.scenes.shapes import Scene
 from stickslip.plots.series import horizon
@@ -53,6 +54,11 @@ def draw_scene(
     callable
         Draws it, as `stickslip.plots.save` and `standalone_svg` take it.
 
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or the run is not one of the mechanism.
+
     Examples
     --------
     >>> from stickslip import Coulomb, SpringBlock, simulate
@@ -62,6 +68,8 @@ def draw_scene(
     >>> "slip forward" in standalone_svg(draw_scene(run, rig, 0.1), size=(880, 400))
     True
     """
+    check_scene(run, mechanism, scene)
+    number("t", t)
     first, last = run.span
     if not first <= t <= last:
         raise InputError(f"t must lie between {first:g} and {last:g} s, got {t:g} s.")
@@ -124,7 +132,8 @@ def animate(
     Raises
     ------
     InputError
-        If an argument cannot be used, or there is no ``ffmpeg``.
+        If an argument cannot be used, the run is not one of the mechanism, or there is no
+        ``ffmpeg``.
 
     Examples
     --------
@@ -133,7 +142,8 @@ def animate(
     >>> run = simulate(clock, Coulomb(kinetic_coefficient=0.02), t_end=2.0, y0={"theta": 0.5})
     >>> path = animate(run, clock, "clock.gif", fps=5, size=(600, 520))  # doctest: +SKIP
     """
-    path = Path(path)
+    check_scene(run, mechanism, scene)
+    path = file_of(path)
     encoder = encoder_of(path)
     _check(encoder, fps=fps, size=size, dpi=dpi)
     times = frame_times(run, mechanism, fps=fps, speed=speed, until=until)
@@ -173,8 +183,12 @@ def frame_times(
     >>> frame_times(run, clock, fps=4.0, speed=0.5).size
     17
     """
+    check_scene(run, mechanism)
+    number("fps", fps)
+    number("speed", speed)
     first, last = run.span
     if until is not None:
+        number("until", until)
         if not first < until <= last:
             raise InputError(f"until must lie between {first:g} and {last:g} s, got {until:g} s.")
         last = until
@@ -242,6 +256,9 @@ def _digits(times: NDArray[np.float64]) -> int:
 
 
 def _check(encoder: Encoder, *, fps: float, size: Size, dpi: float) -> None:
+    number("fps", fps)
+    number("dpi", dpi)
+    check_size(size)
     if encoder is ENCODERS[".gif"] and fps > FASTEST:
         raise InputError(
             f"a GIF shows at most {FASTEST:g} frames a second, got fps={fps:g}; write an .mp4."

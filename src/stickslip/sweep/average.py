@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.simulation import ensemble
+from stickslip.simulation import check_pair, ensemble
 from stickslip.solver import EventDriven, Mean, Output
 from stickslip.sweep.cycles import slip_names
 from stickslip.sweep.grids import (
@@ -25,6 +25,7 @@ from stickslip.sweep.grids import (
     near,
     product,
     unit_of,
+    whole_run,
 )
 from stickslip.trajectory import Ensemble, Status
 
@@ -154,7 +155,10 @@ def average_velocity(
     >>> found.velocity.round(6)
     array([0.046037, 0.032335])
     """
+    check_pair(mechanism, law)
     _check(parameters, cycles, settle)
+    if period is None:
+        whole_run("average_velocity", mechanism, settle + cycles)
     axes = dict(axis_of(mechanism, law, path, values) for path, values in parameters.items())
     columns = product(axes)
     periods = cycles_of(mechanism, columns, period)

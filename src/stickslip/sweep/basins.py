@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.simulation import ensemble
+from stickslip.simulation import check_pair, ensemble
 from stickslip.solver import EventDriven, Output, Samples
 from stickslip.sweep.cycles import slip_names
 from stickslip.sweep.grids import (
@@ -21,6 +21,7 @@ from stickslip.sweep.grids import (
     counted,
     cycles_of,
     product,
+    whole_run,
 )
 from stickslip.sweep.orbits import CLOSED, period_of
 from stickslip.trajectory import Ensemble
@@ -121,7 +122,10 @@ def basins(
     >>> found.index.shape, [attractor.period for attractor in found.attractors]
     ((4, 3), [1])
     """
+    check_pair(mechanism, law)
     axes = _axes(mechanism, law, starts, keep, settle)
+    if period is None:
+        whole_run("basins", mechanism, keep + settle)
     told = tuple(starts) if states is None else tuple(states)
     columns = product(axes)
     cycle = float(cycles_of(mechanism, columns, period)[0])

@@ -14,7 +14,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, TowedBlock
 from stickslip.quantities import Quantity
 from stickslip.quantities import vary as varied
-from stickslip.simulation import ensemble, simulate
+from stickslip.simulation import check_pair, ensemble, simulate
 from stickslip.solver import EventDriven, Final, Output, Samples
 from stickslip.sweep.cycles import cycle_of
 from stickslip.sweep.grids import (
@@ -27,6 +27,7 @@ from stickslip.sweep.grids import (
     cycles_of,
     states_of,
     unit_of,
+    whole_run,
 )
 from stickslip.sweep.orbits import period_of
 from stickslip.trajectory import Status
@@ -118,9 +119,11 @@ def bifurcation(
         Length of a run [s]; needed for events, rounded up to whole cycles where there is a drive.
     follow : bool
         Whether each run starts where that of the value before ended, so that the motion is followed
-        to where it loses its stability; if not, all runs start as `starts` says.
+        to where it loses its stability; if not, all runs start as `starts` says. A prescribed
+        coordinate and its rate do so in every run.
     starts : sequence of mapping
-        Initial states by name, one mapping for each motion to be followed.
+        Initial states by name, one mapping for each motion to be followed. What is not given is 0,
+        or where the mechanism with the value of the run begins.
     period : float, optional
         Length of a cycle [s]; that of the drives if not given.
     solver : EventDriven, optional
@@ -149,6 +152,7 @@ def bifurcation(
     >>> found.period[:, 0]
     array([1, 1])
     """
+    check_pair(mechanism, law)
     counted("bifurcation", "keep", keep, 2)
     counted("bifurcation", "settle", settle, 0)
     full, array = axis_of(mechanism, law, path, values)
@@ -167,7 +171,7 @@ def bifurcation(
         if not tally.going:
             break
         samples[row], status[row], ends = method.run(float(value), now if follow else begun)
-        now = tuple(begun[i] if end is None else end for i, end in enumerate(ends))
+        now = tuple(shared.next_start(first, end) for first, end in zip(begun, ends, strict=True))
         tally.tell((row + 1) * len(begun))
     return _judged(shared, array, sample, samples, status)
 
@@ -178,6 +182,8 @@ def _method(
     if sample == "period":
         if t_end is not None:
             raise InputError('bifurcation: t_end is for events; with "period" give settle, keep.')
+        if period is None:
+            whole_run("bifurcation", shared.mechanism, settle + shared.keep)
         return _Strobe(shared, settle, period)
     if t_end is None:
         raise InputError(f"bifurcation: sampling at {sample!r} needs t_end [s], got none.")
@@ -223,6 +229,29 @@ class _Shared:
     keep: int
     solver: EventDriven
 
+    def at(self, value: float) -> tuple[Mechanism, FrictionLaw]:
+        """Return mechanism and law with a value of what varies."""
+        change = {self.path: value}
+        if self.path.startswith("friction."):
+            return self.mechanism, varied(self.law, "friction", change)
+        return varied(self.mechanism, "mechanism", change), self.law
+
+    def next_start(
+        self, first: Mapping[str, float], end: Mapping[str, float] | None
+    ) -> Mapping[str, float]:
+        """Return where a followed motion goes on; what a drive prescribes begins as ever.
+
+        The end of a prescribed coordinate belongs to the value before: with it the next run would
+        go through another motion than its profile.
+        """
+        if end is None:
+            return first
+        one = self.mechanism
+        rates = dict(zip(one.coordinates, one.rates, strict=True))
+        own = {name for q in one.guided() for name in (q, rates[q])}
+        free = {name: x for name, x in end.items() if name not in own}
+        return free | {name: x for name, x in first.items() if name in own}
+
     def carried(self, mechanism: Mechanism, end: Mapping[str, float], t: float) -> dict[str, float]:
         """Return the start, at time 0, of a run that goes on from a state at a time."""
         moved = dict(end)
@@ -260,7 +289,7 @@ class _Strobe(_Method):
         times = [cycle * (self.settle + 1 + i) for i in range(one.keep - 1)] + [last]
         outputs: dict[str, Output] = {f"end {name}": Final(name) for name in names}
         outputs["samples"] = Samples(one.state, times)
-        told = {**dict.fromkeys(names, 0.0), **one.mechanism.start()}
+        told = {**dict.fromkeys(names, 0.0), **one.at(value)[0].start()}
         columns = {
             f"initial.{name}": np.array([start.get(name, told[name]) for start in starts], float)
             for name in names
@@ -289,10 +318,7 @@ class _AtEvents(_Method):
     @override
     def run(self, value: float, starts: Starts) -> Found:
         one = self.shared
-        change = {one.path: value}
-        in_law = one.path.startswith("friction.")
-        mechanism = one.mechanism if in_law else varied(one.mechanism, "mechanism", change)
-        law = varied(one.law, "friction", change) if in_law else one.law
+        mechanism, law = one.at(value)
         last = self._whole(mechanism)
         samples = np.full((len(starts), one.keep), np.nan)
         status, ends = np.empty(len(starts), dtype=object), []

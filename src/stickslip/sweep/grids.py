@@ -1,6 +1,6 @@
 """Grids of parameters: paths, their products, and what each row makes of the mechanism."""
 
-import math
+import numbers
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.drives import Profile
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism
@@ -27,12 +28,15 @@ __all__ = [
     "product",
     "states_of",
     "unit_of",
+    "whole_run",
 ]
 
 Array: TypeAlias = NDArray[np.float64]
 Progress: TypeAlias = Callable[[int, int], object]
 
 PERIOD = Quantity("T", "s", above=0)
+MOST_CYCLES = 1_000_000
+"""Cycles of a run; more are a slip of the pen."""
 
 
 def states_of(mechanism: Mechanism, law: FrictionLaw) -> tuple[str, ...]:
@@ -130,19 +134,47 @@ def cycles_of(mechanism: Mechanism, columns: Mapping[str, Array], period: float 
     return found
 
 
-def counted(owner: str, name: str, value: int, least: int) -> int:
-    """Return a whole number of at least `least`.
+def counted(owner: str, name: str, value: object, least: int) -> int:
+    """Return a whole number of at least `least`, and of no more than a run can have cycles.
 
     Examples
     --------
     >>> counted("basins", "keep", 12, 2)
     12
     """
-    if isinstance(value, bool) or value != math.floor(value) or value < least:
+    count = _whole(value)
+    if count is None or not least <= count <= MOST_CYCLES:
         raise InputError(
-            f"{owner}: {name} must be a whole number of at least {least}, got {value}."
+            f"{owner}: {name} must be a whole number of {least} to {MOST_CYCLES}, got {value!r}."
         )
-    return int(value)
+    return count
+
+
+def _whole(value: object) -> int | None:
+    """Return a whole number as such; floats count where they are whole."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        return None
+    found = float(value)
+    return int(found) if found.is_integer() else None
+
+
+def whole_run(owner: str, mechanism: Mechanism, cycles: int) -> None:
+    """Refuse more cycles than the motion profiles of a mechanism can go through.
+
+    A run would say so too, but only after it was compiled.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Prescribed, SineSwing
+    >>> swing = Prescribed(profile=SineSwing(amplitude=0.01, frequency=2.0))
+    >>> whole_run("basins", Capsule(capsule_mass=0.8, inner_mass=0.2, drive=swing), 100)
+    """
+    for drive in mechanism.drives().values():
+        if isinstance(drive, Profile):
+            try:
+                drive.pieces(cycles * float(drive.period))
+            except ParameterError as error:
+                raise InputError(f"{owner}: {cycles} cycles are too many: {error}") from None
 
 
 def compiled(solver: EventDriven | None) -> EventDriven:
