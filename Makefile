@@ -49,12 +49,12 @@ unit: $(DEV) ## tests
 
 doctest: $(DEV) ## examples in docstrings
 	$(call heading,doctest)
-	$(PYTEST) --doctest-modules src
+	$(PYTEST) -n $(WORKERS) --doctest-modules src
 
 docs: $(DEV) ## documentation in docs/_build/html, warnings are errors
 	$(call heading,docs)
 	rm -rf docs/reference/generated
-	$(BIN)/python -m sphinx -E -W --keep-going -q -b html docs docs/_build/html
+	$(BIN)/python -m sphinx -E -W --keep-going -q -j $(WORKERS) -b html docs docs/_build/html
 	$(BIN)/python docs/check_offline.py docs/_build/html
 
 bench: $(DEV) ## benchmarks

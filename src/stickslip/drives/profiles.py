@@ -204,7 +204,7 @@ class SevenStep(Stepped):
     --------
     >>> swing = SevenStep(amplitude=0.8, fast=120.0, slow=30.0, top_rate=6.0, pause=0.1)
     >>> round(float(swing.period), 6)
-    1.883333
+    0.883333
     """
 
     amplitude: Annotated[float, Quantity("theta_m", "rad", above=0, or_unit="m")]
