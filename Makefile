@@ -18,8 +18,7 @@ export REQUIRE_DATA ?= 1
 endif
 
 .DEFAULT_GOAL := help
-.NOTPARALLEL:
-.PHONY: help select test lint types architecture unit doctest docs bench slow fuzz format clean
+.PHONY: help select test examples lint types architecture unit doctest docs bench slow fuzz format clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
@@ -27,7 +26,12 @@ help: ## list the targets
 select: $(RUN) ## run the main job on the bundled rig; the report goes to stickslip-report/
 	$(BIN)/stickslip select --force
 
-test: lint types architecture unit doctest docs ## run every check
+# What takes long runs side by side: much of it waits for one compiler, and cores would idle.
+test: lint types architecture ## run every check
+	$(MAKE) --no-print-directory --jobs 2 --output-sync=line examples docs
+
+examples: unit ## tests, then the examples in docstrings
+	$(MAKE) --no-print-directory doctest
 
 lint: $(DEV) ## formatting and lint rules
 	$(call heading,ruff format --check)
@@ -54,7 +58,7 @@ doctest: $(DEV) ## examples in docstrings
 docs: $(DEV) ## documentation in docs/_build/html, warnings are errors
 	$(call heading,docs)
 	rm -rf docs/reference/generated
-	$(BIN)/python -m sphinx -E -W --keep-going -q -j $(WORKERS) -b html docs docs/_build/html
+	$(BIN)/python -m sphinx -E -W --keep-going -q -b html docs docs/_build/html
 	$(BIN)/python docs/check_offline.py docs/_build/html
 
 bench: $(DEV) ## benchmarks
