@@ -20,6 +20,7 @@ from stickslip import (
     PendulumCart,
     PiecewiseLinear,
     Prescribed,
+    Sampled,
     SevenStep,
     Sine,
     SineSwing,
@@ -302,6 +303,16 @@ def first_above(t, values, level):
     k = int(np.argmax(values > level))
     assert k > 0
     return t[k - 1], t[k]
+
+
+def test_a_motor_that_saturates_at_every_other_sample_does_so_without_end():
+    n = 300  # thrice as many as events at one instant that are taken for Zeno's
+    torques = np.where(np.arange(n) % 2, 0.02, 0.2)
+    held = Sampled(times=tuple(0.01 * np.arange(n)), values=tuple(torques))
+    cart = replace(LIGHT, cart_mass=5.0, pendulum=Torque(drive=held, limit=0.1))
+    run = simulate(cart, Coulomb(kinetic_coefficient=3.0), t_end=2.95, y0={"theta": 3.1})
+    turned = [event.t for event in run.events if "satura" in event.reason]
+    assert len(turned) == 294  # at each sample after the first
 
 
 def test_a_prescribed_swing_that_needs_more_than_the_motor_gives_ends_there():

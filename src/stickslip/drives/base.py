@@ -1,5 +1,6 @@
 """What a drive is: a quantity given as a function of time."""
 
+import math
 from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Sequence
@@ -12,7 +13,7 @@ from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
 from stickslip.quantities import Parametrised
 
-__all__ = ["BEGINNING", "Drive", "Piece", "Sum"]
+__all__ = ["BEGINNING", "Drive", "Piece", "Straight", "Sum"]
 
 BEGINNING = -1e300
 """Start of a piece that has always held; finite, so that slope 0 times the time since it is 0."""
@@ -78,6 +79,26 @@ class Drive(Parametrised, ABC):
         if not isinstance(other, Drive):
             return NotImplemented
         return Sum(parts=(self, other))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Straight(Drive, ABC):
+    """A drive without a smooth part."""
+
+    @final
+    @override
+    def smooth(self, t: Scalar) -> Scalar:
+        return 0.0
+
+    @final
+    @override
+    def smooth_bound(self) -> tuple[Scalar, Scalar]:
+        return 0.0, 0.0
+
+    @final
+    @override
+    def time_scale(self) -> float:
+        return math.inf
 
 
 @final

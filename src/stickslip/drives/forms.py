@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar, Literal, final
 
 from typing_extensions import override
 
-from stickslip.drives.base import BEGINNING, Drive, Piece
+from stickslip.drives.base import BEGINNING, Drive, Piece, Straight
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, sin
 from stickslip.quantities import Quantity
@@ -17,29 +17,9 @@ from stickslip.quantities import Quantity
 __all__ = ["PiecewiseLinear", "Pulse", "Ramp", "Sampled", "Sine", "StraightPieces"]
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Pieces(Drive):
-    """A drive without a smooth part."""
-
-    @final
-    @override
-    def smooth(self, t: Scalar) -> Scalar:
-        return 0.0
-
-    @final
-    @override
-    def smooth_bound(self) -> tuple[Scalar, Scalar]:
-        return 0.0, 0.0
-
-    @final
-    @override
-    def time_scale(self) -> float:
-        return math.inf
-
-
 @final
 @dataclass(frozen=True, kw_only=True)
-class Pulse(_Pieces):
+class Pulse(Straight):
     """A constant level for a while, nothing before and after.
 
     Examples
@@ -65,7 +45,7 @@ class Pulse(_Pieces):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Ramp(_Pieces):
+class Ramp(Straight):
     """Grows at a constant rate from a time on.
 
     Examples
@@ -153,7 +133,7 @@ def _series(
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PiecewiseLinear(_Pieces):
+class PiecewiseLinear(Straight):
     """Straight lines between points, the first and last value before and after.
 
     Examples
@@ -188,7 +168,7 @@ class PiecewiseLinear(_Pieces):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Sampled(_Pieces):
+class Sampled(Straight):
     """Values of a sampled signal: held until the next sample, or joined by straight lines.
 
     Examples
@@ -226,7 +206,7 @@ class Sampled(_Pieces):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class StraightPieces(_Pieces):
+class StraightPieces(Straight):
     """Straight lines that need not join: what a long signal is condensed to.
 
     The last one is held from its start on.

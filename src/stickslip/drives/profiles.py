@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, final
 
 from typing_extensions import override
 
-from stickslip.drives.base import Drive, Piece
+from stickslip.drives.base import Drive, Piece, Straight
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, sin, sqrt
 from stickslip.quantities import Quantity
@@ -56,27 +56,12 @@ class Profile(Drive, ABC):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stepped(Profile, ABC):
+class Stepped(Straight, Profile, ABC):
     """A profile whose acceleration is a straight line between times: it has no smooth part."""
 
     @abstractmethod
     def cycle(self) -> tuple[Piece, ...]:
         """Return the pieces of one cycle, the first at time 0."""
-
-    @final
-    @override
-    def smooth(self, t: Scalar) -> Scalar:
-        return 0.0
-
-    @final
-    @override
-    def smooth_bound(self) -> tuple[Scalar, Scalar]:
-        return 0.0, 0.0
-
-    @final
-    @override
-    def time_scale(self) -> float:
-        return math.inf
 
     @final
     @override

@@ -69,7 +69,7 @@ def finish_step(
     if w[FRACTION] > 0.0:
         log[(int(whole[STEPS]) - 1) * ROW_COLUMNS + 1] = w[TIME]
     if guard != NO_GUARD:
-        handle_event(guard, start, w, whole, events)
+        handle_event(guard, w, whole, events)
     if whole[STATUS] == RUNNING and w[TIME] >= t_end:
         whole[STATUS] = END_TIME
     elif whole[STATUS] == RUNNING and w[TIME] >= stop:

@@ -167,7 +167,7 @@ def turn_switches(w: Vector, whole: Vector, events: Vector) -> None:
         for guard in range(SWITCH, FIRST_LIMIT):
             guards(int(whole[MODE]), int(whole[FLAGS]), w[TIME], w, Y, VALUES)
             if w[VALUES + guard] < -UNMOVED * w[REACHED + guard]:
-                note_event(guard, w[TIME], w, whole, events)
+                note_event(guard, w, whole, events)
 
 
 def settle(w: Vector, whole: Vector, events: Vector) -> None:
@@ -177,31 +177,31 @@ def settle(w: Vector, whole: Vector, events: Vector) -> None:
     flags = int(whole[FLAGS])
     beyond = forbidden(w, whole)
     if beyond > 0:
-        note_event(beyond, t, w, whole, events)
+        note_event(beyond, w, whole, events)
         return
     if HAS_BRISTLES and abs(mode) == 1 and w[Y + SLIP] == 0.0:
         if mode_from_rest(flags, w) != mode:
-            handle_event(STOP, t, w, whole, events)
+            handle_event(STOP, w, whole, events)
         return
     guards(mode, flags, t, w, Y, VALUES)
     if w[VALUES + LIFT_OFF] < 0.0:
-        handle_event(LIFT_OFF, t, w, whole, events)
+        handle_event(LIFT_OFF, w, whole, events)
     elif abs(mode) != 1 and w[VALUES + BREAK_FORWARD] < 0.0:
-        handle_event(BREAK_FORWARD, t, w, whole, events)
+        handle_event(BREAK_FORWARD, w, whole, events)
     elif abs(mode) != 1 and w[VALUES + BREAK_BACKWARD] < 0.0:
-        handle_event(BREAK_BACKWARD, t, w, whole, events)
+        handle_event(BREAK_BACKWARD, w, whole, events)
 
 
-def handle_event(guard: int, start: float, w: Vector, whole: Vector, events: Vector) -> None:
+def handle_event(guard: int, w: Vector, whole: Vector, events: Vector) -> None:
     """Make the transition of a guard, and of a limit that lies behind it."""
-    note_event(guard, start, w, whole, events)
+    note_event(guard, w, whole, events)
     if whole[STATUS] == RUNNING:
         beyond = forbidden(w, whole)
         if beyond > 0:
-            note_event(beyond, start, w, whole, events)
+            note_event(beyond, w, whole, events)
 
 
-def note_event(guard: int, start: float, w: Vector, whole: Vector, events: Vector) -> None:
+def note_event(guard: int, w: Vector, whole: Vector, events: Vector) -> None:
     """Make the transition of a guard and write it to the rows of events."""
     t = w[TIME]
     mode = whole[MODE]
@@ -213,7 +213,9 @@ def note_event(guard: int, start: float, w: Vector, whole: Vector, events: Vecto
     events[at + 3] = guard
     events[at + 4] = whole[FLAGS]
     events[at + 5] = margin
+    # an event that a jump of the drives makes is no sign of others without end: time goes on
+    stalled = whole[EVENTS] > 0 and t - events[at - EVENT_COLUMNS] <= ROUNDING * abs(t)
+    whole[STALLS] = whole[STALLS] + 1 if stalled else 0
     whole[EVENTS] += 1
-    whole[STALLS] = 0 if t - start > ROUNDING * abs(t) else whole[STALLS] + 1
     if whole[STALLS] > STALL_LIMIT:
         whole[STATUS] = ZENO
