@@ -147,3 +147,11 @@ def test_what_a_record_does_not_tell_is_no_number_in_any_draw():
 def test_an_order_of_hold_that_is_not_known_is_refused():
     with pytest.raises(UnknownNameError, match="hold in RecordSettings 'second'"):
         RecordSettings(hold="second")
+
+
+def test_measured_friction_tells_no_inertia():
+    table = Measurement(
+        velocity=np.linspace(-1.0, 1.0, 40), friction=np.sign(np.linspace(-1, 1, 40))
+    )
+    with pytest.raises(InputError, match="tells nothing of inertia: leave out"):
+        fit(Axis(inertia=1.0, load=5.0), CoulombViscous, table, unknown=["inertia"])

@@ -240,6 +240,10 @@ def test_one_free_decay_is_enough_to_select_on():
     # blocks of 50 rows, of which two go into their own first state: noise of 20 um, 4 % less
     np.testing.assert_allclose(np.sqrt(found.best.validation.losses), 2e-5, rtol=0.35)
     assert found.best.validation.extrapolation == pytest.approx(2e-5, rel=0.2)
+    # intervals of fits to a half alone are 2 % and 1 % to either side
+    first, second = found.half_estimates["friction.kinetic_coefficient"]
+    assert first == pytest.approx(0.02, rel=0.02)
+    assert second == pytest.approx(0.02, rel=0.01)
 
 
 def test_of_several_decays_only_the_block_is_left_out():

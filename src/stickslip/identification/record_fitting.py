@@ -60,7 +60,10 @@ class RecordSettings:
     resolution: int = RESOLUTION
     """Rows of a segment at most."""
     hold: Hold = "zero"
-    """``"zero"`` if a force keeps its value until the next sample, ``"first"`` if it goes there."""
+    """``"zero"`` if a force keeps its value until the next sample, ``"first"`` if it goes there.
+
+    For simulated segments; the other routes do not simulate, and take each sample at its time.
+    """
     starts: int = STARTS
     """Starts of the search."""
     seed: int = 0
@@ -282,6 +285,11 @@ def _mapped(
 ) -> _Set:
     """Return the problem of friction that was measured, or that inverse dynamics finds."""
     derived = way == "inverse-dynamics"
+    if unknown and not derived:
+        raise InputError(
+            f"friction was measured, which tells nothing of {', '.join(unknown)}: leave out what is"
+            " unknown of the mechanism, or fit another record that has motion and force."
+        )
     mass = inertia_of(mechanism, measurement, unknown) if derived else None
     if mass is not None:
         mechanism = vary(mechanism, "mechanism", {mass.path: mass.value})

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -89,8 +89,7 @@ def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
     """Return held-out errors of a fit, its unknowns fitted anew without each block."""
     judged = fit.build(fit.measurement, plan.horizon)
     trained, tested = _positions(fit.problem), _positions(judged)
-    whole = fit.route == "shooting" and not driven(fit.measurement)
-    refitted = _refitted_decay if whole else _refitted
+    refitted = _refitting(fit)
     edges = np.linspace(0.0, max(trained[-1, 1], tested[-1, 1]), plan.folds + 1)
     losses = []
     for first, last in itertools.pairwise(edges.tolist()):
@@ -114,6 +113,12 @@ def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
     before = refitted(fit, border - plan.gap, math.inf) if after.any() else None
     ahead = math.nan if before is None else _loss(judged, before, after)
     return CrossValidation(losses=tuple(losses), extrapolation=math.sqrt(ahead))
+
+
+def _refitting(fit: RecordFit) -> Callable[[RecordFit, float, float], Array | None]:
+    """Return how a fit is made again without a stretch of its record."""
+    decay = fit.route == "shooting" and not driven(fit.measurement)
+    return _refitted_decay if decay else _refitted
 
 
 def _positions(problem: Problem) -> Array:
@@ -202,12 +207,11 @@ def _outside(
 def halves(fit: RecordFit) -> dict[str, tuple[float, float]]:
     """Return the estimates from the first and from the second half of a record, by path.
 
-    Nothing where a segment reaches over the middle and nothing else is left, or a half alone
-    cannot be fitted.
+    Nothing where a half is too short, or alone cannot be fitted.
     """
-    middle = 0.5 * float(_positions(fit.problem)[-1, 1])
+    middle, refitted = 0.5 * float(_positions(fit.problem)[-1, 1]), _refitting(fit)
     try:
-        first, second = _refitted(fit, middle, math.inf), _refitted(fit, -math.inf, middle)
+        first, second = refitted(fit, middle, math.inf), refitted(fit, -math.inf, middle)
     except (ConvergenceError, SimulationError):
         return {}
     if first is None or second is None:
