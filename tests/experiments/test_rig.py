@@ -716,18 +716,49 @@ kinetic_coefficient = 0.2
 """
 
 
+CART = CAPSULE.replace('"capsule"', '"pendulum-cart"\nlength = 0.3')
+for old, new in {
+    "capsule_mass": "cart_mass",
+    "inner_mass": "ball_mass",
+    "m/s^2": "rad/s^2",
+}.items():
+    CART = CART.replace(old, new)
+CART = CART.replace("mechanism.drive", "mechanism.pendulum")
+
+
 @pytest.mark.parametrize(
-    ("amplitude", "limit", "size"), [("10 mm", "30 N", 0.01), ("45 deg", "2 N m", math.pi / 4)]
+    ("text", "motor", "amplitude", "limit", "size"),
+    [
+        (CAPSULE, "drive", "10 mm", "30 N", 0.01),
+        (CART, "pendulum", "45 deg", "2 N m", math.pi / 4),
+    ],
+    ids=["capsule", "cart"],
 )
-def test_what_moves_may_be_straight_or_turn(tmp_path, amplitude, limit, size):
+def test_what_a_motor_moves_is_straight_or_turns(tmp_path, text, motor, amplitude, limit, size):
     file = tmp_path / "rig.toml"
-    file.write_text(CAPSULE.format(amplitude=amplitude, limit=limit))
-    motor = load_rig(file).mechanism.drive
-    assert motor.profile.amplitude == pytest.approx(size, rel=1e-15)
+    file.write_text(text.format(amplitude=amplitude, limit=limit))
+    found = getattr(load_rig(file).mechanism, motor)
+    assert found.profile.amplitude == pytest.approx(size, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "amplitude", "limit", "message"),
+    [
+        (CAPSULE, "45 deg", "30 N", r"amplitude \(theta_m\) must be in m .* '45 deg'"),
+        (CAPSULE, "10 mm", "2 N m", r"limit \(tau_m\) must be in N .* '2 N m'"),
+        (CART, "45 mm", "2 N m", r"amplitude \(theta_m\) must be in rad .* '45 mm'"),
+    ],
+    ids=["capsule, angle", "capsule, torque", "cart, length"],
+)
+def test_a_motor_takes_units_of_what_it_moves(tmp_path, text, amplitude, limit, message):
+    file = tmp_path / "rig.toml"
+    file.write_text(text.format(amplitude=amplitude, limit=limit))
+    with pytest.raises(InputError, match=message):
+        load_rig(file)
 
 
 def test_a_unit_of_neither_kind_is_refused(tmp_path):
     file = tmp_path / "rig.toml"
     file.write_text(CAPSULE.format(amplitude="10 kg", limit="30 N"))
-    with pytest.raises(InputError, match=r"amplitude \(theta_m\) must be in rad .* '10 kg'"):
+    with pytest.raises(InputError, match=r"amplitude \(theta_m\) must be in m .* '10 kg'"):
         load_rig(file)

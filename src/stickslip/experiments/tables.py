@@ -20,7 +20,7 @@ from stickslip.drives import Drive, Profile
 from stickslip.drives.registry import DRIVES, PROFILES
 from stickslip.errors import ParameterError
 from stickslip.experiments.units import allowed, read_number, shown
-from stickslip.mechanisms import MOTORS, Motor
+from stickslip.mechanisms import MOTORS, Mechanism, Motor
 from stickslip.quantities import Parametrised, Quantity, fields_of
 
 __all__ = ["Given", "Number", "Table", "choice", "table_of"]
@@ -170,16 +170,17 @@ class _Numbers:
 
 
 @functools.cache  # Registries do not change while a program runs.
-def table_of(cls: type, kind: str, mark: str = "") -> type[Table]:
+def table_of(cls: type, kind: str, mark: str = "", moved: str = "") -> type[Table]:
     """Return the table of a mechanism or drive; `kind` is what its ``type`` must say.
 
-    With a `mark`, that may be said of its own numbers.
+    With a `mark`, that may be said of its own numbers. What is `moved`, in m or in rad, decides
+    between the units of a motor or a profile; without it both will do.
     """
     fields: dict[str, Any] = {"type": (Literal[kind], ...)}
     for field in dataclasses.fields(cls):
         default = ... if field.default is dataclasses.MISSING else field.default
-        fields[field.name] = (_hint(cls, field.name, mark), default)
-    model = create_model(cls.__name__, __base__=Table, **fields)
+        fields[field.name] = (_hint(cls, field.name, mark, moved), default)
+    model = create_model(f"{cls.__name__}_{moved}".rstrip("_"), __base__=Table, **fields)
     model.__doc__ = (cls.__doc__ or "").strip().partition("\n")[0]
     model.target = cls
     return model
@@ -193,10 +194,13 @@ def choice(tables: Mapping[str, type[Table]]) -> Any:
     return Annotated[Union[options], Field(discriminator="type")]  # noqa: UP007  # the options are found at run time
 
 
-def _hint(cls: type[Parametrised], name: str, mark: str) -> Any:
+def _hint(cls: type[Parametrised], name: str, mark: str, moved: str) -> Any:
     quantity = fields_of(cls).get(name)
     if quantity is not None:
-        others = (dataclasses.replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
+        straight = dataclasses.replace(quantity, unit=quantity.or_unit or quantity.unit)
+        if moved:
+            return Annotated[Any, Number(straight if moved == "m" else quantity, mark=mark)]
+        others = (straight,) if quantity.or_unit else ()
         return Annotated[Any, Number(quantity, mark=mark, alternatives=others)]
     hint = typing.get_type_hints(cls, include_extras=True)[name]
     if hint == tuple[float, ...]:
@@ -212,7 +216,9 @@ def _hint(cls: type[Parametrised], name: str, mark: str) -> Any:
         return Annotated[list[drives], Field(min_length=1), BeforeValidator(_listed), _OrSingle()]
     for part in parts:
         if part in MEMBERS:
-            return choice({kind: table_of(member, kind) for kind, member in MEMBERS[part].items()})
+            inner = moved or _inner_unit(cls)
+            members = MEMBERS[part].items()
+            return choice({kind: table_of(one, kind, moved=inner) for kind, one in members})
     if parts:
         return choice({_kebab(part): table_of(part, _kebab(part)) for part in parts})
     return hint
@@ -220,6 +226,12 @@ def _hint(cls: type[Parametrised], name: str, mark: str) -> Any:
 
 MEMBERS: Mapping[type, Mapping[str, type]] = {Profile: PROFILES, Motor: MOTORS}
 """What parts of mechanisms are chosen from, by their ``type``."""
+
+
+def _inner_unit(cls: type) -> str:
+    """Return the unit of the coordinate that a motor moves: the last of several."""
+    units = cls.units if issubclass(cls, Mechanism) else ()
+    return units[-1] if len(units) > 1 and units[-1] in {"m", "rad"} else ""
 
 
 def _listed(value: object) -> object:
