@@ -171,7 +171,7 @@ def improve(
     low, high = unknowns.limits()
     at = unknowns.coordinates(values)
     here = problem.linearise(unknowns.values(at))
-    if not math.isfinite(here.cost):
+    if not here.finite:
         raise ConvergenceError("the record cannot be predicted from this start.")
     damping = 1e-3
     try:
@@ -186,7 +186,7 @@ def improve(
             if counter is not None:
                 counter(there)
             gained = here.cost - there.cost
-            better = math.isfinite(there.cost) and gained > 0.0
+            better = there.finite and gained > 0.0
             if better:
                 at, here = trial, there
             if flat and not gained > FLAT * here.cost:

@@ -10,9 +10,12 @@ from numpy.typing import NDArray
 
 from stickslip.identification.unknowns import Unknowns
 
-__all__ = ["Held", "Linearised", "Part", "Problem", "Searchable"]
+__all__ = ["STEEPEST", "Held", "Linearised", "Part", "Problem", "Searchable"]
 
 Array = NDArray[np.float64]
+
+STEEPEST = 1e100
+"""Slopes from here on are those of predictions that leave all bounds."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -34,6 +37,12 @@ class Linearised:
     def cost(self) -> float:
         """Sum of squares."""
         return float(self.residual @ self.residual)
+
+    @property
+    def finite(self) -> bool:
+        """Whether the record is predicted, and slopes are not beyond what can be squared."""
+        steepest = float(np.max(np.abs(self.slopes), initial=0.0))  # NaN stays
+        return bool(np.isfinite(self.cost) and steepest < STEEPEST)
 
     @property
     def rms(self) -> float:

@@ -14,7 +14,7 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.friction import BristleLaw, FrictionLaw
-from stickslip.identification.problem import Linearised, Problem
+from stickslip.identification.problem import STEEPEST, Linearised, Problem
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
@@ -174,7 +174,7 @@ class Shooting(Problem):
         *,
         slopes: bool,
     ) -> _Local | None:
-        """Return a segment simulated from a state; None if the run fails."""
+        """Return a segment simulated from a state; None if the run fails or leaves all bounds."""
         if not np.all(np.isfinite(state)):
             return None
         end = float(segment.times[-1])
@@ -188,6 +188,8 @@ class Shooting(Problem):
         assert run.differentiate is not None
         table = run.differentiate(segment.times, paths)[:, column, :]
         table = np.where(np.isfinite(table), table, 0.0)
+        if np.max(np.abs(table)) >= STEEPEST:
+            return None
         count = len(paths) - len(inner)
         own, local = table[:, :count], table[:, count:]
         basis, inverse = _inverted(local)

@@ -12,7 +12,7 @@ from stickslip.selection.scoring import FLOOR
 from stickslip.selection.specifications import REFERENCE
 from stickslip.selection.verdict import Wording
 
-__all__ = ["error_text", "outcomes", "plus_minus", "record_wording"]
+__all__ = ["error_text", "outcomes", "plus_minus", "record_wording", "with_doubt"]
 
 MOST = 3
 """Items of a list at most."""
@@ -41,14 +41,24 @@ def plus_minus(estimate: Estimate) -> str:
     unit = "" if estimate.quantity.unit == "1" else f" {estimate.quantity.unit}"
     if not estimate.bounded:
         return f"{estimate.value:.3g}{unit}, not bounded"
-    half = 0.5 * (estimate.high - estimate.low)
+    return with_doubt(estimate.value, 0.5 * (estimate.high - estimate.low)) + unit
+
+
+def with_doubt(value: float, half: float) -> str:
+    """Return a number to the digits that its half width allows, and this.
+
+    Examples
+    --------
+    >>> with_doubt(157.36, 3.94), with_doubt(0.021699, 0.0)
+    ('157 ± 4', '0.0217')
+    """
     if half <= 0.0:
-        return f"{estimate.value:.3g}{unit}"
+        return f"{value:.3g}"
     power = math.floor(math.log10(half))
     digits = -power + (1 if half / 10.0**power < 1.95 else 0)
     if digits <= 0:
-        return f"{round(estimate.value, digits):.0f} ± {round(half, digits):.0f}{unit}"
-    return f"{estimate.value:.{digits}f} ± {half:.{digits}f}{unit}"
+        return f"{round(value, digits):.0f} ± {round(half, digits):.0f}"
+    return f"{value:.{digits}f} ± {half:.{digits}f}"
 
 
 def outcomes(candidates: Sequence[RecordCandidate], best: RecordCandidate) -> list[RecordCandidate]:
@@ -180,7 +190,8 @@ def _measure_next(
     lines = []
     for one in experiments[:2]:
         said = ", ".join(
-            f"{titles.get(name, name)} {value:.3g}" for name, value in one.predicted.items()
+            f"{titles.get(name, name)} {with_doubt(value, one.doubts.get(name, 0.0))}"
+            for name, value in one.predicted.items()
         )
         lines.append(f"{one.what} Predicted {one.observed}: {said}.")
     warned = [f.sentence for f in checks.findings if f.severity == "warning"]

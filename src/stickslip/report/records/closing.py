@@ -22,6 +22,7 @@ from stickslip.report.selection.texts import counted, quantity_value
 from stickslip.report.tables import Cell, Column, Number, Row, Table
 from stickslip.selection import RecordCandidate, RecordVerdict
 from stickslip.selection.experiments import Experiment
+from stickslip.selection.record_words import with_doubt
 
 __all__ = [
     "certificate_section",
@@ -260,8 +261,9 @@ def next_section(verdict: RecordVerdict) -> Section | None:
     far = numbers.significant(first.separation, 2)
     heading = f"The most telling next measurement tells the laws apart by {far} times its doubt"
     caption = (
-        "What each law as fitted predicts. Separation: from the chosen law to the nearest rival,"
-        " over what such a reading is known to in this record."
+        "What each law predicts as it was fitted, with the mass and the offset fitted with it."
+        " Separation: from the chosen law to the nearest rival, over the doubt of the reading and"
+        " of both predictions."
     )
     table = Table(columns=columns, rows=tuple(rows), caption=caption)
     return Section(id="next", nav="Measure next", heading=heading, blocks=(table,))
@@ -273,7 +275,10 @@ def _experiment(one: Experiment, names: Sequence[str]) -> Row:
     if unit == "m" and max(abs(v) for v in one.predicted.values()) < 1.0:
         factor, unit = 1e3, "mm"
     cells: list[Cell] = [one.what, f"{what}, {unit}"]
-    cells += [numbers.significant(factor * one.predicted[name], 3) for name in names]
+    cells += [
+        with_doubt(factor * one.predicted[name], factor * one.doubts.get(name, 0.0))
+        for name in names
+    ]
     return Row(cells=(*cells, numbers.significant(one.separation, 2)))
 
 

@@ -1,0 +1,148 @@
+"""Measurements that are proposed next: predictions against closed forms, and their doubt."""
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Axis,
+    Coulomb,
+    CoulombViscous,
+    Dahl,
+    DirectionDependent,
+    SpringBlock,
+    TowedBlock,
+    Viscous,
+)
+from stickslip.selection.experiments import Predictor, design
+
+
+def designed(candidates, *, speed=0.5, force=0.01, length=1e-4, driven=True):
+    """Return proposed measurements by the start of what is to be done."""
+    found = design(
+        candidates,
+        best=next(iter(candidates)),
+        speed=speed,
+        force_doubt=lambda seconds: force,
+        length_doubt=length,
+        driven=driven,
+    )
+    return {" ".join(one.what.replace(",", "").split()[:2]): one for one in found}, found
+
+
+def at(law, mechanism, load=1.0, **told):
+    return Predictor(law=law, mechanism=mechanism, load=load, **told)
+
+
+def test_a_constant_speed_takes_friction_damper_and_offset_of_each_candidate():
+    first = at(Coulomb(kinetic_coefficient=2.0), Axis(inertia=1.0, damping=3.0, offset=0.5))
+    second = at(Viscous(viscous_coefficient=4.0), Axis(inertia=1.0))
+    _, found = designed({"first": first, "second": second})
+    steady = {one.what.split(", ")[1]: one for one in found if one.what.startswith("Constant")}
+    # the slowest speed tells most: 2 + .005 * 3 +- .5 against .02
+    assert steady["forwards"].what == "Constant speed of 5 mm/s, forwards, 10 s."
+    assert steady["forwards"].predicted == pytest.approx({"first": 2.515, "second": 0.02})
+    assert steady["backwards"].predicted == pytest.approx({"first": 1.515, "second": 0.02})
+    assert steady["forwards"].separation == pytest.approx((2.515 - 0.02) / 0.01)
+
+
+def test_a_coasting_body_goes_as_far_as_its_own_mass_and_offset_let_it():
+    law = Coulomb(kinetic_coefficient=2.0)
+    candidates = {
+        "light": at(law, Axis(inertia=1.0, offset=0.5)),
+        "heavy": at(law, Axis(inertia=3.0, offset=-0.5)),
+    }
+    _, found = designed(candidates)
+    coast = {one.what.split()[1]: one for one in found if one.what.startswith("Coast")}
+    # m v^2 / 2 (F + o) with v = .5 m/s
+    assert coast["forwards"].predicted == pytest.approx({"light": 0.05, "heavy": 0.25})
+    assert coast["backwards"].predicted == pytest.approx({"light": 0.125 / 1.5, "heavy": 0.15})
+    assert coast["backwards"].separation == pytest.approx((0.15 - 0.125 / 1.5) / 1e-4)
+
+
+def test_what_is_the_same_with_offsets_counted_is_not_told_apart():
+    levels = DirectionDependent(
+        forward_kinetic_coefficient=2.5,
+        backward_kinetic_coefficient=1.5,
+        forward_viscous_coefficient=1.0,
+        backward_viscous_coefficient=1.0,
+    )
+    middle = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=1.0)
+    candidates = {
+        "levels": at(levels, Axis(inertia=1.0)),
+        "offset": at(middle, Axis(inertia=1.0, offset=0.5)),
+    }
+    assert designed(candidates)[1] == ()
+
+
+def test_the_doubt_of_a_prediction_is_that_of_its_parameters():
+    told = {
+        "estimates": {"friction.kinetic_coefficient": 2.0, "friction.viscous_coefficient": 4.0},
+        "errors": np.array([0.1, 0.4]),
+    }
+    law, axis = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=4.0), Axis(inertia=1.0)
+    rival = at(Coulomb(kinetic_coefficient=0.1), axis)
+    for together in (0.0, -1.0):
+        correlation = np.array([[1.0, together], [together, 1.0]])
+        chosen = at(law, axis, **told, correlation=correlation)
+        _, found = designed({"chosen": chosen, "rival": rival}, speed=0.25, driven=False)
+        first = found[0]
+        v = float(first.what.split()[3]) / 1e3
+        doubt = np.sqrt(0.1**2 + (0.4 * v) ** 2 + 2.0 * together * 0.1 * 0.4 * v)
+        assert first.doubts == pytest.approx({"chosen": doubt, "rival": 0.0}, abs=1e-12)
+        assert first.separation == pytest.approx((1.9 + 4.0 * v) / np.hypot(0.01, doubt))
+        # where both errors cancel, at 250 mm/s, is where to measure
+        assert together == 0.0 or v == 0.25
+
+
+def test_what_a_record_left_open_tells_nothing_apart():
+    law, axis = Coulomb(kinetic_coefficient=2.0), Axis(inertia=1.0)
+    other = at(Coulomb(kinetic_coefficient=1.0), axis)
+    told = {"estimates": {"friction.kinetic_coefficient": 2.0}, "correlation": np.eye(1)}
+    known = at(law, axis, **told, errors=np.array([0.1]))
+    assert designed({"chosen": known, "other": other}, driven=False)[1]
+    unknown = at(law, axis, **told, errors=np.array([np.inf]))  # then known to its own size
+    assert designed({"chosen": unknown, "other": other}, driven=False)[1] == ()
+
+
+def test_measured_friction_is_predicted_under_its_load():
+    axis = Axis(inertia=1.0)
+    low, high = Coulomb(kinetic_coefficient=0.4), Coulomb(kinetic_coefficient=0.5)
+    found = designed({"low": at(low, axis, 5.0), "high": at(high, axis, 5.0)}, driven=False)[1]
+    assert {one.observed for one in found} == {"friction, N"}
+    assert found[0].predicted == pytest.approx({"low": 2.0, "high": 2.5})
+
+
+def test_what_a_spring_holds_is_not_left_to_coast():
+    laws = {"slow": Viscous(viscous_coefficient=4.0), "fast": Viscous(viscous_coefficient=1.0)}
+    for mechanism, coasts in ((Axis(inertia=1.0), True), (Axis(inertia=1.0, stiffness=9.0), False)):
+        found = designed({name: at(law, mechanism) for name, law in laws.items()})[1]
+        assert found
+        assert any(one.what.startswith("Coast") for one in found) is coasts
+
+
+def test_below_break_away_only_bristles_give_way():
+    axis = Axis(inertia=0.01)
+    stiff, level = 1e4, 2.0
+    bristles = at(Dahl(kinetic_coefficient=level, bristle_stiffness=stiff), axis)
+    rigid = at(Coulomb(kinetic_coefficient=level), axis)
+    _, found = designed({"bristles": bristles, "rigid": rigid}, force=10.0, length=1e-6)
+    (push,) = [one for one in found if "to and fro" in one.what]
+    assert push.what.startswith("A force of 1.6 N")
+    assert push.predicted["rigid"] == pytest.approx(0.0, abs=1e-12)
+    # from one reversal to the next, df/dx = (sigma / F_c) (1 - f) from f = -.8 to .8
+    expected = level / stiff * np.log(1.8 / 0.2)
+    # read at 200 instants, of a body whose inertia takes 1e-5 of the force
+    assert push.predicted["bristles"] == pytest.approx(expected, rel=2e-3)
+
+
+def test_mechanisms_without_a_drive_are_not_asked_to_move():
+    laws = {"slow": Viscous(viscous_coefficient=4.0), "fast": Viscous(viscous_coefficient=1.0)}
+    towed = TowedBlock(mass=1.0, stiffness=100.0, speed=0.1)
+    found = designed({name: at(law, towed, 9.81) for name, law in laws.items()})[1]
+    assert found
+    assert all(one.what.startswith("Constant") for one in found)
+
+
+def test_one_law_alone_needs_no_measurement():
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    assert designed({"coulomb": at(Coulomb(kinetic_coefficient=0.2), block, 9.81)})[1] == ()
