@@ -9,10 +9,17 @@ import pytest
 
 from stickslip import Axis, Coulomb, CoulombViscous, Measurement, Sine, Viscous, select, simulate
 from stickslip.friction import DirectionDependent
+from stickslip.identification.optimise import AGREE
 from stickslip.report import Paragraph, Section, numbers
+from stickslip.report.markup import equation_parts
 from stickslip.report.records import record_document, record_page
+from stickslip.report.records.certificate import certificate_section
 from stickslip.report.records.data import block_edges, panel_of, sampled, thinned
+from stickslip.report.records.loops import turns_of
+from stickslip.report.records.opening import law_lines
+from stickslip.report.records.reproduce import python_lines
 from stickslip.report.records.texts import Scale, half_width, rival_of, scale_for, typeset
+from stickslip.selection.record_words import in_sentence
 
 TRUE = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=5.0)
 DRIVE = Sine(amplitude=6.0, frequency=0.5) + Sine(amplitude=3.0, frequency=1.3)
@@ -75,6 +82,11 @@ def table_verdict():
     return select(Axis(inertia=1.0), tabled(), VOICES)
 
 
+@pytest.fixture(scope="module")
+def table_html(table_verdict):
+    return page_of(table_verdict)
+
+
 def sections(html):
     return re.findall(r'<section[^>]* id="([a-z-]+)"', html)
 
@@ -121,6 +133,7 @@ def test_checks_and_search_stand_on_the_page(verdict, html):
     for sentence in verdict.checks.sentences:
         assert plain(sentence) in text
     assert f"{found.agreeing} of {len(found.costs)} starts" in text
+    assert f"within {AGREE:.0%}".replace("%", " %") in text
     assert f"{found.evaluations:,} predictions" in text
 
 
@@ -280,18 +293,57 @@ def test_an_interval_without_an_end_is_said_in_words(verdict):
     )
 
 
-def test_a_second_record_has_a_column_of_its_own(verdict):
-    scored = tuple(dataclasses.replace(c, second=c.fit.score()) for c in verdict.candidates)
-    text = text_of(page_of(dataclasses.replace(verdict, candidates=scored)))
+@pytest.fixture(scope="module")
+def judged():
+    """A verdict on friction along a motion, with a second record."""
+    second = dataclasses.replace(short_friction(9), name="run 2", provenance="simulated again")
+    return select(Axis(inertia=2.0), short_friction(8), [Viscous, CoulombViscous], validate=second)
+
+
+def test_a_second_record_has_a_column_of_its_own(judged):
+    text = text_of(page_of(judged))
     assert "second record" in text
-    for candidate in scored:
-        assert scale_for(verdict).text(candidate.second.rms) in text
+    for candidate in judged.candidates:
+        assert scale_for(judged).text(candidate.second.rms) in text
+
+
+def test_a_second_record_is_shown_named_and_compared_with_held_out_blocks(judged):
+    html = page_of(judged)
+    text, scale = text_of(html), scale_for(judged)
+    assert sections(html).index("second") == sections(html).index("scores") + 1
+    assert "The second record (run 2, simulated again) was not used for any fit." in text
+    best = judged.best
+    times = plain(numbers.ratio(best.second.rms / best.score))
+    assert f"misses it by {plain(scale.with_unit(best.second.rms))}, against" in text
+    assert f"held-out blocks of the first: {times} that." in text
+    assert "Predicted and measured on the second record" in text
+    assert "so that the order is the same." in text
+
+
+def test_a_second_record_that_turns_the_order_round_says_so(judged):
+    best, other = judged.best, rival_of(judged)
+    swapped = {best.name: other.second, other.name: best.second}
+    candidates = tuple(dataclasses.replace(c, second=swapped[c.name]) for c in judged.candidates)
+    found = {c.name: c for c in candidates}
+    changed = dataclasses.replace(
+        judged,
+        candidates=candidates,
+        best=found[best.name],
+        reference=found[judged.reference.name],
+    )
+    text = text_of(page_of(changed))
+    assert "the choice does not carry over to this record" in text
+    assert "more than held out" in text
+
+
+def test_without_a_second_record_there_is_no_section_on_one(html):
+    assert "second" not in sections(html)
 
 
 def test_other_criteria_that_disagree_are_named(verdict):
     other = next(c for c in verdict.candidates if c.name != verdict.best.name)
     text = text_of(page_of(dataclasses.replace(verdict, picks=verdict.picks | {"BIC": other.name})))
-    assert f"BIC would pick {other.title}" in text
+    assert f"BIC would pick {in_sentence(other.title)}" in text
 
 
 def short_friction(seed):
@@ -326,3 +378,162 @@ def test_a_doubt_is_never_shown_as_nothing():
     newtons = Scale(1.0, "N", fine=False)
     assert [plain(part) for part in newtons.pair(0.113, 0.0031)] == ["0.11", "± 0.003"]
     assert [plain(part) for part in newtons.pair(1.96, 0.006)] == ["1.96", "± 0.01"]
+
+
+def looped(seed=0):
+    """A contact that gives way like a spring before it slips: what a Dahl law describes."""
+    t = np.linspace(0.0, 10.0, 1000)
+    x = 1e-4 * np.sin(2.0 * np.pi * 0.5 * t)
+    force, level, stiffness = [0.0], 2.0, 4e4
+    for step in np.diff(x):  # elastic, and perfectly plastic beyond the level
+        force.append(float(np.clip(force[-1] + stiffness * step, -level, level)))
+    noise = 0.02 * np.random.default_rng(seed).normal(size=len(t))
+    return Measurement(time=t, position=x, friction=np.array(force) + noise)
+
+
+@pytest.fixture(scope="module")
+def loops():
+    return select(Axis(inertia=1.0), looped(), ["coulomb-viscous", "dahl-exponent"])
+
+
+@pytest.fixture(scope="module")
+def loops_html(loops):
+    return page_of(loops)
+
+
+def test_friction_with_memory_is_drawn_against_displacement(loops, loops_html):
+    assert sections(loops_html)[1:3] == ["map", "loops"]
+    text = text_of(loops_html)
+    assert "friction measured against displacement" in text
+    best = loops.best
+    left = numbers.percent(best.fit.rms / float(np.std(best.fit.problem.measured)))
+    assert f"Dahl with exponent leaves {plain(left)}" in text
+
+
+def test_no_headline_claims_a_curve_that_the_points_refute(loops, loops_html):
+    assert loops.best.name == "dahl-exponent"
+    text = text_of(loops_html)
+    assert "at all speeds" not in text
+    assert "No curve of friction against velocity runs through what was measured" in text
+
+
+def test_a_headline_on_the_friction_map_says_of_which_law_it_is(table_verdict, table_html):
+    assert table_verdict.best.name == "coulomb-viscous"
+    assert "By the Coulomb + viscous law, friction grows from" in text_of(table_html)
+
+
+def test_a_table_without_positions_has_no_loops(table_html):
+    assert "loops" not in sections(table_html)
+
+
+def test_turns_are_those_of_the_motion_and_not_of_its_noise():
+    t = np.linspace(0.0, 4.0, 4001)
+    noise = 0.02 * np.random.default_rng(0).normal(size=len(t))
+    turns = turns_of(np.sin(2.0 * np.pi * t) + noise)
+    # the noise may move a turn by as long as the cosine needs to fall by four deviations
+    assert t[turns] == pytest.approx([0.25 + 0.5 * k for k in range(8)], abs=0.07)
+
+
+def test_points_say_whether_the_motion_speeds_up_or_slows_down(loops_html, table_html):
+    assert "speeding up" in loops_html
+    assert "speeding up" not in table_html
+
+
+def test_the_caption_of_the_scores_states_the_rule(html):
+    text = text_of(html)
+    assert "within 2.0 % and one paired standard error of the least error" in text
+    assert "the fewest parameters" in text
+    assert "an objection does not outweigh a larger error" in text
+
+
+@pytest.mark.parametrize(
+    ("costs", "said"),
+    [
+        ((1.0, 1.0, 1.0, 1.05), "3 of 4 starts came to the least residual within 1 %; the worst"
+                                " ended 2.5 % higher"),
+        ((1.0, 1.0, 1.0, 9.0), "3 of 4 starts came to the least residual within 1 %; the worst"
+                               " ended at 3.0 × that residual"),
+        ((1.0, 1.0, 1.0, math.inf), "from one nothing could be predicted"),
+        ((1.0, 1.0, 1.0, 1.0), "4 of 4 starts came to the least residual within 1 %"),
+    ],
+)  # fmt: skip
+def test_starts_that_disagree_are_said_in_numbers_of_the_search(verdict, costs, said):
+    fit = verdict.best.fit
+    found = dataclasses.replace(fit.found, costs=costs)
+    best = dataclasses.replace(verdict.best, fit=dataclasses.replace(fit, found=found))
+    section = certificate_section(dataclasses.replace(verdict, best=best))
+    (text,) = [item.value for item in section.blocks[0].items if item.key == "Restarts"]
+    assert said in plain(text)
+
+
+def test_simulated_segments_show_their_certificates(html, table_html):
+    text = text_of(html)
+    assert "segments certified with the fitted law" in text
+    assert "Energy balance" in text
+    assert "Energy balance" not in text_of(table_html)
+
+
+def test_what_went_to_0_is_not_said_to_have_been_given(loops):
+    fit = loops.best.fit
+    estimates = tuple(e for e in fit.estimates if not e.path.endswith("viscous_coefficient"))
+    fit = dataclasses.replace(fit, estimates=estimates)
+    given = {line.label: line.formula for line in law_lines(fit)}
+    gone = ("friction.viscous_coefficient",)
+    left_out = {line.label: line.formula for line in law_lines(fit, gone)}
+    assert "taken as given" in given["viscous coefficient"]
+    assert left_out["viscous coefficient"] == "$sigma_2$ went to 0 and was left out"
+
+
+def test_the_lines_of_python_make_the_selection_again(table_verdict):
+    lines = python_lines(table_verdict)
+    assert "RecordSettings(seed=0)" in lines
+    names = {"record": tabled()}
+    exec(re.sub(r"^(?:>>>|\.\.\.) ?", "", lines, flags=re.MULTILINE), names)
+    again = names["verdict"]
+    assert again.sentence == table_verdict.sentence
+    assert [c.score for c in again.candidates] == [c.score for c in table_verdict.candidates]
+
+
+def test_a_mechanism_that_is_not_all_numbers_comes_from_its_rig_file(verdict):
+    driven = dataclasses.replace(verdict, mechanism=Axis(inertia=2.0, drive=DRIVE))
+    assert "load_rig" in python_lines(driven)
+    assert "Axis(inertia=2.0)," in python_lines(verdict)
+
+
+def test_seed_and_checksums_of_the_data_stand_on_the_page(verdict):
+    text = text_of(page_of(verdict, files={"record.csv": "0123" * 16}))
+    assert "SHA-256 of record.csv" in text
+    assert "0123" * 16 in text
+    assert "Seed 0, of the starts beside the first of each law" in text
+
+
+def test_no_number_of_a_page_is_written_with_an_e(html, loops_html):
+    for page in (html, loops_html):
+        shown = re.sub(r"<style.*?</style>|<svg.*?</svg>|<pre.*?</pre>", "", page, flags=re.DOTALL)
+        assert not re.search(r"\de[+-]\d", shown)
+
+
+def test_a_level_without_a_load_is_in_newtons_on_the_page(table_verdict, table_html):
+    level = table_verdict.best.fit.estimate("kinetic_coefficient")
+    parts = numbers.split_estimate(level.value, half_width(level))
+    said = plain(f"{parts.value} {parts.doubt}")
+    assert f"Kinetic coefficient μk is {said} N." in text_of(table_html)
+
+
+def test_a_long_equation_may_go_on_in_a_new_line_but_not_within_its_groups():
+    latex = DirectionDependent.formula
+    parts = equation_parts(latex)
+    assert len(parts) == 2
+    assert parts[0].startswith("F = ")
+    grouped = equation_parts(r"\text{a \quad b}, \quad c")
+    assert grouped == (r"\text{a \quad b},", "c")
+
+
+def test_how_large_a_hidden_step_may_be_is_said():
+    v = np.linspace(-0.2, 0.2, 200)
+    noise = 0.05 * np.random.default_rng(5).normal(size=len(v))
+    flat = Measurement(velocity=v, friction=2.0 * np.sign(v) + 5.0 * v + noise)
+    found = select(Axis(inertia=1.0), flat, ["coulomb-viscous", "stribeck"])
+    text = text_of(page_of(found))
+    assert "of Stribeck up to about" in text
+    assert "is allowed by this record (95 %, profile likelihood, all else fitted anew)" in text

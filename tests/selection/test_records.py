@@ -27,7 +27,12 @@ from stickslip.identification.record_fitting import fit_record
 from stickslip.selection import cross_validation
 from stickslip.selection.cross_validation import CrossValidation, Plan, cross_validate, plan_of
 from stickslip.selection.record_verdict import as_good
-from stickslip.selection.record_words import error_text
+from stickslip.selection.record_words import (
+    error_text,
+    friction_of,
+    in_sentence,
+    record_wording,
+)
 
 TRUTH = DirectionDependent(
     forward_kinetic_coefficient=4.0,
@@ -134,6 +139,53 @@ def test_a_record_without_motion_decides_nothing():
     still = Measurement(time=t, position=np.zeros(400), force=np.sin(t))
     with pytest.raises(InputError, match="cannot decide"):
         select(AXIS, still, [Coulomb])
+
+
+def test_a_verdict_keeps_the_second_record_and_the_settings_of_its_fits(verdict):
+    assert verdict.second is not None
+    assert verdict.settings == QUICK
+    assert verdict.to_dict()["seed"] == 0
+
+
+def test_it_is_said_that_criteria_disagree_whatever_else_there_is_to_say(verdict):
+    talkative = dataclasses.replace(
+        verdict.best,
+        fit=dataclasses.replace(verdict.best.fit, sentences=("One.", "Two.", "Three.")),
+    )
+    words = record_wording(
+        verdict.candidates,
+        talkative,
+        None,
+        {"AIC": "coulomb-viscous", "BIC": "coulomb-viscous", "extrapolation": "viscous"},
+        verdict.checks,
+        (),
+        scored="position",
+    )
+    assert words.cannot_tell == (
+        "One.",
+        "Two.",
+        "Criteria disagree: AIC and BIC would pick Coulomb + viscous; extrapolation would pick"
+        " viscous.",
+    )
+
+
+def test_titles_stand_in_sentences_as_one_says_them():
+    assert friction_of("Dahl with exponent") == "Dahl friction with exponent"
+    assert friction_of("Coulomb + viscous") == "Coulomb + viscous friction"
+    assert in_sentence("Viscous") == "viscous"
+
+
+def test_a_viscous_part_that_goes_to_0_is_left_out_and_said_to_be():
+    t = np.linspace(0.0, 6.0, 900)
+    x = 1e-3 * np.sin(2.0 * np.pi * t)
+    noise = 0.02 * np.random.default_rng(3).normal(size=len(t))
+    falls = 2.0 * np.tanh(20.0 * np.cos(2.0 * np.pi * t)) * (1.0 - 0.2 * np.abs(np.cos(6.283 * t)))
+    loops = Measurement(time=t, position=x, friction=falls + noise)
+    found = select(AXIS, loops, ["coulomb-viscous", "dahl"], settings=QUICK)
+    dahl = next(c for c in found.candidates if c.name == "dahl")
+    assert dahl.left_out == ("friction.viscous_coefficient",)
+    assert dahl.to_dict()["left_out"] == ["friction.viscous_coefficient"]
+    assert dahl.fit.law.viscous_coefficient == 0.0
 
 
 def test_an_unknown_purpose_is_named_with_the_known_ones(record):

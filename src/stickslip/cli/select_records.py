@@ -29,6 +29,7 @@ from stickslip.cli.output import (
 from stickslip.cli.progress import Searching
 from stickslip.cli.workers import workers
 from stickslip.experiments import Rig
+from stickslip.experiments.digests import of_files
 from stickslip.friction import FrictionLaw
 from stickslip.paper.pages import versions
 from stickslip.report.records import record_page
@@ -57,7 +58,8 @@ def select_on_records(
     if as_json:
         print_json(content)
     else:
-        files = {**_page(verdict, rig, found.digest), "verdict.json": json_text(content)}
+        sources = of_files([*asked.data, *([asked.validate] if asked.validate else [])])
+        files = {**_page(verdict, rig, found.digest, sources), "verdict.json": json_text(content)}
         if verdict.best and verdict.best.fit:
             files["law.toml"] = verdict.best.fit.to_toml()
         write_folder(output, files)
@@ -111,7 +113,9 @@ def _selected(
     return verdict
 
 
-def _page(verdict: RecordVerdict, rig: Rig, digest: str) -> dict[str, str | bytes]:
+def _page(
+    verdict: RecordVerdict, rig: Rig, digest: str, files: Mapping[str, str]
+) -> dict[str, str | bytes]:
     """Return the report as a page."""
     note("Writing the report ...")
     page = record_page(
@@ -120,6 +124,7 @@ def _page(verdict: RecordVerdict, rig: Rig, digest: str) -> dict[str, str | byte
         kicker=rig.subject,
         subject=Path(rig.path).name,
         digest=digest,
+        files=files,
         commands=[" ".join(["stickslip", *sys.argv[1:]])],
         versions=versions(),
     )

@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 
-__all__ = ["with_files"]
+__all__ = ["of_files", "with_files"]
 
 
 def with_files(digest: str, files: Sequence[Path]) -> str:
@@ -24,3 +24,22 @@ def with_files(digest: str, files: Sequence[Path]) -> str:
         with path.open("rb") as file:
             whole.update(hashlib.file_digest(file, "sha256").digest())
     return whole.hexdigest()
+
+
+def of_files(files: Sequence[Path]) -> dict[str, str]:
+    """Return the SHA-256 of each file by its name, as ``sha256sum`` prints it.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder, "record.csv")
+    ...     _ = file.write_text("")
+    ...     of_files([file])["record.csv"][:8]
+    'e3b0c442'
+    """
+    found = {}
+    for path in files:
+        with path.open("rb") as file:
+            found[path.name] = hashlib.file_digest(file, "sha256").hexdigest()
+    return found

@@ -148,7 +148,7 @@ def _swept(
             if not error > TOLERANCE * size or parts >= MOST_PARTS:
                 break
             more = 1.1 * parts * (error / (TOLERANCE * size)) ** (1.0 / 3.0)
-            parts = min(max(math.ceil(more), parts + 1), MOST_PARTS)
+            parts = min(max(math.ceil(min(more, MOST_PARTS)), parts + 1), MOST_PARTS)
         states[i + 1] = z
         slopes *= slope
     return states, slopes

@@ -6,12 +6,22 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.friction import DirectionalLaw, FrictionLaw
 from stickslip.identification.inference import Inference, quantile_of
+from stickslip.identification.plain_numbers import short
 from stickslip.identification.problem import Linearised
 from stickslip.identification.results import Estimate
 from stickslip.identification.unknowns import Unknown, Unknowns
+from stickslip.mechanisms import Mechanism
 
-__all__ = ["INTERVAL", "bounds_met", "estimates_of", "sentences_of", "step_intervals"]
+__all__ = [
+    "INTERVAL",
+    "bounds_met",
+    "estimates_of",
+    "offset_left_out",
+    "sentences_of",
+    "step_intervals",
+]
 
 Array = NDArray[np.float64]
 
@@ -74,8 +84,19 @@ def estimates_of(
 
 def _bound_reason(item: Unknown, side: str) -> str:
     if item.above and side == "lower":
-        return f"it went down to {item.above.rpartition('.')[2]}: no surplus is seen"
+        return f"it went down to the {in_words(item.above)}: no surplus is seen"
     return f"it ran to its {side} bound"
+
+
+def in_words(path: str) -> str:
+    """Return a parameter in words.
+
+    Examples
+    --------
+    >>> in_words("friction.kinetic_coefficient")
+    'kinetic coefficient'
+    """
+    return path.rpartition(".")[2].replace("_", " ")
 
 
 def step_intervals(
@@ -106,7 +127,7 @@ def sentences_of(
 ) -> tuple[str, ...]:
     """Return what the record cannot tell."""
     lines = [
-        f"{estimate.path.rpartition('.')[2]} ({estimate.quantity.symbol}) is undetermined:"
+        f"{in_words(estimate.path)} ({estimate.quantity.symbol}) is undetermined:"
         f" {estimate.reason}."
         for estimate in estimates
         if estimate.reason
@@ -115,19 +136,38 @@ def sentences_of(
         if path not in at_bounds and low <= 0.0:
             item = unknowns.items[unknowns.paths.index(path)]
             unit = "" if item.quantity.unit == "1" else f" {item.quantity.unit}"
-            bounds = f", interval {low:.3g} to {high:.3g}" if math.isfinite(high - low) else ""
+            bounds = (
+                f", interval {short(low)} to {short(high)}" if math.isfinite(high - low) else ""
+            )
             lines.append(
                 f"No step from {item.quantity.symbol} to sliding can be told from 0:"
-                f" {step:.3g}{unit}{bounds}."
+                f" {short(step)}{unit}{bounds}."
             )
     lines += _together(unknowns, inference, at_bounds)
     if inference.condition > MOST_CONDITION:
         symbols = ", ".join(item.quantity.symbol for item in unknowns.items)
         lines.append(
             f"{symbols} cannot all be separated by this record: condition number"
-            f" {inference.condition:.2g}, where {MOST_CONDITION:g} is the most that is taken."
+            f" {short(inference.condition, 2)}, where {MOST_CONDITION:g} is the most that is taken."
         )
     return tuple(lines)
+
+
+def offset_left_out(law: FrictionLaw, mechanism: Mechanism, unknowns: Unknowns) -> tuple[str, ...]:
+    """Return a sentence where a level for each direction stands for a constant force as well.
+
+    Half the sum of the levels acts against the motion and half their difference always one way, so
+    a constant force beside them is the same number twice.
+    """
+    constants = ("mechanism.offset", "measurement.offset.friction")
+    if not isinstance(law, DirectionalLaw) or any(path in unknowns.paths for path in constants):
+        return ()
+    own = float(getattr(mechanism, "offset", 0.0))
+    return (
+        "A constant force (gravity, a cable, a sensor's zero) and levels that differ by direction"
+        f" are one number: the offset is kept at {short(own)} N, and the levels hold what there is"
+        " of it.",
+    )
 
 
 def _together(unknowns: Unknowns, inference: Inference, at_bounds: Mapping[str, str]) -> list[str]:

@@ -13,7 +13,7 @@ from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.bristle_paths import follow
 from stickslip.identification.law_copies import MOVED, Copies
 from stickslip.identification.map_records import Stretch
-from stickslip.identification.problem import Linearised, Problem
+from stickslip.identification.problem import Linearised, RecordProblem
 from stickslip.identification.unknowns import Unknowns
 
 __all__ = ["ForceMap"]
@@ -55,7 +55,7 @@ class _Local:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ForceMap(Problem):
+class ForceMap(RecordProblem):
     """Measured friction less that of a law along the measured motion, less a constant offset.
 
     A set-valued law is not defined at rest. It is given the sign of the measured velocity, else of
@@ -105,8 +105,8 @@ class ForceMap(Problem):
         return np.concatenate([one.path.time for one in self.stretches])
 
     @property
+    @override
     def measured(self) -> Array:
-        """Measured friction of each row (n,) [N]."""
         return np.concatenate([one.friction for one in self.stretches])
 
     def predicted(self, values: Array) -> Array:

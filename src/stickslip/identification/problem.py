@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 
 from stickslip.identification.unknowns import Unknowns
 
-__all__ = ["STEEPEST", "Held", "Linearised", "Part", "Problem", "Searchable"]
+__all__ = [
+    "STEEPEST",
+    "Held",
+    "Linearised",
+    "Part",
+    "Problem",
+    "RecordProblem",
+    "Searchable",
+]
 
 Array = NDArray[np.float64]
 
@@ -106,6 +114,15 @@ class Problem(ABC):
         slopes : bool
             Whether slopes are needed; zeros may stand for them if not.
         """
+
+
+class RecordProblem(Problem):
+    """A problem whose rows are samples of a record, which predictions stand beside."""
+
+    @property
+    @abstractmethod
+    def measured(self) -> Array:
+        """What was measured of the quantity compared, of each row (n,)."""
 
 
 @final

@@ -14,7 +14,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import QUANTITIES, Measurement
 from stickslip.identification.inference import Inference, bootstrap
 from stickslip.identification.optimise import Found, improve
-from stickslip.identification.problem import Held, Linearised, Problem
+from stickslip.identification.problem import Held, Linearised, Problem, RecordProblem
 from stickslip.identification.results import Fit
 from stickslip.identification.unknowns import Unknowns
 
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 SETTLING = 8
 """Rounds in which initial states are fitted at most."""
-Build: TypeAlias = Callable[[Measurement, float | None], Problem]
+Build: TypeAlias = Callable[[Measurement, float | None], RecordProblem]
 """Makes the problem of another record, with the same unknowns and segments of a length [s]."""
 SETTLED = 0.01
 """Share of the cost that a round must take off for another one to follow."""
@@ -64,7 +64,11 @@ class Score:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Prediction:
-    """Predicted segments beside what was measured."""
+    """Predicted segments beside what was measured; rows stand in the order of time.
+
+    What is local to a segment, such as the position and velocity that it starts from, is fitted:
+    `predicted` holds its last correction to first order, as `residual` does.
+    """
 
     quantity: str
     """Of what, as in `QUANTITIES`."""
@@ -76,6 +80,10 @@ class Prediction:
     """Times (n,) [s]."""
     residual: Array
     """Measured less predicted (n,)."""
+    predicted: Array
+    """Predicted (n,), in the SI unit of the quantity."""
+    measured: Array
+    """Measured (n,), in the same unit."""
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the columns as a pandas DataFrame."""
@@ -86,6 +94,8 @@ class Prediction:
                 "record": self.record,
                 "segment": self.segment,
                 "t": self.t,
+                "measured": self.measured,
+                "predicted": self.predicted,
                 "residual": self.residual,
             }
         )
@@ -103,7 +113,7 @@ class RecordFit(Fit):
     """How: ``"shooting"``, ``"force-map"`` or ``"inverse-dynamics"``."""
     measurement: Measurement
     """What was fitted."""
-    problem: Problem = field(repr=False)
+    problem: RecordProblem = field(repr=False)
     """The record as residuals."""
     build: Build = field(repr=False)
     """Makes the same problem of other records."""
@@ -171,15 +181,29 @@ class RecordFit(Fit):
         Returns
         -------
         Prediction
-            Residuals by time and segment.
+            Measured and predicted values and their residuals, by record, segment and time.
+
+        Examples
+        --------
+        >>> from stickslip import Axis, Coulomb, Measurement, fit
+        >>> v = np.linspace(-1.0, 1.0, 8)
+        >>> found = fit(
+        ...     Axis(inertia=1.0), Coulomb, Measurement(velocity=v, friction=2.0 * np.sign(v))
+        ... )
+        >>> seen = found.predict()
+        >>> seen.measured[-2:].tolist(), seen.predicted[-2:].round(6).tolist()
+        ([2.0, 2.0], [2.0, 2.0])
         """
         problem, seen = self._seen(measurement, horizon)
+        measured = problem.measured
         return Prediction(
             quantity=problem.quantity,
             record=problem.spans[seen.segment, 0].astype(int),
             segment=seen.segment,
             t=problem.times,
             residual=seen.residual,
+            predicted=measured - seen.residual,
+            measured=measured,
         )
 
     def score(
@@ -200,7 +224,7 @@ class RecordFit(Fit):
 
     def _seen(
         self, measurement: Measurement | None, horizon: float | None
-    ) -> tuple[Problem, Linearised]:
+    ) -> tuple[RecordProblem, Linearised]:
         if measurement is None and horizon is None:
             return self.problem, self.found.best
         problem = self.build(self.measurement if measurement is None else measurement, horizon)

@@ -12,15 +12,21 @@ from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification.applied import driven
-from stickslip.identification.doubts import bounds_met, estimates_of, sentences_of
+from stickslip.identification.doubts import (
+    bounds_met,
+    estimates_of,
+    offset_left_out,
+    sentences_of,
+)
 from stickslip.identification.force_map import force_map
+from stickslip.identification.force_units import in_forces
 from stickslip.identification.inertia import inertia_of
 from stickslip.identification.inference import infer
 from stickslip.identification.inverse_dynamics import friction_record
 from stickslip.identification.map_problem import ForceMap
 from stickslip.identification.map_records import stretches_of
 from stickslip.identification.optimise import Found, Watch, search
-from stickslip.identification.problem import Problem
+from stickslip.identification.problem import RecordProblem
 from stickslip.identification.record_fit import Build, RecordFit, scale_of
 from stickslip.identification.record_starts import (
     joined,
@@ -81,7 +87,7 @@ class _Set:
 
     mechanism: Mechanism
     start: FrictionLaw
-    problem: Problem
+    problem: RecordProblem
     build: Build
     tried: tuple[Array, ...] = ()
     before: tuple[Estimate, ...] = ()
@@ -100,7 +106,7 @@ class _Shot:
     unknowns: Unknowns
     settings: RecordSettings
 
-    def __call__(self, record: Measurement, length: float | None) -> Problem:
+    def __call__(self, record: Measurement, length: float | None) -> RecordProblem:
         return Shooting(
             law=self.law,
             unknowns_=self.unknowns,
@@ -123,7 +129,7 @@ class _Rubbed:
     problem: ForceMap
     derived: bool
 
-    def __call__(self, record: Measurement, length: float | None) -> Problem:
+    def __call__(self, record: Measurement, length: float | None) -> RecordProblem:
         own = friction_record(self.mechanism, record) if self.derived else record
         return replace(self.problem, stretches=stretches_of(self.mechanism, own, segment=length))
 
@@ -314,7 +320,8 @@ def _finished(
     unknowns, best = ready.problem.unknowns, found.best
     at_bounds = bounds_met(unknowns, best.values)
     inference = infer(best, scale_of(unknowns, best.values, at_bounds))
-    estimates = estimates_of(unknowns, best, inference, at_bounds)
+    told = in_forces(unknowns, ready.mechanism, measurement)
+    estimates = estimates_of(told, best, inference, at_bounds)
     values = dict(zip(unknowns.paths, best.values.tolist(), strict=True))
     law, own = (
         {path: value for path, value in values.items() if path.startswith(f"{room}.")}
@@ -332,7 +339,8 @@ def _finished(
         inference=inference,
         at_bounds=at_bounds,
         sentences=(
-            *sentences_of(unknowns, best, inference, at_bounds, estimates),
+            *sentences_of(told, best, inference, at_bounds, estimates),
+            *offset_left_out(ready.start, ready.mechanism, unknowns),
             *_doubtful(found),
             *map(_taken, ready.before),
         ),

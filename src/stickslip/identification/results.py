@@ -12,6 +12,7 @@ from typing_extensions import override
 
 from stickslip.experiments.writing import rig_toml
 from stickslip.friction import FrictionLaw
+from stickslip.identification.plain_numbers import short
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path
 
@@ -80,7 +81,8 @@ class Estimate:
 
 def _three(value: float) -> str:
     """Return a number with three digits, zeros kept."""
-    return f"{value:#.3g}".rstrip(".")
+    text = f"{value:#.3g}".rstrip(".")
+    return short(value) if "e" in text else text
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,7 +14,7 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.friction import BristleLaw, FrictionLaw
-from stickslip.identification.problem import STEEPEST, Linearised, Problem
+from stickslip.identification.problem import STEEPEST, Linearised, RecordProblem
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
@@ -83,7 +83,7 @@ class _Local:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Shooting(Problem):
+class Shooting(RecordProblem):
     """Positions (or velocities) of segments simulated with the measured drive."""
 
     law: FrictionLaw
@@ -112,6 +112,11 @@ class Shooting(Problem):
     @override
     def times(self) -> Array:
         return np.concatenate([s.start + s.times for s in self.segments])
+
+    @property
+    @override
+    def measured(self) -> Array:
+        return np.concatenate([s.measured for s in self.segments])
 
     @override
     def linearise(
@@ -175,12 +180,8 @@ class Shooting(Problem):
         slopes: bool,
     ) -> _Local | None:
         """Return a segment simulated from a state; None if the run fails or leaves all bounds."""
-        if not np.all(np.isfinite(state)):
-            return None
-        end = float(segment.times[-1])
-        start = [*state.tolist(), *_settled(mechanism, law, state, end)]
-        run = SOLVER.run(mechanism, law, y0=start, t_end=end)
-        if not run.status.complete:
+        run = _run(segment, mechanism, law, state)
+        if run is None:
             return None
         column = run.states.index(_state_of(mechanism, self.quantity))
         inner = run.states[: 2 * len(mechanism.coordinates)]
@@ -201,6 +202,20 @@ class Shooting(Problem):
             inverse=inverse,
         )
 
+    def runs(self, seen: Linearised) -> tuple[Trajectory, ...]:
+        """Return the segments simulated again from their fitted states, each with its certificate.
+
+        Times of a run count from the start of its segment.
+        """
+        law, mechanisms = self._changed(seen.values)
+        same = np.zeros(len(self.unknowns))
+        found = [
+            _run(one, mechanisms[id(one.mechanism)], law, seen.memory[k].near(same))
+            for k, one in enumerate(self.segments)
+            if k in seen.memory
+        ]
+        return tuple(run for run in found if run is not None)
+
     def _joined(
         self, values: Array, chosen: Sequence[int], shots: Sequence[_Local | None]
     ) -> Linearised:
@@ -214,6 +229,18 @@ class Shooting(Problem):
             segment=np.repeat(chosen, [len(shot.residual) for shot in done]),
             memory=dict(zip(chosen, done, strict=True)),
         )
+
+
+def _run(
+    segment: Segment, mechanism: Mechanism, law: FrictionLaw, state: Array
+) -> Trajectory | None:
+    """Return a segment simulated from a state; None if the run fails."""
+    if not np.all(np.isfinite(state)):
+        return None
+    end = float(segment.times[-1])
+    start = [*state.tolist(), *_settled(mechanism, law, state, end)]
+    run = SOLVER.run(mechanism, law, y0=start, t_end=end)
+    return run if run.status.complete else None
 
 
 def _settled(mechanism: Mechanism, law: FrictionLaw, state: Array, end: float) -> list[float]:

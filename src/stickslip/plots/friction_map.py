@@ -12,7 +12,7 @@ from stickslip.plots.labels import Curve, label_curves
 from stickslip.plots.laws import characteristic
 from stickslip.plots.series import Array, Look, Sizes, in_mm, looks, wrapped
 from stickslip.plots.svg import Draw
-from stickslip.plots.theme import DATA, LINE, MUTED, label_at
+from stickslip.plots.theme import C3, C4, DATA, LINE, MUTED, label_at
 
 __all__ = ["MAP_SIZES", "MapLaw", "draw_friction_map", "low_speed"]
 
@@ -23,6 +23,8 @@ FEW: Final = 30
 """Points below that speed with which a second panel is worth its place."""
 OUTER: Final = 0.3
 """Share of the points [%] beyond each end of the vertical axis."""
+TURNS: Final = {0: (DATA, "o"), 1: (C3, "o"), -1: (C4, "^")}
+"""Colour and marker of points by whether their speed rises or falls."""
 WIDTH: Final = 22
 """Letters of a line of a name."""
 
@@ -48,7 +50,13 @@ def low_speed(v_max: float) -> float:
 
 
 def draw_friction_map(
-    velocity: Array, friction: Array, laws: Mapping[str, MapLaw], load: float, *, chosen: str
+    velocity: Array,
+    friction: Array,
+    laws: Mapping[str, MapLaw],
+    load: float,
+    *,
+    chosen: str,
+    trend: Array | None = None,
 ) -> Draw:
     """Return a drawing of friction against velocity: points, and laws as curves.
 
@@ -62,6 +70,9 @@ def draw_friction_map(
         Normal force that the laws are drawn at [N].
     chosen : str
         The law whose curve is solid; others are dashed.
+    trend : array (n,), optional
+        1 where the speed of a point rises, -1 where it falls, 0 where neither is known: rising
+        ones are green dots, falling ones purple triangles.
 
     Returns
     -------
@@ -75,6 +86,7 @@ def draw_friction_map(
     low = low_speed(v_max)
     slow = np.abs(velocity) <= low
     spans = [_span(velocity)]
+    turn = np.zeros(len(velocity)) if trend is None else np.asarray(trend)
     if int(slow.sum()) >= FEW and not slow.all():
         spans.append(_span(velocity[slow]))
 
@@ -84,22 +96,31 @@ def draw_friction_map(
         grid = figure.subplots(*shape, squeeze=False, width_ratios=ratios)
         for axes, (first, last) in zip(grid.flat, spans, strict=True):
             seen = (velocity >= first) & (velocity <= last)
-            _points(axes, factor * velocity[seen], friction[seen])
-            lines = {
-                name: (factor * v[inside], force[inside])
-                for name, (v, force) in curves.items()
-                for inside in [(v >= first) & (v <= last)]
-            }
+            _points(axes, factor * velocity[seen], friction[seen], turn[seen])
+            lines = _inside(curves, first, last, factor)
             _lines(axes, lines, look)
             _frame(axes, (factor * first, factor * last), friction[seen], lines)
             axes.set_xlabel(f"velocity, {unit}")
             axes.set_ylabel("friction, N")
         grid.flat[0].set_title("all speeds", color=MUTED)
+        if np.any(turn):
+            _say_trend(grid.flat[0])
         if len(spans) > 1:
             grid.flat[1].set_title(f"below {factor * low:g} {unit}", color=MUTED)
         _names(grid.flat[0], curves, look, factor)
 
     return draw
+
+
+def _inside(
+    curves: Mapping[str, tuple[Array, Array]], first: float, last: float, factor: float
+) -> dict[str, tuple[Array, Array]]:
+    """Return curves between two velocities, in the unit shown."""
+    return {
+        name: (factor * v[inside], force[inside])
+        for name, (v, force) in curves.items()
+        for inside in [(v >= first) & (v <= last)]
+    }
 
 
 def _curve(one: MapLaw, load: float, v_max: float) -> tuple[Array, Array]:
@@ -114,10 +135,22 @@ def _span(velocity: Array) -> tuple[float, float]:
     return low - margin, high + margin
 
 
-def _points(axes: Axes, velocity: Array, friction: Array) -> None:
-    axes.plot(
-        velocity, friction, "o", color=DATA, markersize=2.5, alpha=0.6, markeredgewidth=0, zorder=1
-    )
+def _points(axes: Axes, velocity: Array, friction: Array, turn: Array) -> None:
+    for sign, (colour, marker) in TURNS.items():
+        own = turn == sign
+        axes.plot(
+            velocity[own], friction[own], marker, color=colour, markersize=2.5, alpha=0.6,
+            markeredgewidth=0, linestyle="none", zorder=1,
+        )  # fmt: skip
+
+
+def _say_trend(axes: Axes) -> None:
+    """Name the two kinds of points above the panel, each in its colour."""
+    for text, colour, at in (("● speeding up", C3, 0.62), ("▲ slowing down", C4, 0.995)):
+        axes.annotate(
+            text, (at, 1.0), xycoords="axes fraction", xytext=(0, 3),
+            textcoords="offset points", ha="right", va="bottom", color=colour, fontsize=11,
+        )  # fmt: skip
 
 
 def _lines(axes: Axes, lines: Mapping[str, tuple[Array, Array]], look: Mapping[str, Look]) -> None:

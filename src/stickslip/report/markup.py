@@ -10,7 +10,7 @@ from markupsafe import Markup, escape
 
 from stickslip.errors import InputError
 
-__all__ = ["inline", "mathml", "plain", "symbol", "symbol_text"]
+__all__ = ["equation_parts", "inline", "mathml", "plain", "symbol", "symbol_text"]
 
 _GREEK: Final = MappingProxyType(
     {"alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ"}
@@ -157,6 +157,25 @@ def plain(text: str) -> str:
         text = _TOKEN.sub(_plain_token, text)
         return text
     return text.striptags()
+
+
+def equation_parts(latex: str) -> tuple[str, ...]:
+    r"""Return an equation cut where it may go on in a new line: at wide spaces outside of groups.
+
+    Examples
+    --------
+    >>> equation_parts(r"F = 0, \quad v < 1")
+    ('F = 0,', 'v < 1')
+    """
+    pairs = (("{", "}"), (r"\begin", r"\end"), (r"\left", r"\right"))
+    found = [""]
+    for piece in latex.split(r"\quad"):
+        last = found[-1]
+        if any(last.count(opened) != last.count(closed) for opened, closed in pairs):
+            found[-1] += rf"\quad{piece}"
+        else:
+            found.append(piece)
+    return tuple(part.strip() for part in found if part.strip())
 
 
 def mathml(latex: str, *, display: bool = True) -> Markup:

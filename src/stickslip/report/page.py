@@ -110,6 +110,7 @@ def _environment() -> Environment:
     environment.filters |= {
         "inline": markup.inline,
         "lines": _lines,
+        "equation_parts": markup.equation_parts,
         "mathml": markup.mathml,
         "plain": markup.plain,
         "show": _show,

@@ -7,7 +7,7 @@ from stickslip.identification import Estimate
 from stickslip.quantities import fields_of
 from stickslip.selection.verdict import Candidate
 
-__all__ = ["as_good", "doubts", "mark_passed_over"]
+__all__ = ["doubts", "mark_passed_over", "within_errors"]
 
 
 def doubts(candidate: Candidate) -> dict[str, str]:
@@ -55,7 +55,7 @@ def _reason(candidate: Candidate, candidates: Sequence[Candidate]) -> str:
     for name, doubt in doubts(candidate).items():
         for other in candidates:
             settled = name not in _fitted(other) and not doubts(other)
-            if settled and as_good(other, candidate):
+            if settled and within_errors(other, candidate):
                 symbol = fields_of(type(candidate.law))[name].symbol
                 return f"${symbol}$ is {doubt}, and {other.title} does without it"
     return ""
@@ -66,8 +66,11 @@ def _fitted(candidate: Candidate) -> set[str]:
     return {estimate.path.rpartition(".")[2] for estimate in estimates}
 
 
-def as_good(candidate: Candidate, other: Candidate) -> bool:
-    """Whether a score is no worse than another within one standard error of each."""
+def within_errors(candidate: Candidate, other: Candidate) -> bool:
+    """Whether a score is no worse than another within one standard error of each.
+
+    Scores of travels have standard errors of their own; those of records are compared in pairs.
+    """
     if candidate.score is None or other.score is None:
         return False
     doubt = (candidate.score_error or 0.0) + (other.score_error or 0.0)

@@ -3,6 +3,7 @@
 import math
 
 from stickslip.identification.doubts import MOST_CONDITION, step_intervals
+from stickslip.identification.plain_numbers import short
 from stickslip.identification.record_fit import RecordFit
 
 __all__ = ["objection"]
@@ -32,14 +33,15 @@ def objection(fit: RecordFit) -> str:
         elif estimate.low <= 0.0:
             reasons.append(f"the interval of {symbol} covers 0")
     if fit.inference.condition > MOST_CONDITION:
-        reasons.append(f"condition number {fit.inference.condition:.2g}, above {MOST_CONDITION:g}")
+        condition = short(fit.inference.condition, 2)
+        reasons.append(f"condition number {condition}, above {MOST_CONDITION:g}")
     return "; ".join(reasons)
 
 
 def _no_step(step: float, low: float, high: float) -> str:
     if not math.isfinite(high - low):
         return "its step is not bounded"
-    return f"its step {step:.2g} ({low:.2g} to {high:.2g}) covers 0"
+    return f"its step {short(step, 2)} ({short(low, 2)} to {short(high, 2)}) covers 0"
 
 
 def _ran(fit: RecordFit, path: str) -> str:
@@ -49,4 +51,4 @@ def _ran(fit: RecordFit, path: str) -> str:
         return "shows no step above the kinetic level"
     if side == "lower" and item.low == 0.0:
         return "went to 0"
-    return f"ran to its {side} bound {fit.values[fit.unknowns.paths.index(path)]:.2g}"
+    return f"ran to its {side} bound {short(float(fit.values[fit.unknowns.paths.index(path)]), 2)}"

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 from typing_extensions import override
 
-from stickslip.experiments import QUANTITIES, Checks
+from stickslip.experiments import QUANTITIES, Checks, Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
 from stickslip.identification.record_fit import Score
+from stickslip.identification.record_fitting import RecordSettings
 from stickslip.selection.cross_validation import CrossValidation, Plan
 from stickslip.selection.experiments import Experiment
 from stickslip.selection.verdict import Verdict, plain
@@ -59,6 +60,8 @@ class RecordCandidate:
     """What became of it, for tables."""
     second: Score | None = None
     """Error on the record given to validate, if there is one."""
+    left_out: tuple[str, ...] = ()
+    """Paths of what went to 0 beside the rest of the law, and was left out of the fit."""
     aic: float = math.nan
     """Akaike's criterion, as if residuals were independent; for information."""
     bic: float = math.nan
@@ -102,6 +105,7 @@ class RecordCandidate:
             "block_errors": [math.sqrt(x) for x in validation.losses] if validation else [],
             "extrapolation": validation.extrapolation if validation else None,
             "second_record": self.second.rms if self.second else None,
+            "left_out": list(self.left_out),
             "aic": self.aic,
             "bic": self.bic,
             "dropped": plain(self.dropped),
@@ -132,6 +136,10 @@ class RecordVerdict(Verdict):
     """What other criteria would pick: criterion -> name of the candidate."""
     checks: Checks
     """What the record can tell, before any fit."""
+    second: Measurement | None = None
+    """The record given to validate, which no fit has seen; None without one."""
+    settings: RecordSettings = field(default_factory=RecordSettings)
+    """How each law was fitted: segments, starts and their seed."""
     experiments: tuple[Experiment, ...] = ()
     """Measurements that would tell the best from its rivals, the most telling first."""
     half_estimates: Mapping[str, tuple[float, float]] = field(default_factory=dict)
@@ -175,6 +183,7 @@ class RecordVerdict(Verdict):
             "best": self.best.name if self.best else None,
             "ranked": self.best is not None,
             "purpose": self.purpose.name,
+            "seed": self.settings.seed,
             "scored": self.purpose.scored,
             "quantity": self.quantity,
             "unit": self.unit,

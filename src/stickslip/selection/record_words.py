@@ -6,13 +6,22 @@ from dataclasses import replace
 
 from stickslip.experiments import QUANTITIES, Checks
 from stickslip.identification import Estimate
+from stickslip.identification.plain_numbers import short
 from stickslip.selection.experiments import Experiment
 from stickslip.selection.record_verdict import RecordCandidate, as_good
 from stickslip.selection.scoring import FLOOR
 from stickslip.selection.specifications import REFERENCE
 from stickslip.selection.verdict import Wording
 
-__all__ = ["error_text", "outcomes", "plus_minus", "record_wording", "with_doubt"]
+__all__ = [
+    "error_text",
+    "friction_of",
+    "in_sentence",
+    "outcomes",
+    "plus_minus",
+    "record_wording",
+    "with_doubt",
+]
 
 MOST = 3
 """Items of a list at most."""
@@ -32,7 +41,7 @@ def error_text(value: float, quantity: str) -> str:
     if unit in {"m", "m/s"} and abs(value) < 1.0:
         value, unit = 1e3 * value, "m" + unit
     size = abs(value)
-    text = f"{value:.2g}" if size < 0.1 else f"{value:.2f}" if size < 10.0 else f"{value:.1f}"
+    text = short(value, 2) if size < 0.1 else f"{value:.2f}" if size < 10.0 else f"{value:.1f}"
     return f"{text} {unit}"
 
 
@@ -40,7 +49,7 @@ def plus_minus(estimate: Estimate) -> str:
     """Return an estimate with its half width, as in ``158 ± 4 N s/m``."""
     unit = "" if estimate.quantity.unit == "1" else f" {estimate.quantity.unit}"
     if not estimate.bounded:
-        return f"{estimate.value:.3g}{unit}, not bounded"
+        return f"{short(estimate.value)}{unit}, not bounded"
     return with_doubt(estimate.value, 0.5 * (estimate.high - estimate.low)) + unit
 
 
@@ -53,7 +62,7 @@ def with_doubt(value: float, half: float) -> str:
     ('157 ± 4', '0.0217')
     """
     if half <= 0.0:
-        return f"{value:.3g}"
+        return short(value)
     power = math.floor(math.log10(half))
     digits = -power + (1 if half / 10.0**power < 1.95 else 0)
     if digits <= 0:
@@ -110,20 +119,39 @@ def _verdict(
 ) -> str:
     if without is not None and without.score <= (1.0 + FLOOR) * best.score:
         return "No candidate explains this record better than no friction at all."
-    name = f"{_inline(best.title)} friction"
+    name = friction_of(best.title)
     if best.dropped:
         return f"No candidate is beyond objection; the closest is {name}."
     if best.doubt:
         return f"Use {name} to predict; not all of it is known: {best.doubt}."
     if equal:
-        names = " and ".join(_inline(c.title) for c in equal[:2])
+        names = " and ".join(in_sentence(c.title) for c in equal[:2])
         verb = "is" if len(equal) == 1 else "are"
         return f"Use {name}; {names} {verb} as good on this record."
     return f"Use {name}."
 
 
-def _inline(title: str) -> str:
-    """Return a title as it stands within a sentence; names keep their capital."""
+def friction_of(title: str) -> str:
+    """Return the friction of a law as one says it within a sentence.
+
+    Examples
+    --------
+    >>> friction_of("Direction-dependent"), friction_of("Dahl with exponent")
+    ('direction-dependent friction', 'Dahl friction with exponent')
+    """
+    kind, joint, more = in_sentence(title).partition(" with ")
+    noun = "" if kind.endswith("friction") else " friction"
+    return f"{kind}{noun}{joint}{more}"
+
+
+def in_sentence(title: str) -> str:
+    """Return a title as it stands within a sentence; names keep their capital.
+
+    Examples
+    --------
+    >>> in_sentence("Direction-dependent"), in_sentence("Coulomb + viscous")
+    ('direction-dependent', 'Coulomb + viscous')
+    """
     return title if title.startswith(NAMES) else title[0].lower() + title[1:]
 
 
@@ -168,17 +196,29 @@ def _cannot_tell(
     best: RecordCandidate, candidates: Sequence[RecordCandidate], picks: Mapping[str, str]
 ) -> tuple[str, ...]:
     assert best.fit is not None
+    others = _other_picks(best, candidates, picks)
     lines = list(best.fit.sentences)
     for c in candidates:
         for line in c.fit.sentences if c.fit and c.dropped else ():
             if "step" in line or "undetermined" in line:
                 lines.append(f"{c.title}: {line}")
                 break
-    others = sorted({f"{k} would pick {v}" for k, v in picks.items() if v and v != best.name})
-    if others:
-        lines.append("Criteria disagree: " + "; ".join(others) + ".")
     lines.append("How friction behaves at speeds, loads and temperatures that were not recorded.")
-    return tuple(lines[:MOST])
+    # What else there is to say never crowds out that criteria disagree.
+    return (*lines[: MOST - len(others)], *others)
+
+
+def _other_picks(
+    best: RecordCandidate, candidates: Sequence[RecordCandidate], picks: Mapping[str, str]
+) -> tuple[str, ...]:
+    """Return a sentence where other criteria would pick another law."""
+    titles = {c.name: in_sentence(c.title) for c in candidates}
+    against: dict[str, list[str]] = {}
+    for criterion, name in picks.items():
+        if name and name != best.name:
+            against.setdefault(titles.get(name, name), []).append(criterion)
+    said = [f"{' and '.join(who)} would pick {title}" for title, who in against.items()]
+    return (f"Criteria disagree: {'; '.join(said)}.",) if said else ()
 
 
 def _measure_next(

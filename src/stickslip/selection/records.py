@@ -83,7 +83,8 @@ def select_records(
     work = partial(_judged, plan=plan, validate=validate)
     judged = list(map(work, tried) if executor is None else executor.map(work, tried))
     without = _judged(fitted(control()), plan, validate) if _has_control(fits[0]) else None
-    return _verdict(mechanism, measurement, judged, without, plan, purpose, checks)
+    found = _verdict(mechanism, measurement, judged, without, plan, purpose, checks)
+    return replace(found, second=validate, settings=settings or RecordSettings())
 
 
 def _laws(
@@ -173,7 +174,8 @@ def _candidate(
         watch=report,
     )
     try:
-        fit = _without_spare(fitted(one.law, free=one.free), fitted)
+        whole = fitted(one.law, free=one.free)
+        fit = _without_spare(whole, fitted)
     except (ConvergenceError, SimulationError) as error:
         return _unfitted(one, str(error))
     rows, count = len(fit.residual), len(fit.unknowns)
@@ -183,6 +185,7 @@ def _candidate(
         title=one.title,
         fit=fit,
         validation=None,
+        left_out=tuple(path for path in whole.unknowns.paths if path not in fit.unknowns.paths),
         aic=likelihood + 2.0 * count,
         bic=likelihood + math.log(rows) * count,
     )

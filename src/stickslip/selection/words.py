@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from stickslip.identification import Estimate
 from stickslip.identification.travel import Trial
 from stickslip.quantities import fields_of
-from stickslip.selection.admissibility import as_good, doubts
+from stickslip.selection.admissibility import doubts, within_errors
 from stickslip.selection.separation import Separation, proposals
 from stickslip.selection.verdict import Candidate, Wording
 
@@ -142,7 +142,7 @@ def _tie(
 def _ranked(
     trials: Sequence[Trial], explained: Sequence[Candidate], best: Candidate
 ) -> tuple[str, str]:
-    equals = [c.title for c in explained if c is not best and as_good(c, best)]
+    equals = [c.title for c in explained if c is not best and within_errors(c, best)]
     doubt = ""
     if equals:
         names = equals[0] if len(equals) == 1 else ", ".join(equals[:-1]) + f" and {equals[-1]}"
@@ -279,7 +279,7 @@ def _settings_line(
     if not rows:
         return f"No new setting of ${predictions[0].symbol}$ was found at which the body moves."
     others = [c for c in explained if c is not best]
-    rivals = [c for c in others if as_good(c, best)] or others
+    rivals = [c for c in others if within_errors(c, best)] or others
     doubt = max(2.0 * max(trial.half_width for trial in trials), best.score or 0.0)
     outer = rows[:1] + rows[1:][-1:]
     inner = tuple(sorted(rows, key=lambda row: _gap([row], best, rivals)[0])[-1:])

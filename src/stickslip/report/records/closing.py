@@ -1,4 +1,4 @@
-"""The end of the report: dropped laws, the record, the certificate, next steps, and sources."""
+"""Towards the end of the report: dropped laws, the record, and what to measure next."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -6,38 +6,26 @@ from typing import Literal
 
 import numpy as np
 
-from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
 from stickslip.plots.record import Channel, draw_record, record_sizes
 from stickslip.plots.svg import inline_svg
-from stickslip.quantities import fields_of
 from stickslip.report import numbers
-from stickslip.report.blocks import Block, Caption, Code, Figure, KeyValue, KeyValues, References
+from stickslip.report.blocks import Block, Figure, KeyValue, KeyValues
 from stickslip.report.documents import Section
 from stickslip.report.records.data import speeds_of, thinned
-from stickslip.report.records.scores import picks_text
 from stickslip.report.records.texts import estimate_parts, scale_for, symbols_of, typeset, unit_of
-from stickslip.report.selection.closing import law_references
-from stickslip.report.selection.texts import counted, quantity_value
+from stickslip.report.selection.texts import counted
 from stickslip.report.tables import Cell, Column, Number, Row, Table
 from stickslip.selection import RecordCandidate, RecordVerdict
 from stickslip.selection.experiments import Experiment
 from stickslip.selection.record_words import with_doubt
 
-__all__ = [
-    "certificate_section",
-    "dropped_section",
-    "next_section",
-    "record_section",
-    "reproduce_section",
-]
+__all__ = ["dropped_section", "next_section", "record_section"]
 
 LINES = 700
 """Points of a line of the record."""
 MOST_SPANS = 60
 """More spans of reverse travel than this are not shaded: they would be stripes."""
-ILL = 300.0
-"""Condition of the scaled slopes from which estimates are not separable."""
 
 
 def dropped_section(verdict: RecordVerdict) -> Section | None:
@@ -81,7 +69,7 @@ def _said(c: RecordCandidate, symbols: frozenset[str]) -> str:
         text = f"{value} {doubt}" if estimate.bounded else value
         side = c.fit.at_bounds.get(estimate.path)
         tail = f", at its {side} bound" if side else "" if estimate.bounded else ", not bounded"
-        shown = numbers.with_unit(text, unit_of(estimate, c.fit))
+        shown = numbers.with_unit(text, unit_of(estimate))
         parts.append(f"${estimate.quantity.symbol}$ = {shown}{tail}")
     if not parts:
         return " ".join(typeset(line, symbols) for line in c.fit.sentences) or "nothing was free"
@@ -160,87 +148,6 @@ def _reverse(t: np.ndarray, velocity: np.ndarray) -> list[tuple[float, float]]:
     return spans if len(spans) <= MOST_SPANS else []
 
 
-def certificate_section(verdict: RecordVerdict) -> Section | None:
-    """Return the section on the computation behind the verdict."""
-    best = verdict.best
-    if best is None or best.fit is None:
-        return None
-    items = [*_search(best.fit), *_information(best.fit)]
-    plan = verdict.plan
-    items.append(
-        KeyValue(
-            key="Held-out blocks",
-            value=f"{verdict.blocks_scored} blocks, {quantity_value(plan.gap, 's', 2)} left out on"
-            " both sides,"
-            f" predicted over {quantity_value(plan.horizon, 's', 2)}"
-            if plan.length
-            else f"{verdict.blocks_scored} blocks, rows dealt out in turn",
-        )
-    )
-    agree = all(name in ("", best.name) for name in verdict.picks.values())
-    text = picks_text(verdict)
-    if text:
-        items.append(KeyValue(key="Criteria", value=text, mark="ok" if agree else "warn"))
-    return Section(
-        id="certificate",
-        nav="Certificate",
-        heading="Certificate of the computation",
-        blocks=(KeyValues(items=tuple(items)),),
-    )
-
-
-def _search(fit: RecordFit) -> list[KeyValue]:
-    """Return how the least residual was found."""
-    found = fit.found
-    starts, agreeing = len(found.costs), found.agreeing
-    text = f"{agreeing} of {starts} starts came to the least residual within 0.5 %"
-    if agreeing < starts:
-        worst = math.sqrt(max(found.costs) / max(min(found.costs), 1e-300))
-        far = numbers.ratio(worst) if math.isfinite(worst) else "unbounded"
-        text += f"; the worst ended at {far} that residual"
-    text += "; the search was stopped before its end" if found.cancelled else ""
-    certain = agreeing > 1 and not found.cancelled
-    how = {
-        "shooting": "segments simulated exactly, each from a fitted state",
-        "force-map": "friction along the measured motion",
-        "inverse-dynamics": "friction from filtered motion and force",
-    }.get(fit.route, fit.route)
-    return [
-        KeyValue(key="Route", value=how),
-        KeyValue(key="Restarts", value=text, mark="ok" if certain else "warn"),
-        KeyValue(key="Evaluations", value=f"{found.evaluations:,} predictions of the record"),
-    ]
-
-
-def _information(fit: RecordFit) -> list[KeyValue]:
-    """Return how much the record says."""
-    rows, effective = len(fit.residual), fit.inference.effective
-    condition = fit.inference.condition
-    segments = fit.problem.spans
-    lengths = segments[:, 2] - segments[:, 1]
-    text = f"{len(segments):,}"
-    if all(record.time is not None for record in fit.measurement.records()):
-        text += f" of {quantity_value(float(np.median(lengths)), 's', 2)} each"
-    ended = ", ".join(path.rpartition(".")[2].replace("_", " ") for path in fit.at_bounds)
-    return [
-        KeyValue(key="Segments", value=text),
-        KeyValue(
-            key="Effective samples",
-            value=f"about {numbers.significant(effective, 2)} of {rows:,} rows compared",
-        ),
-        KeyValue(
-            key="Condition",
-            value=f"{numbers.significant(condition, 2)}, limit {ILL:g}",
-            mark="ok" if condition <= ILL else "warn",
-        ),
-        KeyValue(
-            key="Bounds",
-            value=f"reached by {ended}" if ended else "none reached",
-            mark="warn" if ended else "ok",
-        ),
-    ]
-
-
 def next_section(verdict: RecordVerdict) -> Section | None:
     """Return the section on measurements that would tell more, None if none would."""
     if not verdict.experiments:
@@ -280,49 +187,3 @@ def _experiment(one: Experiment, names: Sequence[str]) -> Row:
         for name in names
     ]
     return Row(cells=(*cells, numbers.significant(one.separation, 2)))
-
-
-def reproduce_section(
-    verdict: RecordVerdict, commands: Sequence[str], versions: Mapping[str, str], digest: str
-) -> Section:
-    """Return the section with commands, the law as code, data and references."""
-    blocks: list[Block] = []
-    if commands:
-        blocks.append(Code(text="\n".join(f"$ {command}" for command in commands)))
-    fit = verdict.best.fit if verdict.best else None
-    if fit is not None:
-        blocks.append(Code(text=_as_code(fit.law)))
-        blocks.append(Code(text=fit.to_toml().strip()))
-        blocks.append(Caption(text="The fitted law as code, and as a file that simulations take."))
-    items = _data(verdict)
-    items += [KeyValue(key=name, value=version) for name, version in versions.items()]
-    if digest:
-        items.append(KeyValue(key="Hash of the inputs", value=f"`{digest}`"))
-    if items:
-        blocks.append(KeyValues(items=tuple(items)))
-    laws = [c.law for c in verdict.candidates if c.law is not None]
-    sources = law_references(laws, {})
-    if sources:
-        blocks += [References(items=sources), Caption(text="What the laws come from.")]
-    return Section(
-        id="reproduce", nav="Reproduce and cite", heading="Reproduce and cite", blocks=tuple(blocks)
-    )
-
-
-def _data(verdict: RecordVerdict) -> list[KeyValue]:
-    records = verdict.measurement.records()
-    said = list(dict.fromkeys(r.provenance for r in records if r.provenance))
-    whole = verdict.measurement.provenance
-    text = whole or "; ".join(said[:3])
-    return [KeyValue(key="Data", value=text)] if text else []
-
-
-def _as_code(law: FrictionLaw) -> str:
-    """Return the fitted law as one would write it."""
-    kind = type(law).__name__
-    lines = [f">>> from stickslip import {kind}", f">>> law = {kind}("]
-    for name in fields_of(type(law)):
-        value = getattr(law, name)
-        if value is not None:
-            lines.append(f"...     {name}={value:.6g},")
-    return "\n".join([*lines, "... )"])

@@ -30,15 +30,18 @@ __all__ = [
     "sampled",
     "speeds_of",
     "thinned",
+    "trend_of",
 ]
 
 Array: TypeAlias = NDArray[np.float64]
 
-MOST_POINTS: Final = 3000
+MOST_POINTS: Final = 2400
 SEED: Final = 0
 BINS: Final = 16
 FEWEST: Final = 10
 """Rows of a bin from which its mean is shown."""
+STEADY: Final = 0.05
+"""Changes of speed below this share of what is rarely exceeded count as none."""
 LINE_POINTS: Final = 1200
 """Points of a line: more cannot be seen in a figure of 880 px."""
 
@@ -51,6 +54,8 @@ class MapPoints(NamedTuple):
     load: float
     load_varies: bool
     measured: bool
+    trend: Array
+    """1 where the speed rises, -1 where it falls, 0 where it does neither or nobody knows."""
 
 
 class Rows(NamedTuple):
@@ -70,7 +75,7 @@ def sampled(count: int, most: int = MOST_POINTS) -> NDArray[np.intp]:
     Examples
     --------
     >>> len(sampled(10_000)), sampled(3).tolist()
-    (3000, [0, 1, 2])
+    (2400, [0, 1, 2])
     """
     if count <= most:
         return np.arange(count)
@@ -124,13 +129,45 @@ def map_points(fit: RecordFit) -> MapPoints | None:
             load=middle,
             load_varies=bool(np.ptp(np.percentile(load, [5.0, 95.0])) > 0.05 * middle),
             measured=True,
+            trend=np.concatenate(
+                [
+                    trend_of(one.path.time, one.path.velocity)
+                    if one.timed
+                    else np.zeros(len(one.friction))
+                    for one in stretches
+                ]
+            ),
         )
     try:
         found = inverse_dynamics(fit.mechanism, fit.measurement, unknown=())
         load_now = load_of(fit.mechanism)
     except InputError:  # too short, without a position, or of several coordinates
         return None
-    return MapPoints(found.velocity, found.friction, load_now, load_varies=False, measured=False)
+    return MapPoints(
+        found.velocity,
+        found.friction,
+        load_now,
+        load_varies=False,
+        measured=False,
+        trend=trend_of(found.time, found.velocity),
+    )
+
+
+def trend_of(t: Array, velocity: Array) -> Array:
+    """Return 1 where the speed rises, -1 where it falls, 0 where it hardly does either.
+
+    Examples
+    --------
+    >>> trend_of(np.arange(5.0), np.array([-3.0, -2.0, -1.0, 0.0, 1.0])).tolist()
+    [-1.0, -1.0, -1.0, 0.0, 1.0]
+    """
+    rate = np.zeros(len(t))
+    forward = np.flatnonzero(np.diff(t, prepend=-np.inf) <= 0.0)  # several records, end to end
+    for own in np.split(np.arange(len(t)), forward):
+        if len(own) > 1:
+            rate[own] = np.gradient(np.abs(velocity[own]), t[own])
+    least = STEADY * float(np.percentile(np.abs(rate), 95.0)) if len(rate) else 0.0
+    return np.sign(rate) * (np.abs(rate) > least)
 
 
 def speeds_of(fit: RecordFit, record: Measurement) -> tuple[Array, Array] | None:

@@ -1,5 +1,7 @@
 """The friction map: what was measured against velocity, and the law that was chosen."""
 
+from typing import Final
+
 import numpy as np
 
 from stickslip.friction import BristleLaw, DirectionDependent
@@ -13,9 +15,15 @@ from stickslip.report.documents import Section
 from stickslip.report.records.data import MapPoints, map_points, offset_of, sampled
 from stickslip.report.records.texts import half_width, rival_of
 from stickslip.report.selection.texts import quantity_value
-from stickslip.selection import RecordVerdict
+from stickslip.selection import RecordCandidate, RecordVerdict
+from stickslip.selection.record_words import in_sentence
 
 __all__ = ["map_section"]
+
+REFUTED: Final = 0.25
+"""Points this far off the curve on average, over the size of friction, speak against it."""
+MIXED: Final = 0.05
+"""Share of the largest speed below which filtered points mix both directions."""
 
 
 def map_section(verdict: RecordVerdict) -> Section | None:
@@ -29,7 +37,12 @@ def map_section(verdict: RecordVerdict) -> Section | None:
         laws[rival.title] = MapLaw(rival.fit.law, offset_of(rival.fit))
     shown = sampled(len(points.velocity))
     draw = draw_friction_map(
-        points.velocity[shown], points.friction[shown], laws, points.load, chosen=best.title
+        points.velocity[shown],
+        points.friction[shown],
+        laws,
+        points.load,
+        chosen=best.title,
+        trend=points.trend[shown],
     )
     svg = inline_svg(
         draw,
@@ -39,13 +52,18 @@ def map_section(verdict: RecordVerdict) -> Section | None:
     )
     caption = _caption(points, len(shown), laws, best.title)
     figure = Figure(svg=svg, caption=caption)
-    return Section(
-        id="map", nav="Friction map", heading=_heading(best.fit, points), blocks=(figure,)
-    )
+    return Section(id="map", nav="Friction map", heading=_heading(best, points), blocks=(figure,))
 
 
-def _heading(fit: RecordFit, points: MapPoints) -> str:
+def _heading(best: RecordCandidate, points: MapPoints) -> str:
+    """Return what the chosen law says of friction, where the points do not contradict its curve."""
+    fit = best.fit
+    assert fit is not None
     law = fit.law
+    if _off(fit, points) > REFUTED:
+        if isinstance(law, BristleLaw):
+            return "No curve of friction against velocity runs through what was measured"
+        return "Friction against velocity"
     if isinstance(law, DirectionDependent) and _viscous_parts_differ(fit):
         faster = law.backward_viscous_coefficient > law.forward_viscous_coefficient
         ways = ("in reverse than forward", "forward than in reverse")
@@ -55,13 +73,30 @@ def _heading(fit: RecordFit, points: MapPoints) -> str:
     slow = float(force[np.flatnonzero(v > 0.0)[0]])
     fast = float(force[-1])
     speed = quantity_value(fastest, "m/s")
+    by = f"By the {in_sentence(best.title)} law, friction"
     if abs(fast - slow) <= 0.02 * max(abs(fast), abs(slow)):
-        return f"Friction of {quantity_value(fast, 'N')}, the same at all speeds"
+        return f"{by} is {quantity_value(fast, 'N')} at all speeds"
     if abs(slow) <= 0.01 * abs(fast):
-        return f"Friction grows from 0 to {quantity_value(fast, 'N', 2)} at {speed}"
+        return f"{by} grows from 0 to {quantity_value(fast, 'N', 2)} at {speed}"
     turn = "grows" if fast > slow else "falls"
     start, end = quantity_value(slow, "N", 2), quantity_value(fast, "N", 2)
-    return f"Friction {turn} from {start} near rest to {end} at {speed}"
+    return f"{by} {turn} from {start} near rest to {end} at {speed}"
+
+
+def _off(fit: RecordFit, points: MapPoints) -> float:
+    """Return how far points are off the curve of a law, over the size of friction.
+
+    Where friction is derived, filters mix both directions close to rest: those points do not count.
+    """
+    top = float(np.max(np.abs(points.velocity)))
+    v, force = characteristic(fit.law, points.load, 1.01 * top)
+    kept = np.full(len(points.velocity), fill_value=True)
+    if not points.measured:
+        kept = np.abs(points.velocity) > MIXED * top
+    friction = points.friction[kept]
+    gaps = friction - np.interp(points.velocity[kept], v, force) - offset_of(fit)
+    size = float(np.sqrt(np.mean(friction**2))) if len(friction) else 0.0
+    return float(np.sqrt(np.mean(gaps**2))) / size if size > 0.0 else 0.0
 
 
 def _viscous_parts_differ(fit: RecordFit) -> bool:
@@ -83,8 +118,11 @@ def _caption(points: MapPoints, shown: int, laws: dict[str, MapLaw], chosen: str
             " forces of the mechanism, all filtered alike without a delay, against velocity. Close"
             " to zero the filter mixes both branches."
         )
-    text += f" Solid: {chosen}, as fitted"
-    text += "; dashed: " + ", ".join(name for name in laws if name != chosen) if laws else ""
+    if np.any(points.trend):
+        text += " Green dots: speeding up; purple triangles: slowing down; grey: neither."
+    text += f" Solid: {in_sentence(chosen)}, as fitted"
+    others = [in_sentence(name) for name in laws if name != chosen]
+    text += "; dashed: " + ", ".join(others) if laws else ""
     text = text.removesuffix("; dashed: ") + "."
     if any(isinstance(one.law, BristleLaw) for one in laws.values()):
         text += " Laws with bristles are drawn as in steady sliding; their loops lie around it."

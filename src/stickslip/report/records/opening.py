@@ -1,7 +1,7 @@
 """The opening: the verdict, the law with its numbers, and what one would quote."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Final
 
 import numpy as np
@@ -10,7 +10,6 @@ from stickslip.friction import (
     Coulomb,
     CoulombViscous,
     DirectionDependent,
-    FrictionLaw,
     QuadraticDrag,
     Viscous,
 )
@@ -33,6 +32,7 @@ from stickslip.report.records.texts import (
 )
 from stickslip.report.selection.texts import quantity_value
 from stickslip.selection import RecordVerdict
+from stickslip.selection.record_words import in_sentence
 
 __all__ = ["law_lines", "opening_section"]
 
@@ -48,7 +48,7 @@ def opening_section(verdict: RecordVerdict, kicker: str, remark: str = "") -> Se
         kicker=kicker,
         verdict=words.verdict,
         lede=f"{typeset(words.lede, symbols)} {remark}".strip(),
-        law=law_lines(fit) if fit else (),
+        law=law_lines(fit, verdict.best.left_out) if fit and verdict.best else (),
         facts=_facts(verdict),
         settles=_settles(fit) if fit else words.settles[:3],
         cannot_tell=tuple(typeset(line, symbols) for line in words.cannot_tell[:3]),
@@ -58,7 +58,7 @@ def opening_section(verdict: RecordVerdict, kicker: str, remark: str = "") -> Se
 
 
 def _settles(fit: RecordFit) -> tuple[str, ...]:
-    return tuple(f"{label_of(e)} is {_said(e, fit)}." for e in _known(fit)[:3])
+    return tuple(f"{label_of(e)} is {_said(e)}." for e in _known(fit)[:3])
 
 
 def _known(fit: RecordFit) -> list[Estimate]:
@@ -67,16 +67,19 @@ def _known(fit: RecordFit) -> list[Estimate]:
     return sorted(known, key=lambda e: half_width(e) / max(abs(e.value), 1e-300))
 
 
-def _said(estimate: Estimate, fit: RecordFit) -> str:
+def _said(estimate: Estimate) -> str:
     value, doubt = estimate_parts(estimate)
-    unit = unit_of(estimate, fit)
+    unit = unit_of(estimate)
     if not estimate.bounded:
         return f"{numbers.with_unit(value, unit)}, {doubt}"
     return numbers.with_unit(f"{value} {doubt}".strip(), unit)
 
 
-def law_lines(fit: RecordFit) -> tuple[LawLine, ...]:
-    """Return the fitted law with its numbers, and what else was fitted beside it."""
+def law_lines(fit: RecordFit, left_out: Collection[str] = ()) -> tuple[LawLine, ...]:
+    """Return the fitted law with its numbers, and what else was fitted beside it.
+
+    `left_out` are the paths of what went to 0 and was left out of the fit.
+    """
     law, points = fit.law, map_points(fit)
     load = points.load if points and not points.load_varies else None
     if isinstance(law, DirectionDependent):
@@ -88,7 +91,9 @@ def law_lines(fit: RecordFit) -> tuple[LawLine, ...]:
         lines = [LawLine(label="against the motion", formula=f"|$F$| = {_sum(fit, '', load)}")]
     else:
         lines = [
-            LawLine(label=q.symbol and name.replace("_", " "), formula=_assigned(law, fit, name))
+            LawLine(
+                label=q.symbol and name.replace("_", " "), formula=_assigned(fit, name, left_out)
+            )
             for name, q in fields_of(type(law)).items()
             if getattr(law, name) is not None
         ]
@@ -99,17 +104,19 @@ def law_lines(fit: RecordFit) -> tuple[LawLine, ...]:
     for estimate in fit.estimates:
         if estimate.path.startswith("mechanism.") and not estimate.path.endswith("offset"):
             name = estimate.path.rpartition(".")[2].replace("_", " ")
-            formula = f"${estimate.quantity.symbol}$ = {_said(estimate, fit)}"
+            formula = f"${estimate.quantity.symbol}$ = {_said(estimate)}"
             lines.append(LawLine(label=name, formula=formula))
     return tuple(lines)
 
 
-def _assigned(law: FrictionLaw, fit: RecordFit, name: str) -> str:
-    quantity = fields_of(type(law))[name]
+def _assigned(fit: RecordFit, name: str, left_out: Collection[str]) -> str:
+    quantity = fields_of(type(fit.law))[name]
     found = [e for e in fit.estimates if e.path == f"friction.{name}"]
     if found:
-        return f"${quantity.symbol}$ = {_said(found[0], fit)}"
-    value = getattr(law, name)
+        return f"${quantity.symbol}$ = {_said(found[0])}"
+    if f"friction.{name}" in left_out:
+        return f"${quantity.symbol}$ went to 0 and was left out"
+    value = getattr(fit.law, name)
     return f"${quantity.symbol}$ = {quantity_value(value, quantity.unit)}, taken as given"
 
 
@@ -175,8 +182,11 @@ def _factor(verdict: RecordVerdict) -> Fact | None:
     ratio = other.score / best.score
     shown = numbers.ratio(ratio) if ratio < 100 else f"{float(f'{ratio:.2g}'):,.0f} ×"
     if ratio >= 1.05:
-        return Fact(value=f"{shown} smaller", what=f"than the error of {other.title}{doubt}")
-    return Fact(value=shown, what=f"the error of {other.title} over that of {best.title}{doubt}")
+        return Fact(
+            value=f"{shown} smaller", what=f"than the error of {in_sentence(other.title)}{doubt}"
+        )
+    names = [in_sentence(one.title) for one in (other, best)]
+    return Fact(value=shown, what=f"the error of {names[0]} over that of {names[1]}{doubt}")
 
 
 def _telling(verdict: RecordVerdict) -> Fact | None:
@@ -200,4 +210,4 @@ def _telling(verdict: RecordVerdict) -> Fact | None:
     if halves and np.all(np.isfinite(halves)):
         first, second = (numbers.significant(x, 3) for x in halves)
         what += f"; {first} in the first half of the record, {second} in the second"
-    return Fact(value=value, aside=numbers.with_unit(doubt, unit_of(own[0], fit)), what=what)
+    return Fact(value=value, aside=numbers.with_unit(doubt, unit_of(own[0])), what=what)

@@ -4,18 +4,16 @@ from collections.abc import Mapping, Sequence
 
 from stickslip.report.documents import Page, Section
 from stickslip.report.page import render
-from stickslip.report.records.closing import (
-    certificate_section,
-    dropped_section,
-    next_section,
-    record_section,
-    reproduce_section,
-)
+from stickslip.report.records.certificate import certificate_section
+from stickslip.report.records.closing import dropped_section, next_section, record_section
 from stickslip.report.records.friction import map_section
+from stickslip.report.records.loops import loops_section
 from stickslip.report.records.opening import opening_section
 from stickslip.report.records.parameters import parameters_section
+from stickslip.report.records.reproduce import reproduce_section
 from stickslip.report.records.residuals import residuals_section
 from stickslip.report.records.scores import scores_section
+from stickslip.report.records.second import second_section
 from stickslip.selection import RecordVerdict
 
 __all__ = ["record_document", "record_page"]
@@ -29,6 +27,7 @@ def record_document(
     commands: Sequence[str] = (),
     versions: Mapping[str, str],
     digest: str = "",
+    files: Mapping[str, str] | None = None,
     subject: str = "",
     remark: str = "",
     extra: Sequence[Section] = (),
@@ -49,6 +48,8 @@ def record_document(
         Versions by name of the software; that of ``"stickslip"`` stands in the footer.
     digest : str
         Hash of the inputs.
+    files : mapping of str to str, optional
+        SHA-256 of each file of data by its name.
     subject : str
         The data, at the right of the top line; the title if not given.
     remark : str
@@ -75,7 +76,9 @@ def record_document(
     sections = [
         opening_section(verdict, kicker, remark),
         map_section(verdict),
+        loops_section(verdict),
         scores_section(verdict),
+        second_section(verdict),
         parameters_section(verdict),
         residuals_section(verdict),
         dropped_section(verdict),
@@ -83,7 +86,7 @@ def record_document(
         certificate_section(verdict),
         next_section(verdict),
         *extra,
-        reproduce_section(verdict, commands, versions, digest),
+        reproduce_section(verdict, commands, versions, digest, files or {}),
     ]
     version = versions.get("stickslip", "")
     return Page(
@@ -103,6 +106,7 @@ def record_page(
     commands: Sequence[str] = (),
     versions: Mapping[str, str],
     digest: str = "",
+    files: Mapping[str, str] | None = None,
     subject: str = "",
     remark: str = "",
     extra: Sequence[Section] = (),
@@ -129,6 +133,7 @@ def record_page(
             commands=commands,
             versions=versions,
             digest=digest,
+            files=files,
             subject=subject,
             remark=remark,
             extra=extra,

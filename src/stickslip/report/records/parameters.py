@@ -6,6 +6,9 @@ from typing import Final
 import numpy as np
 
 from stickslip.identification import Estimate, RecordFit
+from stickslip.identification.doubts import step_intervals
+from stickslip.identification.force_units import reads_as_forces
+from stickslip.identification.profiles import Allowed, largest_allowed
 from stickslip.report import numbers
 from stickslip.report.blocks import Block, Columns, KeyValue, KeyValues, Math, Subheading
 from stickslip.report.documents import Section
@@ -19,12 +22,15 @@ from stickslip.report.records.texts import (
 from stickslip.report.rowplots import Axis, Mark, RowPlot
 from stickslip.report.selection.texts import counted
 from stickslip.report.tables import Cell, Column, Correlations, Name, Number, Row, Table
-from stickslip.selection import RecordVerdict
+from stickslip.selection import RecordCandidate, RecordVerdict
+from stickslip.selection.record_words import in_sentence
 
 __all__ = ["parameters_section"]
 
 MOST_CORRELATED: Final = 8
 """Parameters of a triangle at most: a larger one is wider than a phone."""
+TWICE: Final = 2.0
+"""Sums of squares below this many times the least are said to be so many percent larger."""
 STRONG: Final = 0.9
 """Correlation from which two parameters are said to trade off."""
 
@@ -86,7 +92,7 @@ def _row(fit: RecordFit, index: int, halves: tuple[float, float] | None) -> Row:
     if halves is not None and known:
         first, second = (_to_digits(one, estimate) for one in halves)
         pair = f"{first} → {second}"
-    aside, unit = "" if estimate.bounded else estimate.reason, unit_of(estimate, fit)
+    aside, unit = "" if estimate.bounded else estimate.reason, unit_of(estimate)
     cells: tuple[Cell, ...] = (
         Name(text=label_of(estimate), aside=aside),
         Number(value=value, doubt=doubt, unit=unit)
@@ -155,8 +161,7 @@ def _caption(fit: RecordFit) -> str:
         " ones; the last column says how many times too narrow an interval is that takes all as"
         " independent."
     )
-    if any(unit_of(e, fit) != e.quantity.unit and e.quantity.unit == "1" and unit_of(e, fit)
-           for e in fit.estimates):  # fmt: skip
+    if reads_as_forces(fit.mechanism, fit.measurement):
         text += " The normal force is taken as 1, so that levels read as forces."
     return text
 
@@ -188,8 +193,52 @@ def _in_words(verdict: RecordVerdict, fit: RecordFit) -> tuple[Block, ...]:
         for e in fit.estimates
         if not e.bounded and e.reason
     ]
-    lines = [typeset(line, symbols) for line in fit.sentences]
-    items += [KeyValue(key="Undetermined" if items else "Note", value=line) for line in lines]
+    said = tuple(f"({e.quantity.symbol}) is undetermined" for e in fit.estimates if e.reason)
+    lines = [typeset(one, symbols) for one in fit.sentences if not any(s in one for s in said)]
+    items += [KeyValue(key="Note", value=line) for line in lines]
+    hidden = _hidden(verdict)
+    items += [hidden] if hidden is not None else []
     if not items:
         items = [KeyValue(key="Undetermined", value="nothing of this law, at this record's speeds")]
     return (Subheading(text="In words"), KeyValues(items=tuple(items)))
+
+
+def _hidden(verdict: RecordVerdict) -> KeyValue | None:
+    """Return how large a step or an exponent may be that the record does not settle.
+
+    Of all laws the one that predicts best is asked: a profile takes as long as a fit from near by.
+    """
+    known = [c for c in verdict.candidates if c.fit is not None and math.isfinite(c.score)]
+    for one in sorted(known, key=lambda c: c.score):
+        assert one.fit is not None
+        path = _undetermined(one.fit)
+        found = largest_allowed(one.fit, path) if path else None
+        if path and found is not None:
+            return _allowed(one, found)
+    return None
+
+
+def _undetermined(fit: RecordFit) -> str:
+    """Return the path of a step or an exponent of a law that is not settled, "" if all are."""
+    steps = step_intervals(fit.unknowns, fit.found.best, fit.inference)
+    for estimate in fit.estimates[: len(fit.unknowns)]:
+        is_step = estimate.path in steps and steps[estimate.path][1] <= 0.0
+        shapes = estimate.quantity.structural or estimate.path in steps
+        if is_step or (shapes and not estimate.bounded):
+            return estimate.path
+    return ""
+
+
+def _allowed(one: RecordCandidate, found: Allowed) -> KeyValue:
+    assert one.fit is not None
+    estimate = one.fit.estimate(found.path)
+    unit = unit_of(estimate)
+    end = numbers.with_unit(numbers.significant(found.value, 2), unit)
+    at, cost = found.tried[1], found.costs[1]  # the nearer one to the end
+    tried = numbers.with_unit(numbers.significant(at, 3), unit)
+    rise = numbers.percent(cost - 1.0) + " larger" if cost < TWICE else numbers.ratio(cost)
+    return KeyValue(
+        key=f"{label_of(estimate)} of {in_sentence(one.title)}",
+        value=f"up to about {end} is allowed by this record (95 %, profile likelihood, all else"
+        f" fitted anew); at {tried} the sum of squares is {rise}",
+    )

@@ -3,6 +3,7 @@
 import math
 from typing import Final
 
+from stickslip.report import numbers
 from stickslip.report.blocks import Paragraph
 from stickslip.report.documents import Section
 from stickslip.report.records.texts import Scale, scale_for, symbols_of, typeset
@@ -10,6 +11,8 @@ from stickslip.report.rowplots import Axis, Colour, Mark, RowPlot
 from stickslip.report.selection.texts import counted, joined, quantity_value
 from stickslip.report.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.selection import RecordCandidate, RecordVerdict
+from stickslip.selection.record_verdict import NEAR
+from stickslip.selection.record_words import in_sentence
 
 __all__ = ["picks_text", "scores_section"]
 
@@ -153,8 +156,9 @@ def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
     if verdict.plan.length:
         text += "Last third: fitted to what comes before, judged on the last third. "
     text += (
-        "Among laws whose blocks differ by less than their doubt the one with the fewest"
-        " parameters is taken. "
+        f"The rule: laws within {numbers.percent(NEAR)} and one paired standard error of the least"
+        " error are as good as it. Of these one to which there is no objection is taken, and then"
+        " the one with the fewest parameters; an objection does not outweigh a larger error. "
     )
     return text + picks_text(verdict)
 
@@ -177,7 +181,7 @@ def picks_text(verdict: RecordVerdict) -> str:
         verb = "picks" if len(agree) == 1 else "pick"
         parts.append(f"{joined(agree)} {verb} the chosen law")
     for name, who in against.items():
-        parts.append(f"{joined(who)} would pick {titles.get(name, name)}")
+        parts.append(f"{joined(who)} would pick {in_sentence(titles.get(name, name))}")
     text = "; ".join(parts)
     note = " (AIC and BIC take residuals as independent, which they are not)"
     tail = note if "AIC" in verdict.picks or "BIC" in verdict.picks else ""

@@ -7,8 +7,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from stickslip.identification import Estimate, RecordFit
-from stickslip.mechanisms import Axis
+from stickslip.identification import Estimate
 from stickslip.report import numbers
 from stickslip.selection import RecordCandidate, RecordVerdict
 
@@ -25,8 +24,6 @@ __all__ = [
     "unit_of",
 ]
 
-LEVELS: Final = ("kinetic_coefficient", "static_coefficient")
-"""Ends of the names of parameters that are forces where the normal force is 1."""
 POWERS: Final = dict(zip("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹", strict=True))
 FINE: Final = 0.1
 """Scores below this, in the unit shown, have significant digits instead of decimals."""
@@ -102,18 +99,10 @@ def half_width(estimate: Estimate) -> float:
     return 0.5 * (estimate.high - estimate.low) if estimate.bounded else math.inf
 
 
-def unit_of(estimate: Estimate, fit: RecordFit) -> str:
-    """Return the unit of an estimate; levels are forces where the normal force is 1."""
+def unit_of(estimate: Estimate) -> str:
+    """Return the unit of an estimate as it is printed, nothing for a pure number."""
     unit = re.sub(r"\^(\d)", lambda m: POWERS[m[1]], estimate.quantity.unit)
-    if unit != "1":
-        return unit
-    reads_as_force = (
-        isinstance(fit.mechanism, Axis)
-        and fit.mechanism.load == 1.0
-        and "load" not in fit.measurement.quantities()
-        and estimate.path.endswith(LEVELS)
-    )
-    return "N" if reads_as_force else ""
+    return "" if unit == "1" else unit
 
 
 def estimate_parts(estimate: Estimate, factor: float = 1.0) -> tuple[str, str]:

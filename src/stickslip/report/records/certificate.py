@@ -1,0 +1,151 @@
+"""The certificate: how the computation behind the verdict went."""
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from stickslip.identification import RecordFit
+from stickslip.identification.doubts import MOST_CONDITION
+from stickslip.identification.optimise import AGREE
+from stickslip.identification.shooting import Shooting
+from stickslip.report import numbers
+from stickslip.report.blocks import KeyValue, KeyValues
+from stickslip.report.documents import Section
+from stickslip.report.records.scores import picks_text
+from stickslip.report.selection.texts import counted, quantity_value
+from stickslip.selection import RecordVerdict
+
+__all__ = ["certificate_section"]
+
+TWICE: Final = 2.0
+"""Residuals below this many times the least are said to be so many percent higher."""
+
+
+def certificate_section(verdict: RecordVerdict) -> Section | None:
+    """Return the section on the computation behind the verdict."""
+    best = verdict.best
+    if best is None or best.fit is None:
+        return None
+    items = [*_search(best.fit), *_runs(best.fit), *_information(best.fit)]
+    settings = verdict.settings
+    items.append(
+        KeyValue(key="Seed", value=f"{settings.seed}, of the starts beside the first of each law")
+    )
+    plan = verdict.plan
+    items.append(
+        KeyValue(
+            key="Held-out blocks",
+            value=f"{verdict.blocks_scored} blocks, {quantity_value(plan.gap, 's', 2)} left out on"
+            " both sides,"
+            f" predicted over {quantity_value(plan.horizon, 's', 2)}"
+            if plan.length
+            else f"{verdict.blocks_scored} blocks, rows dealt out in turn",
+        )
+    )
+    agree = all(name in ("", best.name) for name in verdict.picks.values())
+    text = picks_text(verdict)
+    if text:
+        items.append(KeyValue(key="Criteria", value=text, mark="ok" if agree else "warn"))
+    return Section(
+        id="certificate",
+        nav="Certificate",
+        heading="Certificate of the computation",
+        blocks=(KeyValues(items=tuple(items)),),
+    )
+
+
+def _search(fit: RecordFit) -> list[KeyValue]:
+    """Return how the least residual was found."""
+    found = fit.found
+    starts, agreeing = len(found.costs), found.agreeing
+    text = f"{agreeing} of {starts} starts came to the least residual within {AGREE:.0%}"
+    text = text.replace("%", f"{numbers.NO_BREAK_SPACE}%")
+    if agreeing < starts:
+        text += f"; {_worst(found.costs)}"
+    text += "; the search was stopped before its end" if found.cancelled else ""
+    certain = agreeing > 1 and not found.cancelled
+    how = {
+        "shooting": "segments simulated exactly, each from a fitted state",
+        "force-map": "friction along the measured motion",
+        "inverse-dynamics": "friction from filtered motion and force",
+    }.get(fit.route, fit.route)
+    return [
+        KeyValue(key="Route", value=how),
+        KeyValue(key="Restarts", value=text, mark="ok" if certain else "warn"),
+        KeyValue(key="Evaluations", value=f"{found.evaluations:,} predictions of the record"),
+    ]
+
+
+def _worst(costs: Sequence[float]) -> str:
+    """Return what became of the start that ended farthest from the least residual."""
+    failed = sum(not math.isfinite(cost) for cost in costs)
+    if failed:
+        return f"from {counted(failed)} nothing could be predicted"
+    times = math.sqrt(max(costs) / max(min(costs), 1e-300))
+    if times < TWICE:
+        return f"the worst ended {numbers.percent(times - 1.0)} higher"
+    return f"the worst ended at {numbers.ratio(times)} that residual"
+
+
+def _runs(fit: RecordFit) -> list[KeyValue]:
+    """Return what the runs of the segments say of themselves; nothing where none are simulated."""
+    if not isinstance(fit.problem, Shooting):
+        return []
+    runs = fit.problem.runs(fit.found.best)
+    known = [run.certificate for run in runs]
+    if not known:
+        return []
+    sure = sum(one.certified for one in known)
+    turns = sum(len(run.events) for run in runs)
+    rest = sum(b - a for run in runs for a, b in run.stick_spans())
+    energy = numbers.residue(max(one.energy_error for one in known))
+    drift = max(one.stick_drift for one in known)
+    still = f"; drift at rest {numbers.length(drift, 1) if drift else 'exactly 0'}" if rest else ""
+    located = numbers.residue(max(one.event_residual for one in known))
+    return [
+        KeyValue(
+            key="Simulation",
+            value=f"{sure} of {len(known)} segments certified with the fitted law",
+            mark="ok" if sure == len(known) else "warn",
+        ),
+        KeyValue(
+            key="Energy balance",
+            value=f"mismatch of energy and work at most {energy} of their size",
+        ),
+        KeyValue(
+            key="Stops and reversals",
+            value=f"{turns:,} events, located to {located} of their size;"
+            f" {quantity_value(rest, 's', 2)} at rest{still}",
+        ),
+    ]
+
+
+def _information(fit: RecordFit) -> list[KeyValue]:
+    """Return how much the record says."""
+    rows, effective = len(fit.residual), fit.inference.effective
+    condition = fit.inference.condition
+    segments = fit.problem.spans
+    lengths = segments[:, 2] - segments[:, 1]
+    text = f"{len(segments):,}"
+    if all(record.time is not None for record in fit.measurement.records()):
+        text += f" of {quantity_value(float(np.median(lengths)), 's', 2)} each"
+    ended = ", ".join(path.rpartition(".")[2].replace("_", " ") for path in fit.at_bounds)
+    return [
+        KeyValue(key="Segments", value=text),
+        KeyValue(
+            key="Effective samples",
+            value=f"about {numbers.significant(effective, 2)} of {rows:,} rows compared",
+        ),
+        KeyValue(
+            key="Condition",
+            value=f"{numbers.significant(condition, 2)}, limit {MOST_CONDITION:g}",
+            mark="ok" if condition <= MOST_CONDITION else "warn",
+        ),
+        KeyValue(
+            key="Bounds",
+            value=f"reached by {ended}" if ended else "none reached",
+            mark="warn" if ended else "ok",
+        ),
+    ]

@@ -1,0 +1,147 @@
+"""How to have the report again, and whom to cite."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+
+import stickslip
+from stickslip.errors import UnknownNameError
+from stickslip.friction import FrictionLaw
+from stickslip.identification.record_fitting import RecordSettings
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import fields_of
+from stickslip.report.blocks import Block, Caption, Code, KeyValue, KeyValues, References
+from stickslip.report.documents import Section
+from stickslip.report.selection.closing import law_references
+from stickslip.selection import RecordVerdict
+from stickslip.selection.specifications import specifications
+
+__all__ = ["python_lines", "reproduce_section"]
+
+
+def reproduce_section(
+    verdict: RecordVerdict,
+    commands: Sequence[str],
+    versions: Mapping[str, str],
+    digest: str,
+    files: Mapping[str, str],
+) -> Section:
+    """Return the section with commands, the selection and the law as code, data and references."""
+    blocks: list[Block] = []
+    if commands:
+        blocks.append(Code(text="\n".join(f"$ {command}" for command in commands)))
+    blocks.append(Code(text=python_lines(verdict)))
+    names = "`record` is" if verdict.second is None else "`record` and `second` are"
+    blocks.append(
+        Caption(
+            text=f"The selection in Python; {names} what `load_measurement` reads, with the"
+            " columns, units and gains of the data. Laws that have start values, as those of a rig"
+            " file, are given instead of their names."
+        )
+    )
+    fit = verdict.best.fit if verdict.best else None
+    if fit is not None:
+        blocks.append(Code(text=_as_code(fit.law)))
+        blocks.append(Code(text=fit.to_toml().strip()))
+        blocks.append(Caption(text="The fitted law as code, and as a file that simulations take."))
+    items = _data(verdict)
+    items += [KeyValue(key=name, value=version) for name, version in versions.items()]
+    items += [KeyValue(key=f"SHA-256 of {name}", value=f"`{one}`") for name, one in files.items()]
+    if digest:
+        items.append(KeyValue(key="Hash of the inputs", value=f"`{digest}`"))
+    if items:
+        blocks.append(KeyValues(items=tuple(items)))
+    laws = [c.law for c in verdict.candidates if c.law is not None]
+    sources = law_references(laws, {})
+    if sources:
+        blocks += [References(items=sources), Caption(text="What the laws come from.")]
+    return Section(
+        id="reproduce", nav="Reproduce and cite", heading="Reproduce and cite", blocks=tuple(blocks)
+    )
+
+
+def python_lines(verdict: RecordVerdict) -> str:
+    """Return the lines of Python that make the selection again from its record.
+
+    A mechanism that is not all numbers is left to `load_rig`, and laws of one's own to oneself.
+    """
+    built = _built(verdict.mechanism)
+    kind = type(verdict.mechanism).__name__
+    names = [*sorted([kind if built else "load_rig", "RecordSettings"]), "select"]
+    parts = [built or 'load_rig("rig.toml").mechanism', "record", *_laws(verdict)]
+    parts += _asked(verdict)
+    parts.append(f"settings={_settings(verdict.settings)}")
+    parts += ["validate=second"] if verdict.second is not None else []
+    lines = [f">>> from stickslip import {', '.join(names)}", ">>> verdict = select("]
+    lines += [f"...     {part}," for part in parts]
+    return "\n".join([*lines, "... )"])
+
+
+def _built(mechanism: Mechanism) -> str:
+    """Return a mechanism as one would write it, nothing if not all of it is numbers."""
+    if type(mechanism).__name__ not in stickslip.__all__:
+        return ""
+    found = []
+    for one in fields(mechanism):
+        value = getattr(mechanism, one.name)
+        if value is None or value == one.default:
+            continue
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return ""
+        found.append(f"{one.name}={value!r}")
+    return f"{type(mechanism).__name__}({', '.join(found)})"
+
+
+def _laws(verdict: RecordVerdict) -> list[str]:
+    """Return the argument with the laws by name, nothing if the names say nothing."""
+    names = [one.name for one in verdict.candidates]
+    try:
+        specifications(names)
+    except UnknownNameError:
+        return ["laws"]
+    said = ", ".join(f'"{name}"' for name in names)
+    return [f"[{said}]"]
+
+
+def _asked(verdict: RecordVerdict) -> list[str]:
+    """Return the arguments on what was looked for and what was scored."""
+    fit = verdict.best.fit if verdict.best else None
+    paths = [e.path for e in fit.estimates] if fit else []
+    unknown = [
+        f'"{path.removeprefix("mechanism.")}"'
+        for path in paths
+        if path.startswith("mechanism.") and path != "mechanism.offset"
+    ]
+    parts = [f"unknown=[{', '.join(unknown)}]"] if unknown else []
+    parts.append(f'purpose="{verdict.purpose.name}"')
+    parts += [f"horizon={verdict.plan.horizon!r}"] if verdict.plan.length else []
+    return parts + ([f'route="{fit.route}"'] if fit else [])
+
+
+def _settings(settings: RecordSettings) -> str:
+    """Return the settings as one would write them, the seed always."""
+    usual = RecordSettings()
+    said = [
+        f"{one.name}={getattr(settings, one.name)!r}"
+        for one in fields(settings)
+        if one.name == "seed" or getattr(settings, one.name) != getattr(usual, one.name)
+    ]
+    return f"RecordSettings({', '.join(said)})"
+
+
+def _data(verdict: RecordVerdict) -> list[KeyValue]:
+    records = verdict.measurement.records()
+    said = list(dict.fromkeys(r.provenance for r in records if r.provenance))
+    whole = verdict.measurement.provenance
+    text = whole or "; ".join(said[:3])
+    return [KeyValue(key="Data", value=text)] if text else []
+
+
+def _as_code(law: FrictionLaw) -> str:
+    """Return the fitted law as one would write it."""
+    kind = type(law).__name__
+    lines = [f">>> from stickslip import {kind}", f">>> law = {kind}("]
+    for name in fields_of(type(law)):
+        value = getattr(law, name)
+        if value is not None:
+            lines.append(f"...     {name}={value:.6g},")
+    return "\n".join([*lines, "... )"])

@@ -1,0 +1,68 @@
+"""Levels of an axis that has no load are forces, and are said in N wherever they stand."""
+
+import numpy as np
+import pytest
+
+from stickslip import Axis, Coulomb, Dahl, DirectionDependent, Measurement, fit
+from stickslip.identification.plain_numbers import short
+
+
+def table(**more):
+    v = np.linspace(-0.2, 0.2, 80)
+    noise = 0.02 * np.random.default_rng(0).normal(size=len(v))
+    return Measurement(velocity=v, friction=np.where(v > 0, 2.0, -3.0) + noise, **more)
+
+
+def unit_of(found, name="kinetic_coefficient"):
+    return found.estimate(name).quantity.unit
+
+
+def test_a_level_where_no_load_is_known_is_in_newtons():
+    found = fit(Axis(inertia=1.0), Coulomb, table())
+    assert unit_of(found) == "N"
+    assert found.to_dict()["estimates"][0]["unit"] == "N"
+    assert " N (" in str(found.estimate("kinetic_coefficient"))
+
+
+def test_a_level_beside_a_load_is_a_pure_number():
+    assert unit_of(fit(Axis(inertia=1.0, load=5.0), Coulomb, table())) == "1"
+    loaded = table(load=np.full(80, 5.0))
+    assert unit_of(fit(Axis(inertia=1.0), Coulomb, loaded)) == "1"
+
+
+def test_stiffness_of_bristles_is_in_newtons_a_metre_and_an_exponent_has_no_unit():
+    t = np.linspace(0.0, 4.0, 800)
+    x = 1e-3 * np.sin(2.0 * np.pi * t)
+    friction = 2.0 * np.tanh(30.0 * np.cos(2.0 * np.pi * t))
+    found = fit(Axis(inertia=1.0), Dahl, Measurement(time=t, position=x, friction=friction))
+    assert unit_of(found, "bristle_stiffness") == "N/m"
+    assert unit_of(found, "exponent") == "1"
+
+
+def test_an_offset_that_levels_by_direction_stand_for_is_not_dropped_in_silence():
+    found = fit(Axis(inertia=1.0, offset=0.25), DirectionDependent, table())
+    said = [line for line in found.sentences if "constant force" in line]
+    assert len(said) == 1
+    assert "one number" in said[0]
+    assert "kept at 0.25 N" in said[0]
+
+
+def test_nothing_is_said_of_an_offset_that_was_looked_for():
+    found = fit(Axis(inertia=1.0), Coulomb, table())
+    assert "mechanism.offset" in found.unknowns.paths
+    assert not any("constant force" in line for line in found.sentences)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (110.0, "110"),
+        (750.0, "750"),
+        (0.012, "0.012"),
+        (1.23e5, "120,000"),
+        (4.2e-10, "4.2 × 10⁻¹⁰"),
+        (-3e9, "-3 × 10⁹"),
+    ],
+)
+def test_numbers_in_sentences_have_no_e(value, text):
+    assert short(value, 2).replace("\N{NO-BREAK SPACE}", " ") == text

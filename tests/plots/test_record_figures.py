@@ -1,0 +1,73 @@
+"""Figures of records: loops, pieces of a second record, and maps of friction."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from stickslip.friction import Coulomb
+from stickslip.plots.friction_map import MapLaw, draw_friction_map
+from stickslip.plots.loops import Loop, draw_loops
+from stickslip.plots.pieces import Piece, draw_pieces
+from stickslip.plots.theme import C1, C2, C3, C4, DATA, house_style
+
+T = np.linspace(0.0, 1.0, 50)
+
+
+def drawn(draw, *, narrow=False):
+    with house_style():
+        figure = Figure()
+        draw(figure, narrow)
+    return figure.axes
+
+
+def series(axes):
+    """Horizontal and vertical values of the lines of a panel with points, by colour."""
+    lines = [line for line in axes.get_lines() if len(line.get_xdata()) > 2]
+    return {line.get_color(): np.array(line.get_data()) for line in lines}
+
+
+def loop():
+    x, friction = 1e-3 * np.sin(6.28 * T), np.cos(6.28 * T)
+    return Loop(x, friction, {"Coulomb": np.sign(friction), "Dahl": 0.9 * friction})
+
+
+def test_loops_are_dots_with_each_law_in_a_panel_of_its_own_the_chosen_one_first():
+    first, second = drawn(draw_loops([loop(), loop()], chosen="Dahl"))
+    assert first.get_title(loc="left") == "Dahl"
+    assert set(series(first)) == {DATA, C1}
+    assert set(series(second)) == {DATA, C2}
+    one = loop()
+    # millimetres
+    np.testing.assert_allclose(
+        series(first)[C1], [1e3 * one.displacement, one.predicted["Dahl"]], rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        series(second)[DATA], [1e3 * one.displacement, one.measured], rtol=1e-12
+    )
+
+
+def test_pieces_show_predictions_over_the_data_and_errors_below_in_one_range():
+    measured = 0.1 * np.sin(3.0 * T)
+    off = {"Coulomb": measured + 0.002, "Dahl": measured - 0.001}
+    pieces = [Piece("median error", T, measured, off), Piece("worst error", T, 2 * measured, off)]
+    for narrow in (False, True):
+        axes = drawn(draw_pieces(pieces, "position", "m", chosen="Dahl"), narrow=narrow)
+        assert len(axes) == 4
+        above, below = (axes[0], axes[1]) if narrow else (axes[0], axes[2])
+        last = axes[3]
+        assert set(series(above)) == {DATA, C1, C2}
+        np.testing.assert_allclose(series(below)[C1][1], 1.0, rtol=1e-9)  # mm, measured less
+        np.testing.assert_allclose(series(below)[C2][1], -2.0, rtol=1e-9)
+        assert below.get_ylim() == last.get_ylim()
+
+
+def test_points_of_a_map_differ_by_colour_and_marker_where_speed_rises_and_falls():
+    v = np.linspace(-1.0, 1.0, 90)
+    turn = np.repeat([1.0, -1.0, 0.0], 30)
+    laws = {"Coulomb": MapLaw(Coulomb(kinetic_coefficient=2.0), 0.0)}
+    draw = draw_friction_map(v, 2.0 * np.sign(v), laws, 1.0, chosen="Coulomb", trend=turn)
+    lines = drawn(draw)[0].get_lines()
+    kinds = {line.get_color(): line.get_marker() for line in lines if line.get_marker() != "None"}
+    assert kinds == {DATA: "o", C3: "o", C4: "^"}
+    plain = drawn(draw_friction_map(v, 2.0 * np.sign(v), laws, 1.0, chosen="Coulomb"))[0]
+    seen = [line for line in plain.get_lines() if line.get_marker() != "None"]
+    assert {line.get_color() for line in seen if len(line.get_xdata())} == {DATA}
