@@ -26,6 +26,8 @@ _HOME = {
     "EventCount": "solver",
     "EventDriven": "solver",
     "EventTimes": "solver",
+    "FeatureFit": "identification",
+    "FeatureVerdict": "selection",
     "Final": "solver",
     "Fit": "identification",
     "Finding": "experiments",

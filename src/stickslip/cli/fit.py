@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from stickslip.cli.feature_fit import show_feature_fit
 from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.measured import (
     Asked,
@@ -28,7 +29,7 @@ from stickslip.cli.progress import Searching, Watching
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, load_rig
 from stickslip.friction import FrictionLaw, law_type
-from stickslip.identification import Fit, RecordFit, Score, TravelFit, fit
+from stickslip.identification import FeatureFit, Fit, RecordFit, Score, TravelFit, fit
 from stickslip.report.numbers import length
 from stickslip.selection.record_words import error_text
 
@@ -115,8 +116,10 @@ def _fitted(
         )
 
 
-def _second(result: Fit, found: Measured, asked: Asked) -> Score | None:
-    """Return the error on a record that the fit did not see."""
+def _second(result: Fit, found: Measured, asked: Asked) -> Score | Mapping[str, float] | None:
+    """Return the error on a record that the fit did not see; of features those of each."""
+    if isinstance(result, FeatureFit):
+        return None if found.validate is None else result.judged(found.validate)
     if not isinstance(result, RecordFit):
         if found.validate is not None:
             raise InputError("travels take no second record: give more trials instead.")
@@ -127,18 +130,22 @@ def _second(result: Fit, found: Measured, asked: Asked) -> Score | None:
 
 
 def _content(
-    rig: Rig, found: Measured, result: Fit, checks: Checks, second: Score | None
+    rig: Rig,
+    found: Measured,
+    result: Fit,
+    checks: Checks,
+    second: Score | Mapping[str, float] | None,
 ) -> Mapping[str, Any]:
     return {
         "rig": rig.title,
         "digest": found.digest,
         **result.to_dict(),
         "checks": checks.to_dict(),
-        "second_record": None if second is None else second.rms,
+        "second_record": second.rms if isinstance(second, Score) else second,
     }
 
 
-def _show(result: Fit, second: Score | None) -> None:
+def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
     console = stdout()
     console.print(f"\n{result.law.title} friction", markup=False, style="bold")
     show_estimates(result.estimates)
@@ -148,7 +155,12 @@ def _show(result: Fit, second: Score | None) -> None:
         rows = [[plain(length(m)), plain(length(p))] for m, p in pairs]
         show_table("", ["measured travel", "predicted"], rows)
         return
+    if isinstance(result, FeatureFit):
+        assert not isinstance(second, Score)
+        show_feature_fit(result, second or {})
+        return
     assert isinstance(result, RecordFit)
+    assert not isinstance(second, Mapping)
     quantity, found = result.problem.quantity, result.found
     console.print(f"Residual of {quantity}: {error_text(result.rms, quantity)}", markup=False)
     if second is not None:

@@ -13,8 +13,10 @@ from stickslip.experiments.digests import with_files
 from stickslip.experiments.reading import Reading
 from stickslip.experiments.records import read_data
 from stickslip.identification import Estimate, RecordSettings
+from stickslip.identification.features import by_features
 from stickslip.quantities import Quantity
 from stickslip.report.numbers import interval, significant
+from stickslip.selection.feature_words import share
 from stickslip.selection.record_words import error_text
 from stickslip.selection.verdict import Wording
 
@@ -81,6 +83,8 @@ class Measured:
     unknown: tuple[str, ...]
     digest: str
     """SHA-256 of the rig and of all files that were read."""
+    features: bool = False
+    """Whether features are compared: of the force of a spring that pulls a block."""
 
     @property
     def travels(self) -> bool:
@@ -113,7 +117,10 @@ def measured(rig: Rig, asked: Asked, *, given: bool) -> Measured:
         validate=validate,
         unknown=(*rig.unknown, *names),
         digest=with_files(rig.digest, files),
+        features=by_features(measurement, asked.how.route),
     )
+    if found.features:
+        _check_features(asked.how)
     if found.travels:
         _check_travels(asked.how)
     elif not given:
@@ -122,6 +129,16 @@ def measured(rig: Rig, asked: Asked, *, given: bool) -> Measured:
             ' type = "axis" and inertia = { value = "80 kg", unknown = true }.'
         )
     return found
+
+
+def _check_features(how: How) -> None:
+    """Refuse what features have no use for."""
+    for name in ("purpose", "horizon", "segment", "hold", "starts"):
+        if getattr(how, name) is not None:
+            raise InputError(
+                f"--{name} is for records of motion or friction; the force of a spring is compared"
+                " by its features."
+            )
 
 
 def _check_travels(how: How) -> None:
@@ -135,6 +152,8 @@ def _check_travels(how: How) -> None:
 
 def residuals(found: Measured, route: str | None) -> Callable[[float], str]:
     """Return what puts residuals into words, with the unit of what predictions are compared to."""
+    if found.features:
+        return lambda error: f"features off by {share(error)}"
     known = found.measurement.quantities()
     quantity = next((name for name in ("position", "velocity") if name in known), "friction")
     if route in ("force-map", "inverse-dynamics") or "friction" in known:

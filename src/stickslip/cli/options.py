@@ -122,7 +122,7 @@ Horizon = Annotated[
 ]
 Route = Annotated[
     str | None,
-    typer.Option("--route", help="shooting, force-map or inverse-dynamics, for records."),
+    typer.Option("--route", help="shooting, force-map, inverse-dynamics or features, for records."),
 ]
 Segment = Annotated[
     float | None,

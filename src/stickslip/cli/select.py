@@ -7,6 +7,7 @@ from pathlib import Path
 
 import typer
 
+from stickslip.cli.features import select_on_features
 from stickslip.cli.measured import Asked, Measured, measured, show_open
 from stickslip.cli.output import (
     document,
@@ -62,6 +63,9 @@ def run(
         return
     if enforce:
         raise InputError("--enforce is for travels: the criteria of the paper judge these.")
+    if found.features:
+        select_on_features(rig, found, asked, laws, output, jobs=jobs or 1, as_json=as_json)
+        return
     select_on_records(rig, found, asked, laws, output, jobs=jobs or 1, as_json=as_json)
 
 

@@ -37,7 +37,7 @@ from stickslip.selection import RecordCandidate, RecordVerdict, select
 from stickslip.selection.record_words import error_text
 from stickslip.selection.specifications import specifications
 
-__all__ = ["select_on_records"]
+__all__ = ["NO_LAW", "laws_of", "select_on_records"]
 
 NO_LAW = 3
 
@@ -53,7 +53,7 @@ def select_on_records(
     as_json: bool,
 ) -> None:
     """Select, write what was found into a folder, print the verdict."""
-    verdict = _selected(rig, found, asked, _chosen(rig, laws), jobs)
+    verdict = _selected(rig, found, asked, laws_of(rig, laws), jobs)
     content = document("select", {"rig": rig.title, "digest": found.digest, **verdict.to_dict()})
     if as_json:
         print_json(content)
@@ -71,7 +71,7 @@ def select_on_records(
         raise typer.Exit(NO_LAW)
 
 
-def _chosen(
+def laws_of(
     rig: Rig, names: str | None
 ) -> Mapping[str, FrictionLaw] | Sequence[FrictionLaw | str] | None:
     """Return the laws to try: those of the rig, or those asked for; None for the usual ones."""

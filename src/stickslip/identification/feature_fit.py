@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -18,20 +18,22 @@ from stickslip.identification.feature_result import (
     estimates_of,
     sentences_of,
 )
+from stickslip.identification.feature_scores import as_good, room_of
 from stickslip.identification.features import (
     COMPARED,
+    FASTER,
     StickSlipFeatures,
     features_of,
     load_of,
     towed,
 )
-from stickslip.identification.optimise import improve
+from stickslip.identification.optimise import Counter, Watch, improve
 from stickslip.identification.problem import Linearised
 from stickslip.identification.starts import starting_law
 from stickslip.mechanisms import Mechanism, TowedBlock
-from stickslip.quantities import vary
+from stickslip.quantities import fields_of, vary
 
-__all__ = ["compare_features", "fit_features"]
+__all__ = ["compare_features", "fit_features", "free_of"]
 
 Array: TypeAlias = NDArray[np.float64]
 Progress: TypeAlias = Callable[[int, int], object]
@@ -40,6 +42,7 @@ FREE = ("kinetic_coefficient", "static_coefficient", "stribeck_velocity")
 """Parameters that shape a limit cycle, as far as a law has them."""
 ALIKE = 2e-3
 """Ends whose features differ by no more than this are equally good: features are read to that."""
+MASS = "mechanism.mass"
 LOCAL = 4
 """Points of the global search from which the search goes on locally."""
 
@@ -55,6 +58,7 @@ def fit_features(
     points: int = 256,
     seed: int = 0,
     progress: Progress | None = None,
+    watch: Watch | None = None,
 ) -> FeatureFit:
     """Fit a law on a towed block to frequency, mean and standard deviation of the spring's force.
 
@@ -82,6 +86,9 @@ def fit_features(
         Points of the global search, and seed of its scrambling.
     progress : callable, optional
         Called with the runs done and all runs of the global search; False ends it with those done.
+    watch : callable, optional
+        Called with the least root mean square error of the features so far, infinite before there
+        is one; False ends the search with the best so far.
 
     Returns
     -------
@@ -113,17 +120,44 @@ def fit_features(
     first, rest = _parts(measurement, share)
     observed = features_of(first, mechanism=block)
     start = _start(block, law)
-    names = [name for name in FREE if has(start, name)] if free is None else list(free)
-    unknowns = unknowns_of(block, start, observed, unknown=unknown, free=names)
-    problem = FeatureProblem(block=block, law=start, observed=observed, unknowns_=unknowns)
-    best, runs = _searched(problem, points, seed, progress)
     held = None if rest is None else features_of(rest, mechanism=block)
-    return _result(problem, best, held, runs)
+    names = free_of(start) if free is None else list(free)
+    unknowns = unknowns_of(block, start, observed, unknown=unknown, free=names)
+    if not len(unknowns):
+        raise InputError(
+            f"there is nothing to fit: {start.title} has none of {', '.join(FREE)}; name at least"
+            " one parameter in `free` or `unknown`."
+        )
+    problem = FeatureProblem(block=block, law=start, observed=observed, unknowns_=unknowns)
+    return _result(problem, _searched(problem, points, seed, progress, watch), held, measurement)
+
+
+def free_of(law: FrictionLaw | type[FrictionLaw]) -> list[str]:
+    """Return the names of the parameters of a law that features are fitted by.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Viscous
+    >>> free_of(Coulomb), free_of(Viscous)
+    (['kinetic_coefficient', 'static_coefficient'], [])
+    """
+    known = fields_of(law if isinstance(law, type) else type(law))
+    return [name for name in FREE if name in known]
+
+
+@dataclass(frozen=True)
+class _End:
+    """Where a search ended."""
+
+    best: Linearised
+    runs: int
+    cancelled: bool
 
 
 def _result(
-    problem: FeatureProblem, best: Linearised, held: StickSlipFeatures | None, runs: int
+    problem: FeatureProblem, end: _End, held: StickSlipFeatures | None, measurement: Measurement
 ) -> FeatureFit:
+    best = end.best
     block, observed, unknowns = problem.block, problem.observed, problem.unknowns
     pairs = dict(zip(unknowns.paths, map(float, best.values), strict=True))
     own = {path: value for path, value in pairs.items() if path.startswith("mechanism.")}
@@ -131,6 +165,9 @@ def _result(
     predicted = observed.compared * np.exp(-best.residual)
     estimates = estimates_of(unknowns, best, observed.covariance)
     errors = errors_of(predicted, observed)
+    said = sentences_of(estimates, observed, held, errors)
+    if observed.frequency > FASTER * observed.natural_frequency and MASS not in pairs:
+        said += ('The mass was held at the nominal one; unknown=["mass"] looks for it.',)
     return FeatureFit(
         law=vary(problem.law, "friction", others),
         mechanism=vary(replace(block, load=load_of(block)), "mechanism", own),
@@ -140,8 +177,10 @@ def _result(
         errors=errors,
         held_out=held,
         held_out_errors={} if held is None else errors_of(predicted, held),
-        runs=runs,
-        sentences=sentences_of(estimates, observed, held, errors),
+        runs=end.runs,
+        sentences=said,
+        measurement=measurement,
+        cancelled=end.cancelled,
     )
 
 
@@ -192,20 +231,16 @@ def compare_features(
 
 def _told_apart(fits: Sequence[FeatureFit]) -> tuple[FeatureFit, ...]:
     """Return sorted fits; those as good as the first say so."""
-    held = fits[0].held_out if fits else None
-    if len(fits) < 2 or held is None:
-        return tuple(fits)
-    change = np.log(held.compared / fits[0].observed.compared)
-    room = float(np.sqrt(np.mean(change**2)))
-    alike = [f.law.title for f in fits if f.score - fits[0].score <= 0.5 * room + 0.01]
+    alike = [one for one in fits if as_good(one, fits[0])]
     if len(alike) < 2:
         return tuple(fits)
     said = (
-        f"{', '.join(alike)} are not told apart: their held-out errors differ by less than the"
-        f" features change between the parts of the record ({100 * room:.1f} %)."
+        f"{', '.join(one.law.title for one in alike)} are not told apart: their held-out errors"
+        " differ by less than the features change between the parts of the record"
+        f" ({100 * room_of(fits[0]):.1f} %)."
     )
     return tuple(
-        replace(f, sentences=(*f.sentences, said)) if f.law.title in alike else f for f in fits
+        replace(one, sentences=(*one.sentences, said)) if one in alike else one for one in fits
     )
 
 
@@ -243,9 +278,39 @@ def _start(block: TowedBlock, law: FrictionLaw | type[FrictionLaw]) -> FrictionL
 
 
 def _searched(
-    problem: FeatureProblem, points: int, seed: int, progress: Progress | None
-) -> tuple[Linearised, int]:
-    """Return the best end of the best points of a Sobol sequence, and the runs it took."""
+    problem: FeatureProblem,
+    points: int,
+    seed: int,
+    progress: Progress | None,
+    watch: Watch | None,
+) -> _End:
+    """Return the best end of the best points of a Sobol sequence."""
+    counter = Counter(watch)
+    places, costs = _spread(problem, points, seed, _told(progress, counter))
+    ends, cancelled = [], False
+    for i in np.argsort(costs)[:LOCAL]:
+        if cancelled or not math.isfinite(costs[i]):
+            break
+        try:
+            end, cancelled = improve(problem, places[i], counter=counter)
+        except ConvergenceError:  # a neighbour of the point has no limit cycle
+            continue
+        ends.append(end)
+    if not ends:
+        raise ConvergenceError(
+            f"none of {len(places)} runs has a limit cycle to compare:"
+            " check mass, stiffness and speed of the block."
+        )
+    best = min(ends, key=lambda end: end.cost)
+    alike = [end.values for end in ends if end.cost <= best.cost + ALIKE**2]
+    runs = len(places) + counter.count * (1 + len(problem.unknowns))
+    return _End(replace(best, memory=np.array(alike)), runs, cancelled)
+
+
+def _spread(
+    problem: FeatureProblem, points: int, seed: int, progress: Progress
+) -> tuple[Array, Array]:
+    """Return points (n, p) of a Sobol sequence over all ranges, and what each costs (n,)."""
     from scipy.stats import qmc
 
     unknowns = problem.unknowns
@@ -255,23 +320,14 @@ def _searched(
     places = np.array([unknowns.values(low + (high - low) * row) for row in cube])
     costs = np.sum(problem.residuals(problem.features(places, progress)) ** 2, axis=1)
     costs[~np.isfinite(costs)] = math.inf
-    ends, runs = [], len(places)
+    return places, costs
 
-    def count(_: Linearised) -> None:
-        nonlocal runs
-        runs += 1 + len(unknowns)
 
-    for i in np.argsort(costs)[:LOCAL]:
-        if math.isfinite(costs[i]):
-            try:
-                ends.append(improve(problem, places[i], counter=count)[0])
-            except ConvergenceError:  # a neighbour of the point has no limit cycle
-                continue
-    if not ends:
-        raise ConvergenceError(
-            f"none of {len(places)} runs has a limit cycle to compare:"
-            " check mass, stiffness and speed of the block."
-        )
-    best = min(ends, key=lambda end: end.cost)
-    alike = [end.values for end in ends if end.cost <= best.cost + ALIKE**2]
-    return replace(best, memory=np.array(alike)), runs
+def _told(progress: Progress | None, counter: Counter) -> Progress:
+    """Return what hears of the runs of the global search, and may end it."""
+
+    def tell(done: int, of: int) -> bool:
+        wanted = progress is None or progress(done, of) is not False
+        return wanted and (counter.watch is None or counter.watch(math.inf) is not False)
+
+    return tell

@@ -19,7 +19,7 @@ from stickslip.quantities import fields_of, full_path, parameters
 from stickslip.simulation import ensemble
 from stickslip.solver import EventDriven, Samples
 
-__all__ = ["FeatureProblem", "cycle_features", "unknowns_of"]
+__all__ = ["SETTLING", "FeatureProblem", "cycle_features", "unknowns_of"]
 
 Array: TypeAlias = NDArray[np.float64]
 Progress: TypeAlias = Callable[[int, int], object]

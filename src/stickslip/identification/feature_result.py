@@ -10,12 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.friction import FrictionLaw
-from stickslip.identification.features import COMPARED, DRIFTS, StickSlipFeatures
+from stickslip.experiments import Measurement
+from stickslip.identification.feature_problem import SETTLING
+from stickslip.identification.features import (
+    COMPARED,
+    DRIFTS,
+    ROUTE,
+    StickSlipFeatures,
+    features_of,
+    load_of,
+)
 from stickslip.identification.problem import Linearised
-from stickslip.identification.results import Estimate
+from stickslip.identification.results import Estimate, Fit
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import TowedBlock
+from stickslip.simulation import simulate
 
 __all__ = ["FeatureFit", "errors_of", "estimates_of", "sentences_of"]
 
@@ -27,6 +36,7 @@ FLAT = 0.1
 """A parameter takes part in a change that no feature shows if its share is above this."""
 TOLD = 0.01
 """Singular values below this share of the largest are such changes."""
+WHOLE, PART = "The record drifts", "The part that was fitted drifts by itself"
 EDGE = 1e-6
 """Logarithms closer than that to an end of their range are at it."""
 MISSED = 0.05
@@ -34,16 +44,16 @@ MISSED = 0.05
 
 
 @final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FeatureFit:
-    """A law on a towed block whose limit cycle has the features of a record."""
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class FeatureFit(Fit):
+    """A law on a towed block whose limit cycle has the features of a record.
 
-    law: FrictionLaw
-    """The fitted law."""
+    The mechanism has the fitted mass; its load stays the nominal one.
+    """
+
     mechanism: TowedBlock
-    """The block with its fitted mass; the load stays the nominal one."""
-    estimates: tuple[Estimate, ...]
-    """What was looked for."""
+    measurement: Measurement
+    """The whole record."""
     observed: StickSlipFeatures
     """Features of the part of the record that was fitted."""
     predicted: Mapping[str, float]
@@ -58,12 +68,47 @@ class FeatureFit:
     """Runs simulated."""
     sentences: tuple[str, ...]
     """What can be said, in words."""
+    cancelled: bool = False
+    """Whether the search was ended before its end."""
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the relative errors on the part that was fitted."""
+        return float(np.sqrt(np.mean([error**2 for error in self.errors.values()])))
 
     @property
     def score(self) -> float:
         """Root mean square of the held-out errors; of the errors themselves without any."""
-        errors = self.held_out_errors or self.errors
-        return float(np.sqrt(np.mean([error**2 for error in errors.values()])))
+        if not self.held_out_errors:
+            return self.rms
+        return float(np.sqrt(np.mean([error**2 for error in self.held_out_errors.values()])))
+
+    def judged(self, measurement: Measurement) -> dict[str, float]:
+        """Return the relative errors of the compared features on another record of this block.
+
+        Parameters
+        ----------
+        measurement : Measurement
+            One record with ``time`` and ``spring_force`` [N].
+        """
+        predicted = np.array([self.predicted[name] for name in COMPARED])
+        return errors_of(predicted, features_of(measurement, mechanism=self.mechanism))
+
+    def limit_cycle(self, t: Array) -> Array:
+        """Return the force of the spring in the fitted limit cycle (n,) [N].
+
+        Parameters
+        ----------
+        t : array (n,)
+            Times [s] from 0 on, at which the motion has settled.
+        """
+        settled = SETTLING / self.observed.frequency
+        times = settled + np.asarray(t, dtype=float)
+        block, level = self.mechanism, self.observed.mean * load_of(self.mechanism)
+        start = {"x": -level / block.stiffness}
+        run = simulate(block, self.law, t_end=float(times.max()), y0=start).at(times)
+        force = block.stiffness * (block.speed * times - np.asarray(run["x"]))
+        return np.asarray(force + block.damping * (block.speed - np.asarray(run["v"])))
 
     @override
     def __str__(self) -> str:
@@ -81,17 +126,15 @@ class FeatureFit:
     def __repr__(self) -> str:
         return f"<FeatureFit: {self.law.title}, rms error {100 * self.score:.1f} %>"
 
+    @override
     def _repr_html_(self) -> str:
         return "".join(f"<p>{html.escape(line)}</p>" for line in str(self).splitlines())
 
-    def to_law(self) -> FrictionLaw:
-        """Return the fitted law."""
-        return self.law
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the fit as plain numbers and strings."""
+    @override
+    def to_dict(self) -> Mapping[str, Any]:
         return {
             "law": self.law.name,
+            "route": ROUTE,
             "estimates": [estimate.to_dict() for estimate in self.estimates],
             "observed": self.observed.to_dict(),
             "predicted": dict(self.predicted),
@@ -99,6 +142,7 @@ class FeatureFit:
             "held_out": None if self.held_out is None else self.held_out.to_dict(),
             "held_out_errors": dict(self.held_out_errors),
             "runs": self.runs,
+            "cancelled": self.cancelled,
             "sentences": list(self.sentences),
         }
 
@@ -152,7 +196,7 @@ def sentences_of(
     errors: Mapping[str, float],
 ) -> tuple[str, ...]:
     """Return what can be said of a fit, in words."""
-    said = list(observed.sentences)
+    said = [line.replace(WHOLE, PART) if held else line for line in observed.sentences]
     if held is not None and abs(held.mean / observed.mean - 1.0) > DRIFTS:
         said.append(
             f"The record drifts: the mean F/N is {observed.mean:.3f} in the part that was fitted"

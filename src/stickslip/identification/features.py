@@ -18,8 +18,12 @@ from stickslip.mechanisms import Mechanism, TowedBlock
 __all__ = [
     "COMPARED",
     "DRIFTS",
+    "FASTER",
+    "ROUTE",
+    "STEADY",
     "Regime",
     "StickSlipFeatures",
+    "by_features",
     "evenly",
     "features_of",
     "load_of",
@@ -31,6 +35,10 @@ Regime: TypeAlias = Literal["stick-slip", "inertial oscillation", "steady slidin
 
 COMPARED = ("frequency", "mean", "standard_deviation")
 """Features that a simulated limit cycle is compared by."""
+ROUTE = "features"
+"""What `fit` and `select` call the way that compares features."""
+OTHERS = frozenset({"travel", "friction", "position", "velocity", "force"})
+"""Quantities that laws can be compared with themselves."""
 BLOCKS = 15
 """Half overlapping stretches, of an eighth of the record each, for spectra and the bootstrap."""
 STRETCHES = 8
@@ -216,6 +224,21 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
     }
     plain = StickSlipFeatures(**parts, sentences=())
     return StickSlipFeatures(**parts, sentences=_sentences(plain))
+
+
+def by_features(measurement: Measurement, route: str | None = None) -> bool:
+    """Whether a measurement is compared by its features: as asked, or if it is a spring's force.
+
+    Examples
+    --------
+    >>> record = Measurement(time=[0.0, 1.0, 2.0], spring_force=[0.1, 0.2, 0.3])
+    >>> by_features(record), by_features(record, "shooting")
+    (True, False)
+    """
+    if route is not None:
+        return route == ROUTE
+    known = set(measurement.quantities())
+    return "spring_force" in known and not known & OTHERS
 
 
 def towed(mechanism: Mechanism) -> TowedBlock:

@@ -7,6 +7,8 @@ from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification.compiling import compile_for
 from stickslip.identification.exact import fit_one
+from stickslip.identification.feature_fit import fit_features
+from stickslip.identification.features import by_features
 from stickslip.identification.least_squares import fit_several
 from stickslip.identification.record_fitting import RecordSettings, fit_record
 from stickslip.identification.results import Fit, TravelFit
@@ -36,7 +38,8 @@ def fit(
     """Fit the free parameters of a law to what was measured.
 
     Travels are fitted by runs to rest; records in time by simulated segments; friction that was
-    measured directly along the measured motion.
+    measured directly along the measured motion; the force of a spring that pulls a block by its
+    features, since no law follows irregular stick-slip sample by sample.
 
     Parameters
     ----------
@@ -46,16 +49,16 @@ def fit(
         An instance, whose values are the start and, for parameters not free, the assumption; or a
         type, for which start values are found: in a record, or ordinary ones for travels.
     measurement : Measurement
-        Travels, records in time, or measured friction.
+        Travels, records in time, measured friction, or the force of a spring.
     free : sequence of str, optional
         Names or paths of the law's parameters to fit. If not given, for travels the first of the
         law's `fit_order` that the number of different trials can pay for; for records all of it.
     unknown : sequence of str
         Parameters of the mechanism that are looked for too, such as ``"inertia"``; for records.
-    route : {"shooting", "force-map", "inverse-dynamics"}, optional
+    route : {"shooting", "force-map", "inverse-dynamics", "features"}, optional
         How records are fitted, if not as their quantities suggest.
     settings : RecordSettings, optional
-        Segments, starts and seed of fits to records.
+        Segments, starts and seed of fits to records; of these, features have the seed only.
     t_end : float
         Time after which the body counts as stopped [s], for travels.
     watch : callable, optional
@@ -65,7 +68,8 @@ def fit(
     Returns
     -------
     Fit
-        A `TravelFit` or a `RecordFit`: the fitted law, estimates with intervals, predictions.
+        A `TravelFit`, a `RecordFit` or a `FeatureFit`: the fitted law, estimates with intervals,
+        predictions.
 
     Raises
     ------
@@ -82,6 +86,16 @@ def fit(
     >>> print(f"{result.law.viscous_coefficient:.2f}")
     5.73
     """
+    if by_features(measurement, route):
+        return fit_features(
+            mechanism,
+            law,
+            measurement,
+            unknown=unknown,
+            free=free,
+            seed=0 if settings is None else settings.seed,
+            watch=watch,
+        )
     if "travel" not in measurement.quantities():
         return fit_record(
             mechanism,

@@ -135,10 +135,21 @@ def _check(record: Measurement) -> None:
     if not {"velocity", "position"} & set(known):
         raise InputError(
             f"a force map needs velocity (v) [m/s] or position (x) [m] beside friction, and {had}."
+            f"{_other_way(record)}"
         )
     size = len(np.atleast_1d(record.values("friction")))
     if size < LEAST:
         raise InputError(f"a force map needs at least {LEAST} samples, and {label} has {size}.")
+
+
+def _other_way(record: Measurement) -> str:
+    """Return what fits friction under a load point, if there is one."""
+    if "pull" not in record.quantities():
+        return ""
+    return (
+        " Friction while a load point is pulled is what rate-and-state friction is about:"
+        " stickslip.identification.fit_rate_state fits it."
+    )
 
 
 def _load(mechanism: Mechanism, record: Measurement) -> Array:

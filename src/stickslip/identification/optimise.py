@@ -11,7 +11,7 @@ from stickslip.errors import ConvergenceError
 from stickslip.identification.problem import Linearised, Searchable
 from stickslip.identification.unknowns import Unknowns
 
-__all__ = ["Found", "Watch", "improve", "search", "step_of"]
+__all__ = ["Counter", "Found", "Watch", "improve", "search", "step_of"]
 
 Array = NDArray[np.float64]
 Watch = Callable[[float], object]
@@ -52,12 +52,15 @@ class _StoppedError(Exception):
 
 
 @dataclass
-class _Counter:
+class Counter:
+    """Counts predictions and tells a watcher of the least root mean square, which may end them."""
+
     watch: Watch | None
     least: float = math.inf
     count: int = 0
 
     def __call__(self, seen: Linearised) -> None:
+        """Note a prediction."""
         self.count += 1
         self.least = min(self.least, seen.rms)
         if self.watch is not None and self.watch(self.least) is False:
@@ -92,7 +95,7 @@ def search(
     ConvergenceError
         If the record cannot be predicted from any start.
     """
-    counter = _Counter(watch)
+    counter = Counter(watch)
     ends, costs, cancelled = _ends(problem, starts, seed, tried, counter)
     if not ends:
         raise ConvergenceError(
@@ -109,7 +112,7 @@ def search(
 
 
 def _ends(
-    problem: Searchable, starts: int, seed: int, tried: Sequence[Array], counter: _Counter
+    problem: Searchable, starts: int, seed: int, tried: Sequence[Array], counter: Counter
 ) -> tuple[list[Linearised], list[float], bool]:
     """Return where starts ended, the cost of each, and whether the watcher stopped them.
 

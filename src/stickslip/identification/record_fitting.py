@@ -18,6 +18,7 @@ from stickslip.identification.doubts import (
     offset_left_out,
     sentences_of,
 )
+from stickslip.identification.features import ROUTE as FEATURES
 from stickslip.identification.force_map import force_map
 from stickslip.identification.force_units import in_forces
 from stickslip.identification.inertia import inertia_of
@@ -146,7 +147,12 @@ def route_of(measurement: Measurement, route: str | None = None) -> Route:
         for known in ROUTES:
             if route == known:
                 return known
-        raise UnknownNameError("route", route, ROUTES)
+        if route == FEATURES:
+            raise InputError(
+                "features are no residuals of a record: fit_features, `fit` and `select` take that"
+                " route."
+            )
+        raise UnknownNameError("route", route, (*ROUTES, FEATURES))
     return "force-map" if "friction" in measurement.quantities() else "shooting"
 
 

@@ -49,8 +49,15 @@ def measured_quantity(measurement: Measurement) -> str:
             return quantity
     raise InputError(
         "a simulated run is compared with position or velocity, and the records have only"
-        f" {', '.join(measurement.quantities())}."
+        f" {', '.join(measurement.quantities())}.{_other_way(measurement)}"
     )
+
+
+def _other_way(measurement: Measurement) -> str:
+    """Return how a record without motion is fitted all the same, if it can be."""
+    if "spring_force" in measurement.quantities():
+        return " The force of a spring that pulls a block is fitted by route 'features'."
+    return ""
 
 
 def with_drive(mechanism: Mechanism, drive: Drive | None) -> Mechanism:

@@ -2,6 +2,8 @@
 
 from stickslip.selection.criteria import Criteria, criteria_of
 from stickslip.selection.discretisation import FixedStepRow, compare_fixed_steps
+from stickslip.selection.feature_verdict import FeatureCandidate, FeatureVerdict, OtherSpeed
+from stickslip.selection.features import select_features
 from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
 from stickslip.selection.records import PURPOSES, select_records
 from stickslip.selection.selecting import select
@@ -12,7 +14,10 @@ __all__ = [
     "PURPOSES",
     "Candidate",
     "Criteria",
+    "FeatureCandidate",
+    "FeatureVerdict",
     "FixedStepRow",
+    "OtherSpeed",
     "RecordCandidate",
     "RecordVerdict",
     "TravelVerdict",
@@ -20,6 +25,7 @@ __all__ = [
     "compare_fixed_steps",
     "criteria_of",
     "select",
+    "select_features",
     "select_records",
     "select_travels",
 ]

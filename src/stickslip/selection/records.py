@@ -26,7 +26,7 @@ from stickslip.selection.record_words import outcomes, record_wording
 from stickslip.selection.side_by_side import fitted_side_by_side
 from stickslip.selection.specifications import REFERENCE, Specification, control, specifications
 
-__all__ = ["PURPOSES", "RecordWatch", "select_records"]
+__all__ = ["LEFT_OUT", "PURPOSES", "RecordWatch", "checked", "select_records"]
 
 RecordWatch: TypeAlias = Callable[[str, float], object]
 """Called with a candidate and the least residual so far, not a number before it begins.
@@ -62,7 +62,7 @@ def select_records(
     """Select a law for records in time or measured friction; arguments as in `select`."""
     if purpose not in PURPOSES:
         raise InputError(f"purpose must be one of {', '.join(PURPOSES)}, got {purpose!r}.")
-    checks = _checked(mechanism, measurement, validate)
+    checks = checked(mechanism, measurement, validate)
     if purpose == "compensate" and route is None and "friction" not in measurement.quantities():
         route = "inverse-dynamics"
     chosen = _laws(laws, measurement)
@@ -105,7 +105,7 @@ def _has_control(fit: RecordFit) -> bool:
     )
 
 
-def _checked(
+def checked(
     mechanism: Mechanism,
     measurement: Measurement,
     validate: Measurement | None = None,
@@ -113,7 +113,7 @@ def _checked(
 ) -> Checks:
     """Return what the record can tell; refuse one that cannot decide."""
     if validate is not None:
-        _checked(mechanism, validate, which="The second record")
+        checked(mechanism, validate, which="The second record")
     checks = check(measurement, mechanism=mechanism)
     if checks.worst == "error":
         wrong = [one.sentence for one in checks.findings if one.severity == "error"]

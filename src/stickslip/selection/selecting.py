@@ -7,8 +7,10 @@ from typing import Any
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw, law_type
+from stickslip.identification.features import by_features
 from stickslip.identification.record_fitting import RecordSettings
 from stickslip.mechanisms import Mechanism
+from stickslip.selection.features import select_features
 from stickslip.selection.records import select_records
 from stickslip.selection.travels import select_travels
 from stickslip.selection.verdict import Verdict
@@ -41,11 +43,11 @@ def select(
         What was measured.
     measurement : Measurement
         One travel or several trials; or records in time of position, velocity and force; or
-        friction, measured directly.
+        friction, measured directly; or one record of the force of a spring that pulls a block.
     laws : mapping or sequence, optional
         The candidates, as instances, types or names; instances bring start values and, for
         travels, assumptions. If not given, for travels the six that the source paper compares, for
-        records ten.
+        records ten, for features of stick-slip those with a step above sliding.
     unknown : sequence of str
         Parameters of the mechanism that are looked for too, such as ``"inertia"``.
     purpose : {"simulate", "position", "compensate"}
@@ -53,12 +55,12 @@ def select(
         friction force.
     horizon : float, optional
         Length of the stretches that are predicted [s], if not that of the purpose.
-    route : {"shooting", "force-map", "inverse-dynamics"}, optional
+    route : {"shooting", "force-map", "inverse-dynamics", "features"}, optional
         How records are fitted, if not as their quantities suggest.
     validate : Measurement, optional
         A second record, which no fit sees; each law's error on it is reported.
     settings : RecordSettings, optional
-        Segments, starts and seed of fits to records.
+        Segments, starts and seed of fits to records; of these, features have the seed only.
     t_end : float
         Time after which a body counts as stopped [s], for travels.
     watch : callable, optional
@@ -91,12 +93,14 @@ def select(
     >>> verdict.best.name, verdict.ranked
     ('coulomb', False)
     """
-    if "travel" in measurement.quantities():
+    by_its_features = by_features(measurement, route)
+    if "travel" in measurement.quantities() and not by_its_features:
         _check_travels(unknown, validate)
         return select_travels(
             mechanism, measurement, _kinds(laws), t_end=t_end, watch=watch, compiling=compiling
         )
-    return select_records(
+    way = select_features if by_its_features else select_records
+    return way(
         mechanism,
         measurement,
         laws,

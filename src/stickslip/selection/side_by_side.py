@@ -6,9 +6,8 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TypeVar
 
-from stickslip.selection.record_verdict import RecordCandidate
 from stickslip.selection.specifications import Specification
 
 __all__ = ["Fitted", "fitted_side_by_side"]
@@ -19,10 +18,34 @@ PATIENCE = 0.2
 Watch = Callable[[str, float], object]
 
 
-class Fitted(Protocol):
+class Residual(Protocol):
+    """What a fit leaves."""
+
+    @property
+    def rms(self) -> float:
+        """Root mean square."""
+
+
+class Tried(Protocol):
+    """A candidate with its fit, if there is one."""
+
+    @property
+    def name(self) -> str:
+        """Key of the candidate."""
+
+    @property
+    def fit(self) -> Residual | None:
+        """The fit."""
+
+
+C = TypeVar("C", bound=Tried)
+C_co = TypeVar("C_co", bound=Tried, covariant=True)
+
+
+class Fitted(Protocol[C_co]):
     """Fits one candidate; may be sent to other processes."""
 
-    def __call__(self, one: Specification, watch: Watch | None = None, /) -> RecordCandidate:
+    def __call__(self, one: Specification, watch: Watch | None = None, /) -> C_co:
         """Return the candidate with its fit."""
 
 
@@ -37,11 +60,11 @@ class _Wanted:
 
 
 def fitted_side_by_side(
-    fitted: Fitted,
+    fitted: Fitted[C],
     chosen: Sequence[Specification],
     watch: Watch | None,
     executor: Executor | None,
-) -> list[RecordCandidate]:
+) -> list[C]:
     """Return the candidates in order, each fitted by a worker; without any, one after the other.
 
     `watch` is called here: with the least residual of each candidate when its search ends, and in
@@ -52,7 +75,7 @@ def fitted_side_by_side(
     with tempfile.TemporaryDirectory() as folder:
         wanted = _Wanted(Path(folder, "end"))
         futures = {executor.submit(fitted, one, wanted): one for one in chosen}
-        pending: set[Future[RecordCandidate]] = set(futures)
+        pending: set[Future[C]] = set(futures)
         while pending:
             done, pending = wait(pending, timeout=PATIENCE, return_when=FIRST_COMPLETED)
             news = [(one.result().name, _residual(one.result())) for one in done]
@@ -62,5 +85,5 @@ def fitted_side_by_side(
         return [future.result() for future in futures]
 
 
-def _residual(candidate: RecordCandidate) -> float:
+def _residual(candidate: Tried) -> float:
     return candidate.fit.rms if candidate.fit else math.nan

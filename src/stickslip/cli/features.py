@@ -1,0 +1,155 @@
+"""``stickslip select`` on the force of a spring that pulls a block: by features."""
+
+import math
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import typer
+
+from stickslip.cli.interrupts import Interrupts
+from stickslip.cli.measured import (
+    Asked,
+    Measured,
+    residuals,
+    show_estimates,
+    show_open,
+    show_warnings,
+)
+from stickslip.cli.output import (
+    document,
+    json_text,
+    note,
+    plain,
+    print_json,
+    show_table,
+    stdout,
+    write_folder,
+)
+from stickslip.cli.progress import Searching
+from stickslip.cli.select_records import NO_LAW, laws_of
+from stickslip.cli.workers import workers
+from stickslip.experiments import Rig
+from stickslip.friction import FrictionLaw
+from stickslip.identification.features import COMPARED
+from stickslip.paper.pages import versions
+from stickslip.report.features import feature_page
+from stickslip.selection import FeatureCandidate, FeatureVerdict, select
+from stickslip.selection.feature_words import share, signed_share
+from stickslip.selection.features import feature_laws
+
+__all__ = ["select_on_features"]
+
+SHORT = {"standard_deviation": "deviation"}
+"""Heads of columns, which are to fit on a terminal of 80 characters."""
+
+
+def select_on_features(
+    rig: Rig,
+    found: Measured,
+    asked: Asked,
+    laws: str | None,
+    output: Path,
+    *,
+    jobs: int,
+    as_json: bool,
+) -> None:
+    """Select, write what was found into a folder, print the verdict."""
+    verdict = _selected(rig, found, asked, laws_of(rig, laws), jobs)
+    content = document("select", {"rig": rig.title, "digest": found.digest, **verdict.to_dict()})
+    if as_json:
+        print_json(content)
+    else:
+        files = {"index.html": _page(verdict, rig, found), "verdict.json": json_text(content)}
+        if verdict.best and verdict.best.fit:
+            files["law.toml"] = verdict.best.fit.to_toml()
+        write_folder(output, files)
+        _show(verdict)
+        stdout().print(f"\nReport: {output / 'index.html'}", markup=False)
+    ended = [c.name for c in verdict.candidates if c.fit and c.fit.cancelled]
+    if ended:
+        note(f"Ended early: {', '.join(ended)} may do better than this.")
+    if verdict.best is None or verdict.best.dropped:
+        note("No law is beyond objection; the verdict says why.")
+        raise typer.Exit(NO_LAW)
+
+
+def _selected(
+    rig: Rig,
+    found: Measured,
+    asked: Asked,
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | str] | None,
+    jobs: int,
+) -> FeatureVerdict:
+    """Select with a bar; Ctrl-C once ends the search with what there is."""
+    names = [one.name for one in feature_laws(laws)]
+    with (
+        Interrupts() as interrupts,
+        Searching(names, residuals(found, asked.how.route), interrupts) as watch,
+        workers(min(jobs, len(names))) as executor,
+    ):
+        verdict = select(
+            rig.mechanism,
+            found.measurement,
+            laws,
+            unknown=found.unknown,
+            route=asked.how.route,
+            validate=found.validate,
+            settings=asked.how.settings(rig),
+            watch=watch,
+            executor=executor,
+        )
+    assert isinstance(verdict, FeatureVerdict)
+    return verdict
+
+
+def _page(verdict: FeatureVerdict, rig: Rig, found: Measured) -> str:
+    note("Writing the report ...")
+    return feature_page(
+        verdict,
+        title=rig.title or "Friction model selection",
+        kicker=rig.subject,
+        subject=Path(rig.path).name,
+        digest=found.digest,
+        commands=[" ".join(["stickslip", *sys.argv[1:]])],
+        versions=versions(),
+    )
+
+
+def _show(verdict: FeatureVerdict) -> None:
+    """Print the verdict, the scores, and the parameters of the law that is named."""
+    words, console = verdict.words, stdout()
+    show_warnings(verdict.checks)
+    console.print(f"\n{plain(words.verdict)}", markup=False, style="bold")
+    console.print(plain(words.lede), markup=False)
+    if words.no_score:
+        console.print(words.no_score, markup=False, style="dim")
+    console.print()
+    second = any(one.second for one in verdict.candidates)
+    heads = ["law", "free", "held-out", "±", *(SHORT.get(name, name) for name in COMPARED)]
+    heads += ["second"] if second else []
+    everyone = [*verdict.candidates, *([verdict.control] if verdict.control else [])]
+    rows = [_row(one, second=second, nominal=one is verdict.control) for one in everyone]
+    show_table("", heads, rows, whole=heads)
+    console.print()
+    for one in verdict.candidates:
+        console.print(f"  {one.name}: {plain(one.outcome)}", markup=False)
+    if verdict.best and verdict.best.fit:
+        console.print(f"\n{verdict.best.title}", markup=False, style="bold")
+        show_estimates(verdict.best.fit.estimates)
+    show_open(words)
+
+
+def _row(one: FeatureCandidate, *, second: bool, nominal: bool) -> list[str]:
+    def told(value: float | None) -> str:
+        return "" if value is None or not math.isfinite(value) else signed_share(value)
+
+    cells = [
+        f"{one.name}, nominal" if nominal else one.name,
+        str(one.parameters) if one.fit else "",
+        share(one.score) if one.fit else "",
+        share(one.score_error) if math.isfinite(one.score_error) else "",
+        *(told(one.errors.get(name)) for name in COMPARED),
+    ]
+    size = math.sqrt(sum(e**2 for e in one.second.values()) / max(len(one.second), 1))
+    return cells + ([share(size) if one.second else ""] if second else [])

@@ -1,0 +1,199 @@
+"""Selection by features of stick-slip: every law fitted to one half, judged on the other."""
+
+import math
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from stickslip.errors import ConvergenceError, InputError, SimulationError
+from stickslip.experiments import Checks, Measurement
+from stickslip.friction import Coulomb, FrictionLaw, LuGre, Stribeck
+from stickslip.identification import (
+    FeatureFit,
+    RecordSettings,
+    StickSlipFeatures,
+    features_of,
+    fit_features,
+)
+from stickslip.identification.feature_fit import free_of
+from stickslip.identification.feature_result import MISSED
+from stickslip.identification.feature_scores import as_good, error_of_score, room_of
+from stickslip.identification.features import ROUTE
+from stickslip.mechanisms import Mechanism
+from stickslip.selection.feature_speeds import other_speeds
+from stickslip.selection.feature_verdict import FeatureCandidate, FeatureVerdict
+from stickslip.selection.feature_words import feature_wording, outcomes
+from stickslip.selection.records import LEFT_OUT, RecordWatch, checked
+from stickslip.selection.side_by_side import fitted_side_by_side
+from stickslip.selection.specifications import Specification, specifications
+
+__all__ = ["feature_laws", "select_features"]
+
+USUAL: tuple[type[FrictionLaw], ...] = (Coulomb, Stribeck, LuGre)
+"""Laws with a step above sliding: without one, a towed block comes to slide steadily."""
+
+CONTROL = "the mechanism as stated"
+
+
+def feature_laws(
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None,
+) -> tuple[Specification, ...]:
+    """Return the candidates: those given, or Coulomb, Stribeck and LuGre.
+
+    Examples
+    --------
+    >>> [one.name for one in feature_laws(None)]
+    ['coulomb', 'stribeck', 'lugre']
+    """
+    return specifications(USUAL if laws is None else laws)
+
+
+def select_features(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None = None,
+    *,
+    unknown: Sequence[str] = (),
+    purpose: str = "simulate",
+    horizon: float | None = None,
+    route: str | None = None,
+    validate: Measurement | None = None,
+    settings: RecordSettings | None = None,
+    watch: RecordWatch | None = None,
+    executor: Executor | None = None,
+) -> FeatureVerdict:
+    """Select a law for the force of a spring that pulls a block; arguments as in `select`."""
+    if purpose != "simulate" or horizon is not None or route not in (None, ROUTE):
+        raise InputError(
+            "features of stick-slip are compared over half a record: leave out purpose, horizon and"
+            " other routes."
+        )
+    checks = checked(mechanism, measurement, validate)
+    features = features_of(measurement, mechanism=mechanism)
+    seed = 0 if settings is None else settings.seed
+    fitted = partial(_candidate, mechanism=mechanism, measurement=measurement, seed=seed)
+    looked = partial(fitted, unknown=tuple(unknown))
+    chosen = feature_laws(laws)
+    tried = fitted_side_by_side(looked, chosen, watch, executor)
+    judged = sorted((_judged(one, validate) for one in tried), key=lambda one: one.score)
+    best = _best(judged)
+    control = None
+    if unknown:
+        own = next(one for one in chosen if one.name == best.name)
+        control = _beside(_judged(fitted(own, _renamed(watch), unknown=()), validate), best)
+    ordered = outcomes([best, *(one for one in judged if one.name != best.name)])
+    return _verdict(mechanism, measurement, ordered, control, features, checks)
+
+
+def _renamed(watch: RecordWatch | None) -> RecordWatch | None:
+    """Return what tells a watcher of the control, which is none of the candidates."""
+    return None if watch is None else (lambda _, rms: watch(CONTROL, rms))
+
+
+def _beside(control: FeatureCandidate, best: FeatureCandidate) -> FeatureCandidate:
+    """Add to the control how much worse it is."""
+    if control.fit is None:
+        return replace(control, outcome=control.dropped)
+    return replace(control, outcome=f"{control.score / best.score:.1f} × the error")
+
+
+def _verdict(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    ordered: Sequence[FeatureCandidate],
+    control: FeatureCandidate | None,
+    features: StickSlipFeatures,
+    checks: Checks,
+) -> FeatureVerdict:
+    best, others = ordered[0], ordered[1:]
+    assert best.fit is not None
+    rivals = [one for one in others if one.fit and not one.dropped]
+    speeds = other_speeds(best, rivals)
+    return FeatureVerdict(
+        mechanism=mechanism,
+        measurement=measurement,
+        words=feature_wording(ordered, control, features, checks, speeds),
+        candidates=tuple(ordered),
+        best=best,
+        control=control,
+        ranked=len(others) > 0 and not any(as_good(c.fit, best.fit) for c in rivals if c.fit),
+        features=features,
+        checks=checks,
+        room=room_of(best.fit),
+        speeds=speeds,
+    )
+
+
+def _candidate(
+    one: Specification,
+    watch: RecordWatch | None = None,
+    *,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    unknown: Sequence[str],
+    seed: int,
+) -> FeatureCandidate:
+    """Fit one candidate; one that cannot be fitted is kept with the reason."""
+    unfitted = partial(FeatureCandidate, name=one.name, title=one.title, fit=None)
+    if not free_of(one.law):
+        return unfitted(dropped="it has no level that these features could set")
+    if watch is not None and watch(one.name, math.nan) is False:
+        return unfitted(dropped=LEFT_OUT)
+    report = None if watch is None else (lambda rms: watch(one.name, rms))
+    try:
+        fit = fit_features(
+            mechanism, one.law, measurement, unknown=unknown, seed=seed, watch=report
+        )
+    except (ConvergenceError, SimulationError) as error:
+        return unfitted(dropped=str(error))
+    return FeatureCandidate(name=one.name, title=one.title, fit=fit)
+
+
+def _judged(candidate: FeatureCandidate, validate: Measurement | None) -> FeatureCandidate:
+    """Add the doubt of the score, the errors on a second record, and what speaks against it."""
+    fit = candidate.fit
+    if fit is None:
+        return candidate
+    return replace(
+        candidate,
+        score_error=error_of_score(fit),
+        dropped=_missed(fit),
+        doubt=_open(fit),
+        second={} if validate is None else fit.judged(validate),
+    )
+
+
+def _missed(fit: FeatureFit) -> str:
+    """Return which features of the half that it was fitted to a law does not reach."""
+    missed = [
+        f"{name.replace('_', ' ')} by {100 * error:+.1f} %"
+        for name, error in fit.errors.items()
+        if not abs(error) <= MISSED
+    ]
+    return f"it misses the {' and '.join(missed)} where it was fitted" if missed else ""
+
+
+def _open(fit: FeatureFit) -> str:
+    """Return which parameters the features leave open."""
+    symbols = [f"${one.quantity.symbol}$" for one in fit.estimates if not one.bounded]
+    if not symbols:
+        return ""
+    return f"{', '.join(symbols)} {'is' if len(symbols) == 1 else 'are'} not bounded"
+
+
+def _best(judged: Sequence[FeatureCandidate]) -> FeatureCandidate:
+    """Return the least error, or of what is as good the one that says the least it need not."""
+    fitted = [one for one in judged if one.fit and np.isfinite(one.score)]
+    if not fitted:
+        raise ConvergenceError(
+            "no candidate has a limit cycle with the features of this record: "
+            + "; ".join(f"{one.title}: {one.dropped}" for one in judged)
+        )
+    held = [one for one in fitted if not one.dropped] or fitted
+    least = held[0]
+    assert least.fit is not None
+    near = [one for one in held if one.fit and as_good(one.fit, least.fit)]
+    return min(near, key=lambda one: (bool(one.doubt), one.parameters, one.score))

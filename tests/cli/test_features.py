@@ -1,0 +1,100 @@
+"""``stickslip fit`` and ``select`` on the force of a spring that pulls a block."""
+
+import json
+
+import numpy as np
+import pytest
+
+from stickslip import Coulomb, TowedBlock, load_rig, simulate
+from stickslip.cli import main
+
+RIG = """
+title = "Slider"
+subject = "made up"
+[mechanism]
+type = "towed-block"
+mass = { value = "30 g", unknown = true }
+stiffness = "1000 N/m"
+speed = "4 mm/s"
+load = "0.3 N"
+[data]
+file = "pull.csv"
+columns = { time = "t", spring_force = "F" }
+"""
+
+
+@pytest.fixture(scope="module")
+def table():
+    t = np.arange(0.5, 4.5, 5e-4)
+    block = TowedBlock(mass=0.021, stiffness=1000.0, speed=4e-3, load=0.3)
+    run = simulate(block, Coulomb(kinetic_coefficient=0.28, static_coefficient=0.32), t_end=4.5)
+    noise = np.random.default_rng(0).normal(0.0, 5e-4, len(t))
+    return np.column_stack([t, 1000.0 * (4e-3 * t - run.at(t)["x"]) + noise])
+
+
+@pytest.fixture
+def run(capsys, monkeypatch, tmp_path, table):
+    """Run a command beside a rig with a record; return exit code, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    np.savetxt(tmp_path / "pull.csv", table, delimiter=",", header="t,F", comments="")
+    (tmp_path / "slider.toml").write_text(RIG)
+    held = RIG.replace('{ value = "30 g", unknown = true }', '"30 g"')
+    (tmp_path / "held.toml").write_text(held)
+
+    def call(*arguments):
+        try:
+            code = main(arguments)
+        except SystemExit as leaving:
+            code = leaving.code or 0
+        seen = capsys.readouterr()
+        return code, seen.out, " ".join(seen.err.split())
+
+    return call
+
+
+def test_fit_finds_the_mass_and_writes_a_rig_that_simulate_takes(run):
+    code, out, _ = run("fit", "slider.toml", "--law", "coulomb", "-o", "fitted.toml")
+    assert code == 0
+    assert "mechanism.mass" in out
+    assert "standard deviation" in out
+    # frequency is read to 0.3 %, and the mass goes with its square
+    assert load_rig("fitted.toml").mechanism.mass == pytest.approx(0.021, rel=0.02)
+    code, out, _ = run("simulate", "fitted.toml", "--t-end", "0.5")
+    assert code == 0
+    assert "break-away" in out
+
+
+def test_fit_as_json_says_that_features_were_fitted(run):
+    _, out, _ = run("fit", "slider.toml", "--law", "coulomb", "--json", "--validate", "pull.csv")
+    told = json.loads(out)
+    assert told["route"] == "features"
+    assert {e["symbol"] for e in told["estimates"]} == {"m", "mu_k", "mu_s"}
+    assert set(told["second_record"]) == {"frequency", "mean", "standard_deviation"}
+
+
+def test_select_writes_a_page_a_verdict_and_the_law(run, tmp_path):
+    code, out, _ = run("select", "slider.toml", "--laws", "coulomb,stribeck")
+    assert code == 0
+    assert "do not tell it from Stribeck" in out
+    assert "coulomb, nominal" in out
+    assert max(len(line) for line in out.splitlines() if line.startswith("coulomb")) <= 80
+    report = tmp_path / "stickslip-report"
+    content = json.loads((report / "verdict.json").read_text(encoding="utf-8"))
+    assert content["best"] == "coulomb"
+    assert content["schema"].startswith("stickslip/select/")
+    assert "limit cycle" in (report / "index.html").read_text(encoding="utf-8")
+    assert load_rig(report / "law.toml").mechanism.mass == pytest.approx(0.021, rel=0.02)
+
+
+def test_a_mass_that_cannot_oscillate_so_fast_leaves_no_law_beyond_objection(run):
+    code, out, err = run("select", "held.toml", "--laws", "coulomb", "--json")
+    assert code == 3
+    assert "No candidate" in json.loads(out)["verdict"]
+    assert "beyond objection" in err
+
+
+def test_options_for_records_of_motion_are_refused(run):
+    for option in (("--segment", "1"), ("--hold", "first"), ("--starts", "2")):
+        code, _, err = run("fit", "slider.toml", *option)
+        assert code == 2
+        assert f"{option[0]} is for records of motion" in err
