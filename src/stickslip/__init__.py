@@ -102,6 +102,7 @@ _HOME = {
     "load_rig": "experiments",
     "optimise_profile": "optimisation",
     "rig_schema": "experiments",
+    "sample_posterior": "identification",
     "select": "selection",
     "simulate": "simulation",
 }

@@ -339,4 +339,4 @@ def test_interrupts_are_as_ever_afterwards():
 def test_processes_come_to_the_same_verdict(run):
     alone, together = (run("select", "axis.toml", *FAST, "--json", "--jobs", n) for n in "12")
     assert alone[0] == 0
-    assert together == alone
+    assert together[:2] == alone[:2]  # what is told meanwhile comes as it is done

@@ -1,10 +1,8 @@
 """Levels of an axis that has no load are forces, and are said in N wherever they stand."""
 
 import numpy as np
-import pytest
 
 from stickslip import Axis, Coulomb, Dahl, DirectionDependent, Measurement, fit
-from stickslip.identification.plain_numbers import short
 
 
 def table(**more):
@@ -51,18 +49,3 @@ def test_nothing_is_said_of_an_offset_that_was_looked_for():
     found = fit(Axis(inertia=1.0), Coulomb, table())
     assert "mechanism.offset" in found.unknowns.paths
     assert not any("constant force" in line for line in found.sentences)
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (110.0, "110"),
-        (750.0, "750"),
-        (0.012, "0.012"),
-        (1.23e5, "120,000"),
-        (4.2e-10, "4.2 × 10⁻¹⁰"),
-        (-3e9, "-3 × 10⁹"),
-    ],
-)
-def test_numbers_in_sentences_have_no_e(value, text):
-    assert short(value, 2).replace("\N{NO-BREAK SPACE}", " ") == text

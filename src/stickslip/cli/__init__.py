@@ -1,9 +1,12 @@
 """The command line: reads input, calls one public function, shows the result."""
 
 import contextlib
+import logging
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+
+from typing_extensions import override
 
 __all__ = ["main"]
 
@@ -21,7 +24,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from stickslip.cli.app import app
 
         try:
-            app(args=arguments, prog_name="stickslip")
+            with _notices():
+                app(args=arguments, prog_name="stickslip")
         finally:
             sys.stdout.flush()  # not at exit, where nobody could say that it failed
     except InputError as error:
@@ -40,6 +44,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return _leave("Cancelled; no result was written.", CANCELLED)
         raise
     return 0
+
+
+class _Stderr(logging.Handler):
+    """Writes to what stderr is at that moment: progress bars take its place while they are up."""
+
+    @override
+    def emit(self, record: logging.LogRecord) -> None:
+        print(self.format(record), file=sys.stderr, flush=True)
+
+
+@contextlib.contextmanager
+def _notices() -> Iterator[None]:
+    """Say on stderr what takes a while, such as compiling, also where stderr is no terminal."""
+    log, handler = logging.getLogger("stickslip"), _Stderr()
+    level = log.level
+    log.addHandler(handler)
+    log.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
+        log.setLevel(level)
 
 
 def _abandon_stdout() -> None:

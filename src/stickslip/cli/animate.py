@@ -8,6 +8,7 @@ from typing import Any
 
 from rich.text import Text
 
+from stickslip.cli.laws import law_of
 from stickslip.cli.output import (
     document,
     overrides,
@@ -16,7 +17,7 @@ from stickslip.cli.output import (
     stdout,
 )
 from stickslip.cli.progress import Drawing
-from stickslip.cli.simulate import law_of, start_of
+from stickslip.cli.simulate import start_of
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig
 from stickslip.friction import FrictionLaw
@@ -41,7 +42,7 @@ class Look:
 def run(
     path: Path | None,
     changes: Sequence[str],
-    law_name: str,
+    law_name: str | None,
     t_end: float | None,
     look: Look,
     output: Path,

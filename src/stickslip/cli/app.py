@@ -12,6 +12,7 @@ from stickslip.cli.options import (
     Columns,
     Data,
     Enforce,
+    FittedLaw,
     Folder,
     Force,
     Free,
@@ -113,7 +114,7 @@ def select(
 @app.command()
 def fit(
     rig: Rig = None,
-    law: Law = "coulomb-viscous",
+    law: FittedLaw = None,
     free: Free = None,
     data: Data = None,
     columns: Columns = None,
@@ -178,7 +179,7 @@ def check(
 @app.command()
 def simulate(
     rig: Rig = None,
-    law: Law = "coulomb",
+    law: Law = None,
     changes: Set = None,
     allow_import: AllowImport = False,
     t_end: Annotated[
@@ -222,7 +223,7 @@ def simulate(
 @app.command()
 def animate(
     rig: Rig = None,
-    law: Law = "coulomb",
+    law: Law = None,
     changes: Set = None,
     allow_import: AllowImport = False,
     t_end: Annotated[
@@ -255,7 +256,7 @@ def animate(
 @app.command()
 def sweep(
     rig: Rig = None,
-    law: Law = "coulomb",
+    law: Law = None,
     changes: Set = None,
     allow_import: AllowImport = False,
     vary: Annotated[

@@ -1,11 +1,14 @@
 """``stickslip fit``."""
 
+import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from stickslip.cli.feature_fit import show_feature_fit
 from stickslip.cli.interrupts import Interrupts
+from stickslip.cli.laws import fitted_name
 from stickslip.cli.measured import (
     Asked,
     Measured,
@@ -38,7 +41,7 @@ __all__ = ["run"]
 
 def run(
     path: Path | None,
-    name: str,
+    name: str | None,
     free: str | None,
     asked: Asked,
     changes: Sequence[str],
@@ -54,8 +57,14 @@ def run(
             raise InputError(f"--output takes a .toml file, got {output}.")
         refuse_overwriting(output, output.parent, force=force)
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
+    name = fitted_name(rig, name)
     law = rig.laws.get(name) or law_type(name)
     found = measured(rig, asked, given=path is not None)
+    if asked.how.horizon is not None and not found.travels and found.validate is None:
+        raise InputError(
+            "--horizon is the length of predicted stretches of a second record: give --validate"
+            " FILE too, or leave it out."
+        )
     checks = _checked(rig, found)
     wanted = None if free is None else [part.strip() for part in free.split(",")]
     result = _fitted(rig, law, found, asked, wanted)
@@ -89,6 +98,7 @@ def _fitted(
     free: Sequence[str] | None,
 ) -> Fit:
     """Fit with a bar; Ctrl-C once ends the search in a record."""
+    known = _known(rig, law.name, free)
     if found.travels:
         with Watching([law.name], "Fitting") as bar:
             return fit(
@@ -96,6 +106,7 @@ def _fitted(
                 law,
                 found.measurement,
                 free=free,
+                known=known,
                 unknown=found.unknown,
                 t_end=rig.t_end,
                 watch=lambda runs: bar(law.name, int(runs)),
@@ -104,16 +115,31 @@ def _fitted(
         Interrupts() as interrupts,
         Searching([law.name], residuals(found, asked.how.route), interrupts) as watch,
     ):
+        watch(law.name, math.nan)  # what is compiled first takes longer than the first look
         return fit(
             rig.mechanism,
             law,
             found.measurement,
             free=free,
+            known=known,
             unknown=found.unknown,
             route=asked.how.route,
             settings=asked.how.settings(rig),
             watch=lambda rms: watch(law.name, rms),
         )
+
+
+def _known(rig: Rig, name: str, free: Sequence[str] | None) -> dict[str, float]:
+    """Return what the rig says of parameters that are not free, where it does not say all."""
+    given = rig.given.get(name, {})
+    if name in rig.laws or not given:
+        return {}
+    if free is None:
+        said = ", ".join(f"{field} = {value:g}" for field, value in given.items())
+        note(f"All of {name} is fitted, {said} too; --free names what is looked for beside it.")
+        return {}
+    wanted = {one.rpartition(".")[2] for one in free}
+    return {field: value for field, value in given.items() if field not in wanted}
 
 
 def _second(result: Fit, found: Measured, asked: Asked) -> Score | Mapping[str, float] | None:
@@ -162,9 +188,10 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
     assert isinstance(result, RecordFit)
     assert not isinstance(second, Mapping)
     quantity, found = result.problem.quantity, result.found
-    console.print(f"Residual of {quantity}: {error_text(result.rms, quantity)}", markup=False)
+    told = partial(error_text, quantity=quantity, turning=result.measurement.turning)
+    console.print(f"Residual of {quantity}: {told(result.rms)}", markup=False)
     if second is not None:
-        text = f"{error_text(second.rms, quantity)}, over {second.horizon:.3g} s at a time"
+        text = f"{told(second.rms)}, over {second.horizon:.3g} s at a time"
         console.print(f"On the second record: {text}", markup=False)
     console.print(f"Restarts: {_restarts(found.agreeing, len(found.costs))}", markup=False)
     if found.cancelled:

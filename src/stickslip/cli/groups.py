@@ -78,7 +78,7 @@ def profile_optimise(
     back_slip: BackSlip = None,
     goal: Goal = "travel",
     kind: Kind = "spline",
-    law: Law = "coulomb",
+    law: Law = None,
     interval: Interval = None,
     changes: Set = None,
     knots: Knots = 12,

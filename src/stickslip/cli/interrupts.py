@@ -17,6 +17,8 @@ class Interrupts:
     def __init__(self) -> None:
         self.stopped = False
         """Whether the search is to end with what it has."""
+        self.promise = "Ending with the best so far; Ctrl-C once more cancels."
+        """What is said at the first interrupt."""
         self._before: Any = None
 
     def __enter__(self) -> Self:
@@ -38,4 +40,4 @@ class Interrupts:
         if self.stopped:
             raise KeyboardInterrupt
         self.stopped = True
-        note("Ending with the best so far; Ctrl-C once more cancels.")
+        note(self.promise)

@@ -1,5 +1,6 @@
 """What `select` and `fit` share: what was measured, how it is fitted, what is to be said of it."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
@@ -14,7 +15,7 @@ from stickslip.experiments.reading import Reading
 from stickslip.experiments.records import read_data
 from stickslip.identification import Estimate, RecordSettings
 from stickslip.identification.features import by_features
-from stickslip.quantities import Quantity
+from stickslip.identification.record_fitting import route_of
 from stickslip.report.numbers import interval, significant
 from stickslip.selection.feature_words import share
 from stickslip.selection.record_words import error_text
@@ -49,10 +50,15 @@ class How:
         """Check lengths of time and the hold; other names are checked where they are used."""
         for name in ("horizon", "segment"):
             value = getattr(self, name)
-            if value is not None:
-                Quantity(name, "s", above=0).check("", f"--{name}", value)
+            if value is not None and not (math.isfinite(value) and value > 0.0):
+                raise InputError(f"--{name} must be a time above 0 s, got {value:g}.")
         if self.hold not in (None, "zero", "first"):
             raise InputError(f"--hold must be zero or first, got {self.hold!r}.")
+
+    @property
+    def way(self) -> str | None:
+        """The route, as far as it is asked for; a law to compensate with is one of its force."""
+        return "inverse-dynamics" if self.purpose == "compensate" and not self.route else self.route
 
     def settings(self, rig: Rig) -> RecordSettings:
         """Return settings of fits to records: as asked, or else as the rig says."""
@@ -128,6 +134,8 @@ def measured(rig: Rig, asked: Asked, *, given: bool) -> Measured:
             "a record needs a rig file that says what moves: give one with a [mechanism], such as"
             ' type = "axis" and inertia = { value = "80 kg", unknown = true }.'
         )
+    else:
+        _check_records(asked.how, found)
     return found
 
 
@@ -138,6 +146,19 @@ def _check_features(how: How) -> None:
             raise InputError(
                 f"--{name} is for records of motion or friction; the force of a spring is compared"
                 " by its features."
+            )
+
+
+def _check_records(how: How, found: Measured) -> None:
+    """Refuse what the route that records take has no use for."""
+    rubbed = "friction" in found.measurement.quantities() and not how.route
+    way = route_of(found.measurement, None if rubbed else how.way)
+    without = {"shooting": (), "inverse-dynamics": ("segment",), "force-map": ("segment", "hold")}
+    for name in without[way]:
+        if getattr(how, name) is not None:
+            raise InputError(
+                f"--{name} is for simulated segments (--route shooting); here the route is {way},"
+                " which fits friction along the measured motion: leave it out."
             )
 
 
@@ -158,7 +179,7 @@ def residuals(found: Measured, route: str | None) -> Callable[[float], str]:
     quantity = next((name for name in ("position", "velocity") if name in known), "friction")
     if route in ("force-map", "inverse-dynamics") or "friction" in known:
         quantity = "friction"
-    return partial(error_text, quantity=quantity)
+    return partial(error_text, quantity=quantity, turning=found.measurement.turning)
 
 
 def show_warnings(checks: Checks) -> None:
@@ -182,7 +203,7 @@ def show_estimates(estimates: Sequence[Estimate]) -> None:
     ]
     kinds = ", ".join(dict.fromkeys(one.interval for one in estimates))
     heads = ["parameter", "", "value", "unit", f"range ({kinds})"]
-    show_table("", heads, rows, whole=heads)
+    show_table("", heads, rows, whole=heads[1:])
     for one in estimates:
         if one.reason:
             stdout().print(f"  {one.path}: {plain(one.reason)}", markup=False)

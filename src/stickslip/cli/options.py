@@ -13,6 +13,7 @@ __all__ = [
     "Effort",
     "Enforce",
     "Evaluations",
+    "FittedLaw",
     "Folder",
     "Force",
     "Free",
@@ -65,7 +66,22 @@ Record = Annotated[str, typer.Argument(metavar="NAME", help="A record, see `data
 Enforce = Annotated[
     bool, typer.Option("--enforce", help="Exit with 4 if a criterion of the paper fails.")
 ]
-Law = Annotated[str, typer.Option("--law", help="Friction law, see `stickslip models`.")]
+Law = Annotated[
+    str | None,
+    typer.Option(
+        "--law",
+        help="Friction law, see `stickslip models`; if not given, the only one that the rig file"
+        " has values for, else coulomb.",
+    ),
+]
+FittedLaw = Annotated[
+    str | None,
+    typer.Option(
+        "--law",
+        help="Friction law, see `stickslip models`; if not given, the only one that the rig file"
+        " has a table for, else coulomb-viscous.",
+    ),
+]
 LawFile = Annotated[
     Path | None, typer.Option("-o", "--output", help="Rig file (TOML) of the fitted law.")
 ]

@@ -3,12 +3,14 @@
 import contextlib
 import json
 import math
+import shlex
 import sys
 import tempfile
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from rich.cells import cell_len
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -16,6 +18,7 @@ from rich.text import Text
 from stickslip.errors import InputError
 
 __all__ = [
+    "command_line",
     "document",
     "note",
     "overrides",
@@ -30,6 +33,10 @@ __all__ = [
 ]
 
 SCHEMA_VERSION = 1
+GAP = 2
+"""Spaces between columns."""
+FOLDED = 16
+"""Width down to which a column of words is folded before a table outgrows its terminal."""
 
 
 def stdout() -> Console:
@@ -56,7 +63,8 @@ def show_table(
 ) -> None:
     """Print a table; what looks like markup of the console is text.
 
-    Cells below the heads in `whole` are never broken, so that they can be copied.
+    Numbers are never broken, nor are cells below the heads in `whole`, so that they can be copied.
+    Words are folded where a terminal is narrow; a file or a pipe gets rows of any length.
     """
     table = Table(
         title=Text(title) if title else None,
@@ -65,17 +73,25 @@ def show_table(
         pad_edge=False,
         header_style="dim",
     )
+    widths, least = [], 0
     for i, head in enumerate(heads):
         numeric = all(_is_number(row[i]) for row in rows)
         table.add_column(
             Text(head),
             justify="right" if numeric else "left",
             overflow="fold",
-            no_wrap=head in whole,
+            no_wrap=numeric or head in whole,
         )
+        width = max(cell_len(text) for text in (head, *(row[i] for row in rows)))
+        widths.append(width)
+        least += GAP + (width if numeric or head in whole else min(width, FOLDED))
     for row in rows:
         table.add_row(*map(Text, row))
-    stdout().print(table)
+    console = stdout()
+    wide = sum(widths) + GAP * len(widths)
+    # As wide as it has to be: what is cut off a number is another number.
+    console.width = max(console.width, least) if console.is_terminal else wide
+    console.print(table)
 
 
 def _is_number(cell: str) -> bool:
@@ -109,6 +125,11 @@ def print_json(content: Mapping[str, Any]) -> None:
 def json_text(content: Mapping[str, Any]) -> str:
     """Return a JSON document as text."""
     return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def command_line() -> str:
+    """Return the command that was given, as a shell takes it."""
+    return shlex.join(["stickslip", *sys.argv[1:]])
 
 
 def plain(text: str) -> str:

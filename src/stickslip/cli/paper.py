@@ -1,9 +1,9 @@
 """``stickslip paper``."""
 
-import sys
 from pathlib import Path
 
 from stickslip.cli.output import (
+    command_line,
     document,
     json_text,
     note,
@@ -33,7 +33,7 @@ def run(output: Path, *, force: bool, as_json: bool) -> None:
         print_json(content)
         return
     note("Writing the page ...")
-    page = paper_report(found, command=" ".join(["stickslip", *sys.argv[1:]]))
+    page = paper_report(found, command=command_line())
     write_folder(output, {"index.html": page, "paper.json": json_text(content)})
     _show(found)
     stdout().print(f"\nPage: {output / 'index.html'}", markup=False)

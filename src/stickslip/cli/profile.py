@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli.interrupts import Interrupts
+from stickslip.cli.laws import law_of
 from stickslip.cli.output import (
     document,
     json_text,
@@ -21,8 +22,7 @@ from stickslip.cli.progress import Improving
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Rig, load_rig
 from stickslip.experiments.units import read_number
-from stickslip.friction import FrictionLaw, law_type
-from stickslip.identification import starting_law
+from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation import (
     GOALS,
@@ -54,7 +54,7 @@ class Settings:
     limits: Mapping[str, str | None]
     goal: str
     kind: str
-    law: str
+    law: str | None
     interval: Sequence[str]
     knots: int
     evaluations: int
@@ -75,7 +75,7 @@ def run(
     if not as_json:
         refuse_overwriting(output, output, force=force)
     rig = load_rig(path, overrides=overrides(changes))
-    law = rig.laws.get(settings.law) or starting_law(law_type(settings.law))
+    law = law_of(rig, settings.law)
     found = _found(rig, law, settings)
     content = document("profile", {"rig": rig.title, "digest": rig.digest, **found.to_dict()})
     if as_json:

@@ -20,6 +20,9 @@ from stickslip.cli.output import stderr
 __all__ = ["Compiling", "Drawing", "Improving", "Searching", "Watching"]
 
 
+NO_SHORTER = "Held-out blocks are judged to the end; Ctrl-C once more cancels."
+
+
 def _bars() -> Progress:
     return Progress(
         TextColumn("{task.description}", markup=False),
@@ -33,13 +36,22 @@ def _bars() -> Progress:
 
 
 class _Shown:
-    """Bars that are there within a `with`."""
+    """Bars that are there within a `with`; in a file or a pipe, a line for each step."""
 
     def __init__(self, bars: Progress) -> None:
         self._bars = bars
+        self._said: set[str] = set()
+        self._seen = bars.console.is_terminal
+
+    def _say(self, step: str) -> None:
+        """Write the name of a step that begins where no bar can be seen."""
+        if not self._seen and step not in self._said:
+            self._bars.console.print(f"{step} ...", markup=False, soft_wrap=True)
+        self._said.add(step)
 
     def __enter__(self) -> Self:
-        self._bars.start()
+        if self._seen:
+            self._bars.start()
         return self
 
     def __exit__(
@@ -48,7 +60,8 @@ class _Shown:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._bars.stop()
+        if self._seen:
+            self._bars.stop()
 
 
 @final
@@ -68,6 +81,7 @@ class Compiling(_Shown):
             self._task = self._bars.add_task("", total=total, runs="")
         description = f"Compiling, once: {what}"
         self._bars.update(self._task, completed=done, description=description)
+        self._say(description)
         if done == total:
             self._bars.remove_task(self._task)
             self._task = None
@@ -100,6 +114,7 @@ class Watching(_Shown):
     def __call__(self, name: str, runs: int) -> None:
         """Note that a law has had so many runs."""
         done = self._names.index(name) if name in self._names else 0
+        self._say(f"{self._verb} {name}")
         self._bars.update(
             self._task, completed=done, description=f"{self._verb} {name}", runs=f"{runs} runs"
         )
@@ -125,12 +140,11 @@ class Searching(_Shown):
         known = name in self._names
         done = self._names.index(name) if known else len(self._names)
         reached = self._told(residual) if math.isfinite(residual) else ""
-        self._bars.update(
-            self._task,
-            completed=done,
-            description=f"Fitting {name}" if known else f"Judging on {name}",
-            runs=reached,
-        )
+        step = f"Fitting {name}" if known else f"Judging on {name}"
+        if not known:
+            self._interrupts.promise = NO_SHORTER
+        self._say(step)
+        self._bars.update(self._task, completed=done, description=step, runs=reached)
         return not self._interrupts.stopped
 
 
@@ -149,11 +163,13 @@ class Improving(_Shown):
     def __call__(self, search: str, done: int, total: int, best: float) -> bool:
         """Note how far a search is; a polish does not know how long it takes."""
         reached = self._told(best) if math.isfinite(best) else "none within the limits yet"
+        step = f"Searching {search}" if total else "Polishing"
+        self._say(step)
         self._bars.update(
             self._task,
             completed=min(done, total) if total else done,
             total=total or None,
-            description=f"Searching {search}" if total else "Polishing",
+            description=step,
             runs=reached,
         )
         return not self._interrupts.stopped

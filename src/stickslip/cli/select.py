@@ -1,6 +1,5 @@
 """``stickslip select``."""
 
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +9,7 @@ import typer
 from stickslip.cli.features import select_on_features
 from stickslip.cli.measured import Asked, Measured, measured, show_open
 from stickslip.cli.output import (
+    command_line,
     document,
     json_text,
     note,
@@ -79,7 +79,7 @@ def _travels(
     else:
         note("Writing the report ...")
         seen = replace(rig, digest=found.digest)
-        page = rig_report(seen, verdict, command=" ".join(["stickslip", *sys.argv[1:]]))
+        page = rig_report(seen, verdict, command=command_line())
         write_folder(output, {"index.html": page, "verdict.json": json_text(content)})
         _show(verdict)
         stdout().print(f"\nReport: {output / 'index.html'}", markup=False)
@@ -151,4 +151,4 @@ def _row(candidate: Candidate, *, ranked: bool) -> list[str]:
         plain(length(candidate.criteria.travel)),
         "yes" if candidate.criteria.velocity_never_negative else "no",
     ]
-    return cells + ([f"{1e3 * (candidate.score or 0.0):.3g}"] if ranked else [])
+    return cells + ([significant(1e3 * (candidate.score or 0.0), 3)] if ranked else [])

@@ -1,7 +1,6 @@
 """``stickslip select`` for records in time and measured friction."""
 
 import math
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from stickslip.cli.measured import (
     show_warnings,
 )
 from stickslip.cli.output import (
+    command_line,
     document,
     json_text,
     note,
@@ -90,10 +90,9 @@ def _selected(
 ) -> RecordVerdict:
     """Select with a bar; Ctrl-C once ends the search with what there is."""
     names = [one.name for one in specifications(laws)]
-    route = "inverse-dynamics" if asked.how.purpose == "compensate" else asked.how.route
     with (
         Interrupts() as interrupts,
-        Searching(names, residuals(found, route), interrupts) as watch,
+        Searching(names, residuals(found, asked.how.way), interrupts) as watch,
         workers(min(jobs, len(names))) as executor,
     ):
         verdict = select(
@@ -125,7 +124,7 @@ def _page(
         subject=Path(rig.path).name,
         digest=digest,
         files=files,
-        commands=[" ".join(["stickslip", *sys.argv[1:]])],
+        commands=[command_line()],
         versions=versions(),
     )
     return {"index.html": page}
@@ -141,7 +140,7 @@ def _show(verdict: RecordVerdict) -> None:
     second = any(candidate.second for candidate in verdict.candidates)
     heads = ["law", "free", "held-out error", "±", "last third"]
     heads += ["second record"] if second else []
-    rows = [_row(c, verdict.quantity, second=second) for c in verdict.candidates]
+    rows = [_row(c, verdict, second=second) for c in verdict.candidates]
     show_table("", heads, rows, whole=heads)
     console.print()
     for one in verdict.candidates:
@@ -152,10 +151,11 @@ def _show(verdict: RecordVerdict) -> None:
     show_open(words)
 
 
-def _row(candidate: RecordCandidate, quantity: str, *, second: bool) -> list[str]:
+def _row(candidate: RecordCandidate, verdict: RecordVerdict, *, second: bool) -> list[str]:
     def told(value: float | None) -> str:
         known = value is not None and math.isfinite(value)
-        return error_text(float(value or 0.0), quantity) if known else ""
+        turning = verdict.measurement.turning
+        return error_text(float(value or 0.0), verdict.quantity, turning=turning) if known else ""
 
     seen = candidate.validation
     cells = [

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.text import Text
 
+from stickslip.cli.laws import law_of
 from stickslip.cli.output import (
     document,
     note,
@@ -21,8 +22,7 @@ from stickslip.cli.output import (
 )
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig
-from stickslip.friction import PRINTED_FORMS, FrictionLaw, PrintedForm, bristles_of, law_type
-from stickslip.identification import starting_law
+from stickslip.friction import FrictionLaw, PrintedForm, bristles_of
 from stickslip.report.numbers import residue
 from stickslip.selection import criteria_of
 from stickslip.simulation import simulate
@@ -32,7 +32,7 @@ from stickslip.trajectory import Trajectory
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Settings", "check_table", "law_of", "run", "start_of", "table_bytes"]
+__all__ = ["Settings", "check_table", "run", "start_of", "table_bytes"]
 
 CRITERIA_FAILED = 4
 EVENT_CHECKS = ("guard_violation", "event_residual", "stick_drift")
@@ -44,7 +44,7 @@ MODES = {0: "stick", 1: "slip +", -1: "slip -", 2: "at stop +", -2: "at stop -"}
 class Settings:
     """What to run and how."""
 
-    law: str
+    law: str | None
     t_end: float | None
     samples: int
     fixed_step: float | None
@@ -86,16 +86,6 @@ def run(
     if enforce and not (seen.velocity_never_negative and seen.displacement_never_decreases):
         note("A criterion of the paper fails: the body moves backwards.")
         raise typer.Exit(CRITERIA_FAILED)
-
-
-def law_of(rig: Rig, name: str) -> FrictionLaw:
-    """Return a law of the rig, or one with plain values where the rig does not have it."""
-    if name in PRINTED_FORMS:
-        raise InputError(
-            f"{name} is an equation as printed; `stickslip paper` runs those. Its corrected law is"
-            f" {PRINTED_FORMS[name].corrected.name}."
-        )
-    return rig.laws.get(name) or starting_law(law_type(name))
 
 
 def start_of(rig: Rig, law: FrictionLaw) -> Mapping[str, float]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from rich.text import Text
 
+from stickslip.cli.laws import law_of
 from stickslip.cli.output import (
     document,
     overrides,
@@ -17,7 +18,7 @@ from stickslip.cli.output import (
     write_folder,
 )
 from stickslip.cli.progress import Drawing
-from stickslip.cli.simulate import check_table, law_of, start_of, table_bytes
+from stickslip.cli.simulate import check_table, start_of, table_bytes
 from stickslip.errors import InputError
 from stickslip.experiments import load_rig
 from stickslip.sweep import VelocityMap, average_velocity
@@ -31,7 +32,7 @@ MOST_AXES = 2
 def run(
     path: Path | None,
     changes: Sequence[str],
-    law_name: str,
+    law_name: str | None,
     vary: Sequence[str],
     cycles: int,
     settle: int,

@@ -1,5 +1,6 @@
 """Processes that fit laws at the same time."""
 
+import logging
 import multiprocessing
 import signal
 from collections.abc import Iterator
@@ -28,5 +29,8 @@ def workers(jobs: int) -> Iterator[Executor | None]:
 
 
 def _deaf() -> None:
-    """Leave interrupts from the terminal to the process that waits."""
+    """Leave interrupts from the terminal to the process that waits; say what is compiled."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    log = logging.getLogger("stickslip")
+    log.addHandler(logging.StreamHandler())
+    log.setLevel(logging.INFO)

@@ -196,7 +196,7 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
         yield Finding(kind="mechanism", severity="error", sentence=str(error))
     if record.position is None:
         return
-    position = np.atleast_1d(record.values("position"))
+    position, unit = np.atleast_1d(record.values("position")), record.unit("position")
     bounds = (("lower_stop", -1.0, position.min()), ("upper_stop", 1.0, position.max()))
     for name, side, reached in bounds:
         stop = getattr(mechanism, name, None)
@@ -205,8 +205,8 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
                 kind="mechanism",
                 severity="warning",
                 sentence=(
-                    f"Position reaches {quantity(float(reached), 'm')}, beyond {name} of the"
-                    f" mechanism at {quantity(float(stop), 'm')}: other zeros or other units?"
+                    f"Position reaches {quantity(float(reached), unit)}, beyond {name} of the"
+                    f" mechanism at {quantity(float(stop), unit)}: other zeros or other units?"
                 ),
                 numbers={"reached": float(reached), "stop": float(stop)},
             )

@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -18,10 +19,10 @@ from stickslip.experiments.laws import known_laws
 from stickslip.experiments.measurement import QUANTITIES, Measurement
 from stickslip.experiments.paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.reading import Reading
-from stickslip.experiments.records import read_data
+from stickslip.experiments.records import load_measurement, read_data
 from stickslip.experiments.rig import Published, Rig, check_record, state_units
-from stickslip.experiments.schema import DataTable, RigTable, TrialTable, rig_table
-from stickslip.experiments.tables import Given, Table
+from stickslip.experiments.schema import ReadTable, RigTable, TrialTable, rig_table
+from stickslip.experiments.tables import Given, Number, Table
 from stickslip.experiments.toml import LARGEST, apply, parse, read_bytes
 from stickslip.experiments.units import read_number
 from stickslip.friction import laws
@@ -58,6 +59,8 @@ def read_rig(
         source=table.source,
         mechanism=mechanism,
         laws=known.laws,
+        named=known.named,
+        given=known.given,
         assumed=known.assumed,
         unknown=_unknown(table.mechanism),
         measurement=_measured(table, mechanism, reading, file),
@@ -66,7 +69,7 @@ def read_rig(
         hold=table.data.hold,
         t_end=table.run.t_end,
         published=tuple(Published(**row.given()) for row in table.published),
-        digest=with_files(_digest(data, overrides), _paths(table.data, file)),
+        digest=with_files(_digest(data, overrides), _paths(table, file)),
         path=file,
     )
 
@@ -131,31 +134,36 @@ def _measured(
     names = [data.file] if data.file else data.files
     if names and table.trial:
         raise InputError(f"{file}: [data] and [[trial]] both say what was measured: leave one out.")
-    return _files(names, mechanism, reading, file) or _trials(table, mechanism, file)
+    return _files(names, mechanism, reading, file) or _trials(table, mechanism, reading, file)
 
 
-def _reading(data: DataTable, file: str) -> Reading:
-    given = data.given()
+def _reading(table: ReadTable, file: str, key: str = "data") -> Reading:
+    """Return how a table says that files are read."""
     offset = {}
-    for name, value in given.get("offset", {}).items():
+    for name, value in table.offset.items():
         if name not in QUANTITIES:
-            raise UnknownNameError(f"quantity in data.offset of {file}:", name, QUANTITIES)
+            raise UnknownNameError(f"quantity in {key}.offset of {file}:", name, QUANTITIES)
+        quantity = QUANTITIES[name]
+        turning = (replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
         try:
-            offset[name] = read_number(value, QUANTITIES[name])
+            found = Number(quantity, alternatives=turning).read(value)
         except ParameterError as error:
-            raise ParameterError(f"{file}: data.offset.{name} {error}") from None
+            raise ParameterError(f"{file}: {key}.offset.{name} {error}") from None
+        offset[name] = found.value if isinstance(found, Given) else found
     return Reading(
-        columns=data.columns,
-        units=data.units,
-        gain=data.gain,
+        columns=table.columns,
+        units=table.units,
+        gain=table.gain,
         offset=offset,
-        repair=tuple(data.repair),
+        repair=tuple(table.repair),
     )
 
 
-def _paths(data: DataTable, file: str) -> list[Path]:
+def _paths(table: RigTable, file: str) -> list[Path]:
     """Return the files with what was measured, named as they stand beside the rig file."""
-    return [Path(file).parent / name for name in (data.file, *data.files, data.second) if name]
+    data = table.data
+    names = (data.file, *data.files, *(trial.file for trial in table.trial), data.second)
+    return [Path(file).parent / name for name in names if name]
 
 
 def _files(
@@ -173,23 +181,77 @@ def _files(
         raise InputError(f"{file}: [data]: {error}") from None
 
 
-def _trials(table: RigTable, mechanism: Mechanism, file: str) -> Measurement | None:
+def _trials(
+    table: RigTable, mechanism: Mechanism, reading: Reading, file: str
+) -> Measurement | None:
+    """Return the trials; files are read as `[data]` and then the trial itself say."""
     if not table.trial:
         return None
-    records = tuple(
-        _record(trial, mechanism, f"{file}: trial.{index}")
-        for index, trial in enumerate(table.trial)
-    )
+    records: list[Measurement] = []
+    for index, trial in enumerate(table.trial):
+        if trial.file:
+            records += _filed(trial, mechanism, reading, file, index)
+        else:
+            records.append(_record(trial, mechanism, file, index))
     if len(records) == 1:
         return records[0]
     try:
-        return Measurement(trials=records, name=table.title)
+        return Measurement(trials=tuple(records), name=table.title)
     except InputError as error:
         raise InputError(f"{file}: trial: {error}") from None
 
 
-def _record(trial: TrialTable, mechanism: Mechanism, label: str) -> Measurement:
-    given = trial.given()
+TRAVEL_ONLY = ("travel", "uncertainty", "uncertainty_kind", "provenance")
+"""Keys of a trial that the file of a record has no use for."""
+FILE_ONLY = ("columns", "units", "gain", "offset", "repair")
+
+
+def _filed(
+    trial: TrialTable, mechanism: Mechanism, reading: Reading, file: str, index: int
+) -> tuple[Measurement, ...]:
+    """Return what stands in the file of a trial, with the settings of that trial."""
+    key = f"trial.{index}"
+    label, given = f"{file}: {key}", trial.given()
+    _check_keys(given, TRAVEL_ONLY, f"{label}: {{}} is for a travel, and file names a record")
+    own = reading.with_changes(_reading(trial, file, key))
+    try:
+        found = load_measurement(
+            Path(file).parent / trial.file,
+            columns=own.columns,
+            units=own.units,
+            gain=own.gain,
+            offset=own.offset,
+            repair=own.repair,
+            overrides=_overrides(trial.set, mechanism, f"{label}.set"),
+            initial=_initial(trial.initial, mechanism, f"{label}.initial"),
+            name=trial.name,
+            mechanism=mechanism,
+        )
+    except InputError as error:
+        kind = ParameterError if isinstance(error, ParameterError) else InputError
+        text = str(error)
+        raise kind(text if text.startswith(label) else f"{label}: {text}") from None
+    for record in found.records():
+        check_record(mechanism, record, label)
+    return found.records()
+
+
+def _check_keys(given: Mapping[str, Any], refused: tuple[str, ...], said: str) -> None:
+    for name in refused:
+        if name in given:
+            raise InputError(f"{said.format(name)}: leave one of them out.")
+
+
+def _record(trial: TrialTable, mechanism: Mechanism, file: str, index: int) -> Measurement:
+    label, given = f"{file}: trial.{index}", trial.given()
+    if "travel" not in given:
+        raise ParameterError(
+            f"{label} says nothing that was measured. Add travel under [[trial]] number"
+            f' {index + 1}, a distance such as "72 mm", or file, a record.'
+        )
+    _check_keys(
+        given, FILE_ONLY, f"{label}: {{}} is for the file of a record, and travel is a number"
+    )
     overrides, initial = given.pop("set", {}), given.pop("initial", {})
     if "uncertainty_kind" in given and "uncertainty" not in given:
         raise ParameterError(f"{label}.uncertainty is missing, but uncertainty_kind is given.")

@@ -15,10 +15,15 @@ __all__ = ["Known", "known_laws"]
 
 
 class Known(NamedTuple):
-    """Laws with all parameters by name, and which of their fields were marked as assumed."""
+    """Laws with all parameters by name, and what else a file says of laws."""
 
     laws: Mapping[str, FrictionLaw]
     assumed: Mapping[str, tuple[str, ...]]
+    """Fields that were marked as assumed."""
+    named: tuple[str, ...]
+    """Laws with a table of their own."""
+    given: Mapping[str, Mapping[str, float]]
+    """Values that are given, also of laws of which others are missing."""
 
 
 def known_laws(
@@ -30,13 +35,16 @@ def known_laws(
     """Return the laws for which the table gives every required parameter."""
     found: dict[str, FrictionLaw] = {}
     assumed: dict[str, tuple[str, ...]] = {}
+    named, given = [], {}
     shared = friction.given()
     for name, law in kinds.items():
         own: Table | None = getattr(friction, python_name(name))
         names = [field.name for field in dataclasses.fields(law)]
         values = {key: shared[key] for key in names if key in shared}
         if own is not None:
+            named.append(name)
             values |= _own(own, law, file, overridden)
+        given[name] = {key: _plain(value) for key, value in values.items()}
         missing = [key for key in _required(law) if key not in values]
         if missing and own is not None:
             raise ParameterError(_missing(law, missing[0], file))
@@ -46,7 +54,11 @@ def known_laws(
         marked = [key for key in names if isinstance(values.get(key), Given) and values[key].marked]
         if marked:
             assumed[name] = tuple(marked)
-    return Known(found, assumed)
+    return Known(found, assumed, tuple(named), {k: v for k, v in given.items() if v})
+
+
+def _plain(value: Any) -> Any:
+    return value.value if isinstance(value, Given) else value
 
 
 def _is_meant(
@@ -104,11 +116,8 @@ def _missing(law: type[FrictionLaw], key: str, file: str) -> str:
 def _build(
     law: type[FrictionLaw], values: Mapping[str, Any], file: str, overridden: Collection[str]
 ) -> FrictionLaw:
-    plain = {
-        key: value.value if isinstance(value, Given) else value for key, value in values.items()
-    }
     try:
-        return law(**plain)
+        return law(**{key: _plain(value) for key, value in values.items()})
     except ParameterError as error:
         touched = [path for path in overridden if path.startswith("friction.")]
         where = place(touched[0], file, overridden) if touched else file

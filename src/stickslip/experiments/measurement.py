@@ -26,18 +26,18 @@ TIME = Quantity("t", "s")
 
 QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
     {
-        "position": Quantity("x", "m"),
-        "velocity": Quantity("v", "m/s"),
-        "force": Quantity("u", "N"),
-        "friction": Quantity("F", "N"),
+        "position": Quantity("x", "m", or_unit="rad"),
+        "velocity": Quantity("v", "m/s", or_unit="rad/s"),
+        "force": Quantity("u", "N", or_unit="N m"),
+        "friction": Quantity("F", "N", or_unit="N m"),
         "load": Quantity("N", "N"),
-        "spring_force": Quantity("F_s", "N"),
-        "pull": Quantity("x_p", "m"),
-        "reference": Quantity("x_r", "m"),
+        "spring_force": Quantity("F_s", "N", or_unit="N m"),
+        "pull": Quantity("x_p", "m", or_unit="rad"),
+        "reference": Quantity("x_r", "m", or_unit="rad"),
         "travel": Quantity("s", "m"),
     }
 )
-"""What can be measured, by name."""
+"""What can be measured, by name; the second unit is that of an axis that turns."""
 
 SAMPLED = tuple(name for name in QUANTITIES if name != "travel")
 """What a time series has one value of for each time."""
@@ -82,6 +82,9 @@ class Measurement:
         Initial states by name; the others are 0.
     offset : mapping of str to float, optional
         Offset of a sensor by quantity; `values` subtracts it.
+    turning : bool
+        Whether all that was measured is about an axis: angles [rad], their rates [rad/s], torques
+        [N m].
     name, provenance : str
         What the record is called and where it comes from.
     trials : tuple of Measurement
@@ -122,6 +125,7 @@ class Measurement:
     overrides: Mapping[str, float] = field(default_factory=dict)
     initial: Mapping[str, float] = field(default_factory=dict)
     offset: Mapping[str, float] = field(default_factory=dict)
+    turning: bool = False
     name: str = ""
     provenance: str = ""
     trials: tuple["Measurement", ...] = ()
@@ -139,6 +143,7 @@ class Measurement:
                 self._set(name, _numbers(name, quantity, getattr(self, name)))
         if self.trials:
             _check_trials(self)
+            self._set("turning", any(trial.turning for trial in self.trials))
             return
         if not self.quantities():
             raise InputError(
@@ -188,6 +193,18 @@ class Measurement:
             for name in QUANTITIES
             if any(getattr(record, name) is not None for record in self.records())
         )
+
+    def unit(self, quantity: str) -> str:
+        """Return the SI unit of a quantity: of an angle or torque where the record is `turning`.
+
+        Examples
+        --------
+        >>> Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6], turning=True).unit("friction")
+        'N m'
+        """
+        _present("measurement", quantity, tuple(QUANTITIES))
+        known = QUANTITIES[quantity]
+        return known.or_unit if self.turning and known.or_unit else known.unit
 
     def values(self, quantity: str) -> Array | float:
         """Return a quantity with its sensor offset subtracted.

@@ -9,7 +9,7 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.measurement import QUANTITIES, SAMPLED, Measurement, Uncertainty
 from stickslip.experiments.reading import Reading
 from stickslip.experiments.repair import Repair, repaired, repairs
-from stickslip.experiments.units import shown
+from stickslip.experiments.units import is_of, shown
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 
@@ -184,7 +184,7 @@ class _Reading:
 
     def _record(self, frame: "Frame", name: str) -> Measurement:
         """Return the record of a file, all columns that are quantities converted to SI."""
-        wanted = {"time": "s", **{key: QUANTITIES[key].unit for key in SAMPLED}}
+        wanted = ("time", *SAMPLED)
         factors = {
             quantity: Quantity("g", "").check("gain", quantity, factor)
             for quantity, factor in self.gain.items()
@@ -202,13 +202,43 @@ class _Reading:
         done: tuple[str, ...] = ()
         if self.repair:
             values, done = repaired(values, self.repair)
+        scaled = [quantity for quantity in values if quantity not in factors]
+        units = _units(frame, scaled)
         for quantity, numbers in values.items():
             if quantity in factors:
                 values[quantity] = factors[quantity] * numbers
             else:
-                values[quantity] = frame.scaled(quantity, numbers, wanted[quantity])
+                values[quantity] = frame.scaled(quantity, numbers, units[quantity])
         origin = "; ".join([Path(frame.file).name, *done])
-        return Measurement(**values, **self.common, name=name, provenance=origin)
+        turning = any(units[name] == QUANTITIES[name].or_unit for name in scaled if name != "time")
+        return Measurement(**values, **self.common, turning=turning, name=name, provenance=origin)
+
+
+def _units(frame: "Frame", quantities: Sequence[str]) -> dict[str, str]:
+    """Return the SI units of columns: those of an axis that turns, or those of a straight one.
+
+    Raises
+    ------
+    InputError
+        If some columns turn and others do not.
+    """
+    found, kinds = {"time": "s"}, dict[bool, str]()
+    for name in quantities:
+        unit = frame.units.get(name)
+        if name == "time":
+            continue
+        quantity = QUANTITIES[name]
+        turns = unit is not None and bool(quantity.or_unit) and is_of(unit, quantity.or_unit)
+        found[name] = quantity.or_unit if turns else quantity.unit
+        # What is of neither kind is no reason to say that kinds differ.
+        if unit is not None and quantity.or_unit and (turns or is_of(unit, quantity.unit)):
+            kinds.setdefault(turns, f"{name} is in {unit}")
+    if len(kinds) == 2:
+        raise InputError(
+            f"{frame.file}: {kinds[True]}, as of an axis that turns, and {kinds[False]}, as of one"
+            " that moves straight: angles go with torques, such as N m, and lengths with forces."
+        )
+    return found
 
 
 def _nothing_known(frame: "Frame") -> str:

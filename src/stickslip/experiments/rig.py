@@ -67,6 +67,10 @@ class Rig:
         What moves.
     laws : mapping of str to FrictionLaw
         By name: the laws all of whose parameters are known.
+    named : tuple of str
+        Laws that have a table of their own in the file.
+    given : mapping of str to mapping of str to float
+        By law, the parameters that the file gives, those of laws of which it lacks some included.
     assumed : mapping of str to tuple of str
         By law, the fields whose values are assumed and not measured.
     unknown : tuple of str
@@ -106,6 +110,8 @@ class Rig:
     source: str = ""
     mechanism: Mechanism
     laws: Mapping[str, FrictionLaw] = field(default_factory=dict)
+    named: tuple[str, ...] = ()
+    given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     unknown: tuple[str, ...] = ()
     measurement: Measurement | None = None

@@ -18,6 +18,7 @@ from stickslip.quantities import Quantity
 __all__ = [
     "DataTable",
     "PublishedTable",
+    "ReadTable",
     "RigTable",
     "RunTable",
     "TrialTable",
@@ -36,23 +37,9 @@ class RunTable(Table):
     t_end: Annotated[Any, Number(Quantity("t_end", "s", above=0))] = 10.0
 
 
-class TrialTable(Table):
-    """One measured run; several are several trials."""
+class ReadTable(Table):
+    """How the columns of a file are read."""
 
-    travel: Annotated[Any, Number(TRAVEL)]
-    uncertainty: Annotated[Any, Number(Quantity("u_s", "m", above=0))] = None
-    uncertainty_kind: Literal["rounding", "standard", "interval"] = "standard"
-    name: str = ""
-    provenance: str = ""
-    set: dict[str, Any] = Field(default={}, description="parameter path: value in this trial")
-    initial: dict[str, Any] = Field(default={}, description="state name: value at the start")
-
-
-class DataTable(Table):
-    """Files with what was measured, and how they are read; several files are several trials."""
-
-    file: str = Field(default="", description="relative to the rig file")
-    files: list[str] = Field(default=[], min_length=1, description="several, as trials")
     columns: dict[str, str] = Field(default={}, description="quantity: name of its column")
     units: dict[str, str] = Field(default={}, description="quantity: unit of its column")
     gain: dict[str, Annotated[Any, Number(Quantity("g"))]] = Field(
@@ -62,6 +49,26 @@ class DataTable(Table):
     repair: list[Literal["sort", "gaps"]] = Field(
         default=[], min_length=1, description="`sort` the times, drop `gaps`"
     )
+
+
+class TrialTable(ReadTable):
+    """One measured run, a travel or the file of a record; several are several trials."""
+
+    travel: Annotated[Any, Number(TRAVEL)] = None
+    file: str = Field(default="", description="a record, relative to the rig file")
+    uncertainty: Annotated[Any, Number(Quantity("u_s", "m", above=0))] = None
+    uncertainty_kind: Literal["rounding", "standard", "interval"] = "standard"
+    name: str = ""
+    provenance: str = ""
+    set: dict[str, Any] = Field(default={}, description="parameter path: value in this trial")
+    initial: dict[str, Any] = Field(default={}, description="state name: value at the start")
+
+
+class DataTable(ReadTable):
+    """Files with what was measured, and how they are read; several files are several trials."""
+
+    file: str = Field(default="", description="relative to the rig file")
+    files: list[str] = Field(default=[], min_length=1, description="several, as trials")
     hold: Literal["zero", "first"] = Field(
         default="zero",
         description="a force keeps its value until the next sample (`zero`: a command), or goes"

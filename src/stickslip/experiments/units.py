@@ -13,7 +13,7 @@ from stickslip.quantities import Quantity
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["allowed", "factor", "read_number", "shown"]
+__all__ = ["allowed", "factor", "is_of", "read_number", "shown", "turned"]
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _FACTOR = r"[^\W\d_%°]+(?:\^?-?\d|[⁻¹²³]+)?|%|°"
@@ -122,6 +122,45 @@ def factor(unit: str, target: str | None) -> float:
     0.001
     """
     return float(_factor(unit, target))
+
+
+TURNED = {
+    "m": "rad",
+    "m/s": "rad/s",
+    "N": "N m",
+    "kg": "kg m^2",
+    "N/m": "N m/rad",
+    "N s/m": "N m s/rad",
+    "1/m": "1/rad",
+    "s/m": "s/rad",
+}
+"""Units of a straight motion -> those of the same quantities about an axis."""
+
+
+def turned(unit: str, turning: bool = True) -> str:
+    """Return the unit of the same quantity about an axis; as it is where nothing is `turning`.
+
+    Examples
+    --------
+    >>> turned("N s/m"), turned("1"), turned("m", turning=False)
+    ('N m s/rad', '1', 'm')
+    """
+    return TURNED.get(unit, unit) if turning else unit
+
+
+def is_of(unit: str, target: str) -> bool:
+    """Whether a unit is of the same kind as another one.
+
+    Examples
+    --------
+    >>> is_of("deg", "rad"), is_of("deg", "m")
+    (True, False)
+    """
+    try:
+        _factor(unit, target)
+    except ParameterError:
+        return False
+    return True
 
 
 @functools.cache

@@ -5,6 +5,7 @@ from stickslip.identification.feature_result import FeatureFit
 from stickslip.identification.features import StickSlipFeatures, features_of
 from stickslip.identification.fitting import fit
 from stickslip.identification.inverse_dynamics import InverseDynamics, inverse_dynamics
+from stickslip.identification.posterior import Posterior, sample_posterior
 from stickslip.identification.rate_state import RateState, SliderHistory, simulate_velocity_steps
 from stickslip.identification.rate_state_fit import fit_rate_state
 from stickslip.identification.rate_state_result import RateStateFit
@@ -18,6 +19,7 @@ __all__ = [
     "FeatureFit",
     "Fit",
     "InverseDynamics",
+    "Posterior",
     "Prediction",
     "RateState",
     "RateStateFit",
@@ -33,6 +35,7 @@ __all__ = [
     "fit_features",
     "fit_rate_state",
     "inverse_dynamics",
+    "sample_posterior",
     "simulate_velocity_steps",
     "starting_law",
 ]

@@ -1,14 +1,17 @@
 """Estimates with their doubt, and what a record cannot tell, in words."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.experiments import Measurement
+from stickslip.experiments.units import turned
+from stickslip.experiments.wording import number
 from stickslip.friction import DirectionalLaw, FrictionLaw
 from stickslip.identification.inference import Inference, quantile_of
-from stickslip.identification.plain_numbers import short
 from stickslip.identification.problem import Linearised
 from stickslip.identification.results import Estimate
 from stickslip.identification.unknowns import Unknown, Unknowns
@@ -18,6 +21,7 @@ __all__ = [
     "INTERVAL",
     "bounds_met",
     "estimates_of",
+    "in_units_of",
     "offset_left_out",
     "sentences_of",
     "step_intervals",
@@ -137,18 +141,19 @@ def sentences_of(
             item = unknowns.items[unknowns.paths.index(path)]
             unit = "" if item.quantity.unit == "1" else f" {item.quantity.unit}"
             bounds = (
-                f", interval {short(low)} to {short(high)}" if math.isfinite(high - low) else ""
+                f", interval {number(low)} to {number(high)}" if math.isfinite(high - low) else ""
             )
             lines.append(
                 f"No step from {item.quantity.symbol} to sliding can be told from 0:"
-                f" {short(step)}{unit}{bounds}."
+                f" {number(step)}{unit}{bounds}."
             )
     lines += _together(unknowns, inference, at_bounds)
     if inference.condition > MOST_CONDITION:
         symbols = ", ".join(item.quantity.symbol for item in unknowns.items)
         lines.append(
             f"{symbols} cannot all be separated by this record: condition number"
-            f" {short(inference.condition, 2)}, where {MOST_CONDITION:g} is the most that is taken."
+            f" {number(inference.condition, 2)}, where {MOST_CONDITION:g} is the most that is"
+            " taken."
         )
     return tuple(lines)
 
@@ -165,7 +170,7 @@ def offset_left_out(law: FrictionLaw, mechanism: Mechanism, unknowns: Unknowns) 
     own = float(getattr(mechanism, "offset", 0.0))
     return (
         "A constant force (gravity, a cable, a sensor's zero) and levels that differ by direction"
-        f" are one number: the offset is kept at {short(own)} N, and the levels hold what there is"
+        f" are one number: the offset is kept at {number(own)} N, and the levels hold what there is"
         " of it.",
     )
 
@@ -184,3 +189,9 @@ def _together(unknowns: Unknowns, inference: Inference, at_bounds: Mapping[str, 
                     " either."
                 )
     return lines
+
+
+def in_units_of(measurement: Measurement, estimates: Iterable[Estimate]) -> tuple[Estimate, ...]:
+    """Return estimates in the units of what was measured: about an axis, forces are torques."""
+    pairs = [(one, turned(one.quantity.unit, measurement.turning)) for one in estimates]
+    return tuple(replace(one, quantity=replace(one.quantity, unit=unit)) for one, unit in pairs)

@@ -1,6 +1,6 @@
 """The verb `fit`."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement
@@ -12,7 +12,7 @@ from stickslip.identification.features import by_features
 from stickslip.identification.least_squares import fit_several
 from stickslip.identification.record_fitting import RecordSettings, fit_record
 from stickslip.identification.results import Fit, TravelFit
-from stickslip.identification.starts import starting_law
+from stickslip.identification.starts import check_known, starting_law, with_known
 from stickslip.identification.travel import TravelModel, Trial, trials_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
@@ -29,6 +29,7 @@ def fit(
     measurement: Measurement,
     *,
     free: Sequence[str] | None = None,
+    known: Mapping[str, float] | None = None,
     unknown: Sequence[str] = (),
     route: str | None = None,
     settings: RecordSettings | None = None,
@@ -53,6 +54,8 @@ def fit(
     free : sequence of str, optional
         Names or paths of the law's parameters to fit. If not given, for travels the first of the
         law's `fit_order` that the number of different trials can pay for; for records all of it.
+    known : mapping of str to float, optional
+        Values of the law's parameters that are not free, by name, where the law is a type.
     unknown : sequence of str
         Parameters of the mechanism that are looked for too, such as ``"inertia"``; for records.
     route : {"shooting", "force-map", "inverse-dynamics", "features"}, optional
@@ -86,7 +89,13 @@ def fit(
     >>> print(f"{result.law.viscous_coefficient:.2f}")
     5.73
     """
+    check_known(law, known)
     if by_features(measurement, route):
+        if known:
+            raise InputError(
+                "known values beside a type of law are for travels and records of motion; for"
+                " features give the law with its values, and free those to look for."
+            )
         return fit_features(
             mechanism,
             law,
@@ -103,13 +112,14 @@ def fit(
             measurement,
             unknown=unknown,
             free=free,
+            known=known,
             route=route,
             settings=settings,
             watch=watch,
         )
     if unknown:
         raise InputError("a few travels cannot tell parameters of the mechanism from friction.")
-    start = starting_law(law) if isinstance(law, type) else law
+    start = with_known(starting_law(law), known) if isinstance(law, type) else law
     trials = trials_of(mechanism, measurement)
     return fit_trials(start, trials, free=free, t_end=t_end, watch=watch)
 

@@ -1,6 +1,6 @@
 """The route of measured friction: a law is fitted to the force along the measured motion."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import MISSING, fields, replace
 from itertools import product
 
@@ -48,6 +48,7 @@ def force_map(
     segment: float | None = None,
     samples: float = SAMPLES,
     held: Collection[str] = (),
+    known: Mapping[str, float] | None = None,
 ) -> ForceMap:
     """Return the problem of fitting a law to measured friction, with start values from the data.
 
@@ -69,6 +70,8 @@ def force_map(
         them is kept.
     held : collection of str
         Parameters that are not looked for, by path or last name.
+    known : mapping of str to float, optional
+        Values of those, by last name, where the law is a type; defaults if not given.
 
     Returns
     -------
@@ -112,7 +115,7 @@ def force_map(
         and not {constant, "offset"} & set(held)
     )
     rough = told if free else Rough.of(stretches, offset=own or 0.0)
-    start = _without(rough.law(kind), held) if isinstance(law, type) else law
+    start = _without(rough.law(kind), held, known) if isinstance(law, type) else law
     paths = looked_for(start, whole=isinstance(law, type), held=held)
     problem = ForceMap(
         law=start,
@@ -128,11 +131,14 @@ def force_map(
     return _from_grid(problem, replace(problem, stretches=few))
 
 
-def _without(law: FrictionLaw, held: Collection[str]) -> FrictionLaw:
-    """Return a law in which what is not looked for has its default, where it has one."""
+def _without(
+    law: FrictionLaw, held: Collection[str], known: Mapping[str, float] | None
+) -> FrictionLaw:
+    """Return a law in which what is not looked for has its value or default, where it has one."""
     names = {name.rpartition(".")[2] for name in held}
-    known = {field.name: field.default for field in fields(law) if field.name in names}
-    return replace(law, **{name: v for name, v in known.items() if v is not MISSING})
+    defaults = {field.name: field.default for field in fields(law) if field.name in names}
+    plain = {name: v for name, v in defaults.items() if v is not MISSING}
+    return replace(law, **{**plain, **{n: v for n, v in (known or {}).items() if n in names}})
 
 
 def _from_grid(problem: ForceMap, coarse: ForceMap) -> ForceMap:

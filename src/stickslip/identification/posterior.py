@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.identification.record_fit import RecordFit
+from stickslip.quantities import full_path
 
 __all__ = ["Posterior", "sample_posterior"]
 
@@ -24,7 +25,14 @@ BURN_IN = 0.3
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Posterior:
-    """Draws of the unknowns of a fit."""
+    """Draws of the unknowns of a fit.
+
+    Examples
+    --------
+    >>> drawn = Posterior(paths=("friction.kinetic_coefficient",), draws=np.ones((100, 1)))
+    >>> drawn.interval("kinetic_coefficient")
+    (1.0, 1.0)
+    """
 
     paths: tuple[str, ...]
     """Parameter paths (p,)."""
@@ -32,8 +40,21 @@ class Posterior:
     """Values (draws, p)."""
 
     def interval(self, path: str, level: float = 0.95) -> tuple[float, float]:
-        """Return the central interval of a parameter."""
-        column = self.draws[:, self.paths.index(path)]
+        """Return the central interval of a parameter.
+
+        Parameters
+        ----------
+        path : str
+            Path or last name of an unknown.
+        level : float
+            Probability that it holds.
+
+        Raises
+        ------
+        UnknownNameError
+            If it was not drawn.
+        """
+        column = self.draws[:, self.paths.index(full_path(path, self.paths))]
         low, high = np.quantile(column, [0.5 * (1.0 - level), 0.5 * (1.0 + level)])
         return float(low), float(high)
 
@@ -61,10 +82,27 @@ def sample_posterior(
     seed : int
         Of the random numbers.
 
+    Returns
+    -------
+    Posterior
+        Draws of all unknowns.
+
     Raises
     ------
     InputError
         If the sampler is not installed, or not known.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, CoulombViscous, Measurement, fit
+    >>> v = np.linspace(-1.0, 1.0, 201)
+    >>> friction = np.sign(v) * 2.0 + 3.0 * v + 0.1 * np.random.default_rng(0).normal(size=201)
+    >>> table = Measurement(velocity=v, friction=friction)
+    >>> found = fit(Axis(inertia=1.0), CoulombViscous, table)
+    >>> drawn = sample_posterior(found, steps=100)
+    >>> low, high = drawn.interval("viscous_coefficient")
+    >>> low < 3.0 < high
+    True
 
     Source: D. Foreman-Mackey et al., "emcee: The MCMC Hammer", PASP 125, 2013; J. Speagle,
     "dynesty", MNRAS 493, 2020.

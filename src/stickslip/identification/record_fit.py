@@ -12,6 +12,7 @@ from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.experiments import QUANTITIES, Measurement
+from stickslip.experiments.units import turned
 from stickslip.identification.inference import Inference, bootstrap
 from stickslip.identification.optimise import Found, improve
 from stickslip.identification.problem import Held, Linearised, Problem, RecordProblem
@@ -46,11 +47,13 @@ class Score:
     """Length of the segments [s]."""
     blocks: tuple[float, ...]
     """Root mean square of each segment."""
+    turning: bool = False
+    """Whether what was predicted turns about an axis."""
 
     @property
     def unit(self) -> str:
         """SI unit."""
-        return QUANTITIES[self.quantity].unit
+        return turned(QUANTITIES[self.quantity].unit, self.turning)
 
     @override
     def __str__(self) -> str:
@@ -129,10 +132,10 @@ class RecordFit(Fit):
     @override
     def __str__(self) -> str:
         """Return the law, its estimates and how far off it is, in one line."""
-        quantity = QUANTITIES[self.problem.quantity]
+        unit = self.measurement.unit(self.problem.quantity)
         return (
             f"{self.law.title} fitted to {self.problem.quantity}:"
-            f" {', '.join(map(str, self.estimates))}; residual {self.rms:.3g} {quantity.unit}"
+            f" {', '.join(map(str, self.estimates))}; residual {self.rms:.3g} {unit}"
         )
 
     @override
@@ -220,6 +223,7 @@ class RecordFit(Fit):
             quantity=problem.quantity,
             horizon=float(np.median(lengths)),
             blocks=tuple(math.sqrt(square) for square in squares),
+            turning=self.measurement.turning,
         )
 
     def _seen(

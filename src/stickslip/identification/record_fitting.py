@@ -1,7 +1,7 @@
 """Fits a law to records in time or to measured friction, by one of three routes."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, get_args
 
@@ -15,6 +15,7 @@ from stickslip.identification.applied import driven
 from stickslip.identification.doubts import (
     bounds_met,
     estimates_of,
+    in_units_of,
     offset_left_out,
     sentences_of,
 )
@@ -163,6 +164,7 @@ def fit_record(
     *,
     unknown: Sequence[str] = (),
     free: Sequence[str] | None = None,
+    known: Mapping[str, float] | None = None,
     route: str | None = None,
     settings: RecordSettings | None = None,
     watch: Watch | None = None,
@@ -182,6 +184,8 @@ def fit_record(
         Parameters of the mechanism that are looked for too, such as ``"inertia"``.
     free : sequence of str, optional
         Parameters of the law that are looked for; all of its `fit_order` if not given.
+    known : mapping of str to float, optional
+        Values of those that are not, by name, where the law is a type.
     route : {"shooting", "force-map", "inverse-dynamics"}, optional
         Simulated segments; measured friction along the measured motion; or friction that inverse
         dynamics finds, along it.
@@ -205,9 +209,9 @@ def fit_record(
     settings = RecordSettings() if settings is None else settings
     way = route_of(measurement, route)
     if way == "shooting":
-        ready = _shooting(mechanism, law, measurement, unknown, free, settings)
+        ready = _shooting(mechanism, law, measurement, unknown, free, known, settings)
     else:
-        ready = _mapped(mechanism, law, measurement, unknown, free, way)
+        ready = _mapped(mechanism, law, measurement, unknown, free, known, way)
     found = search(
         ready.problem,
         starts=settings.starts,
@@ -258,11 +262,12 @@ def _shooting(
     measurement: Measurement,
     unknown: Sequence[str],
     free: Sequence[str] | None,
+    known: Mapping[str, float] | None,
     settings: RecordSettings,
 ) -> _Set:
     measured_quantity(measurement)
     scales = scales_of(mechanism, measurement, unknown)
-    start, items, further = law_unknowns(law, scales, free)
+    start, items, further = law_unknowns(law, scales, free, known)
     unknowns = joined(start, [*items, *mechanism_unknowns(mechanism, start, unknown, scales)])
     if not len(unknowns):
         raise InputError("there is nothing to fit: name at least one parameter in `free`.")
@@ -293,6 +298,7 @@ def _mapped(
     measurement: Measurement,
     unknown: Sequence[str],
     free: Sequence[str] | None,
+    known: Mapping[str, float] | None,
     way: Route,
 ) -> _Set:
     """Return the problem of friction that was measured, or that inverse dynamics finds."""
@@ -310,7 +316,7 @@ def _mapped(
     kind = law if isinstance(law, type) else type(law)
     wanted = kind.fit_order if free is None else [name.rpartition(".")[2] for name in free]
     held = [name for name in kind.fit_order if name not in wanted]
-    problem = force_map(law, mechanism, own, held=held)
+    problem = force_map(law, mechanism, own, held=held, known=known)
 
     build = _Rubbed(mechanism, problem, derived)
     return _Set(mechanism, problem.law, problem, build, before=() if mass is None else (mass,))
@@ -336,7 +342,7 @@ def _finished(
     return RecordFit(
         law=vary(ready.start, "friction", law),
         mechanism=vary(ready.mechanism, "mechanism", own) if own else ready.mechanism,
-        estimates=(*estimates, *ready.before),
+        estimates=in_units_of(measurement, (*estimates, *ready.before)),
         route=route,
         measurement=measurement,
         problem=ready.problem,

@@ -132,7 +132,10 @@ def load_of(mechanism: Mechanism) -> float:
 
 
 def law_unknowns(
-    law: FrictionLaw | type[FrictionLaw], scales: Scales, free: Sequence[str] | None = None
+    law: FrictionLaw | type[FrictionLaw],
+    scales: Scales,
+    free: Sequence[str] | None = None,
+    known: Mapping[str, float] | None = None,
 ) -> tuple[FrictionLaw, tuple[Unknown, ...], tuple[Mapping[str, float], ...]]:
     """Return a law to start from, its unknowns, and further starts by path.
 
@@ -150,6 +153,8 @@ def law_unknowns(
     values = {name: start for name, (start, _, _) in ranges.items()}
     if not isinstance(law, type):
         values |= {n: v for n in names if (v := getattr(law, n)) is not None}
+    else:
+        values |= {n: float(v) for n, v in (known or {}).items() if n not in names}
     start = _made(kind, law, values)
     unknowns = []
     for name in names:
@@ -190,7 +195,7 @@ def _made(
             symbol = fields_of(kind)[name].symbol
             raise InputError(
                 f"{kind.__name__}.{name} ({symbol}) is neither free nor known:"
-                f" free it too, or give a {kind.__name__} with its value."
+                f" free it too, or give its value."
             )
     made = unchecked(kind, **{**defaults, **values})
     made.__post_init__()

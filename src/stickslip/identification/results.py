@@ -10,9 +10,9 @@ from typing import Any, final
 
 from typing_extensions import override
 
+from stickslip.experiments.wording import number
 from stickslip.experiments.writing import rig_toml
 from stickslip.friction import FrictionLaw
-from stickslip.identification.plain_numbers import short
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path
 
@@ -82,7 +82,7 @@ class Estimate:
 def _three(value: float) -> str:
     """Return a number with three digits, zeros kept."""
     text = f"{value:#.3g}".rstrip(".")
-    return short(value) if "e" in text else text
+    return number(value) if "e" in text else text
 
 
 @dataclass(frozen=True, kw_only=True)

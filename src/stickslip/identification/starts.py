@@ -1,11 +1,13 @@
 """Start values for a law of which only the type is given."""
 
+from collections.abc import Mapping
 from typing import Any
 
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import FrictionLaw
-from stickslip.quantities import fields_of
+from stickslip.quantities import fields_of, vary
 
-__all__ = ["starting_law"]
+__all__ = ["check_known", "starting_law", "with_known"]
 
 START = {
     "kinetic_coefficient": 0.25,
@@ -42,3 +44,30 @@ def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
         if name in START and not isinstance(required, (float, int)) and required is not None:
             values[name] = START[name] * (load / 9.81 if name == "viscous_coefficient" else 1.0)
     return law(**values)
+
+
+def check_known(law: FrictionLaw | type[FrictionLaw], known: Mapping[str, float] | None) -> None:
+    """Check that values stand beside a type of law, and are of its parameters."""
+    if not known:
+        return
+    if not isinstance(law, type):
+        raise InputError(
+            f"known is for a type of law, and this is a {type(law).__name__} with all its values:"
+            " give the type, or the values with the law."
+        )
+    fields = fields_of(law)
+    for name in known:
+        if name not in fields:
+            raise UnknownNameError(f"parameter of {law.__name__} in known", name, fields)
+
+
+def with_known(law: FrictionLaw, known: Mapping[str, float] | None) -> FrictionLaw:
+    """Return a law with the values that are known, by name.
+
+    Examples
+    --------
+    >>> from stickslip import Viscous
+    >>> with_known(Viscous(viscous_coefficient=1.0), {"viscous_coefficient": 30.0})
+    Viscous(viscous_coefficient=30.0)
+    """
+    return vary(law, "friction", {f"friction.{name}": v for name, v in (known or {}).items()})

@@ -62,7 +62,7 @@ def draw_overview(record: Measurement) -> Draw:
     ['position, m', 'force, N', 'samples, %', 'force, N']
     """
     names = _signals(record)
-    velocity = _velocity(record)
+    velocity, speeds = _velocity(record), record.unit("velocity")
     forces = [name for name in ("friction", "force", "spring_force") if _sampled(record, name)]
 
     def draw(figure: Figure, _narrow: bool) -> None:
@@ -79,10 +79,11 @@ def draw_overview(record: Measurement) -> Draw:
         if velocity is None:
             return
         left = figure.add_subplot(grid[-1, 0] if forces else grid[-1, :])
-        _histogram(left, velocity)
+        _histogram(left, velocity, speeds)
         if forces:
             right = figure.add_subplot(grid[-1, 1])
-            _density(right, velocity, np.asarray(record.values(forces[0])), forces[0])
+            force = np.asarray(record.values(forces[0]))
+            _density(right, (velocity, speeds), force, forces[0])
         figure.align_ylabels()
 
     return draw
@@ -119,7 +120,9 @@ def _label(name: str, unit: str) -> str:
 def _series(axes: Axes, record: Measurement, name: str) -> None:
     """Draw a signal; where there are more samples than pixels, their extremes."""
     time, values = np.asarray(record.time), np.asarray(record.values(name))
-    factor, unit = scale_of(values - (values.mean() if name == "position" else 0.0), _unit(name))
+    factor, unit = scale_of(
+        values - (values.mean() if name == "position" else 0.0), record.unit(name)
+    )
     shown_time, shown = _envelope(time, factor * values)
     axes.plot(shown_time, shown, color=DATA, linewidth=1.0)
     steps = np.diff(time)
@@ -128,10 +131,6 @@ def _series(axes: Axes, record: Measurement, name: str) -> None:
     axes.set_ylabel(_label(name, unit))
     axes.margins(x=0, y=0.08)
     axes.grid(axis="y")
-
-
-def _unit(name: str) -> str:
-    return QUANTITIES[name].unit
 
 
 def _envelope(time: Array, values: Array) -> tuple[Array, Array]:
@@ -153,8 +152,8 @@ def _middle(values: Array) -> tuple[float, float]:
     return low - edge, high + edge
 
 
-def _histogram(axes: Axes, velocity: Array) -> None:
-    factor, unit = scale_of(velocity, "m/s")
+def _histogram(axes: Axes, velocity: Array, speeds: str) -> None:
+    factor, unit = scale_of(velocity, speeds)
     low, high = _middle(factor * velocity)
     counts, edges = np.histogram(factor * velocity, bins=SPEEDS, range=(low, high))
     axes.stairs(100 * counts / velocity.size, edges, fill=True, color=SLIP_BACK)
@@ -165,9 +164,10 @@ def _histogram(axes: Axes, velocity: Array) -> None:
     axes.grid(axis="y")
 
 
-def _density(axes: Axes, velocity: Array, force: Array, name: str) -> None:
+def _density(axes: Axes, moved: tuple[Array, str], force: Array, name: str) -> None:
     """Draw how often force and velocity meet, on a scale of powers of ten."""
-    factor, unit = scale_of(velocity, "m/s")
+    velocity, speeds = moved
+    factor, unit = scale_of(velocity, speeds)
     across, up = _middle(factor * velocity), _middle(force)
     counts, _, _ = np.histogram2d(factor * velocity, force, bins=CELLS, range=(across, up))
     seen = np.ma.masked_equal(counts.T, 0)

@@ -2,8 +2,8 @@
 
 import math
 
+from stickslip.experiments.wording import number
 from stickslip.identification.doubts import MOST_CONDITION, step_intervals
-from stickslip.identification.plain_numbers import short
 from stickslip.identification.record_fit import RecordFit
 
 __all__ = ["objection"]
@@ -33,7 +33,7 @@ def objection(fit: RecordFit) -> str:
         elif estimate.low <= 0.0:
             reasons.append(f"the interval of {symbol} covers 0")
     if fit.inference.condition > MOST_CONDITION:
-        condition = short(fit.inference.condition, 2)
+        condition = number(fit.inference.condition, 2)
         reasons.append(f"condition number {condition}, above {MOST_CONDITION:g}")
     return "; ".join(reasons)
 
@@ -41,7 +41,7 @@ def objection(fit: RecordFit) -> str:
 def _no_step(step: float, low: float, high: float) -> str:
     if not math.isfinite(high - low):
         return "its step is not bounded"
-    return f"its step {short(step, 2)} ({short(low, 2)} to {short(high, 2)}) covers 0"
+    return f"its step {number(step, 2)} ({number(low, 2)} to {number(high, 2)}) covers 0"
 
 
 def _ran(fit: RecordFit, path: str) -> str:
@@ -51,4 +51,4 @@ def _ran(fit: RecordFit, path: str) -> str:
         return "shows no step above the kinetic level"
     if side == "lower" and item.low == 0.0:
         return "went to 0"
-    return f"ran to its {side} bound {short(float(fit.values[fit.unknowns.paths.index(path)]), 2)}"
+    return f"ran to its {side} bound {number(fit.values[fit.unknowns.paths.index(path)], 2)}"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 from typing_extensions import override
 
-from stickslip.experiments import QUANTITIES, Checks, Measurement
+from stickslip.experiments import Checks, Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
 from stickslip.identification.record_fit import Score
@@ -154,7 +154,7 @@ class RecordVerdict(Verdict):
     @property
     def unit(self) -> str:
         """SI unit of the scores."""
-        return QUANTITIES[self.quantity].unit
+        return self.measurement.unit(self.quantity)
 
     @property
     def blocks_scored(self) -> int:

@@ -3,10 +3,12 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 from stickslip.experiments import QUANTITIES, Checks
+from stickslip.experiments.units import turned
+from stickslip.experiments.wording import number
 from stickslip.identification import Estimate
-from stickslip.identification.plain_numbers import short
 from stickslip.selection.experiments import Experiment
 from stickslip.selection.record_verdict import RecordCandidate, as_good
 from stickslip.selection.scoring import FLOOR
@@ -29,19 +31,19 @@ NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
 """How titles begin that are names."""
 
 
-def error_text(value: float, quantity: str) -> str:
-    """Return a score with its unit, lengths in millimetres.
+def error_text(value: float, quantity: str, *, turning: bool = False) -> str:
+    """Return a score with its unit, lengths in millimetres; angles if what was measured turns.
 
     Examples
     --------
     >>> error_text(0.00024, "position"), error_text(1.234, "friction")
     ('0.24 mm', '1.23 N')
     """
-    unit = QUANTITIES[quantity].unit
-    if unit in {"m", "m/s"} and abs(value) < 1.0:
+    unit = turned(QUANTITIES[quantity].unit, turning)
+    if quantity in {"position", "velocity"} and abs(value) < 1.0:
         value, unit = 1e3 * value, "m" + unit
     size = abs(value)
-    text = short(value, 2) if size < 0.1 else f"{value:.2f}" if size < 10.0 else f"{value:.1f}"
+    text = number(value, 2) if size < 0.1 else f"{value:.2f}" if size < 10.0 else f"{value:.1f}"
     return f"{text} {unit}"
 
 
@@ -49,7 +51,7 @@ def plus_minus(estimate: Estimate) -> str:
     """Return an estimate with its half width, as in ``158 ± 4 N s/m``."""
     unit = "" if estimate.quantity.unit == "1" else f" {estimate.quantity.unit}"
     if not estimate.bounded:
-        return f"{short(estimate.value)}{unit}, not bounded"
+        return f"{number(estimate.value)}{unit}, not bounded"
     return with_doubt(estimate.value, 0.5 * (estimate.high - estimate.low)) + unit
 
 
@@ -62,7 +64,7 @@ def with_doubt(value: float, half: float) -> str:
     ('157 ± 4', '0.0217')
     """
     if half <= 0.0:
-        return short(value)
+        return number(value)
     power = math.floor(math.log10(half))
     digits = -power + (1 if half / 10.0**power < 1.95 else 0)
     if digits <= 0:
@@ -163,25 +165,24 @@ def _lede(
 ) -> str:
     assert best.fit is not None
     assert best.validation is not None
-    quantity = best.fit.problem.quantity
+    fit = best.fit
+    told = partial(error_text, quantity=fit.problem.quantity, turning=fit.measurement.turning)
     text = (
-        f"It misses what it has not seen by {error_text(best.score, quantity)} ({scored};"
-        f" standard error {error_text(best.validation.error, quantity)})."
+        f"It misses what it has not seen by {told(best.score)} ({scored};"
+        f" standard error {told(best.validation.error)})."
     )
     usual = next((c for c in candidates if c.name == REFERENCE), None)
     if usual is not None and usual.name != best.name and usual.fit:
         text += (
             f" Coulomb + viscous friction, the usual choice, reaches"
-            f" {error_text(usual.score, quantity)} on the same blocks."
+            f" {told(usual.score)} on the same blocks."
         )
     elif without is not None and math.isfinite(without.score):
-        text += f" Without friction it would be {error_text(without.score, quantity)}."
+        text += f" Without friction it would be {told(without.score)}."
     closer = [c for c in candidates if c.dropped and c.fit and c.score < best.score]
     if closer and not best.dropped:
         first = closer[0]
-        text += (
-            f" {first.title} misses by {error_text(first.score, quantity)}, but {first.dropped}."
-        )
+        text += f" {first.title} misses by {told(first.score)}, but {first.dropped}."
     return text
 
 

@@ -31,7 +31,9 @@ __all__ = ["LEFT_OUT", "PURPOSES", "RecordWatch", "checked", "select_records"]
 RecordWatch: TypeAlias = Callable[[str, float], object]
 """Called with a candidate and the least residual so far, not a number before it begins.
 
-False ends the search of a candidate that has begun, and leaves out one that has not.
+False ends the search of a candidate that has begun, and leaves out one that has not. Judging, of
+which each candidate is told as ``"held-out blocks: <its name>, 2 of 10"``, is never cut short: what
+was compared on other blocks than the rest could not be ranked.
 """
 
 SPARE = ("viscous_coefficient",)
@@ -78,11 +80,13 @@ def select_records(
     fits = _fits(tried)
     aim = PURPOSES[purpose] if horizon is None else horizon
     plan = plan_of(min(fits, key=lambda fit: fit.rms), horizon=aim)
-    if watch is not None:
-        watch("held-out blocks", math.nan)
     work = partial(_judged, plan=plan, validate=validate)
-    judged = list(map(work, tried) if executor is None else executor.map(work, tried))
-    without = _judged(fitted(control()), plan, validate) if _has_control(fits[0]) else None
+    judged = _all_judged(work, tried, watch, executor)
+    without = None
+    if _has_control(fits[0]):
+        if watch is not None:
+            watch("held-out blocks: no friction", math.nan)
+        without = _judged(fitted(control()), plan, validate)
     found = _verdict(mechanism, measurement, judged, without, plan, purpose, checks)
     return replace(found, second=validate, settings=settings or RecordSettings())
 
@@ -223,6 +227,22 @@ def _judged(
     return replace(
         candidate, validation=validation, dropped=objection(candidate.fit), second=second
     )
+
+
+def _all_judged(
+    work: Callable[[RecordCandidate], RecordCandidate],
+    tried: Sequence[RecordCandidate],
+    watch: RecordWatch | None,
+    executor: Executor | None,
+) -> list[RecordCandidate]:
+    """Return the candidates judged, each told to who watches before it is waited for."""
+    results = map(work, tried) if executor is None else executor.map(work, tried)
+    judged = []
+    for number, candidate in enumerate(tried, 1):
+        if watch is not None:
+            watch(f"held-out blocks: {candidate.name}, {number} of {len(tried)}", math.nan)
+        judged.append(next(results))
+    return judged
 
 
 def _judgeable(judged: Sequence[RecordCandidate]) -> list[RecordCandidate]:

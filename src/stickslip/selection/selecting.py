@@ -65,7 +65,7 @@ def select(
         Time after which a body counts as stopped [s], for travels.
     watch : callable, optional
         Called with the name of a law and the number of its runs, or the least residual so far.
-        For records, False ends the search with the best so far.
+        For records, False ends the search with the best so far; what was fitted is still judged.
     compiling : callable, optional
         Called as the `progress` of `stickslip.solver.warm_up`, if equations have to be compiled.
     executor : concurrent.futures.Executor, optional

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, final
 from typing_extensions import override
 
 from stickslip.experiments import Measurement
+from stickslip.experiments.wording import number
 from stickslip.friction import FrictionLaw
 from stickslip.identification import TravelFit
 from stickslip.mechanisms import Mechanism
@@ -66,7 +67,7 @@ class Candidate:
         """Return the law, what was fitted and how well it predicts, in one line."""
         if self.dropped or self.fit is None:
             return f"{self.title}: dropped, {self.dropped}"
-        score = "" if self.score is None else f"; held-out error {1e3 * self.score:.2g} mm"
+        score = "" if self.score is None else f"; held-out error {number(1e3 * self.score, 2)} mm"
         return f"{self.title}: {', '.join(map(str, self.fit.estimates))}{score}"
 
     @override

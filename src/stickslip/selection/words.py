@@ -5,6 +5,7 @@ Symbols stand between dollar signs, which reports typeset.
 
 from collections.abc import Collection, Mapping, Sequence
 
+from stickslip.experiments.wording import number
 from stickslip.identification import Estimate
 from stickslip.identification.travel import Trial
 from stickslip.quantities import fields_of
@@ -101,7 +102,7 @@ def _nothing_fits(candidates: Sequence[Candidate]) -> tuple[str, str]:
     closest = min(candidates, key=lambda c: known.get(c.title, float("inf")))
     return (
         f"No candidate explains the measurement; the closest is {closest.title}.",
-        f"With the values it started from it is {100.0 * known[closest.title]:.2g} % off:"
+        f"With the values it started from it is {number(100.0 * known[closest.title], 2)} % off:"
         f" {_why(closest)} Check the rig: mass, stiffness, compression, and whether the body leaves"
         " the spring.",
     )
@@ -153,7 +154,8 @@ def _ranked(
     return (
         f"Use {_with_estimates(best, doubts(best))}{doubt}.",
         f"Each of the {len(trials)} trials was predicted from the others. {best.title} misses by"
-        f" {1e3 * score:.2g} mm (root mean square, standard error {1e3 * error:.2g} mm).{remark}",
+        f" {number(1e3 * score, 2)} mm (root mean square, standard error"
+        f" {number(1e3 * error, 2)} mm).{remark}",
     )
 
 
@@ -288,7 +290,7 @@ def _settings_line(
         widest = 1e3 * _gap(rows, best, rivals)[0]
         return (
             f"No setting of ${rows[0].symbol}$ from {_setting(rows[0])} to {_setting(rows[-1])}"
-            f" would tell the models apart: they differ by at most {widest:.2g} mm."
+            f" would tell the models apart: they differ by at most {number(widest, 2)} mm."
         )
     _, rival = _gap(told[0], best, rivals)
     set_to = " and ".join(_setting(row) for row in told[0])

@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.experiments.checking.finding import Finding
 from stickslip.experiments.checking.motion import Motion
-from stickslip.experiments.measurement import QUANTITIES, Array, Measurement
+from stickslip.experiments.measurement import Array, Measurement
 from stickslip.experiments.signals import acceleration_of, smooth
 from stickslip.experiments.wording import number, percent, quantities
 
@@ -34,6 +34,7 @@ class Level(NamedTuple):
     values: Array
     size: float
     """Root mean square of the whole signal."""
+    unit: str = "N"
 
 
 def levels(record: Measurement, motion: Motion | None) -> Iterator[Level]:
@@ -45,7 +46,7 @@ def levels(record: Measurement, motion: Motion | None) -> Iterator[Level]:
         size = float(np.sqrt(np.mean(values**2)))
         words = name.replace("_", " ")
         if motion is None or name == "load":
-            yield Level(name, words, values, size)
+            yield Level(name, words, values, size, record.unit(name))
             continue
         columns = [acceleration_of(record), motion.velocity, motion.directions]
         matrix = np.stack([*columns, np.ones(values.size)], axis=1)
@@ -54,7 +55,7 @@ def levels(record: Measurement, motion: Motion | None) -> Iterator[Level]:
         found = np.linalg.lstsq(matrix, values, rcond=None)[0]
         left = values - matrix[:, :3] @ found[:3]
         what = f"{words} less what acceleration, velocity and direction explain of it"
-        yield Level(name, what, left, size)
+        yield Level(name, what, left, size, record.unit(name))
 
 
 def independent(values: Array) -> float:
@@ -93,7 +94,7 @@ def drift(found: list[Level]) -> Iterator[Finding]:
         if sure < SURE or abs(change) < 0.01 * level.size:
             continue
         matters = abs(change) >= MATTERS * level.size
-        first, second = quantities(means, QUANTITIES[level.name].unit)
+        first, second = quantities(means, level.unit)
         word = "rises" if change > 0 else "falls"
         text = f"Mean {level.what} {word} from {first} in the first half to {second} in the second,"
         text += f" {percent(abs(change) / level.size)} of its level and"

@@ -43,6 +43,8 @@ class Motion:
     """Filtered [m/s]."""
     noise: float
     """Standard deviation of its noise [m/s]."""
+    unit: str = "m/s"
+    """``"rad/s"`` about an axis."""
 
     @property
     def fastest(self) -> float:
@@ -73,24 +75,24 @@ def motion_of(record: Measurement) -> Motion | None:
     time = record.time
     if time is None or (record.position is None and record.velocity is None):
         return None
-    dt = interval_of(time)
+    dt, unit = interval_of(time), record.unit("velocity")
     if record.velocity is not None:
         raw = velocity_of(record)
         # A low pass at a share of the sampling leaves that share of both sides of white noise.
         noise = noise_of(raw, step_of(raw)) * np.sqrt(2 * CUTOFF)
-        return Motion(time=time, velocity=smooth(time, raw), noise=float(noise))
+        return Motion(time=time, velocity=smooth(time, raw), noise=float(noise), unit=unit)
     position = np.asarray(record.values("position"))
     # The same for the derivative, whose spectrum grows with the frequency squared.
     share = 2 * np.pi * np.sqrt(2 * CUTOFF**3 / 3)
     noise = noise_of(position, step_of(position)) * share / dt
-    return Motion(time=time, velocity=velocity_of(record), noise=float(noise))
+    return Motion(time=time, velocity=velocity_of(record), noise=float(noise), unit=unit)
 
 
 def reversals(motion: Motion) -> Iterator[Finding]:
     """Count the changes of direction, and say what follows from there being none."""
     seen = motion.directions[motion.directions != 0]
     if not seen.size:
-        noise, fastest = quantities([motion.noise, motion.fastest], "m/s")
+        noise, fastest = quantities([motion.noise, motion.fastest], motion.unit)
         yield Finding(
             kind="reversals",
             severity="warning",
@@ -152,8 +154,8 @@ def slow(motion: Motion) -> Iterator[Finding]:
     speed, fastest = np.abs(motion.velocity), motion.fastest
     if fastest == 0.0:
         return
-    share = float(np.mean(speed < SLOW * fastest))
-    text = f"{percent(share)} of the samples are slower than {quantity(SLOW * fastest, 'm/s')},"
-    text += f" 5 % of the largest speed of {quantity(fastest, 'm/s')}"
+    share, unit = float(np.mean(speed < SLOW * fastest)), motion.unit
+    text = f"{percent(share)} of the samples are slower than {quantity(SLOW * fastest, unit)},"
+    text += f" 5 % of the largest speed of {quantity(fastest, unit)}"
     text += "." if share else ": friction near rest cannot be told from this record."
     yield Finding(kind="low speed", sentence=text, numbers={"share": share, "fastest": fastest})

@@ -33,7 +33,7 @@ def coverage(record: Measurement) -> Iterator[Finding]:
     if not moving.any():
         yield _map("error", "All velocities are 0: no motion was recorded.", numbers)
         return
-    low, high = quantities([float(velocity.min()), float(velocity.max())], "m/s")
+    low, high = quantities([float(velocity.min()), float(velocity.max())], record.unit("velocity"))
     few = distinct < FEWEST
     text = f"{count(velocity.size, 'point')} at {count(distinct, 'velocity', 'velocities')}"
     text += f" from {low} to {high}"

@@ -26,8 +26,10 @@ __all__ = [
 LIMITED: Final = ("force", "spring_force")
 """What an amplifier or a sensor may limit; a friction that stays the same may be just that."""
 NAMES: Final = {name: name.replace("_", " ") for name in QUANTITIES}
-LARGEST: Final = {"m": 100.0, "m/s": 300.0, "N": 1e7}
+LARGEST: Final = {"m": 100.0, "m/s": 300.0, "N": 1e7, "rad": 1e5, "rad/s": 1e4, "N m": 1e7}
 HUGE: Final = 1e60
+WORDS: Final = {"m": "metres", "N": "newtons", "rad": "radians"}
+SPANNED: Final = ("m", "rad")
 SMALLEST_SPAN: Final = 1e-6
 LONGEST_RUN: Final = 20
 """Samples that a signal must sit at its extreme to count as saturated."""
@@ -59,7 +61,7 @@ def constant(record: Measurement) -> Iterator[Finding]:
     for name, values in arrays(record):
         if np.ptp(values) > 0.0 or name in {"load", "reference", "pull"}:
             continue
-        value = quantity(float(values[0]), QUANTITIES[name].unit)
+        value = quantity(float(values[0]), record.unit(name))
         text, severity = _never(name, float(values[0]))
         yield Finding(
             kind="constant",
@@ -97,7 +99,7 @@ def unusable(record: Measurement) -> Iterator[Finding]:
     for name, values in arrays(record):
         largest = float(np.abs(values).max())
         if largest > HUGE:
-            text = f"reaches {quantity(largest, QUANTITIES[name].unit)}: nothing can be computed"
+            text = f"reaches {quantity(largest, record.unit(name))}: nothing can be computed"
             yield Finding(
                 kind="units",
                 severity="error",
@@ -118,7 +120,10 @@ def unmoved(record: Measurement) -> Iterator[Finding]:
     yield Finding(
         kind="constant",
         severity="error",
-        sentence=f"Position stays within {quantity(span, 'm')}, its noise: no motion was recorded.",
+        sentence=(
+            f"Position stays within {quantity(span, record.unit('position'))}, its noise: no motion"
+            " was recorded."
+        ),
         numbers={"span": span, "noise": noise},
     )
 
@@ -147,9 +152,9 @@ def jumps(record: Measurement) -> Iterator[Finding]:
             kind="jump",
             severity="warning",
             sentence=(
-                f"Position jumps by {quantity(step, 'm')} within one sample after"
-                f" {quantity(float(time[i]), 's', 6)}; the samples beside it move by"
-                f" {quantity(usual, 'm')} at most."
+                f"Position jumps by {quantity(step, record.unit('position'))} within one sample"
+                f" after {quantity(float(time[i]), 's', 6)}; the samples beside it move by"
+                f" {quantity(usual, record.unit('position'))} at most."
             ),
             numbers={"time": float(time[i]), "step": step, "neighbours": usual},
         )
@@ -188,9 +193,9 @@ def saturated(record: Measurement) -> Iterator[Finding]:
                 severity="warning",
                 sentence=(
                     f"{NAMES[name].capitalize()} stays at its {way} value,"
-                    f" {quantity(extreme, 'N')}, for up to {number(longest, 7)} samples in a row,"
-                    f" {percent(share)} of the record: a limit of the amplifier or"
-                    " sensor, unless it was driven so."
+                    f" {quantity(extreme, record.unit('force'))}, for up to {number(longest, 7)}"
+                    f" samples in a row, {percent(share)} of the record: a limit of the amplifier"
+                    " or sensor, unless it was driven so."
                 ),
                 numbers={"level": extreme, "longest": longest, "share": share},
             )
@@ -222,7 +227,8 @@ def cut_off(record: Measurement) -> Iterator[Finding]:
                 kind="saturation",
                 severity="warning",
                 sentence=(
-                    f"Position stays at its {way} value, {quantity(extreme, 'm')}, for up to"
+                    f"Position stays at its {way} value,"
+                    f" {quantity(extreme, record.unit('position'))}, for up to"
                     f" {number(max(found), 7)} samples in a row, and comes there and leaves without"
                     " slowing down: the range of the sensor ends there, unless it was driven so."
                 ),
@@ -252,7 +258,7 @@ def quantised(record: Measurement) -> Iterator[Finding]:
             continue
         coarse = levels < COARSE and name == "position"
         text = f"{NAMES[name].capitalize()} comes in steps of"
-        text += f" {quantity(step, QUANTITIES[name].unit)}, {number(levels)} over its range"
+        text += f" {quantity(step, record.unit(name))}, {number(levels)} over its range"
         yield Finding(
             kind="quantisation",
             severity="warning" if coarse else "info",
@@ -264,19 +270,25 @@ def quantised(record: Measurement) -> Iterator[Finding]:
 def plausible(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
     """Ask for the unit of numbers that no rig has."""
     for name, values in arrays(record):
-        unit = QUANTITIES[name].unit
+        unit = record.unit(name)
         largest, span = float(np.abs(values).max()), float(np.ptp(values))
-        if unit == "m":
+        if unit in SPANNED:
             largest = span
         if largest > LARGEST[unit]:
-            words = {"m": "metres", "m/s": "m/s", "N": "newtons"}[unit]
-            what = "spans" if unit == "m" else "reaches"
+            words = WORDS.get(unit, unit)
+            what = "spans" if unit in SPANNED else "reaches"
             yield _doubted(
                 name, f"{what} {quantity(largest, unit)}: are these really {words}?", largest
             )
-        elif name == "position" and 0.0 < span < SMALLEST_SPAN:
-            yield _doubted(name, f"spans {quantity(span, 'm')}: are these really metres?", span)
+        elif name == "position" and not record.turning and 0.0 < span < SMALLEST_SPAN:
+            yield _doubted(
+                name,
+                f"spans {quantity(span, 'm')}: are these really metres?",
+                span,
+            )
     if motion is None or record.position is None or record.velocity is not None:
+        return
+    if record.turning:  # as fast as it likes
         return
     spans = float(np.ptp(record.values("position")))
     if spans <= LARGEST["m"] and motion.fastest > LARGEST["m/s"]:

@@ -1,0 +1,50 @@
+"""Tables and commands as the command line writes them."""
+
+import io
+import shlex
+import sys
+
+import pytest
+from rich.console import Console
+
+from stickslip.cli import output
+from stickslip.cli.output import command_line, show_table
+
+ROW = ["friction.kinetic_coefficient", "mu_k", "3.859 × 10⁻⁶", "N s/m", "−0.00029 to 0.00026"]
+HEADS = ["parameter", "", "value", "unit", "range (95 %)"]
+
+
+def shown(monkeypatch, *, terminal, width):
+    file = io.StringIO()
+    console = Console(
+        file=file, width=width, force_terminal=terminal, color_system=None, soft_wrap=True
+    )
+    monkeypatch.setattr(output, "stdout", lambda: console)
+    show_table("", HEADS, [ROW], whole=HEADS[1:])
+    return file.getvalue()
+
+
+@pytest.mark.parametrize("width", [20, 40, 60, 80, 200])
+@pytest.mark.parametrize("terminal", [True, False])
+def test_no_number_is_ever_cut(monkeypatch, terminal, width):
+    text = shown(monkeypatch, terminal=terminal, width=width)
+    for cell in ROW[1:]:
+        assert cell in text
+
+
+def test_a_pipe_gets_whole_rows_however_wide_a_terminal_would_be(monkeypatch):
+    lines = shown(monkeypatch, terminal=False, width=80).rstrip().splitlines()
+    assert len(lines) == 2
+    assert lines[1].split("  ")[0] == ROW[0]
+
+
+def test_on_a_narrow_terminal_paths_are_folded(monkeypatch):
+    text = shown(monkeypatch, terminal=True, width=70)
+    assert ROW[0] not in text
+    assert max(map(len, text.splitlines())) <= 70
+
+
+def test_the_command_can_be_pasted_into_a_shell(monkeypatch):
+    arguments = ["select", "my rig.toml", "-o", "emps a", "--set", "title=it's"]
+    monkeypatch.setattr(sys, "argv", ["/somewhere/stickslip", *arguments])
+    assert shlex.split(command_line()) == ["stickslip", *arguments]
