@@ -282,11 +282,20 @@ def test_motion_in_one_direction_works_and_says_so(run, write, axis_record):
     assert "! No reversals: the motion goes forward only" in out
 
 
-def test_millimetres_read_as_metres_are_warned_of(run, write, axis_record):
+def test_millimetres_read_as_metres_are_refused(run, write, axis_record):
     write("mm.csv", q=1e3 * axis_record["q"])
-    _, out, _ = run("fit", "bare.toml", "--data", "mm.csv", *COLUMNS, "--starts", "1")
-    assert "! Position spans" in out
-    assert "are these really metres?" in out
+    code, _, err = run("fit", "bare.toml", "--data", "mm.csv", *COLUMNS, "--starts", "1")
+    assert code == 2
+    assert "is position in m (not mm)" in err
+
+
+def test_a_typo_in_columns_is_named_and_drops_nothing(run):
+    code, _, err = run("check", "axis.csv", "--columns", "positon=q,time=t")
+    assert code == 2
+    assert "unknown quantity in columns 'positon'. Did you mean 'position'?" in err
+    code, _, err = run("check", "axis.csv", "--columns", "current=u,time=t")
+    assert code == 2
+    assert "a force with a gain" in err
 
 
 def test_a_force_that_was_cut_off_is_warned_of(run, write, axis_record):

@@ -514,7 +514,8 @@ def test_travels_that_cannot_be_are_named():
 
 def test_trials_are_checked_one_by_one():
     good = Measurement(**parts(), name="good")
-    still = Measurement(time=np.arange(100.0), position=np.zeros(100), name="still")
+    none = np.zeros(100)
+    still = Measurement(time=np.arange(100.0), position=none, force=none, name="still")
     checks = check(Measurement(trials=(good, still)))
     assert {f.record for f in checks.findings} == {"good", "still"}
     assert {f.record for f in checks.findings if f.severity == "error"} == {"still"}

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from stickslip import SpringBlock, load_measurement
+from stickslip import SpringBlock, load_measurement, load_rig
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 
 SPRING = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -253,3 +253,34 @@ def test_a_missing_file_is_named(write):
     write("x")
     with pytest.raises(InputError, match=r"there is no such file.*data\.csv"):
         load_measurement("dta.csv")
+
+
+# --- keys of columns
+
+
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [
+        ("positon", "unknown quantity in columns 'positon'. Did you mean 'position'?"),
+        ("current", "current is no quantity.*force with a gain.*newtons per ampere"),
+        ("voltage", "voltage is no quantity.*force with a gain.*newtons per volt"),
+        ("mechanism.mass", "unknown quantity of a record in columns 'mechanism.mass'"),
+        ("uncertainty", "unknown quantity of a record in columns 'uncertainty'"),
+    ],
+)
+def test_a_key_of_columns_that_is_no_quantity_is_refused(tmp_path, key, message):
+    file = tmp_path / "record.csv"
+    file.write_text("time,q,force\n0,0,1\n1,2,1\n")
+    with pytest.raises(InputError, match=message):
+        load_measurement(file, columns={key: "q"})
+
+
+def test_a_typo_in_the_columns_of_a_rig_file_is_refused(tmp_path):
+    (tmp_path / "record.csv").write_text("time,q,force\n0,0,1\n1,2,1\n")
+    rig = tmp_path / "rig.toml"
+    rig.write_text(
+        '[mechanism]\ntype = "axis"\ninertia = 5\n'
+        '[data]\nfile = "record.csv"\ncolumns = { postion = "q" }\n'
+    )
+    with pytest.raises(InputError, match="Did you mean 'position'"):
+        load_rig(rig)

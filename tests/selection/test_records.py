@@ -308,6 +308,29 @@ def test_of_several_decays_only_the_block_is_left_out():
     assert found.score == pytest.approx(2e-5, rel=0.1)
 
 
+def test_a_record_too_short_for_blocks_is_refused_by_its_own_length(record):
+    few = Measurement(time=record.time[:60], position=record.position[:60], force=record.force[:60])
+    with pytest.raises(InputError, match=r"the record of 0\.295 s, 60 samples, is too short"):
+        select(AXIS, few, [Coulomb, CoulombViscous], settings=QUICK)
+
+
+def test_numbers_that_a_law_made_are_selected_on_without_noise():
+    speed = np.linspace(-1.0, 1.0, 80)
+    table = Measurement(velocity=speed, friction=10.0 * np.sign(speed) + 30.0 * speed)
+    found = select(AXIS, table, [Coulomb, CoulombViscous])
+    assert found.best.name == "coulomb-viscous"
+    assert found.best.score == pytest.approx(0.0, abs=1e-12)  # digits of a sum of some tens
+
+
+def test_two_candidates_of_one_name_are_refused(record):
+    twice = [Coulomb(kinetic_coefficient=1.0), Coulomb(kinetic_coefficient=2.0)]
+    with pytest.raises(InputError, match="two of `laws` are called 'coulomb': give a mapping"):
+        select(AXIS, record, twice)
+    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    with pytest.raises(InputError, match="give a mapping with a name for each"):
+        select(rig, Measurement(travel=0.2), twice)
+
+
 def test_scores_are_written_with_their_unit():
     assert error_text(0.00024, "position") == "0.24 mm"
     assert error_text(2.0, "friction") == "2.00 N"

@@ -2,7 +2,7 @@
 
 import html
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, final
 
@@ -10,14 +10,22 @@ import numpy as np
 from typing_extensions import override
 
 from stickslip.errors import InputError
-from stickslip.experiments.checking import agreement, level, motion, sampling, tables, values
+from stickslip.experiments.checking import (
+    agreement,
+    dynamics,
+    level,
+    motion,
+    sampling,
+    tables,
+    values,
+)
 from stickslip.experiments.checking.finding import SEVERITIES, Finding, Severity
 from stickslip.experiments.measurement import Measurement
 from stickslip.experiments.rig import check_record
 from stickslip.experiments.wording import quantity
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["Checks", "Finding", "check"]
+__all__ = ["Checks", "Finding", "check", "faults"]
 
 MARKS = {"info": "", "warning": "Warning: ", "error": "Error: "}
 
@@ -107,8 +115,8 @@ def check(measurement: Measurement, *, mechanism: Mechanism | None = None) -> Ch
     measurement : Measurement
         A record in time, a friction map, or readings; several trials are checked one by one.
     mechanism : Mechanism, optional
-        What was measured: its parameters must be those that trials override, and positions must
-        lie between its stops.
+        What was measured: its parameters must be those that trials override, positions must lie
+        between its stops, and forces must be of the size that its motion takes.
 
     Returns
     -------
@@ -138,14 +146,72 @@ def check(measurement: Measurement, *, mechanism: Mechanism | None = None) -> Ch
     found: list[Finding] = []
     if measurement.kind == "scalars":
         found += tables.settings(records)
+    found += tables.alike(records)
     for number, record in enumerate(records, 1):
         label = (record.name or f"trial {number}") if measurement.trials else ""
-        own = [*_record(record), *_fits(record, mechanism)]
+        fits = [*_fits(record, mechanism)]
+        own = [*_record(record, None if _wrong(fits) else mechanism), *fits]
         found += [replace(finding, record=label) for finding in own]
     return Checks(findings=tuple(found), name=measurement.name)
 
 
-def _record(record: Measurement) -> Iterator[Finding]:
+def faults(measurement: Measurement, *, mechanism: Mechanism | None = None) -> tuple[Finding, ...]:
+    """Return the errors that `check` finds, without the work for what is no error.
+
+    Examples
+    --------
+    >>> still = Measurement(time=np.arange(50.0), position=np.zeros(50))
+    >>> [str(one) for one in faults(still)]
+    ['Position never changes: no motion was recorded.']
+    """
+    records = measurement.records()
+    found = [*tables.alike(records)]
+    if measurement.kind == "scalars":
+        found += tables.settings(records)
+    for number, record in enumerate(records, 1):
+        label = (record.name or f"trial {number}") if measurement.trials else ""
+        fits = [*_fits(record, mechanism)]
+        own = [*_grave(record, None if _wrong(fits) else mechanism), *fits]
+        found += [replace(finding, record=label) for finding in own]
+    return tuple(finding for finding in found if finding.severity == "error")
+
+
+def _wrong(found: Sequence[Finding]) -> bool:
+    return any(finding.severity == "error" for finding in found)
+
+
+def _grave(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
+    """Yield, among others, all errors of one record; each comes from here in `_record` too."""
+    huge = [*values.unusable(record)]
+    yield from huge
+    if huge:
+        return
+    if record.kind == "friction-map":
+        yield from tables.coverage(record)
+    if record.time is None:
+        return
+    yield from sampling.length(record.time)
+    still = [*values.constant(record), *values.unmoved(record)]
+    yield from still
+    if record.time.size < sampling.FEWEST or _wrong(still):
+        return
+    rubbed = isinstance(record.friction, np.ndarray)
+    yield from _agreement(record, mechanism, motion.motion_of(record) if rubbed else None)
+
+
+def _agreement(
+    record: Measurement, mechanism: Mechanism | None, moving: motion.Motion | None
+) -> Iterator[Finding]:
+    """Yield what signals say of each other; force says nothing where two of them contradict."""
+    agree = [*agreement.velocity_and_position(record)]
+    yield from agree
+    yield from agreement.friction_sign(record, moving)
+    if not _wrong(agree):
+        yield from dynamics.energy(record, mechanism)
+        yield from dynamics.proportion(record, mechanism)
+
+
+def _record(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
     """Yield the findings about one record."""
     huge = [*values.unusable(record)]
     yield from huge
@@ -161,8 +227,10 @@ def _record(record: Measurement) -> Iterator[Finding]:
     yield from sampling.gaps(record.time)
     still = [*values.constant(record), *values.unmoved(record)]
     yield from still
-    moving = None if any(f.severity == "error" for f in still) else motion.motion_of(record)
+    yield from dynamics.missing(record)
+    moving = None if _wrong(still) else motion.motion_of(record)
     yield from values.plausible(record, moving)
+    yield from sampling.usual(record)
     if record.time.size < sampling.FEWEST:
         return
     yield from values.jumps(record)
@@ -176,8 +244,7 @@ def _record(record: Measurement) -> Iterator[Finding]:
             sentence="There is neither position nor velocity: directions and rests are not known.",
         )
     if moving is not None:
-        yield from agreement.velocity_and_position(record)
-        yield from agreement.friction_sign(record, moving)
+        yield from _agreement(record, mechanism, moving)
         yield from motion.reversals(moving)
         yield from motion.rests(moving)
         yield from motion.slow(moving)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.experiments.columns import check_columns
 from stickslip.experiments.measurement import QUANTITIES, SAMPLED, Measurement, Uncertainty
 from stickslip.experiments.reading import Reading
 from stickslip.experiments.repair import Repair, repaired, repairs
@@ -100,6 +101,7 @@ def load_measurement(
     }
     if uncertainty is not None:
         common["uncertainty"] = uncertainty
+    check_columns(columns or {}, mechanism)
     reading = _Reading(
         columns=columns or {},
         units=units or {},
@@ -185,6 +187,9 @@ class _Reading:
     def _record(self, frame: "Frame", name: str) -> Measurement:
         """Return the record of a file, all columns that are quantities converted to SI."""
         wanted = ("time", *SAMPLED)
+        for key in self.columns:  # those of trials, which a record has not
+            if key not in wanted:
+                raise UnknownNameError("quantity of a record in columns", key, wanted)
         factors = {
             quantity: Quantity("g", "").check("gain", quantity, factor)
             for quantity, factor in self.gain.items()

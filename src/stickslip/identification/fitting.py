@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Mapping, Sequence
 
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
-from stickslip.friction import FrictionLaw
+from stickslip.experiments.refusals import refuse_faults, with_doubts
+from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification.compiling import compile_for
 from stickslip.identification.exact import fit_one
 from stickslip.identification.feature_fit import fit_features
@@ -25,7 +26,7 @@ PAID_BY_TRAVEL = ("kinetic_coefficient", "viscous_coefficient")
 
 def fit(
     mechanism: Mechanism,
-    law: FrictionLaw | type[FrictionLaw],
+    law: FrictionLaw | type[FrictionLaw] | str,
     measurement: Measurement,
     *,
     free: Sequence[str] | None = None,
@@ -46,9 +47,10 @@ def fit(
     ----------
     mechanism : Mechanism
         What was measured; trials may override its parameters.
-    law : FrictionLaw or type
+    law : FrictionLaw, type or str
         An instance, whose values are the start and, for parameters not free, the assumption; or a
-        type, for which start values are found: in a record, or ordinary ones for travels.
+        type or its name, for which start values are found: in a record, or ordinary ones for
+        travels.
     measurement : Measurement
         Travels, records in time, measured friction, or the force of a spring.
     free : sequence of str, optional
@@ -77,7 +79,8 @@ def fit(
     Raises
     ------
     InputError
-        If the measurement does not serve, or a name is not known.
+        If the measurement does not serve, as by the errors of `stickslip.check`, or a name is not
+        known.
     ConvergenceError
         If no value of the parameters gives what was measured.
 
@@ -89,6 +92,7 @@ def fit(
     >>> print(f"{result.law.viscous_coefficient:.2f}")
     5.73
     """
+    law = law_type(law) if isinstance(law, str) else law
     check_known(law, known)
     if by_features(measurement, route):
         if known:
@@ -106,17 +110,19 @@ def fit(
             watch=watch,
         )
     if "travel" not in measurement.quantities():
-        return fit_record(
-            mechanism,
-            law,
-            measurement,
-            unknown=unknown,
-            free=free,
-            known=known,
-            route=route,
-            settings=settings,
-            watch=watch,
-        )
+        refuse_faults(measurement, mechanism)
+        with with_doubts(measurement, mechanism, of=ConvergenceError):
+            return fit_record(
+                mechanism,
+                law,
+                measurement,
+                unknown=unknown,
+                free=free,
+                known=known,
+                route=route,
+                settings=settings,
+                watch=watch,
+            )
     if unknown:
         raise InputError("a few travels cannot tell parameters of the mechanism from friction.")
     start = with_known(starting_law(law), known) if isinstance(law, type) else law

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import QUANTITIES, Measurement
+from stickslip.experiments.refusals import refuse_lack, refuse_unused
 from stickslip.experiments.units import turned
 from stickslip.identification.inference import Inference, bootstrap
 from stickslip.identification.optimise import Found, improve
@@ -22,7 +23,7 @@ from stickslip.identification.unknowns import Unknowns
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Build", "Prediction", "RecordFit", "Score"]
+__all__ = ["Build", "Prediction", "RecordFit", "Score", "check_horizon"]
 
 Array = NDArray[np.float64]
 
@@ -231,6 +232,12 @@ class RecordFit(Fit):
     ) -> tuple[RecordProblem, Linearised]:
         if measurement is None and horizon is None:
             return self.problem, self.found.best
+        if horizon is not None:
+            check_horizon(horizon)
+        if measurement is not None:
+            refuse_unused(measurement)
+            compared = self.problem.quantity if self.route == "shooting" else ""
+            refuse_lack(self.measurement, measurement, compared=compared)
         problem = self.build(self.measurement if measurement is None else measurement, horizon)
         return problem, settled(problem, self.values)
 
@@ -295,6 +302,22 @@ class RecordFit(Fit):
             "cancelled": found.cancelled,
             "cannot_tell": list(self.sentences),
         }
+
+
+def check_horizon(horizon: float) -> None:
+    """Refuse a length that no prediction has.
+
+    Raises
+    ------
+    ParameterError
+        If it is not above 0 s.
+
+    Examples
+    --------
+    >>> check_horizon(4.0)
+    """
+    if not 0.0 < horizon < math.inf:
+        raise ParameterError(f"horizon must be a finite time above 0 s, got {horizon!r}.")
 
 
 def settled(

@@ -1,6 +1,7 @@
 """Fits a law to records in time or to measured friction, by one of three routes."""
 
 import math
+import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, get_args
@@ -8,8 +9,9 @@ from typing import Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ConvergenceError, InputError, UnknownNameError
+from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
 from stickslip.experiments import Measurement
+from stickslip.experiments.refusals import refuse_unused, with_doubts
 from stickslip.friction import FrictionLaw
 from stickslip.identification.applied import driven
 from stickslip.identification.doubts import (
@@ -25,6 +27,7 @@ from stickslip.identification.force_units import in_forces
 from stickslip.identification.inertia import inertia_of
 from stickslip.identification.inference import infer
 from stickslip.identification.inverse_dynamics import friction_record
+from stickslip.identification.loads import loaded, with_usual_load
 from stickslip.identification.map_problem import ForceMap
 from stickslip.identification.map_records import stretches_of
 from stickslip.identification.optimise import Found, Watch, search
@@ -37,11 +40,17 @@ from stickslip.identification.record_starts import (
     scales_of,
 )
 from stickslip.identification.results import Estimate
-from stickslip.identification.segmenting import RESOLUTION, Hold, measured_quantity, segments_of
+from stickslip.identification.segmenting import (
+    LEAST,
+    RESOLUTION,
+    Hold,
+    measured_quantity,
+    segments_of,
+)
 from stickslip.identification.shooting import Shooting
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import vary
+from stickslip.quantities import Quantity, vary
 
 __all__ = ["ROUTES", "RecordSettings", "fit_record", "route_of"]
 
@@ -66,7 +75,7 @@ class RecordSettings:
     segment: float = SEGMENT
     """Length of a segment [s] that is simulated."""
     resolution: int = RESOLUTION
-    """Rows of a segment at most."""
+    """Rows of a segment at most, 8 or more."""
     hold: Hold = "zero"
     """``"zero"`` if a force keeps its value until the next sample, ``"first"`` if it goes there.
 
@@ -78,7 +87,16 @@ class RecordSettings:
     """Of the jitter of further starts."""
 
     def __post_init__(self) -> None:
-        """Check the hold: a name that is not known would pass for ``"zero"``."""
+        """Check all: a hold that is not known would pass for ``"zero"``."""
+        Quantity("segment", "s", above=0).check("RecordSettings", "segment", self.segment)
+        for name, least in (("resolution", LEAST), ("starts", 1), ("seed", 0)):
+            value = getattr(self, name)
+            whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
+            if not (whole and value >= least):
+                raise ParameterError(
+                    f"RecordSettings.{name} must be a whole number of at least {least}, got"
+                    f" {value!r}."
+                )
         if self.hold not in get_args(Hold):
             raise UnknownNameError("hold in RecordSettings", self.hold, get_args(Hold))
 
@@ -107,6 +125,8 @@ class _Shot:
     law: FrictionLaw
     unknowns: Unknowns
     settings: RecordSettings
+    quantity: str
+    """What runs are compared with, in every record alike."""
 
     def __call__(self, record: Measurement, length: float | None) -> RecordProblem:
         return Shooting(
@@ -118,8 +138,9 @@ class _Shot:
                 length=self.settings.segment if length is None else length,
                 resolution=_rows(self.settings, length),
                 hold=self.settings.hold,
+                quantity=self.quantity,
             ),
-            quantity_=measured_quantity(record),
+            quantity_=self.quantity,
         )
 
 
@@ -208,6 +229,7 @@ def fit_record(
     """
     settings = RecordSettings() if settings is None else settings
     way = route_of(measurement, route)
+    refuse_unused(measurement)
     if way == "shooting":
         ready = _shooting(mechanism, law, measurement, unknown, free, known, settings)
     else:
@@ -265,20 +287,24 @@ def _shooting(
     known: Mapping[str, float] | None,
     settings: RecordSettings,
 ) -> _Set:
-    measured_quantity(measurement)
-    scales = scales_of(mechanism, measurement, unknown)
+    quantity = measured_quantity(measurement)
+    mechanism = with_usual_load(mechanism, measurement)
+    with with_doubts(measurement, mechanism):
+        scales = scales_of(mechanism, loaded(mechanism, measurement), unknown)
     start, items, further = law_unknowns(law, scales, free, known)
     unknowns = joined(start, [*items, *mechanism_unknowns(mechanism, start, unknown, scales)])
     if not len(unknowns):
         raise InputError("there is nothing to fit: name at least one parameter in `free`.")
-    _check_overrides(measurement, unknowns)
+    _check_overrides(loaded(mechanism, measurement), unknowns)
 
-    build = _Shot(mechanism, start, unknowns, settings)
+    build = _Shot(mechanism, start, unknowns, settings, quantity)
     tried = tuple(
         np.array([other.get(p, v) for p, v in zip(unknowns.paths, unknowns.start, strict=True)])
         for other in further
     )
-    return _Set(mechanism, start, build(measurement, None), build, tried)
+    with with_doubts(measurement, mechanism):
+        problem = build(measurement, None)
+    return _Set(mechanism, start, problem, build, tried)
 
 
 def _check_overrides(measurement: Measurement, unknowns: Unknowns) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
+from stickslip.identification.applied import driven
 from stickslip.identification.inverse_dynamics import (
     InverseDynamics,
     inverse_dynamics,
@@ -76,7 +77,7 @@ def scales_of(
         )
 
     both, apart = solved(directional=False), solved(directional=True)
-    _check_signs(both)
+    _check_signs(both, driven=driven(measurement))
     size = float(np.median(np.abs(both.friction)))
     positions = [np.ptp(positions_of(record)) for record in measurement.records()]
     ahead = float(np.mean(both.velocity > 0.0))
@@ -95,15 +96,21 @@ def scales_of(
     )
 
 
-def _check_signs(found: InverseDynamics) -> None:
+def _check_signs(found: InverseDynamics, *, driven: bool) -> None:
     """Refuse a force that acts against the motion it should cause."""
     mass = found["inertia"] if "inertia" in found.names else 1.0
-    if mass <= 0.0 or (found["level"] < 0.0 and found["viscous"] < 0.0):
-        said = ", ".join(f"{n} {v:.3g}" for n, v in zip(found.names, found.values, strict=True))
+    if mass > 0.0 and not (found["level"] < 0.0 and found["viscous"] < 0.0):
+        return
+    said = ", ".join(f"{n} {v:.3g}" for n, v in zip(found.names, found.values, strict=True))
+    if not driven:
         raise InputError(
-            "the force acts against the motion that it should cause: linear regression gives"
-            f" {said}. Is its sign right (gain -1), and is each column what it is taken for?"
+            "nothing drives this motion, and friction alone cannot make it: linear regression gives"
+            f" {said}. Give the force, if there was one; only a free decay needs none."
         )
+    raise InputError(
+        "the force acts against the motion that it should cause: linear regression gives"
+        f" {said}. Is its sign right (gain -1), and is each column what it is taken for?"
+    )
 
 
 def load_of(mechanism: Mechanism) -> float:

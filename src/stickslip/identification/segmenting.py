@@ -8,14 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.drives import Drive, Sampled, StraightPieces
-from stickslip.errors import InputError
+from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement
 from stickslip.identification.applied import applied_force
+from stickslip.identification.loads import loaded
 from stickslip.identification.shooting import Segment
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["RESOLUTION", "Hold", "measured_quantity", "segments_of", "with_drive"]
+__all__ = ["LEAST", "RESOLUTION", "Hold", "measured_quantity", "segments_of", "with_drive"]
 
 Array = NDArray[np.float64]
 
@@ -83,6 +84,7 @@ def segments_of(
     length: float,
     resolution: int = RESOLUTION,
     hold: Hold = "zero",
+    quantity: str | None = None,
 ) -> tuple[Segment, ...]:
     """Return segments of about the same length that cover all records.
 
@@ -100,10 +102,14 @@ def segments_of(
     hold : {"zero", "first"}
         Whether a force keeps its value until the next sample, as that of a controller, or goes
         straight to it, as one that a sensor measured. A reference is always joined.
+    quantity : str, optional
+        What is compared, which all records have; the position, or else the velocity, if not given.
     """
-    quantity = measured_quantity(measurement)
+    if not 0.0 < length < np.inf:
+        raise ParameterError(f"the length of segments must be above 0 s, got {length!r}.")
+    quantity = measured_quantity(measurement) if quantity is None else quantity
     found: list[Segment] = []
-    for index, record in enumerate(measurement.records()):
+    for index, record in enumerate(loaded(mechanism, measurement).records()):
         set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
         time = np.asarray(record.time)
         for first, last in _stretches(time, length):

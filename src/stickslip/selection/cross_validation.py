@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Measurement
 from stickslip.experiments.cutting import rows_of
+from stickslip.experiments.signals import interval_of
 from stickslip.identification.applied import driven
 from stickslip.identification.optimise import improve
 from stickslip.identification.problem import Part, Problem
 from stickslip.identification.record_fit import RecordFit, settled
+from stickslip.identification.segmenting import LEAST
 
 __all__ = ["FOLDS", "CrossValidation", "Plan", "cross_validate", "halves", "plan_of"]
 
@@ -76,12 +78,33 @@ def plan_of(fit: RecordFit, *, horizon: float, folds: int = FOLDS) -> Plan:
         return Plan(folds=min(folds, len(spans)), gap=0.0, horizon=horizon, length=0.0)
     length = float(np.sum(spans[:, 2] - spans[:, 1]))
     block = length / folds
+    if fit.route == "shooting":
+        _check_block(fit.measurement, block, length, folds)
     correlated = length / fit.inference.effective
     return Plan(
         folds=folds,
         gap=min(correlated, 0.25 * block),
         horizon=min(horizon, block),
         length=length,
+    )
+
+
+def _check_block(measurement: Measurement, block: float, length: float, folds: int) -> None:
+    """Refuse a record whose blocks have too few samples to be simulated.
+
+    Raises
+    ------
+    InputError
+        With the length of the record, which the user knows, as that of a block nobody gave.
+    """
+    times = [np.asarray(record.time) for record in measurement.records() if record.time is not None]
+    if not times or any(block / interval_of(time) >= LEAST for time in times):
+        return
+    count = sum(time.size for time in times)
+    raise InputError(
+        f"the record of {length:.3g} s, {count} samples, is too short to be judged on {folds}"
+        f" held-out blocks, which need {LEAST} samples each: record longer, or `fit` one law"
+        " without judging it."
     )
 
 

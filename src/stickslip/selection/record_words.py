@@ -89,7 +89,11 @@ def _outcome(c: RecordCandidate, best: RecordCandidate) -> str:
         if more > 0:
             return f"{more} more parameter{'s' if more > 1 else ''}, no gain beyond doubt"
         return "as good within doubt"
-    return "reference" if c.name == REFERENCE else f"{c.score / best.score:.1f} × the error"
+    if c.name == REFERENCE:
+        return "reference"
+    if best.score <= 0.0:  # numbers that a law made, without noise
+        return "errs where the chosen law does not"
+    return f"{c.score / best.score:.1f} × the error"
 
 
 def record_wording(

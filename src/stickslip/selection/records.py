@@ -11,9 +11,11 @@ import numpy as np
 
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Measurement, check
+from stickslip.experiments.refusals import refuse_lack, refuse_unused, with_doubts
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
 from stickslip.identification.inverse_dynamics import inverse_dynamics
+from stickslip.identification.record_fit import check_horizon
 from stickslip.identification.record_fitting import RecordSettings, fit_record
 from stickslip.identification.record_starts import load_of
 from stickslip.mechanisms import Mechanism
@@ -62,8 +64,7 @@ def select_records(
     executor: Executor | None = None,
 ) -> RecordVerdict:
     """Select a law for records in time or measured friction; arguments as in `select`."""
-    if purpose not in PURPOSES:
-        raise InputError(f"purpose must be one of {', '.join(PURPOSES)}, got {purpose!r}.")
+    aim = _aim(purpose, horizon)
     checks = checked(mechanism, measurement, validate)
     if purpose == "compensate" and route is None and "friction" not in measurement.quantities():
         route = "inverse-dynamics"
@@ -77,8 +78,8 @@ def select_records(
         settings=settings,
     )
     tried = fitted_side_by_side(fitted, chosen, watch, executor)
-    fits = _fits(tried)
-    aim = PURPOSES[purpose] if horizon is None else horizon
+    with with_doubts(measurement, mechanism, of=ConvergenceError):
+        fits = _fits(tried)
     plan = plan_of(min(fits, key=lambda fit: fit.rms), horizon=aim)
     work = partial(_judged, plan=plan, validate=validate)
     judged = _all_judged(work, tried, watch, executor)
@@ -89,6 +90,16 @@ def select_records(
         without = _judged(fitted(control()), plan, validate)
     found = _verdict(mechanism, measurement, judged, without, plan, purpose, checks)
     return replace(found, second=validate, settings=settings or RecordSettings())
+
+
+def _aim(purpose: str, horizon: float | None) -> float:
+    """Return how far predictions go [s]."""
+    if purpose not in PURPOSES:
+        raise InputError(f"purpose must be one of {', '.join(PURPOSES)}, got {purpose!r}.")
+    if horizon is None:
+        return PURPOSES[purpose]
+    check_horizon(horizon)
+    return horizon
 
 
 def _laws(
@@ -117,6 +128,8 @@ def checked(
 ) -> Checks:
     """Return what the record can tell; refuse one that cannot decide."""
     if validate is not None:
+        refuse_lack(measurement, validate, which="the second record")
+        refuse_unused(validate)
         checked(mechanism, validate, which="The second record")
     checks = check(measurement, mechanism=mechanism)
     if checks.worst == "error":

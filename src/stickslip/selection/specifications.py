@@ -1,5 +1,6 @@
 """Which laws a record is compared with."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
@@ -19,7 +20,7 @@ from stickslip.friction import (
 )
 from stickslip.friction import laws as known_laws
 
-__all__ = ["CONTROL", "REFERENCE", "Specification", "specifications"]
+__all__ = ["CONTROL", "REFERENCE", "Specification", "check_apart", "specifications"]
 
 REFERENCE = "coulomb-viscous"
 """What is always used: the row that others are compared with."""
@@ -65,7 +66,7 @@ def specifications(
     Raises
     ------
     InputError
-        If there is none, or a name is not known.
+        If there is none, a name is not known, or two have one name.
 
     Examples
     --------
@@ -82,7 +83,28 @@ def specifications(
         found = [_called(one) if isinstance(one, str) else _given(one.name, one) for one in laws]
     if not found:
         raise InputError("there is no friction law to try: give at least one in `laws`.")
+    check_apart([one.name for one in found])
     return tuple(found)
+
+
+def check_apart(names: Sequence[str]) -> None:
+    """Refuse candidates of one name, of which results would tell only one.
+
+    Raises
+    ------
+    InputError
+        With what to give instead.
+
+    Examples
+    --------
+    >>> check_apart(["coulomb", "viscous"])
+    """
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise InputError(
+            f"two of `laws` are called {twice[0]!r}: give a mapping with a name for each, such as"
+            f' {{"{twice[0]}-a": ..., "{twice[0]}-b": ...}}.'
+        )
 
 
 def _usual() -> tuple[Specification, ...]:

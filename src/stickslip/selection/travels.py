@@ -13,6 +13,7 @@ from stickslip.quantities import parameters
 from stickslip.selection.admissibility import mark_passed_over
 from stickslip.selection.scoring import simpler_within_doubt
 from stickslip.selection.separation import separations
+from stickslip.selection.specifications import check_apart
 from stickslip.selection.travel_candidates import Watch, try_law
 from stickslip.selection.verdict import Candidate, TravelVerdict
 from stickslip.selection.words import wording
@@ -104,6 +105,7 @@ def _named(
         return dict(laws)
     chosen = [LAWS[name] for name in PLAIN] if laws is None else list(laws)
     made = [starting_law(law) if isinstance(law, type) else law for law in chosen]
+    check_apart([law.name for law in made])
     return {law.name: law for law in made}
 
 

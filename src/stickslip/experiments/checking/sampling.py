@@ -6,11 +6,11 @@ from typing import Final
 import numpy as np
 
 from stickslip.experiments.checking.finding import Finding
-from stickslip.experiments.measurement import Array
+from stickslip.experiments.measurement import Array, Measurement
 from stickslip.experiments.signals import GAP, interval_of
 from stickslip.experiments.wording import count, number, percent, quantity
 
-__all__ = ["gaps", "length", "sampling"]
+__all__ = ["gaps", "length", "sampling", "usual"]
 
 FEWEST: Final = 10
 FEW: Final = 50
@@ -20,6 +20,8 @@ UNEVEN: Final = 0.2
 SEEN: Final = 1e-5
 """Deviation below which only the last digits of the times differ."""
 SHOWN: Final = 3
+SLOWEST, FASTEST = 5.0, 1e6
+"""Sampling frequencies [Hz] of forces and motions between which nobody wonders."""
 
 
 def length(time: Array) -> Iterator[Finding]:
@@ -104,3 +106,25 @@ def gaps(time: Array) -> Iterator[Finding]:
             ),
             numbers={"gaps": at.size, "duration": total},
         )
+
+
+def usual(record: Measurement) -> Iterator[Finding]:
+    """Ask for the unit of times at which no controller takes forces and positions.
+
+    Friction itself may be slow: rock is sampled once a second.
+    """
+    known = {*record.quantities()}
+    if record.time is None or "force" not in known or not known & {"position", "velocity"}:
+        return
+    dt = interval_of(record.time)
+    if known & {"friction", "spring_force", "pull"} or SLOWEST <= 1.0 / dt <= FASTEST:
+        return
+    yield Finding(
+        kind="units",
+        severity="warning",
+        sentence=(
+            f"Force and motion were sampled every {quantity(dt, 's')}, {quantity(1.0 / dt, 'Hz')}:"
+            " are times really in seconds?"
+        ),
+        numbers={"interval": dt},
+    )

@@ -9,11 +9,13 @@ from stickslip.experiments.checking.finding import Finding, Severity
 from stickslip.experiments.measurement import QUANTITIES, Array, Measurement
 from stickslip.experiments.wording import count, percent, quantities
 
-__all__ = ["coverage", "settings"]
+__all__ = ["alike", "coverage", "settings"]
 
 FEWEST: Final = 3
 FEW_SPEEDS: Final = 5
 ALIKE: Final = 1e-6
+ACTING: Final = ("force", "reference", "friction", "load", "spring_force", "pull")
+"""What acts on a body: where it is not given, a fit takes it that nothing does."""
 
 
 def coverage(record: Measurement) -> Iterator[Finding]:
@@ -98,6 +100,30 @@ def settings(records: Sequence[Measurement]) -> Iterator[Finding]:
         )
     for name in sorted({name for record in records for name in record.quantities()}):
         yield from _negative(name, records)
+
+
+def alike(records: Sequence[Measurement]) -> Iterator[Finding]:
+    """Say which trials in time lack what acts on the others."""
+    if any(record.time is None for record in records):
+        return
+    for name in ACTING:
+        bare = [i for i, one in enumerate(records) if name not in one.quantities()]
+        if not bare or len(bare) == len(records):
+            continue
+        has = next(i for i in range(len(records)) if i not in bare)
+        labels = [records[i].name or f"trial {i + 1}" for i in (has, bare[0])]
+        word = name.replace("_", " ")
+        cure = f"give each its {word}"
+        cure += ", which is 0 where nothing pushed" if name == "force" else ""
+        yield Finding(
+            kind="trials",
+            severity="error",
+            sentence=(
+                f"{word.capitalize()} was measured in {labels[0]!r} and not in {labels[1]!r}:"
+                f" {cure}, or fit them apart."
+            ),
+            numbers={"without": len(bare)},
+        )
 
 
 def _negative(name: str, records: Sequence[Measurement]) -> Iterator[Finding]:

@@ -1,0 +1,212 @@
+"""What fits refuse instead of returning numbers that mean nothing."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Axis,
+    Coulomb,
+    CoulombViscous,
+    Measurement,
+    RecordSettings,
+    Sampled,
+    SpringBlock,
+    Viscous,
+    fit,
+    select,
+    simulate,
+)
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+
+AXIS = Axis(inertia=5.0)
+QUICK = RecordSettings(starts=1)
+TIME = np.arange(2000) / 500
+TRUTH = CoulombViscous(kinetic_coefficient=10.0, viscous_coefficient=30.0)
+
+
+@pytest.fixture(scope="module")
+def parts():
+    force = 40 * np.sin(2 * np.pi * TIME) + 15 * np.sin(2.3 * TIME)
+    drive = Sampled(times=TIME.tolist(), values=force.tolist())
+    run = simulate(dataclasses.replace(AXIS, drive=drive), TRUTH, t_end=float(TIME[-1]))
+    noise = np.random.default_rng(1).normal(0, 1e-5, TIME.size)
+    return {"time": TIME, "position": run.at(TIME)["x"] + noise, "force": force}
+
+
+@pytest.fixture(scope="module")
+def found(parts):
+    return fit(AXIS, "coulomb-viscous", Measurement(**parts), settings=QUICK)
+
+
+def test_a_law_may_be_given_by_its_name(found):
+    # 10 um of noise on a stroke of half a metre: a tenth of a percent at most
+    assert found.law.kinetic_coefficient == pytest.approx(10.0, rel=1e-3)
+    with pytest.raises(UnknownNameError, match="coulomb-viscous"):
+        fit(AXIS, "coulomb-viscos", found.measurement)
+
+
+# --- what select refuses, fit refuses
+
+
+def wrong(parts):
+    noise = np.random.default_rng(2).normal(0, 1e-5, TIME.size)
+    speed = np.linspace(-1, 1, 200)
+    return {
+        "Position never changes": Measurement(**{**parts, "position": np.full(TIME.size, 0.1)}),
+        "its noise: no motion": Measurement(**{**parts, "position": noise}),
+        "use gain −1": Measurement(velocity=speed, friction=-3 * np.sign(speed) - speed),
+        "Is the force missing": Measurement(**{**parts, "force": None}),
+        "not mm": Measurement(**{**parts, "position": 1e3 * parts["position"]}),
+        "was measured in": Measurement(
+            trials=(Measurement(**parts), Measurement(**{**parts, "force": None}))
+        ),
+    }
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "Position never changes", "its noise: no motion", "use gain −1", "Is the force missing",
+        "not mm", "was measured in",
+    ],
+)  # fmt: skip
+def test_fit_and_select_refuse_the_same_records(parts, words):
+    record = wrong(parts)[words]
+    for verb in (
+        lambda: fit(AXIS, CoulombViscous, record),
+        lambda: select(AXIS, record, [Coulomb]),
+    ):
+        with pytest.raises(InputError, match=words):
+            verb()
+
+
+def test_a_motion_that_nothing_drives_is_not_blamed_on_the_sign_of_a_force():
+    # it only speeds up, as a constant force might make it: a check of its energy cannot tell
+    time = np.arange(60) / 100
+    record = Measurement(time=time, position=0.1 * (np.cosh(4 * time) - 1))
+    with pytest.raises(InputError, match=r"nothing drives this motion.*Give the force"):
+        fit(Axis(inertia=1.0), Viscous, record, settings=QUICK)
+
+
+def test_a_record_that_a_later_stage_refuses_brings_what_its_check_warns_of(parts):
+    cut = Measurement(**{**parts, "position": np.clip(parts["position"], -0.02, 0.05)})
+    with pytest.raises(InputError, match="acts against the motion") as caught:
+        fit(AXIS, CoulombViscous, cut, unknown=["inertia"], settings=QUICK)
+    assert "The check of the record warns: " in str(caught.value)
+    assert "the range of the sensor ends there" in str(caught.value)
+
+
+# --- settings without effect
+
+
+def test_initial_states_of_a_record_in_time_are_refused(parts):
+    record = Measurement(**parts, initial={"x": 5.0, "v": 100.0})
+    with pytest.raises(InputError, match=r"initial \(x, v\).* has no effect"):
+        fit(AXIS, CoulombViscous, record)
+    with pytest.raises(InputError, match="unknown state in initial"):
+        fit(AXIS, CoulombViscous, Measurement(**parts, initial={"zz": 5.0}))
+
+
+def test_an_uncertainty_of_a_record_is_refused(parts, found):
+    record = Measurement(**parts, uncertainty={"position": 10.0})
+    with pytest.raises(InputError, match=r"uncertainty \(position\).* has no effect"):
+        fit(AXIS, CoulombViscous, record)
+    with pytest.raises(InputError, match="has no effect"):
+        found.score(record)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"resolution": 0}, {"resolution": 1}, {"resolution": 20.5}, {"starts": 0}, {"seed": -3},
+        {"segment": 0.0}, {"segment": -1.0}, {"segment": math.nan}, {"starts": True},
+    ],
+)  # fmt: skip
+def test_settings_that_mean_nothing_are_refused(changes):
+    (name,) = changes
+    with pytest.raises(ParameterError, match=rf"RecordSettings\.{name}"):
+        RecordSettings(**changes)
+
+
+@pytest.mark.parametrize("horizon", [math.nan, 0.0, -2.0, math.inf])
+def test_a_horizon_that_is_no_length_of_time_is_refused(found, horizon):
+    with pytest.raises(ParameterError, match="horizon must be a finite time above 0 s"):
+        found.score(horizon=horizon)
+    with pytest.raises(ParameterError, match="horizon must be a finite time above 0 s"):
+        select(AXIS, found.measurement, [Coulomb], horizon=horizon)
+
+
+# --- a second record
+
+
+def test_a_second_record_must_have_what_the_first_has(parts, found):
+    bare = Measurement(**{**parts, "force": None})
+    with pytest.raises(InputError, match=r"has no force \(u\) \[N\]"):
+        found.score(bare)
+    with pytest.raises(InputError, match=r"the second record has no force"):
+        select(AXIS, found.measurement, [Coulomb], validate=bare)
+    speed = np.gradient(parts["position"], TIME)
+    with pytest.raises(InputError, match=r"has no position \(x\) \[m\]"):
+        found.score(Measurement(time=TIME, velocity=speed, force=parts["force"]))
+
+
+def test_a_fit_to_velocities_is_scored_in_velocities(parts):
+    speed = np.gradient(parts["position"], TIME)
+    own = fit(
+        AXIS,
+        CoulombViscous,
+        Measurement(time=TIME, velocity=speed, force=parts["force"]),
+        settings=QUICK,
+    )
+    assert own.score(Measurement(**parts, velocity=speed)).unit == "m/s"
+
+
+# --- loads
+
+
+def test_a_measured_load_takes_the_place_of_the_mechanism_s(parts, found):
+    loaded = fit(AXIS, CoulombViscous, Measurement(**parts, load=5.0), settings=QUICK)
+    assert loaded.mechanism.load == 5.0
+    # levels are per unit load: the same friction force is a fifth of the coefficient
+    level = found.law.kinetic_coefficient
+    assert loaded.law.kinetic_coefficient == pytest.approx(level / 5.0, rel=1e-4)
+    even = Measurement(**parts, load=np.full(TIME.size, 6.0), offset={"load": 1.0})
+    assert loaded.score(even).rms == pytest.approx(loaded.rms, rel=1e-3)
+
+
+def test_trials_have_each_their_own_load():
+    trials, axis = [], Axis(inertia=5.0)
+    force = 40 * np.sin(2 * np.pi * TIME)
+    drive = Sampled(times=TIME.tolist(), values=force.tolist())
+    law = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=10.0)
+    for load in (2.0, 6.0):
+        rig = dataclasses.replace(axis, drive=drive, load=load)
+        run = simulate(rig, law, t_end=float(TIME[-1]))
+        x = run.at(TIME)["x"]
+        trials.append(Measurement(time=TIME, position=x, force=force, load=load))
+    found = fit(axis, CoulombViscous, Measurement(trials=tuple(trials)), settings=QUICK)
+    # without noise; rows are 10 ms apart and the force is condensed to as many lines
+    assert found.law.kinetic_coefficient == pytest.approx(2.0, rel=1e-3)
+    assert found.mechanism.load == 4.0
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "load", "message"),
+    [
+        (AXIS, np.linspace(5.0, 6.0, TIME.size), "changes from 5 N to 6 N.*inverse-dynamics"),
+        (AXIS, -5.0, "must be above 0 N"),
+        (SpringBlock(mass=5.0), 5.0, "SpringBlock follows from its own parameters"),
+    ],
+)
+def test_a_load_that_simulated_segments_cannot_take_is_refused(parts, mechanism, load, message):
+    with pytest.raises(InputError, match=message):
+        fit(mechanism, CoulombViscous, Measurement(**parts, load=load))
+
+
+def test_a_load_that_is_given_twice_is_refused(parts):
+    record = Measurement(**parts, load=5.0, overrides={"mechanism.load": 6.0})
+    with pytest.raises(InputError, match="given twice"):
+        fit(AXIS, CoulombViscous, record)
