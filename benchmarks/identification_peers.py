@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from stickslip import Axis, CoulombViscous
 from stickslip.catalogue import dataset
 from stickslip.errors import InputError
-from stickslip.identification.record_fitting import RecordSettings, fit_record
+from stickslip.identification.record_fitting import fit_record
+from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.record_starts import Scales, scales_of
 from stickslip.identification.segmenting import segments_of
 from stickslip.identification.shooting import Segment

@@ -1,7 +1,8 @@
 """Random rigs with known friction: do intervals cover the truth, and does selection pick well?
 
 ``python -m benchmarks.synthetic_truth --rigs 200 --seed 1 --jobs 2``; results are appended to a
-file line by line, and a run that was killed goes on where it was.
+file line by line, and a run that was killed goes on where it was. ``--route inverse-dynamics`` asks
+the same of friction that is derived from filtered motion and force.
 """
 
 import argparse
@@ -19,7 +20,7 @@ from benchmarks.rigs import FREE, TRUTHS, Rig, draw, record
 from stickslip import Axis, Measurement, fit, select
 from stickslip.errors import StickslipError
 from stickslip.identification import RecordFit
-from stickslip.identification.record_fitting import RecordSettings
+from stickslip.identification.record_settings import RecordSettings
 from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
 
 CANDIDATES = (
@@ -32,6 +33,7 @@ FAST = CANDIDATES[:6]
 ALWAYS = "coulomb-viscous"
 HORIZON = 4.0
 """Length [s] of the runs that are predicted on a fresh record."""
+ROUTES = ("shooting", "inverse-dynamics")
 KINDS = ("jackknife", "bootstrap", "naive")
 COVERAGE = (0.90, 0.99)
 """Targets for nominal 95 %."""
@@ -65,7 +67,9 @@ def coverage(found: RecordFit, rig: Rig) -> list[dict[str, Any]]:
     return rows
 
 
-def fitted(rig: Rig, measurement: Measurement, *, starts: int = 4) -> RecordFit:
+def fitted(
+    rig: Rig, measurement: Measurement, *, starts: int = 4, route: str = ROUTES[0]
+) -> RecordFit:
     """Return a fit of the true law, the inertia looked for too."""
     found = fit(
         Axis(inertia=1.0),
@@ -73,6 +77,7 @@ def fitted(rig: Rig, measurement: Measurement, *, starts: int = 4) -> RecordFit:
         measurement,
         unknown=("inertia",),
         free=FREE.get(rig.law.name),
+        route=route,
         settings=RecordSettings(starts=starts),
     )
     assert isinstance(found, RecordFit)
@@ -85,6 +90,7 @@ def regrets(
     *,
     candidates: Sequence[str] = CANDIDATES,
     starts: int = 2,
+    route: str = ROUTES[0],
 ) -> dict[str, Any]:
     """Return what was picked, and the errors of all candidates on a fresh record."""
     verdict = select(
@@ -92,6 +98,7 @@ def regrets(
         measurement,
         candidates,
         unknown=("inertia",),
+        route=route,
         settings=RecordSettings(starts=starts),
     )
     assert isinstance(verdict, RecordVerdict)
@@ -116,53 +123,65 @@ def _error(candidate: RecordCandidate, fresh: Measurement) -> float:
     return candidate.fit.score(fresh, horizon=HORIZON).rms
 
 
-def judge(seed: int, number: int, *, candidates: Sequence[str] = CANDIDATES) -> dict[str, Any]:
+def judge(
+    seed: int, number: int, *, candidates: Sequence[str] = CANDIDATES, route: str = ROUTES[0]
+) -> dict[str, Any]:
     """Return what fits, and selection if there are candidates, make of one random rig."""
     random = np.random.default_rng([seed, number])
     truth = list(TRUTHS)[number % len(TRUTHS)]
     began = time.perf_counter()
-    row: dict[str, Any] = {"seed": seed, "rig": number, "truth": truth}
+    row: dict[str, Any] = {"seed": seed, "rig": number, "truth": truth, "route": route}
     try:
         rig = draw(random, truth)
         measurement, _ = record(rig, random)
         fresh, _ = record(rig, random)
-        found = fitted(rig, measurement)
+        found = fitted(rig, measurement, route=route)
         row |= {
             "correlation_time": rig.correlation_time,
-            "over_noise": found.rms / rig.noise,
+            "over_noise": found.rms / rig.noise if route == ROUTES[0] else None,
             "effective": found.inference.effective,
             "rows": len(found.residual),
             "intervals": coverage(found, rig),
         }
         if candidates:
-            row |= regrets(measurement, fresh, candidates=candidates)
+            row |= regrets(measurement, fresh, candidates=candidates, route=route)
     except StickslipError as error:
         row["failed"] = str(error)
     return row | {"seconds": time.perf_counter() - began}
 
 
-def judged(path: Path, seed: int) -> list[dict[str, Any]]:
-    """Return the results in a file; a last line that was cut off does not count."""
+def judged(path: Path, seed: int, route: str = ROUTES[0]) -> list[dict[str, Any]]:
+    """Return the results of a route in a file; a last line that was cut off does not count."""
     rows = []
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
         try:
             row = json.loads(line)
         except json.JSONDecodeError:
             continue
-        if row["seed"] == seed:
+        if row["seed"] == seed and row.get("route", ROUTES[0]) == route:
             rows.append(row)
     return rows
 
 
-def run(path: Path, *, rigs: int, seed: int, jobs: int, candidates: Sequence[str]) -> Iterator[str]:
+def run(
+    path: Path,
+    *,
+    rigs: int,
+    seed: int,
+    jobs: int,
+    candidates: Sequence[str],
+    route: str = ROUTES[0],
+) -> Iterator[str]:
     """Judge the rigs that a file does not hold yet, and append them; yield progress."""
-    done = {row["rig"] for row in judged(path, seed)}
+    done = {row["rig"] for row in judged(path, seed, route)}
     left = [number for number in range(rigs) if number not in done]
     cut = path.exists() and not path.read_bytes().endswith(b"\n")
     with path.open("a", encoding="utf-8") as file, ProcessPoolExecutor(jobs) as pool:
         if cut and path.stat().st_size:
             file.write("\n")
-        tasks = [pool.submit(judge, seed, number, candidates=candidates) for number in left]
+        tasks = [
+            pool.submit(judge, seed, number, candidates=candidates, route=route) for number in left
+        ]
         for count, task in enumerate(as_completed(tasks), start=len(done) + 1):
             row = task.result()
             file.write(json.dumps(row) + "\n")
@@ -238,13 +257,19 @@ def main() -> None:
         default="all",
         help="laws that selection compares; none: fits of the true law only",
     )
+    parser.add_argument("--route", choices=ROUTES, default=ROUTES[0], help="how records are fitted")
     given = parser.parse_args()
     candidates = {"all": CANDIDATES, "fast": FAST, "none": ()}[given.candidates]
     for line in run(
-        given.results, rigs=given.rigs, seed=given.seed, jobs=given.jobs, candidates=candidates
+        given.results,
+        rigs=given.rigs,
+        seed=given.seed,
+        jobs=given.jobs,
+        candidates=candidates,
+        route=given.route,
     ):
         print(line, flush=True)
-    print("\n".join(summary(judged(given.results, given.seed))))
+    print("\n".join(summary(judged(given.results, given.seed, given.route))))
 
 
 if __name__ == "__main__":

@@ -5,7 +5,8 @@ import pytest
 
 from stickslip import Axis, CoulombViscous, DirectionDependent, Stribeck, load_measurement, select
 from stickslip.identification.inverse_dynamics import inverse_dynamics
-from stickslip.identification.record_fitting import RecordSettings, fit_record
+from stickslip.identification.record_fitting import fit_record
+from stickslip.identification.record_settings import RecordSettings
 
 AXIS = Axis(inertia=95.0)
 ONE = RecordSettings(starts=1)
@@ -48,6 +49,18 @@ def test_robust_regression_hardly_differs_on_a_record_without_outliers(emps):
     plain, robust = filtered(emps), filtered(emps, robust=True)
     # Huber's loss is 95 % as efficient: estimates differ by a few of their naive deviations
     assert np.all(np.abs(robust.values - plain.values) < 8.0 * plain.deviations)
+
+
+def test_both_routes_agree_on_the_mass_that_was_published(emps):
+    by_motion, by_force = (
+        fit_record(
+            AXIS, DirectionDependent, emps, unknown=("inertia",), settings=ONE, route=route
+        ).estimate("inertia")
+        for route in ("shooting", "inverse-dynamics")
+    )
+    assert max(by_motion.low, by_force.low) < min(by_motion.high, by_force.high)
+    # least squares on filtered forces say 95.15 kg, with all that forces wriggle above the motion
+    assert by_force.value == pytest.approx(95.154, rel=0.02)
 
 
 @pytest.mark.parametrize(("law", "bar"), [(CoulombViscous, 0.47e-3), (DirectionDependent, 0.14e-3)])

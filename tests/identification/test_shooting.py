@@ -9,7 +9,8 @@ import pytest
 from stickslip import Axis, CoulombViscous, Dahl, Measurement, Sampled, fit, simulate
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.identification.optimise import improve
-from stickslip.identification.record_fitting import RecordSettings, fit_record
+from stickslip.identification.record_fitting import fit_record
+from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.record_starts import (
     joined,
     law_unknowns,

@@ -10,7 +10,7 @@ from stickslip.identification.rate_state import RateState, SliderHistory, simula
 from stickslip.identification.rate_state_fit import fit_rate_state
 from stickslip.identification.rate_state_result import RateStateFit
 from stickslip.identification.record_fit import Prediction, RecordFit, Score
-from stickslip.identification.record_fitting import RecordSettings
+from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.results import Estimate, Fit, TravelFit
 from stickslip.identification.starts import starting_law
 

@@ -11,7 +11,8 @@ from stickslip.identification.exact import fit_one
 from stickslip.identification.feature_fit import fit_features
 from stickslip.identification.features import by_features
 from stickslip.identification.least_squares import fit_several
-from stickslip.identification.record_fitting import RecordSettings, fit_record
+from stickslip.identification.record_fitting import fit_record
+from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.results import Fit, TravelFit
 from stickslip.identification.starts import check_known, starting_law, with_known
 from stickslip.identification.travel import TravelModel, Trial, trials_of

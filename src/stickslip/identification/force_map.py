@@ -11,14 +11,14 @@ from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw
 from stickslip.identification.map_problem import ForceMap
-from stickslip.identification.map_records import stretches_of
+from stickslip.identification.map_records import Stretch, stretches_of
 from stickslip.identification.map_starts import Rough, looked_for
 from stickslip.identification.optimise import improve
 from stickslip.identification.unknowns import Unknown, Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["ForceMap", "force_map"]
+__all__ = ["ForceMap", "force_map", "map_along"]
 
 Array = NDArray[np.float64]
 
@@ -99,13 +99,33 @@ def force_map(
     >>> round(float(found.best.values[0]), 2)
     0.5
     """
+    stretches = stretches_of(mechanism, measurement, segment=segment, samples=samples)
+    few = stretches_of(mechanism, measurement, samples=min(FEW, samples))
+    return map_along(law, mechanism, stretches, few, held=held, known=known)
+
+
+def map_along(
+    law: FrictionLaw | type[FrictionLaw],
+    mechanism: Mechanism,
+    stretches: Sequence[Stretch],
+    few: Sequence[Stretch],
+    *,
+    held: Collection[str] = (),
+    known: Mapping[str, float] | None = None,
+) -> ForceMap:
+    """Return the problem as `force_map` does, along stretches; of fewer samples for start values.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to look for, or the law is none that can be mapped.
+    """
     kind = law if isinstance(law, type) else type(law)
     if not issubclass(kind, SetValuedLaw | DirectionalLaw | BristleLaw):
         raise InputError(
             f"a force map needs a law that is set-valued, directional or of bristles;"
             f" {kind.__name__} is none of them."
         )
-    stretches = stretches_of(mechanism, measurement, segment=segment, samples=samples)
     own = getattr(mechanism, "offset", None)
     constant = SENSOR if own is None else MECHANISM
     told = Rough.of(stretches, offset=None)
@@ -117,18 +137,18 @@ def force_map(
     rough = told if free else Rough.of(stretches, offset=own or 0.0)
     start = _without(rough.law(kind), held, known) if isinstance(law, type) else law
     paths = looked_for(start, whole=isinstance(law, type), held=held)
-    problem = ForceMap(
-        law=start,
-        unknowns_=rough.unknowns(start, paths, constant if free else None),
-        stretches=stretches,
-        constant=constant,
-        offset=own or 0.0,
+    problem = _seen(
+        ForceMap(
+            law=start,
+            unknowns_=rough.unknowns(start, paths, constant if free else None),
+            stretches=tuple(stretches),
+            constant=constant,
+            offset=own or 0.0,
+        )
     )
-    problem = _seen(problem)
     if not isinstance(law, type):
         return problem
-    few = stretches_of(mechanism, measurement, samples=min(FEW, samples))
-    return _from_grid(problem, replace(problem, stretches=few))
+    return _from_grid(problem, replace(problem, stretches=tuple(few)))
 
 
 def _without(
@@ -193,7 +213,7 @@ def _scaled(coarse: ForceMap, values: Array) -> tuple[Array, float]:
     offset = next((v for v, i in zip(values, items, strict=True) if i.path == coarse.constant), 0.0)
     if not np.all(np.isfinite(predicted)):
         return values, np.inf
-    velocity = np.concatenate([one.path.velocity for one in coarse.stretches])
+    velocity = np.concatenate([one.path.velocity[one.rows_of(None)] for one in coarse.stretches])
     table = np.column_stack([predicted - offset, np.ones(len(predicted)), velocity])
     found = np.linalg.lstsq(table, coarse.measured, rcond=None)[0]
     factor = float(np.clip(found[0], 0.1, 10.0))

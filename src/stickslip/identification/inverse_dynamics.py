@@ -17,8 +17,9 @@ from stickslip.quantities import vary
 
 __all__ = [
     "InverseDynamics",
-    "friction_record",
+    "check_even",
     "inverse_dynamics",
+    "known_forces",
     "mass_of",
     "positions_of",
 ]
@@ -41,8 +42,6 @@ MARGIN = 49
 """Samples dropped at the start, where filters and differences begin."""
 UNEVEN = 3.0
 """Longest step of time over the mean one with which filters still mean what they say."""
-SLOW = 0.1
-"""Share of the largest speed below which inverse dynamics says little of friction."""
 LEAST = 30
 """Samples a record must have."""
 ROUNDS = 20
@@ -190,7 +189,7 @@ def _columns(
 ) -> dict[str, Array]:
     """Return the columns of the regression for one record, by name."""
     time, x, v, a, applied = _signals(mechanism, record, cutoff)
-    mass, forces = _known_forces(mechanism, x, v, applied)
+    mass, forces = known_forces(mechanism, x, v, applied)
     columns = {"forces": forces, "inertia": a, "velocity": v}
     for name, column in (("viscous", v), ("level", np.sign(v))):
         if directional:
@@ -211,13 +210,7 @@ def _signals(mechanism: Mechanism, record: Measurement, cutoff: float | None) ->
     from scipy import signal
 
     assert isinstance(record.time, np.ndarray)
-    dt = float(np.ptp(record.time)) / (len(record.time) - 1)
-    longest = float(np.diff(record.time).max())
-    if longest > UNEVEN * dt:
-        raise InputError(
-            "inverse dynamics, which start values come from, needs even times: the mean step is"
-            f" {dt:.3g} s and the longest {longest:.3g} s. Resample the record."
-        )
+    dt = check_even(record.time)
     x = positions_of(record)
     share = _share(x, 1.0 / POSITION_SHARE) if cutoff is None else min(2.0 * cutoff * dt, 0.99)
     smooth = _both_ways(signal.butter(BUTTERWORTH, share), x)
@@ -227,6 +220,24 @@ def _signals(mechanism: Mechanism, record: Measurement, cutoff: float | None) ->
     found = (record.time, smooth, v, np.gradient(v, dt), force)
     dropped = min(MARGIN, len(x) // 20)
     return tuple(column[dropped:] for column in found)
+
+
+def check_even(time: Array) -> float:
+    """Return the mean step of times (n,) [s].
+
+    Raises
+    ------
+    InputError
+        If some step is so long that filters would not mean what they say.
+    """
+    dt = float(np.ptp(time)) / (len(time) - 1)
+    longest = float(np.diff(time).max())
+    if longest > UNEVEN * dt:
+        raise InputError(
+            "inverse dynamics, which start values come from, needs even times: the mean step is"
+            f" {dt:.3g} s and the longest {longest:.3g} s. Resample the record."
+        )
+    return dt
 
 
 def positions_of(record: Measurement) -> Array:
@@ -275,8 +286,14 @@ def _both_ways(coefficients: tuple[Array, Array], column: Array) -> Array:
     return smooth
 
 
-def _known_forces(mechanism: Mechanism, x: Array, v: Array, applied: Array) -> tuple[float, Array]:
-    """Return the mass, and the forces on it but for friction and a constant."""
+def known_forces(mechanism: Mechanism, x: Array, v: Array, applied: Array) -> tuple[float, Array]:
+    """Return the mass [kg], and the forces (n,) [N] on it but for friction and a constant.
+
+    Raises
+    ------
+    InputError
+        If the mechanism has several coordinates.
+    """
     if len(mechanism.coordinates) != 1:
         raise InputError(
             f"inverse dynamics needs a mechanism of one coordinate, and"
@@ -333,28 +350,3 @@ def _deviations(table: Array, residual: Array, weights: Array) -> Array:
     inverse = np.linalg.pinv((root * table).T @ (root * table), hermitian=True)
     deviations: Array = np.sqrt(variance * np.diag(inverse))
     return deviations
-
-
-def friction_record(mechanism: Mechanism, measurement: Measurement) -> Measurement:
-    """Return records of friction, and a constant force with it, from records of motion and force.
-
-    Their velocities and forces are filtered alike. Rows slower than a tenth of the record's speed
-    are left out: the filter mixes both directions there, and at rest friction is what holds.
-    """
-    trials = []
-    for record in measurement.records():
-        found = inverse_dynamics(mechanism, record, unknown=())
-        speed = np.abs(found.velocity)
-        moving = speed > SLOW * float(np.percentile(speed, 98.0))
-        trials.append(
-            Measurement(
-                time=found.time[moving],
-                velocity=found.velocity[moving],
-                friction=found.friction[moving],
-                overrides=record.overrides,
-                load=record.load if isinstance(record.load, float) else None,
-                name=record.name,
-                provenance=record.provenance,
-            )
-        )
-    return trials[0] if len(trials) == 1 else Measurement(trials=tuple(trials))

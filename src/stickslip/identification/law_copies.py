@@ -79,7 +79,7 @@ class Copies:
         law : FrictionLaw
             Holds the parameters that are not looked for.
         unknowns : Unknowns
-            Parameters of the law, and at most one constant force.
+            Parameters of the law; others stand beside it, such as a constant force.
         values : array (p,)
             Their values.
         constant : str
@@ -93,7 +93,7 @@ class Copies:
             If a value is out of its range.
         """
         items = unknowns.items
-        own = [i for i, item in enumerate(items) if item.path != constant]
+        own = [i for i, item in enumerate(items) if item.path.startswith("friction.")]
         numbers = {items[i].path: float(values[i]) for i in own}
         base = vary(law, "friction", numbers)
         sizes = [_size(float(values[i]), items[i].start, items[i].high) for i in own]

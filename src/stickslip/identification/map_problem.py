@@ -58,6 +58,9 @@ class _Local:
 class ForceMap(RecordProblem):
     """Measured friction less that of a law along the measured motion, less a constant offset.
 
+    Friction that was derived from a force came through a filter, and so does what the law predicts.
+    The mass it was derived with may be one of the unknowns.
+
     A set-valued law is not defined at rest. It is given the sign of the measured velocity, else of
     one that parabolas through neighbouring positions have, and 0 where that is exactly 0: what such
     a law cannot say about samples at rest counts against it as it stands.
@@ -78,6 +81,10 @@ class ForceMap(RecordProblem):
     """Path of the constant force beside friction."""
     offset: float = 0.0
     """Its value [N] where it is not looked for."""
+    inertia: str = ""
+    """Path of the mass that is looked for, where friction was derived with one."""
+    mass: float = 0.0
+    """The mass [kg] it was derived with."""
 
     @property
     @override
@@ -94,7 +101,7 @@ class ForceMap(RecordProblem):
     def spans(self) -> Array:
         found = []
         for one in self.stretches:
-            for number in np.unique(one.segment):
+            for number in np.unique(one.segment[one.rows_of(None)]):
                 own = one.path.time[one.segment == number]
                 found.append([one.record, own[0], own[-1]])
         return np.array(found, dtype=float)
@@ -102,12 +109,12 @@ class ForceMap(RecordProblem):
     @property
     @override
     def times(self) -> Array:
-        return np.concatenate([one.path.time for one in self.stretches])
+        return np.concatenate([one.path.time[one.rows_of(None)] for one in self.stretches])
 
     @property
     @override
     def measured(self) -> Array:
-        return np.concatenate([one.friction for one in self.stretches])
+        return np.concatenate([one.friction[one.rows_of(None)] for one in self.stretches])
 
     def predicted(self, values: Array) -> Array:
         """Return friction and offset by the law (n,) [N], nothing projected out.
@@ -152,11 +159,12 @@ class ForceMap(RecordProblem):
                 own = Copies.of(
                     self.law, self.unknowns, values, constant=self.constant, slopes=slopes
                 )
+                mass = self._mass(values)
                 for k, mask in enumerate(masks):
                     if mask.any():
                         one = self.stretches[k]
-                        done[k] = self._local(one, mask, own, known.get(k), change)
-            except (ParameterError, FloatingPointError):
+                        done[k] = self._local(one, mask, own, mass, known.get(k), change)
+            except (ParameterError, ArithmeticError):
                 done = {}
         good = all(np.all(np.isfinite(one.residual)) for one in done.values())
         if not done or not good:
@@ -169,34 +177,66 @@ class ForceMap(RecordProblem):
             memory=done,
         )
 
+    def _mass(self, values: Array) -> float:
+        """Return the mass [kg]: looked for, or that friction was derived with."""
+        if not self.inertia:
+            return self.mass
+        return float(values[self.unknowns.paths.index(self.inertia)])
+
     def _local(
         self,
         one: Stretch,
         mask: NDArray[np.bool_],
         own: Copies,
+        mass: float,
         before: _Local | None,
         change: Array,
     ) -> _Local:
         """Return one stretch linearised, of the rows in a mask (n,)."""
         offset = self.offset if own.offset is None else own.offset
+        # a filter sees what comes later, too
+        last = len(mask) if one.passed else int(np.flatnonzero(mask)[-1]) + 1
+        one = one.until(last)
+        if one.weighed and self.inertia:
+            one = one.loaded(mass / self.mass)
+        states, nudge = np.zeros((0, last)), 1.0
         if isinstance(own.law, BristleLaw) and one.timed:
-            last = int(np.flatnonzero(mask)[-1]) + 1
-            force, states, nudge = _with_memory(own, one.until(last), offset, before, change)
+            force, states, nudge = _with_memory(own, one, offset, before, change)
         else:
-            last = len(mask)
-            force, states, nudge = _without_memory(own.law, one), np.zeros((0, last)), 1.0
-        force = np.broadcast_to(force, (last, own.count))
-        base, rows = force[:, :1], mask[:last]
+            force = _without_memory(own.law, one)
+        force, rows = one.seen(np.broadcast_to(force, (last, own.count))), mask[:last]
+        base = force[:, :1]
         local = (force[:, 1 + len(own.moved) :] - base)[:, : len(states)] / nudge
         basis, inverse = _inverted(local, rows)
+        residual, slopes = one.friction - offset - base[:, 0], own.slopes_of(force)
+        if self.inertia and one.acceleration is not None:
+            residual = residual - (mass - self.mass) * one.acceleration
+            slopes[:, self.unknowns.paths.index(self.inertia)] = one.acceleration + (
+                _by_weight(own, one, states) / mass if one.weighed else 0.0
+            )
         return _Local(
             start=states[:, 0] if len(states) else np.zeros(0),
             states=states,
-            residual=(one.friction[:last] - offset - base[:, 0])[rows],
-            slopes=own.slopes_of(force[rows]),
+            residual=residual[rows],
+            slopes=slopes[rows],
             basis=basis,
             inverse=inverse,
         )
+
+
+def _by_weight(own: Copies, one: Stretch, states: Array) -> Array:
+    """Return by how much friction (n,) [N] grows with the relative growth of the load."""
+    law: Any = own.base
+    v, n = one.path.velocity, one.path.load
+
+    def force(load: Array) -> Array:
+        if len(states):
+            return np.asarray(law.force(v, tuple(states), load))
+        found = law.steady(v, load) if isinstance(law, BristleLaw) else law.force(v, load)
+        return np.asarray(found)
+
+    # friction is affine in the load, so that any difference is exact
+    return one.seen(force(2.0 * n) - force(n) + 0.0 * v)
 
 
 def _without_memory(law: Any, one: Stretch) -> Array:

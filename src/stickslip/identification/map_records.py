@@ -13,7 +13,15 @@ from stickslip.identification.bristle_paths import Path
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["Stretch", "stretches_of"]
+__all__ = [
+    "SEGMENTS",
+    "Stretch",
+    "check_loads",
+    "load_along",
+    "smoothed",
+    "stretches_of",
+    "weighs",
+]
 
 Array = NDArray[np.float64]
 
@@ -25,6 +33,8 @@ WINDOW = 9
 """Samples whose parabola gives the velocity where only the position was measured."""
 SEGMENTS = 40
 """Segments of a record where no length is given."""
+BUTTERWORTH = 4
+"""Order of the filter that derived friction came through."""
 SHARES = 8
 """Segments of a table; its rows are dealt out to them in turn, so that each has all speeds."""
 
@@ -38,17 +48,31 @@ class Stretch:
     path: Path
     """The motion; the times of a table are its row numbers."""
     friction: Array
-    """Measured friction force (n,) [N]."""
+    """Friction force (n,) [N], measured or derived."""
     segment: NDArray[np.intp]
-    """Segment that each sample belongs to (n,)."""
+    """Segment that each sample belongs to (n,); below 0 if it is not compared."""
     timed: bool = True
     """Whether the samples are a motion in time; those of a table are not."""
+    acceleration: Array | None = None
+    """Accelerations (n,) [m/s^2] that derived friction came from, filtered as it is."""
+    passed: float = 0.0
+    """What the filter of derived friction passes, over half the sampling frequency; 0 if none."""
+    weighed: bool = False
+    """Whether the load is the weight of the mechanism's mass."""
 
     def rows_of(self, segments: Sequence[int] | None) -> NDArray[np.bool_]:
         """Return which samples (n,) are of some segments; all if none are given."""
         if segments is None:
-            return np.ones(len(self.segment), dtype=bool)
+            return self.segment >= 0
         return np.isin(self.segment, np.asarray(segments, dtype=np.intp))
+
+    def seen(self, force: Array) -> Array:
+        """Return forces (n,) or (n, copies) as the friction of the stretch shows them: filtered."""
+        return smoothed(force, self.passed) if self.passed else force
+
+    def loaded(self, factor: float) -> "Stretch":
+        """Return the same motion with a multiple of its load."""
+        return replace(self, path=replace(self.path, load=factor * self.path.load))
 
     def until(self, count: int) -> "Stretch":
         """Return the first samples."""
@@ -60,7 +84,11 @@ class Stretch:
             travel=self.path.travel[: count - 1],
         )
         return replace(
-            self, path=path, friction=self.friction[:count], segment=self.segment[:count]
+            self,
+            path=path,
+            friction=self.friction[:count],
+            segment=self.segment[:count],
+            acceleration=None if self.acceleration is None else self.acceleration[:count],
         )
 
 
@@ -102,16 +130,12 @@ def stretches_of(
         raise InputError(f"segment must be above 0 s, got {segment!r}.")
     if not samples >= LEAST:
         raise InputError(f"samples must be at least {LEAST}, got {samples!r}.")
-    loads = {"load" in record.quantities() for record in measurement.records()}
-    if len(loads) > 1:
-        raise InputError(
-            "load (N) was measured in some of the trials only: give Measurement.load [N] to each of"
-            " them, or to none of them to use that of the mechanism."
-        )
+    check_loads(measurement)
     found: list[Stretch] = []
     for number, record in enumerate(measurement.records()):
         _check(record)
-        load = _load(vary(mechanism, "mechanism", record.overrides), record)
+        set_up = vary(mechanism, "mechanism", record.overrides)
+        load = load_along(set_up, record, np.asarray(record.values("friction")).size)
         count = max((int(one.segment.max()) + 1 for one in found), default=0)
         if record.time is None:
             found.append(_table(number, record, load, count))
@@ -152,15 +176,37 @@ def _other_way(record: Measurement) -> str:
     )
 
 
-def _load(mechanism: Mechanism, record: Measurement) -> Array:
-    """Return the normal force at each sample (n,) [N]: measured, else the mechanism's."""
+def check_loads(measurement: Measurement) -> None:
+    """Refuse trials of which some only have a measured load."""
+    loads = {"load" in record.quantities() for record in measurement.records()}
+    if len(loads) > 1:
+        raise InputError(
+            "load (N) was measured in some of the trials only: give Measurement.load [N] to each of"
+            " them, or to none of them to use that of the mechanism."
+        )
+
+
+def weighs(mechanism: Mechanism, record: Measurement) -> bool:
+    """Whether the load of a record is the weight of a mechanism, and not measured or prescribed."""
+    return "load" not in record.quantities() and any(
+        contact.normal is not None for contact in mechanism.contacts()
+    )
+
+
+def load_along(mechanism: Mechanism, record: Measurement, count: int) -> Array:
+    """Return the normal force at each sample (n,) [N]: measured, else the mechanism's.
+
+    Raises
+    ------
+    InputError
+        If it is not above 0 N throughout.
+    """
     label = f"record {record.name!r}" if record.name else "the record"
-    shape = np.asarray(record.values("friction")).shape
     if "load" in record.quantities():
-        load = np.broadcast_to(np.asarray(record.values("load"), dtype=float), shape)
+        load = np.broadcast_to(np.asarray(record.values("load"), dtype=float), count)
         where = "Measurement.load (N)"
     else:
-        load = np.full(shape, _own_load(mechanism))
+        load = np.full(count, _own_load(mechanism))
         where = f"the load of {type(mechanism).__name__} (N)"
     if not np.all(load > 0.0):
         raise InputError(
@@ -257,6 +303,22 @@ def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[A
         steps = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(t)
         position = np.concatenate([[0.0], np.cumsum(steps)])
     return position, velocity
+
+
+def smoothed(columns: Array, passed: float) -> Array:
+    """Return columns (n,) or (n, m) filtered forward and backward, so that nothing is delayed.
+
+    Parameters
+    ----------
+    columns : array
+        Evenly sampled.
+    passed : float
+        What the filter passes, over half the sampling frequency.
+    """
+    from scipy import signal
+
+    sections = signal.butter(BUTTERWORTH, passed, output="sos")
+    return np.asarray(signal.sosfiltfilt(sections, columns, axis=0), dtype=float)
 
 
 def _velocity(time: Array, position: Array) -> Array:

@@ -69,13 +69,11 @@ class Rough:
     @classmethod
     def of(cls, stretches: Sequence[Stretch], *, offset: float | None = None) -> "Rough":
         """Return what some stretches say; the offset is looked for if it is not given."""
-        v, n, f = (
-            np.concatenate(columns)
-            for columns in zip(
-                *((one.path.velocity, one.path.load, one.friction) for one in stretches),
-                strict=True,
-            )
-        )
+        rows = [
+            np.stack([one.path.velocity, one.path.load, one.friction])[:, one.rows_of(None)]
+            for one in stretches
+        ]
+        v, n, f = np.concatenate(rows, axis=1)
         speed = float(np.percentile(np.abs(v), 99.0)) or 1.0
         ahead, back = v > MOVING * speed, v < -MOVING * speed
         moving = int(np.sum(ahead | back))
@@ -91,8 +89,8 @@ class Rough:
         }
         stiffness = _stiffness(stretches, own["force"])
         sides = []
-        for rows in (back, ahead, ahead | back):
-            enough = rows if np.sum(rows) >= 3 else np.ones(len(v), dtype=bool)
+        for side in (back, ahead, ahead | back):
+            enough = side if np.sum(side) >= 3 else np.ones(len(v), dtype=bool)
             level, viscous = _line(
                 np.abs(v[enough]), n[enough], np.abs(f - offset)[enough], FAST * speed
             )

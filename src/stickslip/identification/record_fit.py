@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.errors import InputError, ParameterError
+from stickslip.errors import ParameterError
 from stickslip.experiments import QUANTITIES, Measurement
 from stickslip.experiments.refusals import refuse_lack, refuse_unused
 from stickslip.experiments.units import turned
@@ -108,10 +108,7 @@ class Prediction:
 @final
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class RecordFit(Fit):
-    """A fit to records in time: estimates, residuals, and how each start ended.
-
-    Estimates stand in the order of the unknowns; a mass by inverse dynamics stands after them.
-    """
+    """A fit to records in time: estimates in the order of the unknowns, residuals, restarts."""
 
     route: str
     """How: ``"shooting"``, ``"force-map"`` or ``"inverse-dynamics"``."""
@@ -122,7 +119,7 @@ class RecordFit(Fit):
     build: Build = field(repr=False)
     """Makes the same problem of other records."""
     found: Found
-    """Least cost and restarts."""
+    """Least cost and restarts; of a free decay, those of the last and longest segments."""
     inference: Inference
     """Covariance, condition and effective sample size."""
     at_bounds: Mapping[str, str]
@@ -263,19 +260,8 @@ class RecordFit(Fit):
             Path or last name of an unknown.
         values : sequence of float
             Where it is held.
-
-        Raises
-        ------
-        InputError
-            If it was found before the search, as a mass by inverse dynamics is.
         """
-        path = self.estimate(name).path
-        if path not in self.unknowns.paths:
-            raise InputError(
-                f"{path} was found before the search, by inverse dynamics, and has no profile; the"
-                f" unknowns are {', '.join(self.unknowns.paths)}."
-            )
-        index = self.unknowns.paths.index(path)
+        index = self.unknowns.paths.index(self.estimate(name).path)
         costs = []
         for value in values:
             held = Held(self.problem, index, float(value))

@@ -12,7 +12,7 @@ from stickslip.experiments import Checks, Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
 from stickslip.identification.record_fit import Score
-from stickslip.identification.record_fitting import RecordSettings
+from stickslip.identification.record_settings import RecordSettings
 from stickslip.selection.cross_validation import CrossValidation, Plan
 from stickslip.selection.experiments import Experiment
 from stickslip.selection.verdict import Verdict, plain

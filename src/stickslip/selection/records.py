@@ -14,14 +14,13 @@ from stickslip.experiments import Checks, Measurement, check
 from stickslip.experiments.refusals import refuse_lack, refuse_unused, with_doubts
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
-from stickslip.identification.inverse_dynamics import inverse_dynamics
 from stickslip.identification.record_fit import check_horizon
-from stickslip.identification.record_fitting import RecordSettings, fit_record
-from stickslip.identification.record_starts import load_of
+from stickslip.identification.record_fitting import fit_record
+from stickslip.identification.record_settings import RecordSettings
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
-from stickslip.selection.experiments import Experiment, Predictor, design
+from stickslip.selection.next_measurements import experiments_after
 from stickslip.selection.record_admissibility import objection
 from stickslip.selection.record_verdict import Purpose, RecordCandidate, RecordVerdict, as_good
 from stickslip.selection.record_words import outcomes, record_wording
@@ -42,10 +41,6 @@ SPARE = ("viscous_coefficient",)
 """Fields that stand beside what makes a law that law; one that goes to 0 is left out."""
 PURPOSES = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
-RIVALS = 3
-"""Laws that proposed measurements tell the best from, at most."""
-LENGTH_DOUBT = 1e-4
-"""What a position [m] is taken to be known to where only velocity was compared."""
 LEFT_OUT = "the search was ended before its turn"
 
 
@@ -288,7 +283,7 @@ def _verdict(
     assert best.fit is not None
     what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(best, plan))
     pair = halves(best.fit)
-    experiments = _experiments(best, ordered, plan)
+    experiments = experiments_after(best, ordered, plan)
     return RecordVerdict(
         mechanism=mechanism,
         measurement=measurement,
@@ -345,57 +340,3 @@ def _scored(best: RecordCandidate, plan: Plan) -> str:
     if quantity == "friction":
         return f"friction on {blocks}"
     return f"{quantity} over {plan.horizon:.2g} s on {blocks}"
-
-
-def _experiments(
-    best: RecordCandidate, candidates: Sequence[RecordCandidate], plan: Plan
-) -> tuple[Experiment, ...]:
-    """Design measurements that tell the best from its rivals.
-
-    These are what is within a tenth of its error and has nothing against it; if there is no such
-    law, the next best that has nothing against it.
-    """
-    assert best.fit is not None
-    others = [c for c in candidates if c.fit and c.name != best.name and not c.dropped]
-    near = [c for c in others if c.score <= 1.1 * best.score]
-    rivals = (near or others[:1])[:RIVALS]
-    if not rivals or "position" not in best.fit.measurement.quantities():
-        return ()
-    try:
-        dynamics = inverse_dynamics(best.fit.mechanism, best.fit.measurement, unknown=())
-    except InputError:  # too short to be filtered
-        return ()
-    # Where friction was measured no force was, and dynamics know nothing of its doubt.
-    measured = best.fit.problem.quantity == "friction"
-    left = best.fit.rms if measured else float(np.std(dynamics.residual))
-    correlated = plan.length / best.fit.inference.effective
-    predictors = {c.name: _predictor(c.fit) for c in [best, *rivals] if c.fit}
-    return design(
-        predictors,
-        best=best.name,
-        speed=float(np.percentile(np.abs(dynamics.velocity), 98.0)),
-        force_doubt=lambda seconds: left * min(math.sqrt(correlated / seconds), 1.0),
-        length_doubt=best.fit.rms if best.fit.problem.quantity == "position" else LENGTH_DOUBT,
-        driven=best.fit.route != "force-map",
-    )
-
-
-def _predictor(fit: RecordFit) -> Predictor:
-    """Return a fit as what predicts measurements that have not been made."""
-    return Predictor(
-        law=fit.law,
-        mechanism=fit.mechanism,
-        load=_load(fit),
-        estimates=dict(zip(fit.unknowns.paths, fit.values.tolist(), strict=True)),
-        errors=fit.inference.errors,
-        correlation=fit.inference.correlation,
-    )
-
-
-def _load(fit: RecordFit) -> float:
-    """Return the normal force [N]: the usual one of those measured, else the mechanism's."""
-    records = fit.measurement.records()
-    if fit.route != "shooting" and all("load" in record.quantities() for record in records):
-        loads = [np.atleast_1d(np.asarray(record.values("load"))) for record in records]
-        return float(np.median(np.concatenate(loads)))
-    return load_of(fit.mechanism)

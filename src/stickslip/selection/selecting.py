@@ -8,7 +8,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification.features import by_features
-from stickslip.identification.record_fitting import RecordSettings
+from stickslip.identification.record_settings import RecordSettings
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.features import select_features
 from stickslip.selection.records import select_records

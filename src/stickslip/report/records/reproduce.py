@@ -6,7 +6,7 @@ from dataclasses import fields
 import stickslip
 from stickslip.errors import UnknownNameError
 from stickslip.friction import FrictionLaw
-from stickslip.identification.record_fitting import RecordSettings
+from stickslip.identification.record_settings import RecordSettings
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
 from stickslip.report.blocks import Block, Caption, Code, KeyValue, KeyValues, References

@@ -1,0 +1,202 @@
+"""The problems that records become, by route, and where their searches begin."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.experiments import Measurement
+from stickslip.experiments.refusals import with_doubts
+from stickslip.friction import FrictionLaw
+from stickslip.identification.force_balance import Balanced, balanced
+from stickslip.identification.force_map import FEW, force_map, map_along
+from stickslip.identification.inertia import inertia_of
+from stickslip.identification.inverse_dynamics import mass_of
+from stickslip.identification.loads import loaded, with_usual_load
+from stickslip.identification.map_problem import ForceMap
+from stickslip.identification.map_records import stretches_of
+from stickslip.identification.problem import RecordProblem
+from stickslip.identification.record_fit import Build
+from stickslip.identification.record_settings import RecordSettings
+from stickslip.identification.record_starts import (
+    joined,
+    law_unknowns,
+    mechanism_unknowns,
+    scales_of,
+)
+from stickslip.identification.segmenting import measured_quantity, segments_of
+from stickslip.identification.shooting import Shooting
+from stickslip.identification.unknowns import Unknowns
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary
+
+__all__ = ["Prepared", "Route", "Wanted", "prepared"]
+
+Array = NDArray[np.float64]
+Route: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wanted:
+    """What is to be fitted to what, as `fit_record` is asked."""
+
+    mechanism: Mechanism
+    law: FrictionLaw | type[FrictionLaw]
+    measurement: Measurement
+    unknown: Sequence[str]
+    free: Sequence[str] | None
+    known: Mapping[str, float] | None
+    settings: RecordSettings
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A problem and where its search begins."""
+
+    mechanism: Mechanism
+    start: FrictionLaw
+    problem: RecordProblem
+    build: Build
+    tried: tuple[Array, ...] = ()
+
+
+# What builds problems is no closure, so that fits can cross processes.
+
+
+@dataclass(frozen=True)
+class _Shot:
+    """Builds the shooting problem of a record."""
+
+    mechanism: Mechanism
+    law: FrictionLaw
+    unknowns: Unknowns
+    settings: RecordSettings
+    quantity: str
+    """What runs are compared with, in every record alike."""
+
+    def __call__(self, record: Measurement, length: float | None) -> RecordProblem:
+        return Shooting(
+            law=self.law,
+            unknowns_=self.unknowns,
+            segments=segments_of(
+                self.mechanism,
+                record,
+                length=self.settings.segment if length is None else length,
+                resolution=_rows(self.settings, length),
+                hold=self.settings.hold,
+                quantity=self.quantity,
+            ),
+            quantity_=self.quantity,
+        )
+
+
+@dataclass(frozen=True)
+class _Rubbed:
+    """Builds the problem of a record of friction."""
+
+    mechanism: Mechanism
+    problem: ForceMap
+
+    def __call__(self, record: Measurement, length: float | None) -> RecordProblem:
+        return replace(self.problem, stretches=stretches_of(self.mechanism, record, segment=length))
+
+
+def _rows(settings: RecordSettings, length: float | None) -> int:
+    """Return the rows of a segment, so that longer ones are resolved alike."""
+    if length is None:
+        return settings.resolution
+    return max(settings.resolution, math.ceil(settings.resolution * length / settings.segment))
+
+
+def prepared(route: Route, wanted: Wanted) -> Prepared:
+    """Return the problem of a route.
+
+    Raises
+    ------
+    InputError
+        If the record does not serve, or a name is not known.
+    """
+    if route == "shooting":
+        return _shooting(wanted)
+    return _mapped(wanted) if route == "force-map" else _derived(wanted)
+
+
+def _shooting(wanted: Wanted) -> Prepared:
+    measurement = wanted.measurement
+    quantity = measured_quantity(measurement)
+    mechanism = with_usual_load(wanted.mechanism, measurement)
+    with with_doubts(measurement, mechanism):
+        scales = scales_of(mechanism, loaded(mechanism, measurement), wanted.unknown)
+    start, items, further = law_unknowns(wanted.law, scales, wanted.free, wanted.known)
+    own = mechanism_unknowns(mechanism, start, wanted.unknown, scales)
+    unknowns = joined(start, [*items, *own])
+    if not len(unknowns):
+        raise InputError("there is nothing to fit: name at least one parameter in `free`.")
+    _refuse_overrides(loaded(mechanism, measurement), unknowns)
+
+    build = _Shot(mechanism, start, unknowns, wanted.settings, quantity)
+    tried = tuple(
+        np.array([other.get(p, v) for p, v in zip(unknowns.paths, unknowns.start, strict=True)])
+        for other in further
+    )
+    with with_doubts(measurement, mechanism):
+        problem = build(measurement, None)
+    return Prepared(mechanism, start, problem, build, tried)
+
+
+def _refuse_overrides(measurement: Measurement, unknowns: Unknowns) -> None:
+    """Refuse trials with values of their own for what is one unknown of all of them."""
+    for number, record in enumerate(measurement.records(), 1):
+        for path in record.overrides:
+            if path in unknowns.paths:
+                raise InputError(
+                    f"trial {record.name or number} overrides {path}, which is looked for as one"
+                    " number of all trials: leave the override out, or do not look for it."
+                )
+
+
+def _mapped(wanted: Wanted) -> Prepared:
+    """Return the problem of friction that was measured."""
+    if wanted.unknown:
+        raise InputError(
+            f"friction was measured, which tells nothing of {', '.join(wanted.unknown)}: leave out"
+            " what is unknown of the mechanism, or fit another record that has motion and force."
+        )
+    mechanism = wanted.mechanism
+    problem = force_map(
+        wanted.law, mechanism, wanted.measurement, held=_held(wanted), known=wanted.known
+    )
+    return Prepared(mechanism, problem.law, problem, _Rubbed(mechanism, problem))
+
+
+def _derived(wanted: Wanted) -> Prepared:
+    """Return the problem of friction that inverse dynamics finds, the mass looked for with it."""
+    mechanism, measurement, hold = wanted.mechanism, wanted.measurement, wanted.settings.hold
+    mass = inertia_of(mechanism, measurement, wanted.unknown)
+    if mass is not None:
+        mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})
+    problem = map_along(
+        wanted.law,
+        mechanism,
+        balanced(mechanism, measurement, hold=hold),
+        balanced(mechanism, measurement, hold=hold, samples=FEW, rough=True),
+        held=_held(wanted),
+        known=wanted.known,
+    )
+    if mass is not None:
+        unknowns = replace(problem.unknowns, items=(*problem.unknowns.items, mass))
+        problem = replace(problem, unknowns_=unknowns, inertia=mass.path, mass=mass_of(mechanism))
+        _refuse_overrides(measurement, unknowns)
+    return Prepared(mechanism, problem.law, problem, Balanced(mechanism, problem, hold))
+
+
+def _held(wanted: Wanted) -> list[str]:
+    """Return the names of the law's parameters that are not looked for."""
+    law, free = wanted.law, wanted.free
+    order = (law if isinstance(law, type) else type(law)).fit_order
+    looked_for = order if free is None else [name.rpartition(".")[2] for name in free]
+    return [name for name in order if name not in looked_for]
