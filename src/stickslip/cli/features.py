@@ -1,11 +1,8 @@
 """``stickslip select`` on the force of a spring that pulls a block: by features."""
 
 import math
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-
-import typer
 
 from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.measured import (
@@ -17,17 +14,14 @@ from stickslip.cli.measured import (
     show_warnings,
 )
 from stickslip.cli.output import (
+    command_line,
     document,
-    json_text,
-    note,
     plain,
-    print_json,
     show_table,
     stdout,
-    write_folder,
 )
 from stickslip.cli.progress import Searching
-from stickslip.cli.select_records import NO_LAW, laws_of
+from stickslip.cli.selected import deliver, laws_of
 from stickslip.cli.workers import workers
 from stickslip.experiments import Rig
 from stickslip.friction import FrictionLaw
@@ -57,21 +51,15 @@ def select_on_features(
     """Select, write what was found into a folder, print the verdict."""
     verdict = _selected(rig, found, asked, laws_of(rig, laws), jobs)
     content = document("select", {"rig": rig.title, "digest": found.digest, **verdict.to_dict()})
-    if as_json:
-        print_json(content)
-    else:
-        files = {"index.html": _page(verdict, rig, found), "verdict.json": json_text(content)}
-        if verdict.best and verdict.best.fit:
-            files["law.toml"] = verdict.best.fit.to_toml()
-        write_folder(output, files)
-        _show(verdict)
-        stdout().print(f"\nReport: {output / 'index.html'}", markup=False)
     ended = [c.name for c in verdict.candidates if c.fit and c.fit.cancelled]
-    if ended:
-        note(f"Ended early: {', '.join(ended)} may do better than this.")
-    if verdict.best is None or verdict.best.dropped:
-        note("No law is beyond objection; the verdict says why.")
-        raise typer.Exit(NO_LAW)
+    deliver(
+        verdict,
+        content,
+        None if as_json else output,
+        page=lambda: _page(verdict, rig, found),
+        show=lambda: _show(verdict),
+        ended=ended,
+    )
 
 
 def _selected(
@@ -104,14 +92,13 @@ def _selected(
 
 
 def _page(verdict: FeatureVerdict, rig: Rig, found: Measured) -> str:
-    note("Writing the report ...")
     return feature_page(
         verdict,
         title=rig.title or "Friction model selection",
         kicker=rig.subject,
         subject=Path(rig.path).name,
         digest=found.digest,
-        commands=[" ".join(["stickslip", *sys.argv[1:]])],
+        commands=[command_line()],
         versions=versions(),
     )
 

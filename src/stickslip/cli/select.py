@@ -23,6 +23,7 @@ from stickslip.cli.output import (
 )
 from stickslip.cli.progress import Watching
 from stickslip.cli.select_records import select_on_records
+from stickslip.cli.selected import NO_LAW
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig
 from stickslip.friction import FrictionLaw, law_type
@@ -34,7 +35,6 @@ from stickslip.selection import Candidate, TravelVerdict, select
 
 __all__ = ["run"]
 
-NO_LAW = 3
 CRITERIA_FAILED = 4
 
 

@@ -4,8 +4,6 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import typer
-
 from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.measured import (
     Asked,
@@ -18,15 +16,12 @@ from stickslip.cli.measured import (
 from stickslip.cli.output import (
     command_line,
     document,
-    json_text,
-    note,
     plain,
-    print_json,
     show_table,
     stdout,
-    write_folder,
 )
 from stickslip.cli.progress import Searching
+from stickslip.cli.selected import deliver, laws_of
 from stickslip.cli.workers import workers
 from stickslip.experiments import Rig
 from stickslip.experiments.digests import of_files
@@ -37,9 +32,7 @@ from stickslip.selection import RecordCandidate, RecordVerdict, select
 from stickslip.selection.record_words import error_text
 from stickslip.selection.specifications import specifications
 
-__all__ = ["NO_LAW", "laws_of", "select_on_records"]
-
-NO_LAW = 3
+__all__ = ["select_on_records"]
 
 
 def select_on_records(
@@ -55,30 +48,15 @@ def select_on_records(
     """Select, write what was found into a folder, print the verdict."""
     verdict = _selected(rig, found, asked, laws_of(rig, laws), jobs)
     content = document("select", {"rig": rig.title, "digest": found.digest, **verdict.to_dict()})
-    if as_json:
-        print_json(content)
-    else:
-        sources = of_files([*asked.data, *([asked.validate] if asked.validate else [])])
-        files = {**_page(verdict, rig, found.digest, sources), "verdict.json": json_text(content)}
-        if verdict.best and verdict.best.fit:
-            files["law.toml"] = verdict.best.fit.to_toml()
-        write_folder(output, files)
-        _show(verdict)
-        stdout().print(f"\nReport: {output / 'index.html'}", markup=False)
-    _say_what_was_ended(verdict)
-    if verdict.best is None or verdict.best.dropped:
-        note("No law is beyond objection; the verdict says why.")
-        raise typer.Exit(NO_LAW)
-
-
-def laws_of(
-    rig: Rig, names: str | None
-) -> Mapping[str, FrictionLaw] | Sequence[FrictionLaw | str] | None:
-    """Return the laws to try: those of the rig, or those asked for; None for the usual ones."""
-    if names is None:
-        return rig.laws or None
-    asked = dict.fromkeys(part.strip() for part in names.split(","))
-    return [rig.laws.get(name) or name for name in asked]
+    ended = [c.name for c in verdict.candidates if c.fit and c.fit.found.cancelled]
+    deliver(
+        verdict,
+        content,
+        None if as_json else output,
+        page=lambda: _page(verdict, rig, found.digest, asked),
+        show=lambda: _show(verdict),
+        ended=ended,
+    )
 
 
 def _selected(
@@ -112,22 +90,17 @@ def _selected(
     return verdict
 
 
-def _page(
-    verdict: RecordVerdict, rig: Rig, digest: str, files: Mapping[str, str]
-) -> dict[str, str | bytes]:
-    """Return the report as a page."""
-    note("Writing the report ...")
-    page = record_page(
+def _page(verdict: RecordVerdict, rig: Rig, digest: str, asked: Asked) -> str:
+    return record_page(
         verdict,
         title=rig.title or "Friction model selection",
         kicker=rig.subject,
         subject=Path(rig.path).name,
         digest=digest,
-        files=files,
+        files=of_files([*asked.data, *([asked.validate] if asked.validate else [])]),
         commands=[command_line()],
         versions=versions(),
     )
-    return {"index.html": page}
 
 
 def _show(verdict: RecordVerdict) -> None:
@@ -166,10 +139,3 @@ def _row(candidate: RecordCandidate, verdict: RecordVerdict, *, second: bool) ->
         told(seen.extrapolation if seen else None),
     ]
     return cells + ([told(candidate.second.rms if candidate.second else None)] if second else [])
-
-
-def _say_what_was_ended(verdict: RecordVerdict) -> None:
-    """Say which law was not fitted to the end, if the search was ended early."""
-    ended = [c.name for c in verdict.candidates if c.fit and c.fit.found.cancelled]
-    if ended:
-        note(f"Ended early: {', '.join(ended)} may do better than this.")

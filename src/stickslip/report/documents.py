@@ -1,13 +1,14 @@
 """The frame of a report: a page, its sections, and the opening with the verdict."""
 
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final, final
 
 from stickslip.errors import InputError
 from stickslip.report.blocks import Block, Fact, at_most_three
 
-__all__ = ["LawLine", "Opening", "Page", "Section"]
+__all__ = ["LawLine", "Opening", "Page", "Section", "selection_document"]
 
 _ID: Final = re.compile(r"[a-z][a-z0-9-]*")
 
@@ -176,3 +177,29 @@ class Page:
     def has_opening(self) -> bool:
         """Whether a verdict is the main heading of the page."""
         return any(isinstance(block, Opening) for part in self.sections for block in part.blocks)
+
+
+def selection_document(
+    sections: Sequence[Section | None], *, title: str, subject: str, versions: Mapping[str, str]
+) -> Page:
+    """Return the report of a selection from its sections; those without content are left out.
+
+    Examples
+    --------
+    >>> page = selection_document(
+    ...     [Section(id="data", nav="Data", heading="Ten points", blocks=()), None],
+    ...     title="Slider",
+    ...     subject="slider.toml",
+    ...     versions={"stickslip": "0.1.0"},
+    ... )
+    >>> page.title, len(page.sections)
+    ('Friction model selection: Slider', 1)
+    """
+    version = versions.get("stickslip", "")
+    return Page(
+        title=f"Friction model selection: {title}",
+        subject=subject or title,
+        sections=tuple(section for section in sections if section is not None),
+        footer=f"Written by {f'stickslip {version}'.strip()}. This file is complete: it loads"
+        " nothing and runs no script.",
+    )

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from stickslip.report.documents import Page, Section
+from stickslip.report.documents import Page, Section, selection_document
 from stickslip.report.features.closing import next_section, record_section, reproduce_section
 from stickslip.report.features.force import force_section
 from stickslip.report.features.opening import opening_section
@@ -74,14 +74,7 @@ def feature_document(
         *extra,
         reproduce_section(verdict, commands, versions, digest),
     ]
-    version = versions.get("stickslip", "")
-    return Page(
-        title=f"Friction model selection: {title}",
-        subject=subject or title,
-        sections=tuple(section for section in sections if section is not None),
-        footer=f"Written by {f'stickslip {version}'.strip()}. This file is complete: it loads"
-        " nothing and runs no script.",
-    )
+    return selection_document(sections, title=title, subject=subject, versions=versions)
 
 
 def feature_page(

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from stickslip.report.documents import Page, Section
+from stickslip.report.documents import Page, Section, selection_document
 from stickslip.report.page import render
 from stickslip.report.records.certificate import certificate_section
 from stickslip.report.records.closing import dropped_section, next_section, record_section
@@ -88,14 +88,7 @@ def record_document(
         *extra,
         reproduce_section(verdict, commands, versions, digest, files or {}),
     ]
-    version = versions.get("stickslip", "")
-    return Page(
-        title=f"Friction model selection: {title}",
-        subject=subject or title,
-        sections=tuple(section for section in sections if section is not None),
-        footer=f"Written by {f'stickslip {version}'.strip()}. This file is complete: it loads"
-        " nothing and runs no script.",
-    )
+    return selection_document(sections, title=title, subject=subject, versions=versions)
 
 
 def record_page(

@@ -115,8 +115,6 @@ def _to_digits(value: float, estimate: Estimate) -> str:
 
 def _narrow(fit: RecordFit, index: int) -> str:
     """Return how many times wider the interval is than one that takes residuals as independent."""
-    if index >= len(fit.unknowns):
-        return "—"  # found before the search, from other residuals
     error = float(fit.inference.errors[index])
     naive = math.sqrt(max(float(fit.inference.naive[index, index]), 0.0))
     if not (math.isfinite(error) and 0.0 < naive < math.inf) or not fit.estimates[index].bounded:

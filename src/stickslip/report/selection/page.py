@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
-from stickslip.report.documents import Page, Section
+from stickslip.report.documents import Page, Section, selection_document
 from stickslip.report.selection.closing import (
     certificate_section,
     next_section,
@@ -93,11 +93,4 @@ def selection_page(
         certificate_section(verdict),
         reproduce_section(verdict, reproduce, versions, digest),
     ]
-    version = versions.get("stickslip", "")
-    return Page(
-        title=f"Friction model selection: {subject}",
-        subject=subject,
-        sections=tuple(section for section in sections if section is not None),
-        footer=f"Written by {f'stickslip {version}'.strip()}. This file is complete: it loads"
-        " nothing and runs no script.",
-    )
+    return selection_document(sections, title=subject, subject=subject, versions=versions)

@@ -1,0 +1,57 @@
+"""What ``stickslip select`` does with a verdict on records, whatever they are compared by."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from stickslip.cli.output import json_text, note, print_json, stdout, write_folder
+from stickslip.experiments import Rig
+from stickslip.friction import FrictionLaw
+from stickslip.selection import FeatureVerdict, RecordVerdict
+
+__all__ = ["NO_LAW", "deliver", "laws_of"]
+
+NO_LAW = 3
+"""Exit code where something speaks against every law."""
+
+
+def laws_of(
+    rig: Rig, names: str | None
+) -> Mapping[str, FrictionLaw] | Sequence[FrictionLaw | str] | None:
+    """Return the laws to try: those of the rig, or those asked for; None for the usual ones."""
+    if names is None:
+        return rig.laws or None
+    asked = dict.fromkeys(part.strip() for part in names.split(","))
+    return [rig.laws.get(name) or name for name in asked]
+
+
+def deliver(
+    verdict: RecordVerdict | FeatureVerdict,
+    content: Mapping[str, Any],
+    output: Path | None,
+    *,
+    page: Callable[[], str],
+    show: Callable[[], None],
+    ended: Sequence[str],
+) -> None:
+    """Write what was found into a folder and print it; without a folder print JSON only.
+
+    `ended` are laws whose search was ended early.
+    """
+    if output is None:
+        print_json(content)
+    else:
+        note("Writing the report ...")
+        files: dict[str, str | bytes] = {"index.html": page(), "verdict.json": json_text(content)}
+        if verdict.best and verdict.best.fit:
+            files["law.toml"] = verdict.best.fit.to_toml()
+        write_folder(output, files)
+        show()
+        stdout().print(f"\nReport: {output / 'index.html'}", markup=False)
+    if ended:
+        note(f"Ended early: {', '.join(ended)} may do better than this.")
+    if verdict.best is None or verdict.best.dropped:
+        note("No law is beyond objection; the verdict says why.")
+        raise typer.Exit(NO_LAW)
