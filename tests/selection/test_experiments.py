@@ -13,7 +13,8 @@ from stickslip import (
     TowedBlock,
     Viscous,
 )
-from stickslip.selection.experiments import Predictor, design
+from stickslip.selection.experiments import design
+from stickslip.selection.predictors import Predictor
 
 
 def designed(candidates, *, speed=0.5, force=0.01, length=1e-4, driven=True):
@@ -141,6 +142,24 @@ def test_mechanisms_without_a_drive_are_not_asked_to_move():
     found = designed({name: at(law, towed, 9.81) for name, law in laws.items()})[1]
     assert found
     assert all(one.what.startswith("Constant") for one in found)
+
+
+def test_what_turns_is_told_in_angles_and_torques():
+    laws = {"level": Coulomb(kinetic_coefficient=2.0), "slope": Viscous(viscous_coefficient=4.0)}
+    found = design(
+        {name: at(law, Axis(inertia=1.0)) for name, law in laws.items()},
+        best="level",
+        speed=3.0,
+        force_doubt=lambda seconds: 0.01,
+        length_doubt=1e-3,
+        driven=True,
+        turning=True,
+    )
+    said = {one.what.split()[0]: one for one in found}
+    assert "rad/s" in said["Constant"].what
+    assert said["Constant"].observed == "torque that keeps it, N m"
+    assert said["Coast"].observed == "angle to the stop, rad"
+    assert "mm" not in " ".join(one.what for one in found)
 
 
 def test_one_law_alone_needs_no_measurement():

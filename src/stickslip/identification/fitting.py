@@ -96,19 +96,10 @@ def fit(
     law = law_type(law) if isinstance(law, str) else law
     check_known(law, known)
     if by_features(measurement, route):
-        if known:
-            raise InputError(
-                "known values beside a type of law are for travels and records of motion; for"
-                " features give the law with its values, and free those to look for."
-            )
+        _refuse_known(known)
+        seed = 0 if settings is None else settings.seed
         return fit_features(
-            mechanism,
-            law,
-            measurement,
-            unknown=unknown,
-            free=free,
-            seed=0 if settings is None else settings.seed,
-            watch=watch,
+            mechanism, law, measurement, unknown=unknown, free=free, seed=seed, watch=watch
         )
     if "travel" not in measurement.quantities():
         refuse_faults(measurement, mechanism)
@@ -129,6 +120,14 @@ def fit(
     start = with_known(starting_law(law), known) if isinstance(law, type) else law
     trials = trials_of(mechanism, measurement)
     return fit_trials(start, trials, free=free, t_end=t_end, watch=watch)
+
+
+def _refuse_known(known: Mapping[str, float] | None) -> None:
+    if known:
+        raise InputError(
+            "known values beside a type of law are for travels and records of motion; for features"
+            " give the law with its values, and free those to look for."
+        )
 
 
 def fit_trials(

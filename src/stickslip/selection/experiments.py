@@ -1,23 +1,28 @@
 """Which measurement would tell the best law from its rivals, designed by simulation."""
 
 import math
-from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias, final
+from dataclasses import dataclass, field
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.drives import Drive, Sampled, Sine
+from stickslip.drives import Sampled, Sine
 from stickslip.errors import InputError, SimulationError
-from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw, towards
-from stickslip.identification.segmenting import with_drive
-from stickslip.mechanisms import Mechanism
-from stickslip.quantities import vary
-from stickslip.simulation import simulate
+from stickslip.friction import towards
+from stickslip.selection.predictors import (
+    Coast,
+    Predictor,
+    Presliding,
+    Reading,
+    Steady,
+    error_of,
+    own_force,
+    sprung,
+)
 
-__all__ = ["Experiment", "Predictor", "design", "steady_friction"]
+__all__ = ["Experiment", "design"]
 
 Array = NDArray[np.float64]
 
@@ -25,7 +30,6 @@ SPEEDS = (0.01, 0.03, 0.1, 0.3, 1.0)
 """Speeds that are proposed, over the largest of the record."""
 LOADS = (0.5, 0.8)
 """Amplitudes of presliding loops over the break-away level."""
-ROWS = 200
 
 
 @final
@@ -55,39 +59,39 @@ class Experiment:
         }
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Predictor:
-    """A candidate that predicts: its law in a mechanism of its own, and how sure both are.
+@dataclass(frozen=True, kw_only=True)
+class _Terms:
+    """How motion of a kind is put into words."""
 
-    Laws of one record are fitted together with offsets and masses, which are not exchangeable.
-    """
+    force: str
+    force_unit: str
+    distance: str
+    length_unit: str
+    speed_unit: str
+    per_second: float
+    """Speeds as they are said over those in SI."""
 
-    law: FrictionLaw
-    """As fitted."""
-    mechanism: Mechanism
-    """As fitted with this law."""
-    load: float
-    """Normal force [N]."""
-    estimates: Mapping[str, float] = field(default_factory=dict)
-    """Fitted values by path."""
-    errors: Array = field(default_factory=lambda: np.zeros(0))
-    """Their standard errors (p,); infinite for what the record does not tell."""
-    correlation: Array = field(default_factory=lambda: np.eye(0))
-    """Their correlation (p, p)."""
-
-    def moved(self, path: str, value: float) -> "Predictor":
-        """Return the candidate with another value of what was fitted."""
-        room = path.partition(".")[0]
-        if room == "friction":
-            return replace(self, law=vary(self.law, room, {path: value}))
-        if room == "mechanism":
-            return replace(self, mechanism=vary(self.mechanism, room, {path: value}))
-        return self
+    def speed(self, value: float, digits: int) -> str:
+        """Return a speed in words, without a power of ten."""
+        return f"{_plain(self.per_second * value, digits)} {self.speed_unit}"
 
 
-Reading: TypeAlias = Callable[[Predictor], float]
-"""What is read off when a candidate is right."""
+STRAIGHT = _Terms(
+    force="force",
+    force_unit="N",
+    distance="distance",
+    length_unit="m",
+    speed_unit="mm/s",
+    per_second=1e3,
+)
+TURNING = _Terms(
+    force="torque",
+    force_unit="N m",
+    distance="angle",
+    length_unit="rad",
+    speed_unit="rad/s",
+    per_second=1.0,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,6 +115,7 @@ def design(
     force_doubt: Callable[[float], float],
     length_doubt: float,
     driven: bool,
+    turning: bool = False,
 ) -> tuple[Experiment, ...]:
     """Return measurements in the order of what they tell, those that tell nothing left out.
 
@@ -128,6 +133,8 @@ def design(
         What positions of the record are known to [m].
     driven : bool
         Whether the mechanism can be run; not where only friction was measured.
+    turning : bool
+        Whether it turns about an axis: speeds [rad/s], torques [N m] and angles [rad].
 
     Examples
     --------
@@ -152,9 +159,11 @@ def design(
     if len(candidates) < 2:
         return ()
     chosen = candidates[best]
-    plans = [*_steady(speed, force_doubt, driven=driven)]
+    terms = TURNING if turning else STRAIGHT
+    plans = [*_steady(speed, force_doubt, terms, driven=driven)]
     if driven:
-        plans += [*_coasts(chosen, speed, length_doubt), *_presliding(chosen, length_doubt)]
+        plans += [*_coasts(chosen, speed, length_doubt, terms)]
+        plans += [*_presliding(chosen, length_doubt, terms)]
     found: dict[str, Experiment] = {}
     for plan in plans:
         one = _looked_at(plan, candidates, best)
@@ -162,15 +171,6 @@ def design(
             known = found.get(plan.kind, one)
             found[plan.kind] = max(known, one, key=lambda x: x.separation)
     return tuple(sorted(found.values(), key=lambda x: -x.separation))
-
-
-def steady_friction(law: FrictionLaw, velocity: Array | float, load: float) -> Array:
-    """Return friction [N] after long sliding at velocities (n,) [m/s]."""
-    v = np.atleast_1d(np.asarray(velocity, dtype=float))
-    if isinstance(law, BristleLaw):
-        return np.asarray(law.steady(v, load) + 0.0 * v, dtype=float)
-    assert isinstance(law, SetValuedLaw | DirectionalLaw)
-    return np.asarray(law.force(v, load) + 0.0 * v, dtype=float)
 
 
 def _predicted(plan: _Plan, candidates: Mapping[str, Predictor]) -> dict[str, float]:
@@ -200,7 +200,7 @@ def _looked_at(plan: _Plan, candidates: Mapping[str, Predictor], best: str) -> E
     # The reading alone is asked first, since the doubt of predictions takes many runs.
     if not values or _separation(values, {}, best, plan.noise) <= 1.0:
         return None
-    doubts = {name: _error(plan.read, one, values[name]) for name, one in candidates.items()}
+    doubts = {name: error_of(plan.read, one, values[name]) for name, one in candidates.items()}
     return Experiment(
         what=plan.what,
         observed=plan.observed,
@@ -210,42 +210,14 @@ def _looked_at(plan: _Plan, candidates: Mapping[str, Predictor], best: str) -> E
     )
 
 
-def _error(read: Reading, candidate: Predictor, value: float) -> float:
-    """Return the standard error of a prediction, from runs with each parameter one error off.
-
-    What the record does not tell is taken to be known to its own size.
-    """
-    changes = [
-        _change(read, candidate, path, min(error, abs(estimate)) if estimate else error, value)
-        for (path, estimate), error in zip(
-            candidate.estimates.items(), candidate.errors.tolist(), strict=True
-        )
-    ]
-    along = np.array(changes)
-    return math.sqrt(max(float(along @ candidate.correlation @ along), 0.0))
-
-
-def _change(read: Reading, candidate: Predictor, path: str, step: float, value: float) -> float:
-    """Return how a reading changes with one parameter, to the side where it may be moved."""
-    if not 0.0 < step < math.inf:
-        return 0.0
-    for side in (1.0, -1.0):
-        try:
-            moved = candidate.moved(path, candidate.estimates[path] + side * step)
-            change = side * (read(moved) - value)
-        except (SimulationError, InputError):
-            continue
-        if math.isfinite(change):
-            return change
-    return 0.0
-
-
 def _plain(value: float, digits: int) -> str:
     """Return a number to some digits without a power of ten, as one would set it."""
     return f"{float(f'{value:.{digits}g}'):.15g}"
 
 
-def _steady(speed: float, doubt: Callable[[float], float], *, driven: bool) -> Iterator[_Plan]:
+def _steady(
+    speed: float, doubt: Callable[[float], float], terms: _Terms, *, driven: bool
+) -> Iterator[_Plan]:
     """Constant speed: the force after long sliding."""
     for share in SPEEDS:
         v = share * speed
@@ -253,97 +225,47 @@ def _steady(speed: float, doubt: Callable[[float], float], *, driven: bool) -> I
         for side, towards_it in ((1.0, "forwards"), (-1.0, "backwards")):
             yield _Plan(
                 kind=f"steady {towards_it}",
-                what=f"Constant speed of {_plain(1e3 * v, 2)} mm/s, {towards_it}, {seconds:.0f} s.",
-                observed="force that keeps it, N" if driven else "friction, N",
-                read=_Steady(velocity=side * v, driven=driven),
+                what=f"Constant speed of {terms.speed(v, 2)}, {towards_it}, {seconds:.0f} s.",
+                observed=(
+                    f"{f'{terms.force} that keeps it' if driven else 'friction'},"
+                    f" {terms.force_unit}"
+                ),
+                read=Steady(velocity=side * v, driven=driven),
                 noise=doubt(seconds),
             )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Steady:
-    """Reads the force that a constant speed takes, its size."""
-
-    velocity: float
-    driven: bool
-
-    def __call__(self, candidate: Predictor) -> float:
-        force = float(steady_friction(candidate.law, self.velocity, candidate.load)[0])
-        if self.driven:
-            force -= _own_force(candidate.mechanism, self.velocity)
-        return math.copysign(1.0, self.velocity) * force
-
-
-def _own_force(mechanism: Mechanism, velocity: float) -> float:
-    """Return the force of a mechanism on itself at a speed [N]: its damper and its offset."""
-    slip = mechanism.contacts()[0].slip
-    at: Mapping[str, float] = defaultdict(float)
-    moving: Mapping[str, float] = defaultdict(float, {slip: velocity})
-    return float(mechanism.forces(0.0, at, moving, defaultdict(float)).get(slip, 0.0))
-
-
-def _sprung(mechanism: Mechanism) -> bool:
-    """Whether a spring holds what slides."""
-    slip = mechanism.contacts()[0].slip
-    energy = [
-        float(mechanism.potential_energy(0.0, defaultdict(float, {slip: x})))
-        for x in (-1.0, 0.0, 1.0)
-    ]
-    return energy[0] + energy[2] > 2.0 * energy[1]
-
-
-def _run(candidate: Predictor, drive: Drive | None, t_end: float, y0: Mapping[str, float]) -> Any:
-    driven = with_drive(candidate.mechanism, drive)
-    return simulate(driven, candidate.law, t_end=t_end, y0=y0, throw=False)
-
-
-def _coasts(chosen: Predictor, speed: float, noise: float) -> Iterator[_Plan]:
+def _coasts(chosen: Predictor, speed: float, noise: float, terms: _Terms) -> Iterator[_Plan]:
     """Let go at the record's speed: how far it goes until it stops. A spring would not let it."""
-    if _sprung(chosen.mechanism):
+    if sprung(chosen.mechanism):
         return
     for side, towards_it in ((1.0, "forwards"), (-1.0, "backwards")):
         yield _Plan(
             kind=f"coast {towards_it}",
             what=(
-                f"Coast {towards_it} from {_plain(1e3 * speed, 3)} mm/s with the drive off, three"
-                " times."
+                f"Coast {towards_it} from {terms.speed(speed, 3)} with the drive off, three times."
             ),
-            observed="distance to the stop, m",
-            read=_Coast(speed=side * speed),
+            observed=f"{terms.distance} to the stop, {terms.length_unit}",
+            read=Coast(speed=side * speed),
             noise=noise,
         )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Coast:
-    """Reads how far a body goes without a drive."""
-
-    speed: float
-    t_end: float = 60.0
-
-    def __call__(self, candidate: Predictor) -> float:
-        mechanism = candidate.mechanism
-        slip = mechanism.contacts()[0].slip
-        rate = mechanism.rates[mechanism.coordinates.index(slip)]
-        run = _run(candidate, None, self.t_end, {rate: self.speed})
-        return abs(float(run.at(run.span[1])[slip][0]))
-
-
-def _presliding(chosen: Predictor, noise: float) -> Sequence[_Plan]:
+def _presliding(chosen: Predictor, noise: float, terms: _Terms) -> Sequence[_Plan]:
     """Push to and fro below break-away: how far it gives way."""
     level = float(towards(chosen.law, 1).break_away(chosen.load))
     if level <= 0.0:
         return ()
-    offset = -_own_force(chosen.mechanism, 0.0)
+    offset = -own_force(chosen.mechanism, 0.0)
     return [
         _Plan(
             kind="presliding",
             what=(
-                f"A force of {share * level:.3g} N to and fro at 0.5 Hz, below break-away, for a"
-                " minute."
+                f"A {terms.force} of {share * level:.3g} {terms.force_unit} to and fro at 0.5 Hz,"
+                " below break-away, for a minute."
             ),
-            observed="movement from peak to peak, m",
-            read=_Presliding(
+            observed=f"movement from peak to peak, {terms.length_unit}",
+            read=Presliding(
                 drive=Sine(amplitude=share * level, frequency=0.5)
                 + Sampled(times=(0.0,), values=(offset,))
             ),
@@ -351,16 +273,3 @@ def _presliding(chosen: Predictor, noise: float) -> Sequence[_Plan]:
         )
         for share in LOADS
     ]
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Presliding:
-    """Reads how far a body gives way to a force that does not break it away."""
-
-    drive: Drive
-    t_end: float = 4.0
-
-    def __call__(self, candidate: Predictor) -> float:
-        run = _run(candidate, self.drive, self.t_end, {})
-        slip = candidate.mechanism.contacts()[0].slip
-        return float(np.ptp(run.at(np.linspace(0.5 * self.t_end, run.span[1], ROWS))[slip]))

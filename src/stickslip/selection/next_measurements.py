@@ -10,7 +10,8 @@ from stickslip.identification import RecordFit
 from stickslip.identification.inverse_dynamics import inverse_dynamics
 from stickslip.identification.record_starts import load_of
 from stickslip.selection.cross_validation import Plan
-from stickslip.selection.experiments import Experiment, Predictor, design
+from stickslip.selection.experiments import Experiment, design
+from stickslip.selection.predictors import Predictor
 from stickslip.selection.record_verdict import RecordCandidate
 
 __all__ = ["experiments_after"]
@@ -51,6 +52,7 @@ def experiments_after(
         force_doubt=lambda seconds: left * min(math.sqrt(correlated / seconds), 1.0),
         length_doubt=best.fit.rms if best.fit.problem.quantity == "position" else LENGTH_DOUBT,
         driven=best.fit.route != "force-map",
+        turning=best.fit.measurement.turning,
     )
 
 
