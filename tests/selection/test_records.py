@@ -33,6 +33,7 @@ from stickslip.selection.record_words import (
     in_sentence,
     record_wording,
 )
+from stickslip.selection.records import _chosen
 
 TRUTH = DirectionDependent(
     forward_kinetic_coefficient=4.0,
@@ -209,9 +210,10 @@ def test_compensation_is_judged_by_the_friction_force(record):
 class _Judged:
     """What the one-standard-error rule looks at."""
 
-    def __init__(self, losses):
+    def __init__(self, losses, name="", parameters=3, dropped=""):
         self.validation = CrossValidation(losses=tuple(losses), extrapolation=math.nan)
         self.score = self.validation.score
+        self.name, self.parameters, self.dropped = name, parameters, dropped
 
 
 def test_a_simpler_law_is_as_good_only_within_one_paired_error_and_the_floor():
@@ -219,6 +221,19 @@ def test_a_simpler_law_is_as_good_only_within_one_paired_error_and_the_floor():
     assert as_good(_Judged([1.1, 1.9, 3.1, 4.0]), best)  # differences both ways
     assert not as_good(_Judged([1.05, 2.05, 3.05, 4.05]), best)  # small, but every time
     assert not as_good(_Judged([2.0, 1.0, 6.0, 4.0]), best)  # within doubt, but 14 % worse
+
+
+def test_the_likeliest_law_is_taken_where_the_blocks_do_not_speak_against_it():
+    least = _Judged([1.0, 2.0, 3.0, 4.0], "least")
+    near = _Judged([1.9, 1.6, 3.9, 3.5], "near", parameters=5)  # 4 % worse, within doubt
+    far = _Judged([3.0, 1.0, 6.0, 4.0], "far")  # within doubt, but 18 % worse
+    worse = _Judged([1.1, 2.1, 3.1, 4.1], "worse")  # 2 % worse, but every time
+    simple = _Judged([1.1, 1.9, 3.1, 4.0], "simple", parameters=2)  # .5 % worse
+    everyone = [least, near, far, worse, simple]
+    assert _chosen(everyone, "near").name == "near"
+    for likeliest in ("far", "worse", ""):
+        assert _chosen(everyone, likeliest).name == "simple"
+    assert _chosen([least, near, far, worse], "worse").name == "least"
 
 
 def test_gaps_and_horizon_fit_the_record(record):

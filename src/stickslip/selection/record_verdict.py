@@ -20,10 +20,12 @@ from stickslip.selection.verdict import Verdict, plain
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["NEAR", "Purpose", "RecordCandidate", "RecordVerdict", "as_good"]
+__all__ = ["LIKELY", "NEAR", "Purpose", "RecordCandidate", "RecordVerdict", "as_good"]
 
 NEAR = 0.02
 """Share by which an error may be larger and count as the same, if blocks do not contradict."""
+LIKELY = 0.10
+"""Share by which the error of the law that the whole record makes likeliest may be larger."""
 
 
 @final
@@ -200,10 +202,10 @@ class RecordVerdict(Verdict):
         }
 
 
-def as_good(other: RecordCandidate, best: RecordCandidate) -> bool:
+def as_good(other: RecordCandidate, best: RecordCandidate, *, share: float = NEAR) -> bool:
     """Whether another's loss is within one paired standard error and a share of the best's."""
     if other.validation is None or best.validation is None:
         return False
     gaps = np.subtract(other.validation.losses, best.validation.losses)
     error = float(np.std(gaps, ddof=1)) / math.sqrt(len(gaps)) if len(gaps) > 1 else 0.0
-    return bool(gaps.mean() <= error and other.score <= (1.0 + NEAR) * best.score)
+    return bool(gaps.mean() <= error and other.score <= (1.0 + share) * best.score)

@@ -22,7 +22,13 @@ from stickslip.quantities import vary
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
 from stickslip.selection.next_measurements import experiments_after
 from stickslip.selection.record_admissibility import objection
-from stickslip.selection.record_verdict import Purpose, RecordCandidate, RecordVerdict, as_good
+from stickslip.selection.record_verdict import (
+    LIKELY,
+    Purpose,
+    RecordCandidate,
+    RecordVerdict,
+    as_good,
+)
 from stickslip.selection.record_words import outcomes, record_wording
 from stickslip.selection.side_by_side import fitted_side_by_side
 from stickslip.selection.specifications import REFERENCE, Specification, control, specifications
@@ -275,9 +281,9 @@ def _verdict(
 ) -> RecordVerdict:
     ordered = sorted(judged, key=lambda c: c.score)
     scored = _judgeable(ordered)
-    best = _chosen(scored)
-    ordered = [best if c.name == best.name else c for c in ordered]
     picks = _picks(scored)
+    best = _chosen(scored, picks["AIC"])
+    ordered = [best if c.name == best.name else c for c in ordered]
     ordered = outcomes(ordered, best)
     best = next(c for c in ordered if c.name == best.name)
     assert best.fit is not None
@@ -303,14 +309,18 @@ def _verdict(
     )
 
 
-def _chosen(scored: Sequence[RecordCandidate]) -> RecordCandidate:
-    """Return the least error, or of what is as good one that nothing speaks against, the simplest.
+def _chosen(scored: Sequence[RecordCandidate], likeliest: str) -> RecordCandidate:
+    """Return the least error, or one that the blocks do not tell from it.
+
+    Of these that of the whole record, the likeliest for its number of unknowns; if the blocks speak
+    against that, of those next to the least error one that nothing speaks against, the simplest.
 
     Objections do not outweigh errors: a law whose every parameter is known but that predicts worse
     is not taken for one that predicts better. What spoke against it remains as its doubt.
     """
     least = min(scored, key=lambda c: c.score)
-    near = [c for c in scored if c.name == least.name or as_good(c, least)]
+    likely = [c for c in scored if c.name == likeliest and as_good(c, least, share=LIKELY)]
+    near = likely or [c for c in scored if as_good(c, least)]
     best = min(near, key=lambda c: (bool(c.dropped), c.parameters, c.score))
     if best.dropped and not all(c.dropped for c in scored):
         return replace(best, dropped="", doubt=best.dropped)

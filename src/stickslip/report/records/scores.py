@@ -11,7 +11,7 @@ from stickslip.report.rowplots import Axis, Colour, Mark, RowPlot
 from stickslip.report.selection.texts import counted, joined, quantity_value
 from stickslip.report.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.selection import RecordCandidate, RecordVerdict
-from stickslip.selection.record_verdict import NEAR
+from stickslip.selection.record_verdict import LIKELY, NEAR
 from stickslip.selection.record_words import in_sentence
 
 __all__ = ["picks_text", "scores_section"]
@@ -156,9 +156,11 @@ def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
     if verdict.plan.length:
         text += "Last third: fitted to what comes before, judged on the last third. "
     text += (
-        f"The rule: laws within {numbers.percent(NEAR)} and one paired standard error of the least"
-        " error are as good as it. Of these one to which there is no objection is taken, and then"
-        " the one with the fewest parameters; an objection does not outweigh a larger error. "
+        "The rule: the law that AIC picks is taken if its error is within one paired standard error"
+        f" and {numbers.percent(LIKELY)} of the least. If not, laws within that and"
+        f" {numbers.percent(NEAR)} are as good as the least; of these one to which there is no"
+        " objection is taken, and then the one with the fewest parameters. An objection does not"
+        " outweigh a larger error. "
     )
     return text + picks_text(verdict)
 
