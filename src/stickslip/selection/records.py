@@ -30,7 +30,7 @@ from stickslip.selection.record_verdict import (
     as_good,
 )
 from stickslip.selection.record_words import outcomes, record_wording
-from stickslip.selection.side_by_side import fitted_side_by_side
+from stickslip.selection.side_by_side import fitted_side_by_side, takes_long
 from stickslip.selection.specifications import REFERENCE, Specification, control, specifications
 
 __all__ = ["LEFT_OUT", "PURPOSES", "RecordWatch", "checked", "select_records"]
@@ -83,12 +83,8 @@ def select_records(
         fits = _fits(tried)
     plan = plan_of(min(fits, key=lambda fit: fit.rms), horizon=aim)
     work = partial(_judged, plan=plan, validate=validate)
-    judged = _all_judged(work, tried, watch, executor)
-    without = None
-    if _has_control(fits[0]):
-        if watch is not None:
-            watch("held-out blocks: no friction", math.nan)
-        without = _judged(fitted(control()), plan, validate)
+    controlled = partial(_control, fitted, work) if _has_control(fits[0]) else None
+    judged, without = _all_judged(work, tried, controlled, watch, executor)
     found = _verdict(mechanism, measurement, judged, without, plan, purpose, checks)
     return replace(found, second=validate, settings=settings or RecordSettings())
 
@@ -243,20 +239,42 @@ def _judged(
     )
 
 
+def _control(
+    fitted: Callable[[Specification], RecordCandidate],
+    work: Callable[[RecordCandidate], RecordCandidate],
+) -> RecordCandidate:
+    """Return no friction at all, fitted and judged."""
+    return work(fitted(control()))
+
+
 def _all_judged(
     work: Callable[[RecordCandidate], RecordCandidate],
     tried: Sequence[RecordCandidate],
+    controlled: Callable[[], RecordCandidate] | None,
     watch: RecordWatch | None,
     executor: Executor | None,
-) -> list[RecordCandidate]:
-    """Return the candidates judged, each told to who watches before it is waited for."""
-    results = map(work, tried) if executor is None else executor.map(work, tried)
+) -> tuple[list[RecordCandidate], RecordCandidate | None]:
+    """Return the candidates judged, and the control; each is told before it is waited for."""
+
+    def told(name: str) -> None:
+        if watch is not None:
+            watch(f"held-out blocks: {name}", math.nan)
+
+    later: dict[str, Callable[[], RecordCandidate]]
+    if executor is None:
+        later, last = {c.name: partial(work, c) for c in tried}, controlled
+    else:
+        order = sorted(tried, key=lambda c: not takes_long(c.law))
+        later = {c.name: executor.submit(work, c).result for c in order}
+        last = executor.submit(controlled).result if controlled else None
     judged = []
     for number, candidate in enumerate(tried, 1):
-        if watch is not None:
-            watch(f"held-out blocks: {candidate.name}, {number} of {len(tried)}", math.nan)
-        judged.append(next(results))
-    return judged
+        told(f"{candidate.name}, {number} of {len(tried)}")
+        judged.append(later[candidate.name]())
+    if last is None:
+        return judged, None
+    told("no friction")
+    return judged, last()
 
 
 def _judgeable(judged: Sequence[RecordCandidate]) -> list[RecordCandidate]:

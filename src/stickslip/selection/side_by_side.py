@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol, TypeVar
 
+from stickslip.friction import BristleLaw
 from stickslip.selection.specifications import Specification
 
-__all__ = ["Fitted", "fitted_side_by_side"]
+__all__ = ["Fitted", "fitted_side_by_side", "takes_long"]
 
 PATIENCE = 0.2
 """Time between looks at whether the search is still wanted [s]."""
@@ -74,7 +75,9 @@ def fitted_side_by_side(
         return [fitted(one, watch) for one in chosen]
     with tempfile.TemporaryDirectory() as folder:
         wanted = _Wanted(Path(folder, "end"))
-        futures = {executor.submit(fitted, one, wanted): one for one in chosen}
+        # what takes longest begins first, so that no worker waits for it alone at the end
+        order = sorted(chosen, key=lambda one: not takes_long(one.law))
+        futures = {executor.submit(fitted, one, wanted): one for one in order}
         pending: set[Future[C]] = set(futures)
         while pending:
             done, pending = wait(pending, timeout=PATIENCE, return_when=FIRST_COMPLETED)
@@ -82,7 +85,13 @@ def fitted_side_by_side(
             news += [(futures[one].name, math.nan) for one in futures if one in pending][:1]
             if watch is not None and any(watch(*item) is False for item in news):
                 wanted.end.touch()
-        return [future.result() for future in futures]
+        found = {one.name: future.result() for future, one in futures.items()}
+    return [found[one.name] for one in chosen]
+
+
+def takes_long(law: object) -> bool:
+    """Whether fits of a law, or of a type of law, take several times as long as those of most."""
+    return issubclass(law if isinstance(law, type) else type(law), BristleLaw)
 
 
 def _residual(candidate: Tried) -> float:
