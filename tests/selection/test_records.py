@@ -33,7 +33,7 @@ from stickslip.selection.record_words import (
     in_sentence,
     record_wording,
 )
-from stickslip.selection.records import _chosen
+from stickslip.selection.records import choose
 
 TRUTH = DirectionDependent(
     forward_kinetic_coefficient=4.0,
@@ -230,10 +230,10 @@ def test_the_likeliest_law_is_taken_where_the_blocks_do_not_speak_against_it():
     worse = _Judged([1.1, 2.1, 3.1, 4.1], "worse")  # 2 % worse, but every time
     simple = _Judged([1.1, 1.9, 3.1, 4.0], "simple", parameters=2)  # .5 % worse
     everyone = [least, near, far, worse, simple]
-    assert _chosen(everyone, "near").name == "near"
+    assert choose(everyone, "near").name == "near"
     for likeliest in ("far", "worse", ""):
-        assert _chosen(everyone, likeliest).name == "simple"
-    assert _chosen([least, near, far, worse], "worse").name == "least"
+        assert choose(everyone, likeliest).name == "simple"
+    assert choose([least, near, far, worse], "worse").name == "least"
 
 
 def test_gaps_and_horizon_fit_the_record(record):

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, Protocol, final
 
 import numpy as np
 from typing_extensions import override
@@ -20,7 +20,7 @@ from stickslip.selection.verdict import Verdict, plain
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["LIKELY", "NEAR", "Purpose", "RecordCandidate", "RecordVerdict", "as_good"]
+__all__ = ["LIKELY", "NEAR", "Judged", "Purpose", "RecordCandidate", "RecordVerdict", "as_good"]
 
 NEAR = 0.02
 """Share by which an error may be larger and count as the same, if blocks do not contradict."""
@@ -202,7 +202,31 @@ class RecordVerdict(Verdict):
         }
 
 
-def as_good(other: RecordCandidate, best: RecordCandidate, *, share: float = NEAR) -> bool:
+class Judged(Protocol):
+    """What a choice among candidates looks at."""
+
+    @property
+    def name(self) -> str:
+        """Key of the candidate."""
+
+    @property
+    def parameters(self) -> int:
+        """Number of unknowns that were fitted."""
+
+    @property
+    def dropped(self) -> str:
+        """Objection to it, in words."""
+
+    @property
+    def score(self) -> float:
+        """Held-out error."""
+
+    @property
+    def validation(self) -> CrossValidation | None:
+        """Held-out errors by block."""
+
+
+def as_good(other: Judged, best: Judged, *, share: float = NEAR) -> bool:
     """Whether another's loss is within one paired standard error and a share of the best's."""
     if other.validation is None or best.validation is None:
         return False

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from stickslip.selection.next_measurements import experiments_after
 from stickslip.selection.record_admissibility import objection
 from stickslip.selection.record_verdict import (
     LIKELY,
+    Judged,
     Purpose,
     RecordCandidate,
     RecordVerdict,
@@ -33,7 +34,9 @@ from stickslip.selection.record_words import outcomes, record_wording
 from stickslip.selection.side_by_side import fitted_side_by_side, takes_long
 from stickslip.selection.specifications import REFERENCE, Specification, control, specifications
 
-__all__ = ["LEFT_OUT", "PURPOSES", "RecordWatch", "checked", "select_records"]
+__all__ = ["LEFT_OUT", "PURPOSES", "RecordWatch", "checked", "choose", "select_records"]
+
+C = TypeVar("C", bound=Judged)
 
 RecordWatch: TypeAlias = Callable[[str, float], object]
 """Called with a candidate and the least residual so far, not a number before it begins.
@@ -300,7 +303,7 @@ def _verdict(
     ordered = sorted(judged, key=lambda c: c.score)
     scored = _judgeable(ordered)
     picks = _picks(scored)
-    best = _chosen(scored, picks["AIC"])
+    best = _doubted(choose(scored, picks["AIC"]), scored)
     ordered = [best if c.name == best.name else c for c in ordered]
     ordered = outcomes(ordered, best)
     best = next(c for c in ordered if c.name == best.name)
@@ -327,19 +330,23 @@ def _verdict(
     )
 
 
-def _chosen(scored: Sequence[RecordCandidate], likeliest: str) -> RecordCandidate:
+def choose(scored: Sequence[C], likeliest: str) -> C:
     """Return the least error, or one that the blocks do not tell from it.
 
     Of these that of the whole record, the likeliest for its number of unknowns; if the blocks speak
     against that, of those next to the least error one that nothing speaks against, the simplest.
 
     Objections do not outweigh errors: a law whose every parameter is known but that predicts worse
-    is not taken for one that predicts better. What spoke against it remains as its doubt.
+    is not taken for one that predicts better.
     """
     least = min(scored, key=lambda c: c.score)
     likely = [c for c in scored if c.name == likeliest and as_good(c, least, share=LIKELY)]
     near = likely or [c for c in scored if as_good(c, least)]
-    best = min(near, key=lambda c: (bool(c.dropped), c.parameters, c.score))
+    return min(near, key=lambda c: (bool(c.dropped), c.parameters, c.score))
+
+
+def _doubted(best: RecordCandidate, scored: Sequence[RecordCandidate]) -> RecordCandidate:
+    """Return what is taken with what spoke against it as its doubt, if something is beyond that."""
     if best.dropped and not all(c.dropped for c in scored):
         return replace(best, dropped="", doubt=best.dropped)
     return best
