@@ -140,8 +140,26 @@ def test_the_summary_counts_coverage_and_regret():
     text = "\n".join(summary([row, {"rig": 1, "truth": "dahl", "failed": "why"}]))
     assert "1 rigs (1 failed); 2 of 2" in text
     assert "50.0 +- 35.4 % of 2" in text
-    assert "mean   50.0 %, median  50.0 %, worst    50.0 %" in text
+    assert "mean   50.0 +- 0.0 %, median  50.0 %, worst    50.0 %" in text
     assert "rig 1 failed: why" in text
+
+
+def test_stored_results_are_chosen_from_by_the_present_rule():
+    def stored(*losses, parameters=3):
+        return {"losses": losses, "parameters": parameters, "dropped": ""}
+
+    row = {
+        "picks": {"selected": "whatever it was", "AIC": "dahl"},
+        "judged": {
+            "viscous": stored(1.0, 2.0),
+            "dahl": stored(1.2, 1.9),
+            "coulomb": stored(9.0, 9.0),
+        },
+    }
+    assert synthetic_truth.repicked(row)["picks"] == {"selected": "dahl", "AIC": "dahl"}
+    far = {**row, "picks": {"selected": "", "AIC": "coulomb"}}
+    assert synthetic_truth.repicked(far)["picks"]["selected"] == "viscous"
+    assert synthetic_truth.repicked({"rig": 1, "failed": "why"}) == {"rig": 1, "failed": "why"}
 
 
 @pytest.mark.slow
