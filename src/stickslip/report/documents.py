@@ -186,8 +186,10 @@ def selection_document(
 
     Examples
     --------
+    >>> from stickslip.report import Paragraph
+    >>> text = (Paragraph(text="Coulomb friction predicts all of it."),)
     >>> page = selection_document(
-    ...     [Section(id="data", nav="Data", heading="Ten points", blocks=()), None],
+    ...     [Section(id="scores", nav="Scores", heading="One wins", blocks=text), None],
     ...     title="Slider",
     ...     subject="slider.toml",
     ...     versions={"stickslip": "0.1.0"},

@@ -151,7 +151,7 @@ def design(
     ...     speed=0.5,
     ...     force_doubt=lambda seconds: 0.1,
     ...     length_doubt=0.01,
-    ...     driven=True,
+    ...     driven=False,
     ... )
     >>> first.what, first.predicted
     ('Constant speed of 5 mm/s, forwards, 10 s.', {'coulomb': 2.0, 'viscous': 0.02})
