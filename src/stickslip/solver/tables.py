@@ -192,7 +192,7 @@ def _parts(drive: Drive) -> Iterator[Drive]:
 
 def _columns(pieces: Sequence[Piece], count: int) -> NDArray[Any]:
     """Return starts, values and slopes (3, 1 or count, pieces); one row where all are the same."""
-    if not any(np.ndim(number) for piece in pieces for number in piece):
+    if not any(isinstance(number, np.ndarray) for piece in pieces for number in piece):
         return np.array(pieces, dtype=np.float64).reshape(1, -1, 3).transpose(2, 0, 1)
     columns = [[np.broadcast_to(number, count) for number in piece] for piece in pieces]
     return np.array(columns).transpose(1, 2, 0)
