@@ -7,7 +7,17 @@ import math
 import numpy as np
 import pytest
 from benchmarks import rigs, synthetic_truth
-from benchmarks.synthetic_truth import FAST, KINDS, coverage, fitted, judge, regret, run, summary
+from benchmarks.synthetic_truth import (
+    FAST,
+    KINDS,
+    coverage,
+    fitted,
+    judge,
+    regret,
+    regret_on_one,
+    run,
+    summary,
+)
 
 FAST_TRUTHS = ("coulomb-viscous", "direction-dependent")
 """Two fits of which compile in seconds."""
@@ -142,6 +152,13 @@ def test_the_summary_counts_coverage_and_regret():
     assert "50.0 +- 35.4 % of 2" in text
     assert "mean   50.0 +- 0.0 %, median  50.0 %, worst    50.0 %" in text
     assert "rig 1 failed: why" in text
+
+
+def test_regret_is_that_of_all_fresh_records_together_or_the_mean_of_each_alone():
+    row = {"errors": {"dahl": [1.0, 3.0], "viscous": [2.0, 2.0]}, "picks": {"AIC": "dahl"}}
+    # root mean squares are 5^.5 and 2; alone dahl is the best once, and half worse once
+    assert regret(row, "AIC") == pytest.approx(5.0**0.5 / 2.0 - 1.0)
+    assert regret_on_one(row, "AIC") == pytest.approx(0.25)
 
 
 def test_stored_results_are_chosen_from_by_the_present_rule():

@@ -142,17 +142,7 @@ def check(measurement: Measurement, *, mechanism: Mechanism | None = None) -> Ch
             f"check takes a Measurement, got {type(measurement).__name__}: read a file with"
             " load_measurement."
         )
-    records = measurement.records()
-    found: list[Finding] = []
-    if measurement.kind == "scalars":
-        found += tables.settings(records)
-    found += tables.alike(records)
-    for number, record in enumerate(records, 1):
-        label = (record.name or f"trial {number}") if measurement.trials else ""
-        fits = [*_fits(record, mechanism)]
-        own = [*_record(record, None if _wrong(fits) else mechanism), *fits]
-        found += [replace(finding, record=label) for finding in own]
-    return Checks(findings=tuple(found), name=measurement.name)
+    return Checks(findings=tuple(_findings(measurement, mechanism)), name=measurement.name)
 
 
 def faults(measurement: Measurement, *, mechanism: Mechanism | None = None) -> tuple[Finding, ...]:
@@ -164,39 +154,27 @@ def faults(measurement: Measurement, *, mechanism: Mechanism | None = None) -> t
     >>> [str(one) for one in faults(still)]
     ['Position never changes: no motion was recorded.']
     """
+    found = _findings(measurement, mechanism, grave=True)
+    return tuple(finding for finding in found if finding.severity == "error")
+
+
+def _findings(
+    measurement: Measurement, mechanism: Mechanism | None, *, grave: bool = False
+) -> Iterator[Finding]:
+    """Yield all findings; with ``grave`` only those of checks that can find errors."""
     records = measurement.records()
-    found = [*tables.alike(records)]
     if measurement.kind == "scalars":
-        found += tables.settings(records)
+        yield from tables.settings(records)
+    yield from tables.alike(records)
     for number, record in enumerate(records, 1):
         label = (record.name or f"trial {number}") if measurement.trials else ""
         fits = [*_fits(record, mechanism)]
-        own = [*_grave(record, None if _wrong(fits) else mechanism), *fits]
-        found += [replace(finding, record=label) for finding in own]
-    return tuple(finding for finding in found if finding.severity == "error")
+        own = [*_record(record, None if _wrong(fits) else mechanism, grave), *fits]
+        yield from (replace(finding, record=label) for finding in own)
 
 
 def _wrong(found: Sequence[Finding]) -> bool:
     return any(finding.severity == "error" for finding in found)
-
-
-def _grave(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
-    """Yield, among others, all errors of one record; each comes from here in `_record` too."""
-    huge = [*values.unusable(record)]
-    yield from huge
-    if huge:
-        return
-    if record.kind == "friction-map":
-        yield from tables.coverage(record)
-    if record.time is None:
-        return
-    yield from sampling.length(record.time)
-    still = [*values.constant(record), *values.unmoved(record)]
-    yield from still
-    if record.time.size < sampling.FEWEST or _wrong(still):
-        return
-    rubbed = isinstance(record.friction, np.ndarray)
-    yield from _agreement(record, mechanism, motion.motion_of(record) if rubbed else None)
 
 
 def _agreement(
@@ -211,7 +189,7 @@ def _agreement(
         yield from dynamics.proportion(record, mechanism)
 
 
-def _record(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
+def _record(record: Measurement, mechanism: Mechanism | None, grave: bool) -> Iterator[Finding]:
     """Yield the findings about one record."""
     huge = [*values.unusable(record)]
     yield from huge
@@ -219,19 +197,33 @@ def _record(record: Measurement, mechanism: Mechanism | None) -> Iterator[Findin
         return
     if record.kind == "friction-map":
         yield from tables.coverage(record)
-        yield from values.plausible(record, None)
+        if not grave:
+            yield from values.plausible(record, None)
     if record.time is None:
         return
     yield from sampling.length(record.time)
-    yield from sampling.sampling(record.time)
-    yield from sampling.gaps(record.time)
+    if not grave:
+        yield from sampling.sampling(record.time)
+        yield from sampling.gaps(record.time)
     still = [*values.constant(record), *values.unmoved(record)]
     yield from still
+    rubbed = isinstance(record.friction, np.ndarray)
+    moving = None if _wrong(still) or (grave and not rubbed) else motion.motion_of(record)
+    enough = record.time.size >= sampling.FEWEST
+    if not grave:
+        yield from _signals(record, moving, enough)
+    if enough and not _wrong(still):
+        yield from _agreement(record, mechanism, moving)
+    if enough and not grave:
+        yield from _course(record, moving)
+
+
+def _signals(record: Measurement, moving: motion.Motion | None, enough: bool) -> Iterator[Finding]:
+    """Yield what each signal tells by itself."""
     yield from dynamics.missing(record)
-    moving = None if _wrong(still) else motion.motion_of(record)
     yield from values.plausible(record, moving)
     yield from sampling.usual(record)
-    if record.time.size < sampling.FEWEST:
+    if not enough:
         return
     yield from values.jumps(record)
     yield from values.saturated(record)
@@ -243,8 +235,11 @@ def _record(record: Measurement, mechanism: Mechanism | None) -> Iterator[Findin
             kind="motion",
             sentence="There is neither position nor velocity: directions and rests are not known.",
         )
+
+
+def _course(record: Measurement, moving: motion.Motion | None) -> Iterator[Finding]:
+    """Yield what the course of the motion and of the friction tells."""
     if moving is not None:
-        yield from _agreement(record, mechanism, moving)
         yield from motion.reversals(moving)
         yield from motion.rests(moving)
         yield from motion.slow(moving)
