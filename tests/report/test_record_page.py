@@ -422,6 +422,24 @@ def test_a_headline_on_the_friction_map_says_of_which_law_it_is(table_verdict, t
     assert "By the Coulomb + viscous law, friction grows from" in text_of(table_html)
 
 
+def test_an_axis_that_turns_has_angles_and_torques_in_words_and_figures():
+    turned = dataclasses.replace(looped(), turning=True)
+    html = page_of(select(Axis(inertia=1.0), turned, [CoulombViscous, Viscous]))
+    labels = set(
+        re.findall(r"(velocity|displacement|position|friction|residual), ([^<]*)</text>", html)
+    )
+    assert labels == {
+        ("velocity", "mrad/s"),
+        ("displacement", "µrad"),
+        ("position", "µrad"),
+        ("friction", "N m"),
+        ("residual", "N m"),
+    }
+    text = text_of(html)
+    assert "N m" in text
+    assert not re.search(r"\bN (?!m)|\bmm|[^a]d?m/s", text)
+
+
 def test_a_table_without_positions_has_no_loops(table_html):
     assert "loops" not in sections(table_html)
 

@@ -26,8 +26,8 @@ from stickslip.cli.workers import workers
 from stickslip.experiments import Rig
 from stickslip.friction import FrictionLaw
 from stickslip.identification.features import COMPARED
-from stickslip.paper.pages import versions
 from stickslip.report.features import feature_page
+from stickslip.report.versions import versions
 from stickslip.selection import FeatureCandidate, FeatureVerdict, select
 from stickslip.selection.feature_words import share, signed_share
 from stickslip.selection.features import feature_laws

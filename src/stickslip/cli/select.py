@@ -29,7 +29,6 @@ from stickslip.experiments import Rig, load_rig
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.friction import laws as known_laws
 from stickslip.identification import starting_law
-from stickslip.paper import rig_report
 from stickslip.report.numbers import interval, length, significant
 from stickslip.selection import Candidate, TravelVerdict, select
 
@@ -77,6 +76,9 @@ def _travels(
     if as_json:
         print_json(content)
     else:
+        # the paper's audit is a part of this page alone, and takes a second to import
+        from stickslip.paper import rig_report
+
         note("Writing the report ...")
         seen = replace(rig, digest=found.digest)
         page = rig_report(seen, verdict, command=command_line())

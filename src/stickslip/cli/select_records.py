@@ -26,8 +26,8 @@ from stickslip.cli.workers import workers
 from stickslip.experiments import Rig
 from stickslip.experiments.digests import of_files
 from stickslip.friction import FrictionLaw
-from stickslip.paper.pages import versions
 from stickslip.report.records import record_page
+from stickslip.report.versions import versions
 from stickslip.selection import RecordCandidate, RecordVerdict, select
 from stickslip.selection.record_words import error_text
 from stickslip.selection.specifications import specifications

@@ -131,6 +131,7 @@ TURNED = {
     "kg": "kg m^2",
     "N/m": "N m/rad",
     "N s/m": "N m s/rad",
+    "N s^2/m^2": "N m s^2/rad^2",
     "1/m": "1/rad",
     "s/m": "s/rad",
 }

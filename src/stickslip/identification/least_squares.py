@@ -2,17 +2,19 @@
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-import lmfit
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
 from stickslip.errors import ConvergenceError
 from stickslip.identification.exact import room_for
 from stickslip.identification.results import Estimate, TravelFit
 from stickslip.identification.travel import TravelModel, Trial
 from stickslip.quantities import Quantity, parameters
+
+if TYPE_CHECKING:
+    import lmfit
 
 __all__ = ["fit_several"]
 
@@ -24,6 +26,8 @@ LEAST_UNCERTAINTY = 1e-3
 
 def fit_several(model: TravelModel, trials: Sequence[Trial]) -> TravelFit:
     """Fit the free parameters to all trials."""
+    import lmfit
+
     measured = np.array([trial.travel for trial in trials])
     errors = _standard_errors(trials)
     known = {path: (quantity, value) for path, quantity, value in parameters(model.law, "friction")}
@@ -33,7 +37,7 @@ def fit_several(model: TravelModel, trials: Sequence[Trial]) -> TravelFit:
         value = min(max(known[path][1] or 0.1, low * 1.001), high * 0.999)
         unknowns.add(f"u{i}", value=value, min=low, max=high)
 
-    def residual(values: lmfit.Parameters) -> NDArray[np.float64]:
+    def residual(values: "lmfit.Parameters") -> NDArray[np.float64]:
         point = [values[f"u{i}"].value for i in range(len(model.free))]
         predicted = np.array([model.travel(trial, point) for trial in trials])
         weighted: NDArray[np.float64] = (measured - predicted) / errors
@@ -67,9 +71,11 @@ def _standard_errors(trials: Sequence[Trial]) -> NDArray[np.float64]:
 
 
 def _estimate(
-    path: str, quantity: Quantity, found: lmfit.Parameter, excess: float, freedom: int
+    path: str, quantity: Quantity, found: "lmfit.Parameter", excess: float, freedom: int
 ) -> Estimate:
     """Return an estimate with a 95 % interval, widened where the residuals exceed their errors."""
+    from scipy import stats
+
     value, error = float(found.value), found.stderr
     reason = ""
     if error is None or not math.isfinite(error) or error > 1e6 * abs(value) + 1e-300:

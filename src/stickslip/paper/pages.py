@@ -1,7 +1,6 @@
 """The pages: the audit of the paper, and the selection report of a rig."""
 
 import math
-import platform
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 
@@ -33,6 +32,7 @@ from stickslip.report.numbers import fixed, percent
 from stickslip.report.selection import selection_page
 from stickslip.report.selection.closing import law_references
 from stickslip.report.selection.texts import step_text
+from stickslip.report.versions import versions
 from stickslip.selection import FixedStepRow, TravelVerdict, compare_fixed_steps
 from stickslip.simulation import simulate
 from stickslip.solver import FixedStep
@@ -42,12 +42,6 @@ __all__ = ["paper_report", "rig_report"]
 
 STEPS = (50.0, 500.0)
 """Fixed steps from the start to the stop, in the two runs that are compared."""
-LIBRARIES = ("stickslip", "numpy", "scipy", "symengine")
-
-
-def versions() -> Mapping[str, str]:
-    """Return the versions that a result may depend on."""
-    return {"python": platform.python_version(), **{name: version(name) for name in LIBRARIES}}
 
 
 def rig_report(rig: Rig, verdict: TravelVerdict, *, command: str = "stickslip select") -> str:

@@ -57,6 +57,7 @@ def draw_friction_map(
     *,
     chosen: str,
     trend: Array | None = None,
+    units: tuple[str, str] = ("m/s", "N"),
 ) -> Draw:
     """Return a drawing of friction against velocity: points, and laws as curves.
 
@@ -73,6 +74,8 @@ def draw_friction_map(
     trend : array (n,), optional
         1 where the speed of a point rises, -1 where it falls, 0 where neither is known: rising
         ones are green dots, falling ones purple triangles.
+    units : tuple of str
+        SI units of velocity and friction; those of an axis that turns differ.
 
     Returns
     -------
@@ -80,7 +83,7 @@ def draw_friction_map(
         Draws all speeds, and low speeds beside them where there are points.
     """
     v_max = float(np.max(np.abs(velocity)))
-    factor, unit = in_mm([v_max], "m/s")
+    factor, unit = in_mm([v_max], units[0])
     curves = {name: _curve(one, load, 1.05 * v_max) for name, one in laws.items()}
     look = looks(laws, chosen)
     low = low_speed(v_max)
@@ -101,7 +104,7 @@ def draw_friction_map(
             _lines(axes, lines, look)
             _frame(axes, (factor * first, factor * last), friction[seen], lines)
             axes.set_xlabel(f"velocity, {unit}")
-            axes.set_ylabel("friction, N")
+            axes.set_ylabel(f"friction, {units[1]}")
         grid.flat[0].set_title("all speeds", color=MUTED)
         if np.any(turn):
             _say_trend(grid.flat[0])

@@ -35,7 +35,7 @@ def loop_sizes(count: int) -> Sizes:
     return Sizes(wide=(880, 300), narrow=(358, 280 * count))
 
 
-def draw_loops(loops: Sequence[Loop], *, chosen: str) -> Draw:
+def draw_loops(loops: Sequence[Loop], *, chosen: str, units: tuple[str, str] = ("m", "N")) -> Draw:
     """Return a drawing of friction against displacement, one panel for each law.
 
     Parameters
@@ -44,6 +44,8 @@ def draw_loops(loops: Sequence[Loop], *, chosen: str) -> Draw:
         A few, with the same laws.
     chosen : str
         The law whose lines are solid; others are dashed.
+    units : tuple of str
+        SI units of displacement and friction; those of an axis that turns differ.
 
     Returns
     -------
@@ -52,7 +54,7 @@ def draw_loops(loops: Sequence[Loop], *, chosen: str) -> Draw:
     """
     names = sorted(loops[0].predicted, key=lambda name: name != chosen)
     look = looks(names, chosen)
-    factor, unit = in_mm(np.concatenate([one.displacement for one in loops]), "m")
+    factor, unit = in_mm(np.concatenate([one.displacement for one in loops]), units[0])
 
     def draw(figure: Figure, narrow: bool) -> None:
         shape = (len(names), 1) if narrow else (1, len(names))
@@ -78,6 +80,6 @@ def draw_loops(loops: Sequence[Loop], *, chosen: str) -> Draw:
         for axes in panels[-1]:
             axes.set_xlabel(f"displacement, {unit}")
         for row in panels:
-            row[0].set_ylabel("friction, N")
+            row[0].set_ylabel(f"friction, {units[1]}")
 
     return draw

@@ -82,8 +82,7 @@ def draw_overview(record: Measurement) -> Draw:
         _histogram(left, velocity, speeds)
         if forces:
             right = figure.add_subplot(grid[-1, 1])
-            force = np.asarray(record.values(forces[0]))
-            _density(right, (velocity, speeds), force, forces[0])
+            _density(right, (velocity, speeds), record, forces[0])
         figure.align_ylabels()
 
     return draw
@@ -164,9 +163,10 @@ def _histogram(axes: Axes, velocity: Array, speeds: str) -> None:
     axes.grid(axis="y")
 
 
-def _density(axes: Axes, moved: tuple[Array, str], force: Array, name: str) -> None:
+def _density(axes: Axes, moved: tuple[Array, str], record: Measurement, name: str) -> None:
     """Draw how often force and velocity meet, on a scale of powers of ten."""
     velocity, speeds = moved
+    force = np.asarray(record.values(name))
     factor, unit = scale_of(velocity, speeds)
     across, up = _middle(factor * velocity), _middle(force)
     counts, _, _ = np.histogram2d(factor * velocity, force, bins=CELLS, range=(across, up))
@@ -186,7 +186,7 @@ def _density(axes: Axes, moved: tuple[Array, str], force: Array, name: str) -> N
     axes.set_xlim(*across)
     axes.set_ylim(*up)
     axes.set_xlabel(f"velocity, {unit}")
-    axes.set_ylabel(_label(name, "N"))
+    axes.set_ylabel(_label(name, record.unit(name)))
 
 
 def _shades() -> ListedColormap:

@@ -31,6 +31,8 @@ DASHES: Final = ("-", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)))
 SETTLED: Final = 0.01
 """Share of its largest excursion within which a body counts as having arrived."""
 SAMPLES: Final = 700
+SMALL: Final = ("m", "m/s", "rad", "rad/s")
+"""Units that are shown in thousandths where they would need leading zeros."""
 
 
 class Sizes(TypedDict):
@@ -150,11 +152,11 @@ def scale_of(values: Array | Sequence[float], unit: str) -> tuple[float, str]:
 
     Examples
     --------
-    >>> scale_of([0.02, -0.05], "m"), scale_of([0.2], "m/s")
-    ((1000.0, 'mm'), (1.0, 'm/s'))
+    >>> scale_of([0.02, -0.05], "m"), scale_of([0.2], "m/s"), scale_of([0.01], "rad")
+    ((1000.0, 'mm'), (1.0, 'm/s'), (1000.0, 'mrad'))
     """
     largest = float(np.max(np.abs(values))) if len(values) else 0.0
-    if not unit.startswith("m") or unit not in {"m", "m/s"} or largest >= 0.1 or largest == 0.0:
+    if unit not in SMALL or largest >= 0.1 or largest == 0.0:
         return 1.0, unit
     return (1e6, f"µ{unit}") if largest < 1e-4 else (1e3, f"m{unit}")
 

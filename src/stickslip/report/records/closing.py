@@ -108,18 +108,19 @@ def _record_figure(verdict: RecordVerdict, fit: RecordFit) -> Figure | None:
     record = verdict.measurement.records()[0]
     if record.time is None:
         return None
-    units = {"position": "m", "velocity": "m/s", "force": "N", "friction": "N"}
     names = {"force": "force applied", "friction": "friction"}
     moving = speeds_of(fit, record)
     channels = []
-    for name, unit in units.items():
+    for name in ("position", "velocity", "force", "friction"):
         if name == "velocity" and moving is not None:
             t, values = moving
         elif name in record.quantities() and np.ndim(record.values(name)):
             t, values = record.time, np.asarray(record.values(name), dtype=float)
         else:
             continue
-        channels.append(Channel(names.get(name, name), unit, *thinned(t, values, LINES)))
+        channels.append(
+            Channel(names.get(name, name), record.unit(name), *thinned(t, values, LINES))
+        )
     if not channels:
         return None
     spans = _reverse(*moving) if moving is not None else []

@@ -43,6 +43,7 @@ def map_section(verdict: RecordVerdict) -> Section | None:
         points.load,
         chosen=best.title,
         trend=points.trend[shown],
+        units=(best.fit.measurement.unit("velocity"), best.fit.measurement.unit("friction")),
     )
     svg = inline_svg(
         draw,
@@ -72,14 +73,15 @@ def _heading(best: RecordCandidate, points: MapPoints) -> str:
     v, force = characteristic(law, points.load, fastest)
     slow = float(force[np.flatnonzero(v > 0.0)[0]])
     fast = float(force[-1])
-    speed = quantity_value(fastest, "m/s")
+    unit = fit.measurement.unit("friction")
+    speed = quantity_value(fastest, fit.measurement.unit("velocity"))
     by = f"By the {in_sentence(best.title)} law, friction"
     if abs(fast - slow) <= 0.02 * max(abs(fast), abs(slow)):
-        return f"{by} is {quantity_value(fast, 'N')} at all speeds"
+        return f"{by} is {quantity_value(fast, unit)} at all speeds"
     if abs(slow) <= 0.01 * abs(fast):
-        return f"{by} grows from 0 to {quantity_value(fast, 'N', 2)} at {speed}"
+        return f"{by} grows from 0 to {quantity_value(fast, unit, 2)} at {speed}"
     turn = "grows" if fast > slow else "falls"
-    start, end = quantity_value(slow, "N", 2), quantity_value(fast, "N", 2)
+    start, end = quantity_value(slow, unit, 2), quantity_value(fast, unit, 2)
     return f"{by} {turn} from {start} near rest to {end} at {speed}"
 
 

@@ -39,7 +39,11 @@ def loops_section(verdict: RecordVerdict) -> Section | None:
     if not loops:
         return None
     svg = inline_svg(
-        draw_loops(loops, chosen=best.title),
+        draw_loops(
+            loops,
+            chosen=best.title,
+            units=(verdict.measurement.unit("position"), verdict.measurement.unit("friction")),
+        ),
         alt=f"Friction against displacement, measured and by {' and '.join(c.title for c in laws)}",
         prefix="loop-figure",
         **loop_sizes(len(laws)),

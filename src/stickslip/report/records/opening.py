@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from stickslip.experiments.units import turned
 from stickslip.friction import (
     Coulomb,
     CoulombViscous,
@@ -24,6 +25,7 @@ from stickslip.report.records.texts import (
     half_width,
     label_of,
     paired,
+    raised,
     rival_of,
     scale_for,
     symbols_of,
@@ -99,7 +101,7 @@ def law_lines(fit: RecordFit, left_out: Collection[str] = ()) -> tuple[LawLine, 
         ]
     offset = offset_of(fit)
     if offset:
-        text = numbers.with_unit(numbers.significant(offset, 2), "N")
+        text = numbers.with_unit(numbers.significant(offset, 2), fit.measurement.unit("friction"))
         lines.append(LawLine(label="constant force", formula=text))
     for estimate in fit.estimates:
         if estimate.path.startswith("mechanism.") and not estimate.path.endswith("offset"):
@@ -125,16 +127,19 @@ def _sum(fit: RecordFit, prefix: str, load: float | None) -> str:
     v = "$v$" if prefix == "forward_" else "|$v$|"
     speed: tuple[tuple[str, str, str], ...] = (
         ("viscous_coefficient", "N s/m", f" × {v}"),
-        ("quadratic_coefficient", "N s²/m²", " × $v$²"),
+        ("quadratic_coefficient", "N s^2/m^2", " × $v$²"),
     )
     parts = []
     level = _digits(fit, f"{prefix}kinetic_coefficient", load or 1.0)
     if level:
-        parts.append(numbers.with_unit(level, "N") if load else f"{level} × $N$")
+        parts.append(
+            numbers.with_unit(level, fit.measurement.unit("friction")) if load else f"{level} × $N$"
+        )
     for name, unit, factor in speed:
         value = _digits(fit, prefix + name, 1.0)
         if value:
-            parts.append(numbers.with_unit(value, unit) + factor)
+            shown = raised(turned(unit, fit.measurement.turning))
+            parts.append(numbers.with_unit(value, shown) + factor)
     return " + ".join(parts) or "0"
 
 

@@ -60,12 +60,11 @@ def _panels(fit: RecordFit, factor: float) -> dict[str, ResidualPanel]:
     residual = factor * rows.residual
     shown = sampled(len(residual), DOTS)
     found = {}
-    against = {"time": (rows.t, "s"), "velocity": (rows.velocity, "m/s"),
-               "position": (rows.position, "m")}  # fmt: skip
-    for name, (x, si) in against.items():
+    against = {"time": rows.t, "velocity": rows.velocity, "position": rows.position}
+    for name, x in against.items():
         if x is None or np.ptp(x) == 0.0:
             continue
-        by, shown_unit = in_mm(x, si)
+        by, shown_unit = in_mm(x, "s" if name == "time" else fit.measurement.unit(name))
         label = f"{name}, {shown_unit}"
         panel = panel_of(label, by * x, residual, fit.inference.effective, shown)
         if len(panel.centre):

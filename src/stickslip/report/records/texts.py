@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from stickslip.identification import Estimate
+from stickslip.plots.series import in_mm
 from stickslip.report import numbers
 from stickslip.selection import RecordCandidate, RecordVerdict
 
@@ -17,6 +18,7 @@ __all__ = [
     "half_width",
     "label_of",
     "paired",
+    "raised",
     "rival_of",
     "scale_for",
     "symbols_of",
@@ -64,9 +66,9 @@ def scale_for(verdict: RecordVerdict) -> Scale:
     """Return the unit for errors: millimetres where metres would need leading zeros."""
     scores = [c.score for c in verdict.candidates if math.isfinite(c.score)]
     least = min(scores, default=1.0)
-    in_mm = verdict.unit in {"m", "m/s"} and least < 1.0
-    factor = 1e3 if in_mm else 1.0
-    unit = f"m{verdict.unit}" if in_mm else verdict.unit
+    factor, unit = in_mm([least], verdict.unit)
+    if factor > 1e3:  # 0.0002 mm is read more easily beside the millimetres of other sections
+        factor, unit = 1e3, f"m{verdict.unit}"
     return Scale(factor, unit, factor * least < FINE)
 
 
@@ -101,8 +103,19 @@ def half_width(estimate: Estimate) -> float:
 
 def unit_of(estimate: Estimate) -> str:
     """Return the unit of an estimate as it is printed, nothing for a pure number."""
-    unit = re.sub(r"\^(\d)", lambda m: POWERS[m[1]], estimate.quantity.unit)
+    unit = raised(estimate.quantity.unit)
     return "" if unit == "1" else unit
+
+
+def raised(unit: str) -> str:
+    """Return a unit whose exponents are raised.
+
+    Examples
+    --------
+    >>> raised("N s^2/m^2")
+    'N s²/m²'
+    """
+    return re.sub(r"\^(\d)", lambda m: POWERS[m[1]], unit)
 
 
 def estimate_parts(estimate: Estimate, factor: float = 1.0) -> tuple[str, str]:

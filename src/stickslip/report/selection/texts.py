@@ -27,6 +27,8 @@ __all__ = [
 
 WORDS: Final = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
 SAMPLES: Final = 4000
+BELOW: Final = {"m": 1.0, "m/s": 0.1, "rad": 0.1, "rad/s": 0.1}
+"""What is shown in thousandths: values below these."""
 
 
 def counted(count: int) -> str:
@@ -59,7 +61,7 @@ def quantity_value(value: float, unit: str, digits: int = 3) -> str:
     >>> quantity_value(0.05, "m/s", 2), quantity_value(0.25, "1", 2)
     ('50\xa0mm/s', '0.25')
     """
-    if 1e-6 <= abs(value) < {"m": 1.0, "m/s": 0.1}.get(unit, 0.0):
+    if 1e-6 <= abs(value) < BELOW.get(unit, 0.0):
         value, unit = value * 1e3, f"m{unit}"
     plain = f"{value:.{digits}g}"
     is_short = "e" not in plain and 0.0 < abs(value) < 1e4
