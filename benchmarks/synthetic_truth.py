@@ -115,7 +115,11 @@ def regrets(
         "training error": verdict.picks["training error"],
     }
     judged = {
-        c.name: {"losses": c.validation.losses, "parameters": c.parameters, "dropped": c.dropped}
+        c.name: {
+            "losses": c.validation.losses,
+            "parameters": c.parameters,
+            "dropped": c.dropped or c.doubt,
+        }
         for c in verdict.candidates
         if c.validation
     }
