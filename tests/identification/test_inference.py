@@ -162,3 +162,31 @@ def test_a_bootstrap_spreads_as_the_intervals_do_and_follows_its_seed():
     # quantiles of 2000 draws of Student's t are known to 3 %
     ends = np.percentile(draws, [2.5, 97.5])
     np.testing.assert_allclose(ends, [-found.half_widths[0], found.half_widths[0]], rtol=0.1)
+
+
+def table_of(residual, velocity):
+    """A table sorted by velocity whose only unknown acts at low speeds, its rows dealt out."""
+    slopes = np.exp(-velocity / 0.1)[:, None]
+    residual = residual - slopes[:, 0] * float(slopes[:, 0] @ residual / np.sum(slopes**2))
+    return Linearised(
+        values=np.zeros(1),
+        residual=residual,
+        slopes=slopes,
+        segment=np.arange(len(velocity)) % 8,
+    )
+
+
+def test_blocks_of_a_sorted_table_each_see_all_speeds():
+    v = np.linspace(0.01, 1.0, 160)
+    seen = table_of(np.random.default_rng(11).normal(size=160), v)
+    found = infer(seen, np.eye(1))
+    # eight alike have seven degrees of freedom; blocks of neighbours would have hardly one
+    assert found.freedom[0] > 6.0
+    assert found.errors[0] == pytest.approx(math.sqrt(found.naive[0, 0]), rel=0.7)
+
+
+def test_rows_of_a_table_that_follow_from_each_other_stay_together():
+    v = np.linspace(0.01, 1.0, 160)
+    seen = table_of(autoregression(160, 0.97, np.random.default_rng(12)), v)
+    assert effective_size(seen) < 80.0
+    assert infer(seen, np.eye(1)).freedom[0] < 2.0

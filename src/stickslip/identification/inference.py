@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 
 BLOCKS = 8
 """Blocks of a record between which residuals count as independent."""
+INDEPENDENT = 0.5
+"""Effective rows, over all rows, from which those of a table count as independent."""
 HOPELESS = 1e7
 """Condition beyond which a direction of the parameters is not seen at all."""
 TAKES_PART = 0.01
@@ -76,13 +78,22 @@ class Inference:
 
 
 def block_sums(seen: Linearised, table: Array, *, blocks: int = BLOCKS) -> tuple[Array, Array]:
-    """Return the Gauss-Newton matrices (b, p, p) and gradients (b, p) of contiguous blocks."""
+    """Return the Gauss-Newton matrices (b, p, p) and gradients (b, p) of contiguous blocks.
+
+    The rows of a table, whose segments lie within each other, are dealt out as these are: blocks
+    of a table that is sorted would each see other speeds. Rows that follow from each other stay
+    together all the same.
+    """
     edges = np.linspace(0, len(seen.residual), blocks + 1).astype(int)
+    order = np.argsort(seen.segment, kind="stable")
+    if effective_size(seen) < INDEPENDENT * len(order):
+        order = np.arange(len(order))
     squares, slopes = [], []
     for first, last in itertools.pairwise(edges.tolist()):
-        part = table[first:last]
+        rows = order[first:last]
+        part = table[rows]
         squares.append(part.T @ part)
-        slopes.append(part.T @ seen.residual[first:last])
+        slopes.append(part.T @ seen.residual[rows])
     return np.array(squares), np.array(slopes)
 
 

@@ -24,8 +24,10 @@ __all__ = ["LIKELY", "NEAR", "Judged", "Purpose", "RecordCandidate", "RecordVerd
 
 NEAR = 0.02
 """Share by which an error may be larger and count as the same, if blocks do not contradict."""
-LIKELY = 0.10
+LIKELY = 0.30
 """Share by which the error of the law that the whole record makes likeliest may be larger."""
+SAME = 1e-3
+"""Share of a mean square below which a difference is one of the search, not of the laws."""
 
 
 @final
@@ -232,4 +234,5 @@ def as_good(other: Judged, best: Judged, *, share: float = NEAR) -> bool:
         return False
     gaps = np.subtract(other.validation.losses, best.validation.losses)
     error = float(np.std(gaps, ddof=1)) / math.sqrt(len(gaps)) if len(gaps) > 1 else 0.0
-    return bool(gaps.mean() <= error and other.score <= (1.0 + share) * best.score)
+    same = SAME * best.score**2
+    return bool(gaps.mean() <= max(error, same) and other.score <= (1.0 + share) * best.score)

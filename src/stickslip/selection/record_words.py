@@ -89,11 +89,17 @@ def _outcome(c: RecordCandidate, best: RecordCandidate) -> str:
         if more > 0:
             return f"{more} more parameter{'s' if more > 1 else ''}, no gain beyond doubt"
         return "as good within doubt"
+    told = _told_apart(c, best)
     if c.name == REFERENCE:
-        return "reference"
+        return "reference" if told else "reference, not told apart"
     if best.score <= 0.0:  # numbers that a law made, without noise
         return "errs where the chosen law does not"
-    return f"{c.score / best.score:.1f} × the error"
+    return f"{c.score / best.score:.1f} × the error" + ("" if told else ", within doubt")
+
+
+def _told_apart(c: RecordCandidate, best: RecordCandidate) -> bool:
+    """Whether a candidate errs more than the chosen one by more than one paired error."""
+    return not as_good(c, best, share=math.inf)
 
 
 def record_wording(
@@ -179,7 +185,8 @@ def _lede(
     if usual is not None and usual.name != best.name and usual.fit:
         text += (
             f" Coulomb + viscous friction, the usual choice, reaches"
-            f" {told(usual.score)} on the same blocks."
+            f" {told(usual.score)} on the same blocks"
+            f"{'.' if _told_apart(usual, best) else ', which do not tell the two apart.'}"
         )
     elif without is not None and math.isfinite(without.score):
         text += f" Without friction it would be {told(without.score)}."

@@ -7,8 +7,6 @@ from dataclasses import replace
 from functools import partial
 from typing import TypeAlias, TypeVar
 
-import numpy as np
-
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Measurement, check
 from stickslip.experiments.refusals import refuse_lack, refuse_unused, with_doubts
@@ -32,7 +30,13 @@ from stickslip.selection.record_verdict import (
 )
 from stickslip.selection.record_words import outcomes, record_wording
 from stickslip.selection.side_by_side import fitted_side_by_side, takes_long
-from stickslip.selection.specifications import REFERENCE, Specification, control, specifications
+from stickslip.selection.specifications import (
+    REFERENCE,
+    Specification,
+    control,
+    specifications,
+)
+from stickslip.selection.suited import one_way, unsuited_by
 
 __all__ = ["LEFT_OUT", "PURPOSES", "RecordWatch", "checked", "choose", "select_records"]
 
@@ -108,7 +112,7 @@ def _laws(
 ) -> tuple[Specification, ...]:
     """Return the candidates; by default none that the motion cannot tell."""
     chosen = specifications(laws)
-    if laws is None and _one_way(measurement):
+    if laws is None and one_way(measurement):
         return tuple(one for one in chosen if one.name != "direction-dependent")
     return chosen
 
@@ -149,18 +153,6 @@ def _fits(tried: Sequence[RecordCandidate]) -> list[RecordFit]:
     return fits
 
 
-def _one_way(measurement: Measurement) -> bool:
-    """Whether nothing in a record slips backwards, or nothing forwards."""
-    if "velocity" in measurement.quantities():
-        signs = [np.sign(np.asarray(r.values("velocity"))) for r in measurement.records()]
-    elif "position" in measurement.quantities():
-        signs = [np.sign(np.diff(np.asarray(r.values("position")))) for r in measurement.records()]
-    else:
-        return False
-    joined = np.concatenate(signs)
-    return min(float(np.mean(joined > 0)), float(np.mean(joined < 0))) < 0.01
-
-
 def _unfitted(one: Specification, reason: str) -> RecordCandidate:
     return RecordCandidate(
         name=one.name, title=one.title, fit=None, validation=None, dropped=reason
@@ -178,6 +170,9 @@ def _candidate(
     settings: RecordSettings | None,
 ) -> RecordCandidate:
     """Fit one candidate; one that cannot be fitted is kept with the reason."""
+    unsuited = unsuited_by(measurement, one.law)
+    if unsuited:
+        return _unfitted(one, unsuited)
     if watch is not None and watch(one.name, math.nan) is False:
         return _unfitted(one, LEFT_OUT)
     report = None if watch is None else (lambda rms: watch(one.name, rms))
