@@ -80,7 +80,7 @@ def test_repairs_are_said(run, write):
     data = {name: np.append(values, values[5]) for name, values in good().items()}
     file = write(**data)
     code, _, err = run(file, *COLUMNS)
-    assert (code, 'repair="sort"' in err) == (2, True)
+    assert (code, "read so with --repair sort" in err) == (2, True)
     code, out, _ = run(file, *COLUMNS, "--repair", "sort,gaps")
     assert code == 0
     assert "data.csv; sorted by time (1 sample was late); 1 exact double dropped" in out
@@ -140,3 +140,78 @@ def test_megabytes_of_text_are_one_message(run, tmp_path):
     assert code == 2
     assert "book.txt: is no table" in err
     assert len(err) < 400
+
+
+# --- with a rig
+
+
+RIG = """
+[mechanism]
+type = "axis"
+inertia = "5 kg"
+[data]
+file = "{file}"
+columns = {{ time = "t", position = "q", force = "u" }}
+units = {{ position = "mm" }}
+gain = {{ force = {gain} }}
+"""
+
+
+@pytest.fixture
+def rig(axis_record, write, tmp_path):
+    """Write a record, in mm and tens of newtons, and the rig file that reads it."""
+
+    def writer(gain=10.0, file="data.csv"):
+        write(t=axis_record["t"], q=1e3 * axis_record["q"], u=axis_record["u"] / 10.0)
+        (tmp_path / "rig.toml").write_text(RIG.format(gain=gain, file=file))
+        return "rig.toml"
+
+    return writer
+
+
+def test_a_rig_file_has_the_mechanism_and_says_what_is_read(run, rig):
+    code, out, _ = run(rig())
+    assert (code, "Force is" in out) == (0, False)
+    assert "  1,200 samples at 200 Hz" in out
+    code, out, _ = run(rig(gain=-10.0))
+    assert "! Force is −1 times what the mechanism takes" in out
+    # a force in amperes that passes for newtons: 300 times too small is an error
+    code, out, err = run(rig(gain=0.01))
+    assert (code, err) == (2, "No fit should be made from this as it is.")
+    assert "✗ Force is 0.00" in out
+
+
+def test_files_beside_a_rig_are_read_as_it_says(run, rig, tmp_path):
+    file = rig()
+    (tmp_path / "data.csv").rename(tmp_path / "second.csv")
+    (tmp_path / "rig.toml").write_text(RIG.format(gain=10.0, file="").replace('file = ""', ""))
+    code, out, err = run(file)
+    assert (code, out) == (2, "")
+    assert "rig.toml has no measurement" in err
+    assert run(file, "second.csv")[:2] == run("second.csv", file)[:2]
+    assert "Force is" not in run(file, "second.csv")[1]
+    assert "Force is −1 times" in run(file, "second.csv", "--gain", "force=-10")[1]
+
+
+def test_options_of_columns_need_a_file_of_data(run, rig):
+    code, _, err = run(rig(), "--gain", "force=2")
+    assert (code, "give one beside rig.toml" in err) == (2, True)
+    code, _, err = run("rig.toml", "rig.toml")
+    assert (code, "one rig file" in err) == (2, True)
+
+
+def test_a_fault_of_what_a_rig_reads_names_keys_of_a_rig_file(run, rig, tmp_path):
+    file = rig()
+    (tmp_path / "data.csv").write_text("a,b\n0,1\n1,2\n")
+    path = tmp_path / "rig.toml"
+    path.write_text("\n".join(path.read_text().splitlines()[:6]))
+    code, _, err = run(file)
+    assert code == 2
+    assert 'columns = { position = "..." }' in err
+    assert "--columns position=..." in run("data.csv")[2]
+
+
+def test_a_mechanism_of_one_s_own_needs_leave(run, tmp_path):
+    (tmp_path / "rig.toml").write_text('[mechanism]\ntype = "own:Slide"\n')
+    code, _, err = run("rig.toml")
+    assert (code, "--allow-import" in err) == (2, True)

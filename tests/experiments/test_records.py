@@ -284,3 +284,79 @@ def test_a_typo_in_the_columns_of_a_rig_file_is_refused(tmp_path):
     )
     with pytest.raises(InputError, match="Did you mean 'position'"):
         load_rig(rig)
+
+
+# --- what is in no file
+
+
+@pytest.mark.parametrize(
+    ("given", "kind", "cure"),
+    [
+        (pd.DataFrame({"t": [0.0, 1.0]}), "DataFrame", r"Measurement\(time=table"),
+        ({"t": [0.0, 1.0]}, "dict", r"Measurement\(time=table"),
+        (np.zeros(3), "ndarray", r"Measurement\(time=t"),
+        ([pd.DataFrame({"t": [0.0, 1.0]})], "list", r"Measurement\(time=t"),
+        (3, "int", r"Measurement\(time=t"),
+    ],
+)
+def test_what_names_no_file_is_refused_with_what_to_make_of_it(given, kind, cure):
+    with pytest.raises(InputError, match=f"takes the name of a file.*got {kind}: .*{cure}"):
+        load_measurement(given)
+
+
+def test_files_may_come_from_anything_that_lists_them(write, tmp_path):
+    for name in ("a.csv", "b.csv"):
+        write("time,position\n0,0\n1,1\n", name)
+    for files in (tmp_path.glob("*.csv"), {"a.csv": 1}.keys(), np.array(["a.csv", "b.csv"])):
+        assert {record.name for record in load_measurement(files).records()} <= {"a", "b"}
+
+
+# --- numbers and headers that cannot be read
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (
+            "time;position\n0;0,0\n1;1.592,0\n2;532.668,6\n",
+            r"line 3: .*got '1.592,0'.* between thousands, here '1592,0'",
+        ),
+        ('time,position\n0,0.5\n1,"12,592.5"\n', r"line 3: .*between thousands, here '12592.5'"),
+        ("time;position\n0;0,5\n1;12 592\n", r"line 3: .*between thousands, here '12592'"),
+        # three decimals after a comma are no thousands: the word is what cannot be read
+        ("time;position\n0;1,592\n1;stuck\n", r"line 3: must be a finite number, got 'stuck'.$"),
+    ],
+    ids=["dots", "commas", "blanks", "a word"],
+)
+def test_the_number_that_cannot_be_read_is_named_and_not_its_neighbours(write, text, words):
+    with pytest.raises(ParameterError, match=words):
+        load_measurement(write(text))
+
+
+@pytest.mark.parametrize(
+    ("above", "words"),
+    [
+        ("Instrument: T-100\nDate: 2024-05-01\n\n", r"3 lines stand above .* be line 4, 'time,pos"),
+        ("Tribometer\n", r"a line stands above the header, .* line 2"),
+        ("# by hand\nsample,steel,dry\n", r"a line stands above the header, .* line 3"),
+    ],
+)
+def test_lines_above_the_header_are_told_with_their_cure(write, above, words):
+    file = write(above + "time,position\n0,0.5\n1,1.5\n")
+    with pytest.raises(InputError, match=f"data.csv: {words}.*#, or delete it"):
+        load_measurement(file)
+    commented = "".join(f"# {line}\n" for line in above.splitlines())
+    record = load_measurement(write(commented + "time,position\n0,0.5\n1,1.5\n"))
+    np.testing.assert_array_equal(record.position, [0.5, 1.5])
+
+
+def test_a_row_that_is_too_long_is_told_in_plain_words(write):
+    with pytest.raises(InputError, match=r"line 3, saw 4\). Every row needs 3 cells") as caught:
+        load_measurement(write("time,position,note\n0,0.5,b\n1,1.5,a,b\n"))
+    assert "C error" not in str(caught.value)
+
+
+def test_friction_over_a_path_is_told_what_makes_a_record_of_it(write):
+    file = write("position,friction\n0.0,1.0\n0.1,2.0\n")
+    with pytest.raises(InputError, match="add a column of times at the speed of the test"):
+        load_measurement(file)

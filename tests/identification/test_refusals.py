@@ -83,6 +83,17 @@ def test_fit_and_select_refuse_the_same_records(parts, words):
             verb()
 
 
+def test_a_fault_of_several_trials_is_told_once_after_their_names(parts):
+    wrong = {**parts, "position": 1e3 * parts["position"]}
+    trials = tuple(Measurement(**wrong, name=name) for name in ("north", "south"))
+    with pytest.raises(InputError, match=r"record. north and south: Force is 0.001") as caught:
+        fit(AXIS, CoulombViscous, Measurement(trials=trials))
+    assert str(caught.value).count("Force is") == 1
+    many = tuple(Measurement(**wrong, name=f"run{i}") for i in range(9))
+    with pytest.raises(InputError, match=r"run0, run1, run2, run3, run4 and 4 more: Force is"):
+        fit(AXIS, CoulombViscous, Measurement(trials=many))
+
+
 def test_a_motion_that_nothing_drives_is_not_blamed_on_the_sign_of_a_force():
     # it only speeds up, as a constant force might make it: a check of its energy cannot tell
     time = np.arange(60) / 100

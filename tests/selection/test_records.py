@@ -144,6 +144,19 @@ def test_a_record_without_motion_decides_nothing():
         select(AXIS, still, [Coulomb])
 
 
+def test_a_fault_of_several_trials_is_told_once_after_their_names():
+    t = np.arange(0.0, 4.0, 0.01)
+    still = [
+        Measurement(time=t, position=np.zeros(400), force=np.sin(t), name=name)
+        for name in ("north", "south")
+    ]
+    with pytest.raises(
+        InputError, match=r"cannot decide\. north and south: Position never"
+    ) as seen:
+        select(AXIS, Measurement(trials=tuple(still)), [Coulomb])
+    assert str(seen.value).count("Position never changes") == 1
+
+
 def test_a_verdict_keeps_the_second_record_and_the_settings_of_its_fits(verdict):
     assert verdict.second is not None
     assert verdict.settings == QUICK

@@ -156,12 +156,17 @@ def fit(
 def check(
     files: Annotated[
         list[Path],
-        typer.Argument(metavar="FILE", help="CSV, Parquet or MATLAB files; several are trials."),
+        typer.Argument(
+            metavar="FILE",
+            help="CSV, Parquet or MATLAB files, of which several are trials; with or instead of"
+            " these a rig file (TOML), whose mechanism tells more and whose [data] is read.",
+        ),
     ],
     columns: Columns = None,
     units: Units = None,
     gain: Gain = None,
     repair: Repair = None,
+    allow_import: AllowImport = False,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder for a picture and the findings.")
     ] = None,
@@ -173,7 +178,8 @@ def check(
     from stickslip.cli.reading import reading_of
 
     reading = reading_of(columns=columns, units=units, gain=gain, repair=repair)
-    run(files, reading, output, force=force, as_json=as_json)
+    start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
+    start(files, reading, output)
 
 
 @app.command()

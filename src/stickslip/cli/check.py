@@ -15,7 +15,8 @@ from stickslip.cli.output import (
     stdout,
     write_folder,
 )
-from stickslip.experiments import Checks, Measurement, check
+from stickslip.errors import InputError
+from stickslip.experiments import Checks, Measurement, Rig, check, load_rig
 from stickslip.experiments.reading import Reading
 from stickslip.experiments.records import read_data
 
@@ -27,13 +28,21 @@ FORMATS = ("svg", "png")
 
 
 def run(
-    files: Sequence[Path], reading: Reading, output: Path | None, *, force: bool, as_json: bool
+    files: Sequence[Path],
+    reading: Reading,
+    output: Path | None,
+    *,
+    allow_import: bool,
+    force: bool,
+    as_json: bool,
 ) -> None:
     """Check, print the sentences, draw an overview if asked for one."""
     if output is not None:
         refuse_overwriting(output, output, force=force)
-    measurement = read_data(files, reading)
-    found = check(measurement)
+    rig, data = _parted(files, allow_import=allow_import)
+    mechanism = None if rig is None else rig.mechanism
+    measurement = _measurement(rig, data, reading)
+    found = check(measurement, mechanism=mechanism)
     records = measurement.records()
     origins = {"records": [{"name": r.name, "provenance": r.provenance} for r in records]}
     content = document("check", {**found.to_dict(), **origins})
@@ -49,6 +58,34 @@ def run(
     if found.worst == "error":
         note("No fit should be made from this as it is.")
         raise typer.Exit(BAD_DATA)
+
+
+def _parted(files: Sequence[Path], *, allow_import: bool) -> tuple[Rig | None, list[Path]]:
+    """Return the rig, if a rig file is among the files, and the files with data."""
+    rigs = [file for file in files if file.suffix.lower() == ".toml"]
+    if len(rigs) > 1:
+        raise InputError(f"check takes one rig file, got {', '.join(map(str, rigs))}.")
+    rig = load_rig(rigs[0], allow_import=allow_import) if rigs else None
+    return rig, [file for file in files if file not in rigs]
+
+
+def _measurement(rig: Rig | None, data: Sequence[Path], reading: Reading) -> Measurement:
+    """Return what the files hold, read as the rig and then the options say, or what the rig has."""
+    if data:
+        own = reading if rig is None else rig.reading.with_changes(reading)
+        return read_data(data, own, mechanism=None if rig is None else rig.mechanism)
+    assert rig is not None  # one file at least is given
+    if reading != Reading():
+        raise InputError(
+            f"--columns, --unit, --gain and --repair are for files of data: give one beside"
+            f" {rig.path}, or write them under its [data]."
+        )
+    if rig.measurement is None:
+        raise InputError(
+            f"{rig.path} has no measurement: add [data] with a file, or name the file beside it,"
+            f" as stickslip check {rig.path} FILE."
+        )
+    return rig.measurement
 
 
 def _show(measurement: Measurement, found: Checks) -> None:

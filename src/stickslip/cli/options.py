@@ -114,7 +114,12 @@ Units = Annotated[
 ]
 Gain = Annotated[
     list[str] | None,
-    typer.Option("--gain", metavar="NAME=FACTOR,...", help="To SI, e.g. force=35.15."),
+    typer.Option(
+        "--gain",
+        metavar="NAME=FACTOR,...",
+        help="E.g. friction=-1, of a number in SI; of volts or where no unit is known, what makes"
+        " SI: force=35.15.",
+    ),
 ]
 Repair = Annotated[
     list[str] | None,

@@ -22,6 +22,7 @@ def reading_of(
         units=_pairs("--unit", "position=mm", units),
         gain=_numbers(_pairs("--gain", "force=35.15", gain)),
         repair=tuple(texts),  # type: ignore[arg-type]  # checked by Reading itself
+        by="options",
     )
 
 

@@ -13,6 +13,7 @@ from stickslip.errors import InputError
 from stickslip.experiments.checking import (
     agreement,
     dynamics,
+    forces,
     level,
     motion,
     sampling,
@@ -186,7 +187,10 @@ def _agreement(
     yield from agreement.friction_sign(record, moving)
     if not _wrong(agree):
         yield from dynamics.energy(record, mechanism)
-        yield from dynamics.proportion(record, mechanism)
+        size = [*dynamics.proportion(record, mechanism)]
+        yield from size
+        if not size:
+            yield from forces.direction(record, moving)
 
 
 def _record(record: Measurement, mechanism: Mechanism | None, grave: bool) -> Iterator[Finding]:
@@ -199,6 +203,8 @@ def _record(record: Measurement, mechanism: Mechanism | None, grave: bool) -> It
         yield from tables.coverage(record)
         if not grave:
             yield from values.plausible(record, None)
+    if not grave:
+        yield from forces.coefficient(record, mechanism)
     if record.time is None:
         return
     yield from sampling.length(record.time)

@@ -19,7 +19,7 @@ from stickslip.experiments.laws import known_laws
 from stickslip.experiments.measurement import QUANTITIES, Measurement
 from stickslip.experiments.paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.reading import Reading
-from stickslip.experiments.records import load_measurement, read_data
+from stickslip.experiments.records import read_data
 from stickslip.experiments.rig import Published, Rig, check_record, state_units
 from stickslip.experiments.schema import ReadTable, RigTable, TrialTable, rig_table
 from stickslip.experiments.tables import Given, Number, Table
@@ -156,6 +156,7 @@ def _reading(table: ReadTable, file: str, key: str = "data") -> Reading:
         gain=table.gain,
         offset=offset,
         repair=tuple(table.repair),
+        by="rig",
     )
 
 
@@ -215,13 +216,9 @@ def _filed(
     _check_keys(given, TRAVEL_ONLY, f"{label}: {{}} is for a travel, and file names a record")
     own = reading.with_changes(_reading(trial, file, key))
     try:
-        found = load_measurement(
-            Path(file).parent / trial.file,
-            columns=own.columns,
-            units=own.units,
-            gain=own.gain,
-            offset=own.offset,
-            repair=own.repair,
+        found = read_data(
+            [Path(file).parent / trial.file],
+            own,
             overrides=_overrides(trial.set, mechanism, f"{label}.set"),
             initial=_initial(trial.initial, mechanism, f"{label}.initial"),
             name=trial.name,

@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.matlab import read_mat
-from stickslip.experiments.texts import read_text
+from stickslip.experiments.texts import culprit, grouped, read_text
 from stickslip.experiments.toml import check_file
 from stickslip.experiments.units import factor, shown
 
 __all__ = ["Frame", "read_frame"]
 
+NO_UNIT = ("-", "\N{EN DASH}", "\N{MINUS SIGN}")
+"""What stands in the brackets of a header for the unit of a pure number."""
 _HEADER = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*")
 
 
@@ -70,12 +72,14 @@ class Frame:
             wrong = np.ones(len(column), dtype=bool)
         bad = np.flatnonzero(wrong)
         if bad.size:
-            cell = column.iloc[int(bad[0])]
+            first = culprit(column.iloc[bad].tolist())
+            row, cell = int(bad[first]), column.iloc[int(bad[first])]
             got = "nothing" if pd.isna(cell) else shown(cell)
-            hole = pd.isna(cell) or not np.isnan(values[bad[0]])
+            hole = pd.isna(cell) or not np.isnan(values[row])
             cure = ' To drop such samples give repair="gaps".' if repairable and hole else ""
             raise ParameterError(
-                f"{self.place(name, int(bad[0]))}: must be a finite number, got {got}.{cure}"
+                f"{self.place(name, row)}: must be a finite number, got {got}."
+                f"{cure or grouped(cell)}"
             )
         return values
 
@@ -152,7 +156,7 @@ def _named(
         name, unit = (match["name"], match["unit"]) if match else (header, None)
         if name in names:
             raise InputError(f"{file}: two columns are called {name!r}.")
-        names[name], found_units[name] = header, unit
+        names[name], found_units[name] = header, "1" if unit in NO_UNIT else unit
     data = data.set_axis(list(map(str, data.columns)), axis=1)
     own, own_units = dict(names), dict(found_units)
     # A mapped column is known by its quantity alone, so none is used twice.
@@ -166,7 +170,7 @@ def _named(
     for name, unit in units.items():
         if name not in names:
             raise UnknownNameError(f"column in units of {file}:", name, names)
-        found_units[name] = unit
+        found_units[name] = "1" if unit in NO_UNIT else unit
     return Frame(file=file, data=data, names=names, units=found_units, first_row=first_row)
 
 

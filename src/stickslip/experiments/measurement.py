@@ -280,14 +280,23 @@ def _check_shapes(record: Measurement) -> None:
     if not sizes:
         return
     if "friction" not in sizes or "velocity" not in sizes:
-        raise InputError(
-            f"Measurement.{next(iter(sizes))} is an array without time: give time [s], or give"
-            " friction and velocity together as a friction map."
-        )
+        raise InputError(_without_time(sizes))
     if len(set(sizes.values())) > 1:
         raise InputError(
             f"The arrays of a friction map must be equally long, got {_listed(sizes)}."
         )
+
+
+def _without_time(sizes: Mapping[str, int]) -> str:
+    """Return what is wrong with arrays that are no friction map."""
+    text = f"Measurement.{next(iter(sizes))} is an array without time: give time [s], or give"
+    text += " friction and velocity together as a friction map."
+    if {"friction", "position"} <= {*sizes}:
+        text += (
+            " Friction over a path needs the time at which it was passed: add a column of times at"
+            " the speed of the test, which are the way passed so far over that speed."
+        )
+    return text
 
 
 def _check_time(record: Measurement, sizes: Mapping[str, int]) -> None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import final
 
 from stickslip.experiments.repair import Repair, repairs
+from stickslip.experiments.spelling import Speaker
 
 __all__ = ["Reading"]
 
@@ -26,11 +27,13 @@ class Reading:
     units: Mapping[str, str] = field(default_factory=dict)
     """Quantity -> unit of its column."""
     gain: Mapping[str, float] = field(default_factory=dict)
-    """Quantity -> factor that makes SI of its column."""
+    """Quantity -> factor, as in `load_measurement`."""
     offset: Mapping[str, float] = field(default_factory=dict)
     """Quantity -> offset of its sensor, in SI."""
     repair: tuple[Repair, ...] = ()
     """What is repaired."""
+    by: Speaker = field(default="python", compare=False)
+    """Who said so, and is to be told in the same spelling what else to say."""
 
     def __post_init__(self) -> None:
         """Check what is to be repaired."""
@@ -44,4 +47,5 @@ class Reading:
             gain={**self.gain, **other.gain},
             offset={**self.offset, **other.offset},
             repair=self.repair + other.repair,
+            by=self.by if other.by == "python" else other.by,
         )

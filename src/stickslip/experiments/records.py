@@ -2,17 +2,19 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.columns import check_columns
-from stickslip.experiments.measurement import QUANTITIES, SAMPLED, Measurement, Uncertainty
+from stickslip.experiments.measurement import SAMPLED, Array, Measurement, Uncertainty
 from stickslip.experiments.reading import Reading
-from stickslip.experiments.repair import Repair, repaired, repairs
-from stickslip.experiments.units import is_of, shown
+from stickslip.experiments.repair import Repair, repaired
+from stickslip.experiments.scaling import Scaling, gains_of, load_stated
+from stickslip.experiments.spelling import spelled
+from stickslip.experiments.units import shown
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity
 
 if TYPE_CHECKING:
     from stickslip.experiments.frames import Frame
@@ -43,8 +45,9 @@ def load_measurement(
     record, with the columns ``time``, ``position``, ``velocity``, ``force``, ``friction``,
     ``load``, ``spring_force``, ``pull``, ``reference``; what else it has is left alone. A header
     may carry its unit, as ``travel [mm]``; without one, and without an entry in `units`, numbers
-    are in SI. The columns of a MATLAB file are its vectors of one length; a field of a struct is
-    called ``struct.field``.
+    are in SI. A ``friction`` or ``spring_force`` in ``1`` or ``%`` is a coefficient, which becomes
+    a force by the load: of the file, or else of the mechanism. The columns of a MATLAB file are its
+    vectors of one length; a field of a struct is called ``struct.field``.
 
     Parameters
     ----------
@@ -57,15 +60,17 @@ def load_measurement(
     units : mapping of str to str, optional
         Quantity or parameter path -> unit of its column.
     gain : mapping of str to float, optional
-        By quantity of a record, the factor that makes SI of its column's numbers: newtons per
-        volt of an amplifier and its motor, or -1 for a sensor that counts the other way.
+        By quantity of a record, a factor other than 0: -1 for a sensor that counts the other way,
+        or newtons per volt of an amplifier and its motor. It multiplies what a unit of the
+        quantity's kind (mN, mm/s) has made SI of; where the column has another unit (V, A) or
+        none, it makes SI of the numbers that stand there.
     uncertainty, uncertainty_kind, overrides, initial, offset
         As in `Measurement`, in SI; for several trials, of every one that says nothing else.
     name : str
         What the measurement is called; the file's name if not given.
     mechanism : Mechanism, optional
-        Checks parameter paths and the units of their columns at once, and lets the plain last name
-        of a parameter stand for its path.
+        Checks parameter paths and the units of their columns at once, lets the plain last name
+        of a parameter stand for its path, and has the load of coefficients.
     repair : {"sort", "gaps"} or sequence of these, optional
         ``"sort"``: order the samples of a record by time, drop those that are there twice, and
         average those of one time that differ. ``"gaps"``: drop samples that are not finite in
@@ -93,30 +98,31 @@ def load_measurement(
     >>> [(trial.travel, dict(trial.overrides)) for trial in trials]
     [(0.072, {'mechanism.compression': 0.06}), (0.2, {'mechanism.compression': 0.1})]
     """
+    reading = Reading(
+        columns=columns or {},
+        units=units or {},
+        gain=gain or {},
+        offset=offset or {},
+        repair=repair,  # type: ignore[arg-type]  # made a tuple by Reading itself
+    )
     common: dict[str, Any] = {
         "uncertainty_kind": uncertainty_kind,
         "overrides": overrides or {},
         "initial": initial or {},
-        "offset": offset or {},
     }
     if uncertainty is not None:
         common["uncertainty"] = uncertainty
-    check_columns(columns or {}, mechanism)
-    reading = _Reading(
-        columns=columns or {},
-        units=units or {},
-        gain=gain or {},
-        common=common,
-        mechanism=mechanism,
-        repair=repairs(repair),
-    )
-    if isinstance(path, str | Path) or not isinstance(path, Iterable):
-        return reading.one(path, name)
-    return reading.several(list(path), name)
+    return _Files(reading=reading, common=common, mechanism=mechanism).measurement(path, name)
 
 
 def read_data(
-    files: Sequence[Path], reading: Reading, *, mechanism: Mechanism | None = None
+    files: Sequence[Path],
+    reading: Reading,
+    *,
+    mechanism: Mechanism | None = None,
+    overrides: Mapping[str, float] | None = None,
+    initial: Mapping[str, float] | None = None,
+    name: str = "",
 ) -> Measurement:
     r"""Return the measurement of one file, or of several as trials, read as they are to be.
 
@@ -129,27 +135,31 @@ def read_data(
     ...     read_data([file], Reading(columns={"position": "q"})).name
     'record'
     """
-    return load_measurement(
-        files[0] if len(files) == 1 else files,
-        columns=reading.columns,
-        units=reading.units,
-        gain=reading.gain,
-        offset=reading.offset,
-        mechanism=mechanism,
-        repair=reading.repair,
-    )
+    common = {"overrides": overrides or {}, "initial": initial or {}}
+    read = _Files(reading=reading, common=common, mechanism=mechanism)
+    return read.measurement(files[0] if len(files) == 1 else files, name)
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Reading:
-    """How files are read."""
+class _Files:
+    """How files become a measurement."""
 
-    columns: Mapping[str, str]
-    units: Mapping[str, str]
-    gain: Mapping[str, float]
+    reading: Reading
     common: Mapping[str, Any]
+    """What every record has beside its columns."""
     mechanism: Mechanism | None
-    repair: tuple[Repair, ...]
+
+    def measurement(self, path: str | Path | Iterable[str | Path], name: str) -> Measurement:
+        """Return the measurement of one file, or of several as trials."""
+        check_columns(self.reading.columns, self.mechanism)
+        if isinstance(path, str | PathLike):
+            return self.one(path if isinstance(path, str) else Path(path), name)
+        # A table is iterable too, over the names of its columns.
+        one = not isinstance(path, Iterable)
+        given: list[Any] = [path] if one or _is_table(path) else list(path)
+        if not all(isinstance(file, str | PathLike) for file in given):
+            raise InputError(_no_file(path))
+        return self.several(given, name)
 
     def several(self, paths: Sequence[str | Path], name: str) -> Measurement:
         """Return the trials of several files, each called like its file."""
@@ -168,82 +178,72 @@ class _Reading:
         from stickslip.experiments.frames import read_frame
         from stickslip.experiments.trials import read_trials
 
-        frame = read_frame(path, columns=self.columns, units=self.units)
         name = name or Path(path).stem
+        columns, units = self.reading.columns, self.reading.units
         try:
+            frame = read_frame(path, columns=columns, units=units)
             if "travel" in frame.names and "time" not in frame.names:
-                if self.repair:
-                    raise InputError("repair is for records in time, not for tables of trials.")
-                return read_trials(frame, self.common, name, self.mechanism)
+                self._refuse_for_trials()
+                common = {**self.common, "offset": self.reading.offset}
+                return read_trials(frame, common, name, self.mechanism)
             return self._record(frame, name)
         except UnknownNameError:
             raise
         except InputError as error:
-            text = str(error)
-            raise type(error)(
-                text if text.startswith(frame.file) else f"{frame.file}: {text}"
-            ) from None
+            text = spelled(str(error), self.reading.by)
+            raise type(error)(text if text.startswith(str(path)) else f"{path}: {text}") from None
+
+    def _refuse_for_trials(self) -> None:
+        for what in ("repair", "gain"):
+            if getattr(self.reading, what):
+                raise InputError(f"{what} is for records in time, not for tables of trials.")
 
     def _record(self, frame: "Frame", name: str) -> Measurement:
         """Return the record of a file, all columns that are quantities converted to SI."""
-        wanted = ("time", *SAMPLED)
-        for key in self.columns:  # those of trials, which a record has not
+        wanted, reading = ("time", *SAMPLED), self.reading
+        for key in reading.columns:  # those of trials, which a record has not
             if key not in wanted:
                 raise UnknownNameError("quantity of a record in columns", key, wanted)
-        factors = {
-            quantity: Quantity("g", "").check("gain", quantity, factor)
-            for quantity, factor in self.gain.items()
+        holes = "gaps" in reading.repair
+        raw: dict[str, Array] = {
+            quantity: frame.raw(quantity, holes=holes, repairable=True)
+            for quantity in wanted
+            if quantity in frame.names
         }
-        values: dict[str, Any] = {}
-        for quantity in wanted:
-            if quantity in frame.names:
-                holes = "gaps" in self.repair
-                values[quantity] = frame.raw(quantity, holes=holes, repairable=True)
-        for quantity in factors:
-            if quantity not in values:
-                raise UnknownNameError("quantity in gain", quantity, values)
-        if not set(values) - {"time"}:
+        gains = gains_of(reading.gain, raw)
+        if not set(raw) - {"time"}:
             raise InputError(_nothing_known(frame))
         done: tuple[str, ...] = ()
-        if self.repair:
-            values, done = repaired(values, self.repair)
-        scaled = [quantity for quantity in values if quantity not in factors]
-        units = _units(frame, scaled)
-        for quantity, numbers in values.items():
-            if quantity in factors:
-                values[quantity] = factors[quantity] * numbers
-            else:
-                values[quantity] = frame.scaled(quantity, numbers, units[quantity])
-        origin = "; ".join([Path(frame.file).name, *done])
-        turning = any(units[name] == QUANTITIES[name].or_unit for name in scaled if name != "time")
-        return Measurement(**values, **self.common, turning=turning, name=name, provenance=origin)
-
-
-def _units(frame: "Frame", quantities: Sequence[str]) -> dict[str, str]:
-    """Return the SI units of columns: those of an axis that turns, or those of a straight one.
-
-    Raises
-    ------
-    InputError
-        If some columns turn and others do not.
-    """
-    found, kinds = {"time": "s"}, dict[bool, str]()
-    for name in quantities:
-        unit = frame.units.get(name)
-        if name == "time":
-            continue
-        quantity = QUANTITIES[name]
-        turns = unit is not None and bool(quantity.or_unit) and is_of(unit, quantity.or_unit)
-        found[name] = quantity.or_unit if turns else quantity.unit
-        # What is of neither kind is no reason to say that kinds differ.
-        if unit is not None and quantity.or_unit and (turns or is_of(unit, quantity.unit)):
-            kinds.setdefault(turns, f"{name} is in {unit}")
-    if len(kinds) == 2:
-        raise InputError(
-            f"{frame.file}: {kinds[True]}, as of an axis that turns, and {kinds[False]}, as of one"
-            " that moves straight: angles go with torques, such as N m, and lengths with forces."
+        if reading.repair:
+            raw, done = repaired(raw, reading.repair)
+        scaling = Scaling(
+            frame=frame,
+            gains=gains,
+            load=load_stated(self.mechanism, self.common["overrides"]),
+            load_offset=reading.offset.get("load", 0.0),
         )
-    return found
+        values, turning = scaling.scaled(raw)
+        parts: dict[str, Any] = {**values, **self.common}
+        return Measurement(
+            **parts,
+            offset=reading.offset,
+            turning=turning,
+            name=name,
+            provenance="; ".join([Path(frame.file).name, *done]),
+        )
+
+
+def _is_table(given: object) -> bool:
+    return isinstance(given, Mapping) or hasattr(given, "columns")
+
+
+def _no_file(given: object) -> str:
+    """Return what is wrong with something that names no file."""
+    example = 'time=table["t"], force=table["u"]' if _is_table(given) else "time=t, force=u"
+    return (
+        "load_measurement takes the name of a file or a list of such names, got"
+        f" {type(given).__name__}: columns that are in memory make a Measurement({example}), in SI."
+    )
 
 
 def _nothing_known(frame: "Frame") -> str:

@@ -1,15 +1,17 @@
 """What no fit is made from, refused in the same words by every verb."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
-from stickslip.experiments.checks import check, faults
+from stickslip.experiments.checks import Finding, check, faults
 from stickslip.experiments.measurement import QUANTITIES, Measurement
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["refuse_faults", "refuse_lack", "refuse_unused", "with_doubts"]
+__all__ = ["refuse_faults", "refuse_lack", "refuse_unused", "told", "with_doubts"]
 
+MOST_LISTED = 6
+"""Names of trials in a message."""
 ACTING = ("force", "reference", "friction")
 """What acts on a body: a second record without it would be predicted as if nothing did."""
 
@@ -35,9 +37,36 @@ def refuse_faults(
     Traceback (most recent call last):
     stickslip.errors.InputError: No fit should be made from this record. Position never changes: ...
     """
-    wrong = [str(one) for one in faults(measurement, mechanism=mechanism)]
+    wrong = faults(measurement, mechanism=mechanism)
     if wrong:
-        raise InputError(" ".join([said, *wrong]))
+        raise InputError(f"{said} {told(wrong)}")
+
+
+def told(findings: Sequence[Finding]) -> str:
+    """Return findings as one text: what several trials have in common once, after their names.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> still = Finding(kind="constant", sentence="Position never changes.", record="run1")
+    >>> told([still, replace(still, record="run2"), replace(still, record="")])
+    'run1 and run2: Position never changes. Position never changes.'
+    """
+    records: dict[tuple[str, bool], list[str]] = {}
+    for one in findings:
+        records.setdefault((one.sentence, bool(one.record)), []).append(one.record)
+    return " ".join(
+        f"{_listed(names)}: {sentence}" if named else sentence
+        for (sentence, named), names in records.items()
+    )
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return names in words, of many the first ones."""
+    names = list(dict.fromkeys(names))
+    if len(names) > MOST_LISTED:
+        names = [*names[: MOST_LISTED - 1], f"{len(names) - MOST_LISTED + 1} more"]
+    return " and ".join([*([", ".join(names[:-1])] if names[1:] else []), names[-1]])
 
 
 def refuse_unused(measurement: Measurement) -> None:
@@ -132,10 +161,10 @@ def with_doubts(
         raise
     except of as error:
         found = check(measurement, mechanism=mechanism).findings
-        doubts = [str(one) for one in found if one.severity == "warning"]
+        doubts = [one for one in found if one.severity == "warning"]
         if not doubts:
             raise
         text = str(error).rstrip()
         text += "" if text.endswith((".", "!", "?")) else "."
-        said = " ".join([text, "The check of the record warns:", *doubts])
+        said = " ".join([text, "The check of the record warns:", told(doubts)])
         raise type(error)(said) from None

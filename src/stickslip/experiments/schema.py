@@ -43,7 +43,8 @@ class ReadTable(Table):
     columns: dict[str, str] = Field(default={}, description="quantity: name of its column")
     units: dict[str, str] = Field(default={}, description="quantity: unit of its column")
     gain: dict[str, Annotated[Any, Number(Quantity("g"))]] = Field(
-        default={}, description="quantity: factor that makes SI of its column"
+        default={},
+        description="quantity: factor, after a unit of its kind; else it makes SI of the column",
     )
     offset: dict[str, Any] = Field(default={}, description="quantity: offset of its sensor")
     repair: list[Literal["sort", "gaps"]] = Field(

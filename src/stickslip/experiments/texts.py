@@ -4,6 +4,7 @@ import csv
 import itertools
 import re
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
@@ -13,7 +14,7 @@ from stickslip.errors import InputError
 from stickslip.experiments.toml import decode
 from stickslip.experiments.units import shown
 
-__all__ = ["read_text"]
+__all__ = ["culprit", "grouped", "read_text"]
 
 HEAD: Final = 65_536
 """Bytes that are enough to see that a file is no text."""
@@ -22,6 +23,13 @@ LOOKED_AT: Final = 50
 LONGEST_LINE: Final = 100_000
 LEAST_CODE: Final = 32
 _NUMBER: Final = re.compile(r"\s*[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?\s*")
+_GROUPED: Final = re.compile(
+    r"""\s*[+-]?\d{1,3}(?:
+        (?P<mark>[.'\ \u2019\u00a0\u202f])\d{3}(?:(?P=mark)\d{3})*(?:(?!(?P=mark))[.,]\d+)?
+        |(?P<comma>,)\d{3}(?:(?:,\d{3})+(?:\.\d+)?|\.\d+))\s*""",
+    re.VERBOSE,
+)
+"""A number whose thousands are parted by a mark; 1,592 alone may be one with decimals."""
 _WORDS: Final = {"", "nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none", "true", "false"}
 
 
@@ -37,6 +45,7 @@ def read_text(path: Path) -> tuple[pd.DataFrame, int]:
     separator = max(",;\t", key=header.count)
     comma = separator != "," and re.search(r"\d,\d", "\n".join(sample[:20])) is not None
     names = next(csv.reader([header], delimiter=separator))
+    _check_first(path, lines, start, separator)
     _check_table(path, names, sample, separator)
     twice = [name for name in names if names.count(name) > 1]
     if twice:
@@ -55,7 +64,8 @@ def read_text(path: Path) -> tuple[pd.DataFrame, int]:
                 encoding="utf-8-sig",
             )
     except (pd.errors.ParserError, pd.errors.ParserWarning, ValueError) as error:
-        reason = str(error).strip().splitlines()[0].rstrip(".")
+        # What stands before it names the parser's language and nothing in the file.
+        reason = str(error).strip().splitlines()[0].rpartition("error: ")[2].rstrip(".")
         raise InputError(
             f"{path}: rows and header do not fit ({reason}). Every row needs"
             f" {len(names)} cells, parted by {separator!r}."
@@ -97,6 +107,29 @@ def _head(path: Path, text: str) -> tuple[list[str], int]:
     return lines, start
 
 
+def _check_first(path: Path, lines: list[str], start: int, separator: str) -> None:
+    """Refuse lines above the header that are no comments, before they are taken for it."""
+    width = len(_cells(lines[0], separator))
+    rows = [(index, line) for index, line in enumerate(lines) if line.strip()]
+    for (index, line), (_, below) in itertools.pairwise(rows):
+        for mark in ",;\t":
+            names, numbers = _cells(line, mark), _cells(below, mark)
+            if len(names) < 2 or len(names) != len(numbers) or len(names) == width:
+                continue
+            words = not any(_NUMBER.fullmatch(name) for name in names)
+            if index and words and all(_NUMBER.fullmatch(cell) for cell in numbers):
+                above = "a line stands" if index == 1 else f"{index} lines stand"
+                raise InputError(
+                    f"{path}: {above} above the header, which seems to be line"
+                    f" {start + index + 1}, {shown(line[:40].strip())}. Begin each line above it"
+                    " with #, or delete it."
+                )
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    return next(csv.reader([line], delimiter=separator), [])
+
+
 def _check_table(path: Path, names: list[str], sample: list[str], separator: str) -> None:
     """Refuse what is no table before megabytes of it are parsed."""
     rows = [row for row in sample if row.strip()]
@@ -130,3 +163,37 @@ def _check_single(path: Path, name: str, rows: list[str]) -> None:
                 f"{path}: has a single column {shown(name)}, and its rows are parted by {words}."
                 " Part the cells by commas, semicolons or tabs."
             )
+
+
+def culprit(cells: Sequence[object]) -> int:
+    """Return which of the cells that are no numbers makes text of a whole column.
+
+    One such cell leaves all others as text too, of which those with a decimal comma then are no
+    numbers either.
+
+    Examples
+    --------
+    >>> culprit(["0,0", "1.592,0", "broken"]), culprit(["0,0", "broken"]), culprit(["n", "m"])
+    (1, 1, 0)
+    """
+    texts = [cell if isinstance(cell, str) else "" for cell in cells]
+    for fits in (_GROUPED.fullmatch, lambda text: not _NUMBER.fullmatch(text)):
+        for index, text in enumerate(texts):
+            if fits(text):
+                return index
+    return 0
+
+
+def grouped(cell: object) -> str:
+    """Return the cure, after a blank, of a number with a mark between thousands; else nothing.
+
+    Examples
+    --------
+    >>> grouped("1.592,0"), grouped("12 000"), grouped("broken")
+    (" Write numbers ... thousands, here '1592,0'.", " Write ...12000'.", '')
+    """
+    found = _GROUPED.fullmatch(cell) if isinstance(cell, str) else None
+    if found is None:
+        return ""
+    plain = found[0].strip().replace(found["mark"] or found["comma"], "")
+    return f" Write numbers without a mark between thousands, here {plain!r}."

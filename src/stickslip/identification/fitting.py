@@ -1,11 +1,13 @@
 """The verb `fit`."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.experiments.refusals import refuse_faults, with_doubts
 from stickslip.friction import FrictionLaw, law_type
+from stickslip.identification.arguments import check_given, names_of
 from stickslip.identification.compiling import compile_for
 from stickslip.identification.exact import fit_one
 from stickslip.identification.feature_fit import fit_features
@@ -30,9 +32,9 @@ def fit(
     law: FrictionLaw | type[FrictionLaw] | str,
     measurement: Measurement,
     *,
-    free: Sequence[str] | None = None,
+    free: str | Sequence[str] | None = None,
     known: Mapping[str, float] | None = None,
-    unknown: Sequence[str] = (),
+    unknown: str | Sequence[str] = (),
     route: str | None = None,
     settings: RecordSettings | None = None,
     t_end: float = 10.0,
@@ -54,12 +56,12 @@ def fit(
         travels.
     measurement : Measurement
         Travels, records in time, measured friction, or the force of a spring.
-    free : sequence of str, optional
+    free : str or sequence of str, optional
         Names or paths of the law's parameters to fit. If not given, for travels the first of the
         law's `fit_order` that the number of different trials can pay for; for records all of it.
     known : mapping of str to float, optional
         Values of the law's parameters that are not free, by name, where the law is a type.
-    unknown : sequence of str
+    unknown : str or sequence of str
         Parameters of the mechanism that are looked for too, such as ``"inertia"``; for records.
     route : {"shooting", "force-map", "inverse-dynamics", "features"}, optional
         How records are fitted, if not as their quantities suggest.
@@ -93,28 +95,20 @@ def fit(
     >>> print(f"{result.law.viscous_coefficient:.2f}")
     5.73
     """
+    check_given("fit", mechanism, measurement)
+    unknown, free = names_of(unknown), None if free is None else names_of(free)
     law = law_type(law) if isinstance(law, str) else law
     check_known(law, known)
+    wanted: Any = {"unknown": unknown, "free": free, "watch": watch}
     if by_features(measurement, route):
         _refuse_known(known)
         seed = 0 if settings is None else settings.seed
-        return fit_features(
-            mechanism, law, measurement, unknown=unknown, free=free, seed=seed, watch=watch
-        )
+        return fit_features(mechanism, law, measurement, **wanted, seed=seed)
     if "travel" not in measurement.quantities():
         refuse_faults(measurement, mechanism)
         with with_doubts(measurement, mechanism, of=ConvergenceError):
-            return fit_record(
-                mechanism,
-                law,
-                measurement,
-                unknown=unknown,
-                free=free,
-                known=known,
-                route=route,
-                settings=settings,
-                watch=watch,
-            )
+            wanted |= {"known": known, "route": route, "settings": settings}
+            return fit_record(mechanism, law, measurement, **wanted)
     if unknown:
         raise InputError("a few travels cannot tell parameters of the mechanism from friction.")
     start = with_known(starting_law(law), known) if isinstance(law, type) else law

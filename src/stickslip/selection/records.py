@@ -9,7 +9,7 @@ from typing import TypeAlias, TypeVar
 
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Measurement, check
-from stickslip.experiments.refusals import refuse_lack, refuse_unused, with_doubts
+from stickslip.experiments.refusals import refuse_lack, refuse_unused, told, with_doubts
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
 from stickslip.identification.record_fit import check_horizon
@@ -137,8 +137,8 @@ def checked(
         checked(mechanism, validate, which="The second record")
     checks = check(measurement, mechanism=mechanism)
     if checks.worst == "error":
-        wrong = [one.sentence for one in checks.findings if one.severity == "error"]
-        raise InputError(f"{which} cannot decide. " + " ".join(wrong))
+        wrong = [one for one in checks.findings if one.severity == "error"]
+        raise InputError(f"{which} cannot decide. {told(wrong)}")
     return checks
 
 

@@ -7,6 +7,7 @@ from typing import Any
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw, law_type
+from stickslip.identification.arguments import Laws, check_given, laws_of, names_of
 from stickslip.identification.features import by_features
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.mechanisms import Mechanism
@@ -22,9 +23,9 @@ __all__ = ["select"]
 def select(
     mechanism: Mechanism,
     measurement: Measurement,
-    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None = None,
+    laws: Laws | FrictionLaw | type[FrictionLaw] | str | None = None,
     *,
-    unknown: Sequence[str] = (),
+    unknown: str | Sequence[str] = (),
     purpose: str = "simulate",
     horizon: float | None = None,
     route: str | None = None,
@@ -44,11 +45,11 @@ def select(
     measurement : Measurement
         One travel or several trials; or records in time of position, velocity and force; or
         friction, measured directly; or one record of the force of a spring that pulls a block.
-    laws : mapping or sequence, optional
+    laws : mapping, sequence or a single law, optional
         The candidates, as instances, types or names; instances bring start values and, for
         travels, assumptions. If not given, for travels the six that the source paper compares, for
         records ten, for features of stick-slip those with a step above sliding.
-    unknown : sequence of str
+    unknown : str or sequence of str
         Parameters of the mechanism that are looked for too, such as ``"inertia"``.
     purpose : {"simulate", "position", "compensate"}
         What the law is for. It sets what is scored: motion over 4 s, motion over 1 s, or the
@@ -93,6 +94,8 @@ def select(
     >>> verdict.best.name, verdict.ranked
     ('coulomb', False)
     """
+    check_given("select", mechanism, measurement)
+    unknown, laws = names_of(unknown), laws_of(laws)
     by_its_features = by_features(measurement, route)
     if "travel" in measurement.quantities() and not by_its_features:
         _check_travels(unknown, validate)

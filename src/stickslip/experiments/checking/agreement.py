@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.experiments.checking.finding import Finding, Severity
+from stickslip.experiments.checking.finding import TURN, Finding, Severity
 from stickslip.experiments.checking.motion import Motion
 from stickslip.experiments.measurement import Measurement
 from stickslip.experiments.signals import smooth
@@ -91,7 +91,7 @@ def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Findin
         severity = "error"
         sentence = f"Friction opposes the velocity sign on {percent(against)} of the moving samples"
         sentence += " and would give out energy: the rule here is that friction has the sign of the"
-        sentence += " slip velocity; use gain −1."
+        sentence += f" slip velocity; {TURN}."
     elif along < 0.5:
         severity = "warning"
         sentence = f"Friction has the sign of the velocity on only {percent(along)} of the moving"

@@ -6,7 +6,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from stickslip.experiments.checking.finding import Finding, Severity
+from stickslip.experiments import units
+from stickslip.experiments.checking.finding import TURN, Finding, Severity
 from stickslip.experiments.checking.motion import Motion, motion_of
 from stickslip.experiments.cutting import between_gaps
 from stickslip.experiments.measurement import Array, Measurement
@@ -236,17 +237,18 @@ def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fin
     cure = "is position in m (not mm), force in N (not kN)"
     severity: Severity = "warning"
     if factor < 0.0:
-        cure = "is its sign right (gain −1)"
+        cure = f"is its sign right (else {TURN})"
     else:
         if factor > 1.0:
             cure = "is time in s (not ms), position in m, force in N (not mN)"
         severity = "error" if max(factor, 1.0 / factor) >= IMPOSSIBLE else "warning"
+    unit = units.turned("kg", record.turning)
     yield Finding(
         kind="units",
         severity=severity,
         sentence=(
             f"Force is {number(factor, 2)} times what the mechanism takes to move so: {cure}, and"
-            f" is its {number(_mass(mechanism))} kg right?"
+            f" is its {number(_mass(mechanism))} {unit} right?"
         ),
         numbers={"factor": factor, "explained": share},
     )

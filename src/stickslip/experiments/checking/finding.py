@@ -3,13 +3,15 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 from typing_extensions import override
 
-__all__ = ["SEVERITIES", "Finding", "Severity"]
+__all__ = ["SEVERITIES", "TURN", "Finding", "Severity"]
 
 Severity = Literal["info", "warning", "error"]
+TURN: Final = "use gain −1, or turn the sign of the gain that it has"
+"""Cure of a force that counts the other way; a gain that is given takes the place of another."""
 SEVERITIES: tuple[Severity, ...] = ("info", "warning", "error")
 
 

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.experiments.checking.finding import Finding, Severity
+from stickslip.experiments.checking.finding import TURN, Finding, Severity
 from stickslip.experiments.measurement import QUANTITIES, Array, Measurement
 from stickslip.experiments.wording import count, percent, quantities
 
@@ -51,7 +51,7 @@ def coverage(record: Measurement) -> Iterator[Finding]:
     against = float(np.mean((velocity * friction)[moving] < 0))
     if against > 0.8:
         text = f"Friction opposes the velocity sign on {percent(against)} of the points: the rule"
-        text += " here is that friction has the sign of the slip velocity; use gain −1."
+        text += f" here is that friction has the sign of the slip velocity; {TURN}."
         sign = {"opposite_share": against}
         yield Finding(kind="friction sign", severity="error", sentence=text, numbers=sign)
 

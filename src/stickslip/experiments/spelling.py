@@ -1,0 +1,58 @@
+"""How the same setting is given in Python, as an option of a command, and in a rig file."""
+
+import re
+from typing import Final, Literal, TypeAlias
+
+__all__ = ["Speaker", "spelled"]
+
+Speaker: TypeAlias = Literal["python", "options", "rig"]
+"""Who says how files are read: a call, the options of a command, or a rig file."""
+
+_SETTING: Final = re.compile(
+    r"""\b(?P<setting>columns|units|gain|repair)=
+        (?:"(?P<word>\w+)"|\{"(?P<name>[\w.]+)":\ (?P<value>"[^"]*"|[^"}]+)\})""",
+    re.VERBOSE,
+)
+_OPTIONS: Final = {"units": "unit"}
+"""Options that are called otherwise."""
+
+
+def spelled(text: str, by: Speaker) -> str:
+    """Return a message with the settings that it names as they are given there.
+
+    Parameters
+    ----------
+    text : str
+        With settings as in Python, such as ``columns={"position": "..."}``.
+    by : {"python", "options", "rig"}
+        Who is to be told.
+
+    Returns
+    -------
+    str
+        The same message.
+
+    Examples
+    --------
+    >>> said = 'Give columns={"position": "..."} and repair="sort".'
+    >>> spelled(said, "options")
+    'Give --columns position=... and --repair sort.'
+    >>> spelled(said, "rig")
+    'Give columns = { position = "..." } and repair = ["sort"].'
+    """
+    if by == "python":
+        return text
+    return _SETTING.sub(_option if by == "options" else _key, text)
+
+
+def _option(found: re.Match[str]) -> str:
+    setting = _OPTIONS.get(found["setting"], found["setting"])
+    if found["word"]:
+        return f"--{setting} {found['word']}"
+    return f"--{setting} {found['name']}={found['value'].strip(chr(34))}"
+
+
+def _key(found: re.Match[str]) -> str:
+    if found["word"]:
+        return f'{found["setting"]} = ["{found["word"]}"]'
+    return f"{found['setting']} = {{ {found['name']} = {found['value']} }}"

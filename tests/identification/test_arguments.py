@@ -1,0 +1,57 @@
+"""Slips of a caller: one message each, or what was plainly meant."""
+
+import numpy as np
+import pytest
+
+from stickslip import Axis, Coulomb, Measurement, fit, load_rig, select
+from stickslip.errors import InputError, UnknownNameError
+
+AXIS = Axis(inertia=5.0)
+SPEED = np.concatenate([-np.linspace(0.1, 1.0, 40), np.linspace(0.1, 1.0, 40)])
+MAP = Measurement(velocity=SPEED, friction=3.0 * np.sign(SPEED) + 0.01 * np.cos(20.0 * SPEED))
+
+
+@pytest.mark.parametrize("verb", [fit, select])
+@pytest.mark.parametrize(
+    ("mechanism", "measurement", "words"),
+    [
+        (
+            load_rig(),
+            MAP,
+            "takes a mechanism and .* got a Rig: give rig.mechanism and rig.measurement",
+        ),
+        ("axis.toml", MAP, "takes a mechanism such as .*, got 'axis.toml'"),
+        (Axis, MAP, "takes a mechanism such as .*, got the class Axis"),
+        (
+            AXIS,
+            "ax1.csv",
+            r"takes a Measurement, got 'ax1.csv': read the file with load_measurement\('ax1.csv'\)",
+        ),
+        (AXIS, load_rig(), "takes a Measurement, got Rig: give rig.measurement"),
+        (AXIS, {"time": [0.0]}, "takes a Measurement, got dict"),
+        (AXIS, None, "takes a Measurement, got NoneType"),
+    ],
+)
+def test_what_is_no_mechanism_or_no_measurement_is_said_to_be_so(
+    verb, mechanism, measurement, words
+):
+    given = ("coulomb", measurement) if verb is fit else (measurement, ["coulomb"])
+    with pytest.raises(InputError, match=f"^{verb.__name__} {words}"):
+        verb(mechanism, *given)
+
+
+def test_a_single_name_needs_no_list_around_it():
+    with pytest.raises(InputError, match=r"tells nothing of inertia:"):
+        fit(AXIS, "coulomb", MAP, unknown="inertia")
+    with pytest.raises(InputError, match=r"tells nothing of inertia:"):
+        select(AXIS, MAP, ["coulomb"], unknown="inertia")
+    free = fit(AXIS, "coulomb-viscous", MAP, free="kinetic_coefficient")
+    paths = [one.path for one in free.estimates if one.path.startswith("friction.")]
+    assert paths == ["friction.kinetic_coefficient"]
+
+
+@pytest.mark.parametrize("law", ["coulomb", Coulomb, Coulomb(kinetic_coefficient=2.0)])
+def test_a_single_law_may_be_selected_from(law):
+    assert [one.name for one in select(AXIS, MAP, law).candidates] == ["coulomb"]
+    with pytest.raises(UnknownNameError, match="unknown friction law 'coulom'"):
+        select(AXIS, MAP, "coulom")
