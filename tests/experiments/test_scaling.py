@@ -128,6 +128,8 @@ def test_a_coefficient_becomes_a_force_by_the_load_of_each_sample(read, unit):
 def test_a_coefficient_in_percent_is_a_hundredth(read):
     load = [("load", [50, 50, 50])]
     assert read("spring_force [%]", [-50, 25, 50], load).spring_force.tolist() == [-25, 12.5, 25]
+    by_gain = read("spring_force [%]", [-50, 25, 50], gain={"spring_force": 50})
+    assert by_gain.spring_force.tolist() == [-25, 12.5, 25]
 
 
 def test_the_offset_of_the_load_s_sensor_is_no_load(read):

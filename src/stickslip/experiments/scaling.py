@@ -117,7 +117,7 @@ class Scaling:
         """
         gain = self.gains.get(name)
         if gain is not None and (load is None or abs(gain) != 1.0):
-            return gain * raw
+            return gain * self.frame.scaled(name, raw, "1")
         if load is None:
             raise ParameterError(
                 f"{self.frame.file}: column {self.frame.names[name]!r} is a coefficient, in"
