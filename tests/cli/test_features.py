@@ -64,8 +64,9 @@ def test_fit_finds_the_mass_and_writes_a_rig_that_simulate_takes(run):
     assert "break-away" in out
 
 
-def test_fit_as_json_says_that_features_were_fitted(run):
-    _, out, _ = run("fit", "slider.toml", "--law", "coulomb", "--json", "--validate", "pull.csv")
+def test_fit_as_json_says_that_features_were_fitted(run, tmp_path, table):
+    np.savetxt(tmp_path / "later.csv", table[1000:], delimiter=",", header="t,F", comments="")
+    _, out, _ = run("fit", "slider.toml", "--law", "coulomb", "--json", "--validate", "later.csv")
     told = json.loads(out)
     assert told["route"] == "features"
     assert {e["symbol"] for e in told["estimates"]} == {"m", "mu_k", "mu_s"}

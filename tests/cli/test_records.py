@@ -102,6 +102,16 @@ def test_a_second_record_is_only_judged_by(run, write):
     assert "On the second record: " in out
 
 
+@pytest.mark.parametrize("command", [("select", *FAST), ("fit", "--law", "coulomb")])
+def test_the_record_itself_is_no_second_record(run, write, tmp_path, command):
+    write("copy.csv")
+    name, *more = command
+    code, out, message = run(name, "axis.toml", "--validate", "copy.csv", *more)
+    assert (code, out) == (2, "")
+    assert "the second record is the one that is fitted" in message
+    assert not (tmp_path / "stickslip-report").exists()
+
+
 def test_purpose_and_horizon_set_what_is_scored(run):
     _, out, _ = run("select", "axis.toml", *FAST, "--purpose", "compensate", "--json")
     assert json.loads(out)["quantity"] == "friction"

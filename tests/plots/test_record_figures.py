@@ -1,9 +1,10 @@
 """Figures of records: loops, pieces of a second record, and maps of friction."""
 
 import numpy as np
+import pytest
 from matplotlib.figure import Figure
 
-from stickslip.friction import Coulomb
+from stickslip.friction import Coulomb, CoulombViscous
 from stickslip.plots.friction_map import MapLaw, draw_friction_map
 from stickslip.plots.loops import Loop, draw_loops
 from stickslip.plots.pieces import Piece, draw_pieces
@@ -71,3 +72,47 @@ def test_points_of_a_map_differ_by_colour_and_marker_where_speed_rises_and_falls
     plain = drawn(draw_friction_map(v, 2.0 * np.sign(v), laws, 1.0, chosen="Coulomb"))[0]
     seen = [line for line in plain.get_lines() if line.get_marker() != "None"]
     assert {line.get_color() for line in seen if len(line.get_xdata())} == {DATA}
+
+
+RISING = {
+    "Coulomb + viscous": MapLaw(
+        CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=10.0), 0.5
+    ),
+    "Coulomb": MapLaw(Coulomb(kinetic_coefficient=2.5), 0.5),
+}
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_where_one_direction_was_measured_laws_are_drawn_in_that_alone(side):
+    v = side * np.linspace(0.002, 0.1, 100)
+    friction = 2.0 * np.sign(v) + 10.0 * v + 0.5
+    draw = draw_friction_map(v, friction, RISING, 1.0, chosen="Coulomb + viscous")
+    (axes, *_) = drawn(draw)
+    for colour in (C1, C2):
+        x, y = series(axes)[colour]
+        assert (side * x >= 0.0).all()
+        # at rest a law ends at what it holds, with its offset: 2 N, or 2.5 N, and 0.5 N
+        at_rest = y[np.argmin(np.abs(x))]
+        assert at_rest == pytest.approx(side * {C1: 2.0, C2: 2.5}[colour] + 0.5, abs=0.01)
+    # nothing is shown beyond zero force but a margin of 6 % to either side
+    low, high = axes.get_ylim()
+    assert min(abs(low), abs(high)) < 0.06 * (high - low)
+
+
+def test_no_name_stands_across_the_line_at_rest():
+    v = np.linspace(0.002, 0.1, 100)
+    friction = 2.5 + 10.0 * v
+    axes = drawn(draw_friction_map(v, friction, RISING, 1.0, chosen="Coulomb + viscous"))[0]
+    names = [text for text in axes.texts if text.get_text() in RISING]
+    assert len(names) == 2
+    for text in names:
+        box = text.get_window_extent()
+        ends = axes.transData.inverted().transform([(box.x0, box.y0), (box.x1, box.y1)])[:, 0]
+        # how wide letters are is estimated when names are placed: one of them at most
+        assert ends.min() > -0.01 * np.ptp(axes.get_xlim())
+
+
+def test_a_direction_with_a_few_noisy_points_counts_as_not_measured():
+    v = np.concatenate([np.linspace(0.002, 0.1, 400), [-1e-4, -2e-4]])
+    draw = draw_friction_map(v, 2.0 + 10.0 * v, RISING, 1.0, chosen="Coulomb")
+    assert all((series(drawn(draw)[0])[c][0] >= 0.0).all() for c in (C1, C2))

@@ -7,7 +7,17 @@ import re
 import numpy as np
 import pytest
 
-from stickslip import Axis, Coulomb, CoulombViscous, Measurement, Sine, Viscous, select, simulate
+from stickslip import (
+    Axis,
+    Coulomb,
+    CoulombViscous,
+    Measurement,
+    Sine,
+    Viscous,
+    fit,
+    select,
+    simulate,
+)
 from stickslip.friction import DirectionDependent
 from stickslip.identification.optimise import AGREE
 from stickslip.report import Paragraph, Section, numbers
@@ -16,7 +26,7 @@ from stickslip.report.records import record_document, record_page
 from stickslip.report.records.certificate import certificate_section
 from stickslip.report.records.data import block_edges, panel_of, sampled, thinned
 from stickslip.report.records.loops import turns_of
-from stickslip.report.records.opening import law_lines
+from stickslip.report.records.opening import law_lines, level_at, levels_at_speed
 from stickslip.report.records.reproduce import python_lines
 from stickslip.report.records.texts import Scale, half_width, rival_of, scale_for, typeset
 from stickslip.selection.record_words import in_sentence
@@ -556,3 +566,44 @@ def test_how_large_a_hidden_step_may_be_is_said():
     text = text_of(page_of(found))
     assert "of Stribeck up to about" in text
     assert "is allowed by this record (95 %, profile likelihood, all else fitted anew)" in text
+
+
+def test_friction_at_a_speed_is_told_where_its_parameters_trade_off():
+    v = np.linspace(0.15, 0.21, 80)
+    noise = 0.05 * np.random.default_rng(1).normal(size=len(v))
+    record = Measurement(velocity=v, friction=2.0 + 5.0 * v + noise)
+    found = fit(Axis(inertia=1.0), CoulombViscous, record)
+    level, slope = found.values
+    # a level and a slope: the variance of their sum at a speed, from both and their covariance
+    first, second = found.inference.half_widths
+    together = found.inference.correlation[0, 1]
+    for speed in (0.15, 0.18):
+        value, half = level_at(found, speed)
+        assert value == pytest.approx(level + slope * speed)
+        parts = first**2 + (speed * second) ** 2 + 2.0 * together * first * speed * second
+        # the difference of both is a hundredth of either, and slopes are differences
+        assert half == pytest.approx(math.sqrt(parts), rel=1e-6)
+    (line,) = levels_at_speed(found)
+    value, half = level_at(found, 0.18)  # the median of the speeds
+    assert line.startswith("Friction at ")
+    assert plain(numbers.estimate(value, half)) in plain(line)
+
+
+def test_parameters_that_stand_for_themselves_need_no_speed():
+    found = fit(Axis(inertia=1.0), CoulombViscous, tabled())
+    variances = np.diag(np.diag(found.inference.covariance))
+    alone = dataclasses.replace(found.inference, covariance=variances)
+    assert levels_at_speed(dataclasses.replace(found, inference=alone)) == ()
+
+
+def test_friction_at_a_speed_is_told_only_in_a_direction_that_leaves_it_open():
+    v = np.concatenate([np.linspace(-0.2, -0.15, 80), np.linspace(0.001, 0.2, 80)])
+    noise = 0.05 * np.random.default_rng(1).normal(size=len(v))
+    record = Measurement(velocity=v, friction=2.0 * np.sign(v) + 5.0 * v + noise)
+    found = fit(Axis(inertia=1.0), DirectionDependent, record)
+    covariance = np.diag(np.diag(found.inference.covariance))
+    back = [i for i, path in enumerate(found.unknowns.paths) if "backward" in path]
+    covariance[back, back[::-1]] = -0.99 * np.prod(found.inference.errors[back])
+    held = dataclasses.replace(found.inference, covariance=covariance)
+    (line,) = levels_at_speed(dataclasses.replace(found, inference=held))
+    assert line.startswith("Friction in reverse at ")

@@ -1,5 +1,8 @@
 """Measurements that are proposed next: predictions against closed forms, and their doubt."""
 
+import re
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -9,15 +12,18 @@ from stickslip import (
     CoulombViscous,
     Dahl,
     DirectionDependent,
+    Measurement,
     SpringBlock,
     TowedBlock,
     Viscous,
 )
 from stickslip.selection.experiments import design
+from stickslip.selection.next_measurements import reach_of
 from stickslip.selection.predictors import Predictor
+from stickslip.selection.record_words import with_doubt
 
 
-def designed(candidates, *, speed=0.5, force=0.01, length=1e-4, driven=True):
+def designed(candidates, *, speed=0.5, force=0.01, length=1e-4, driven=True, **more):
     """Return proposed measurements by the start of what is to be done."""
     found = design(
         candidates,
@@ -26,6 +32,7 @@ def designed(candidates, *, speed=0.5, force=0.01, length=1e-4, driven=True):
         force_doubt=lambda seconds: force,
         length_doubt=length,
         driven=driven,
+        **more,
     )
     return {" ".join(one.what.replace(",", "").split()[:2]): one for one in found}, found
 
@@ -165,3 +172,141 @@ def test_what_turns_is_told_in_angles_and_torques():
 def test_one_law_alone_needs_no_measurement():
     block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     assert designed({"coulomb": at(Coulomb(kinetic_coefficient=0.2), block, 9.81)})[1] == ()
+
+
+LEVELS = {"low": Coulomb(kinetic_coefficient=2.0), "high": CoulombViscous(
+    kinetic_coefficient=2.0, viscous_coefficient=4.0
+)}  # fmt: skip
+
+
+def of_axis(laws, **axis):
+    return {name: at(law, Axis(inertia=1.0, **axis)) for name, law in laws.items()}
+
+
+@pytest.mark.parametrize("stroke", [0.03, 0.2, 0.9, 4.0])
+def test_a_constant_speed_is_kept_no_longer_than_the_stroke_allows(stroke):
+    # the laws differ by 4 v, so that the highest speed tells most: that of the record
+    _, found = designed(of_axis(LEVELS), speed=0.5, reach=(1.0, 1.0 + stroke))
+    steady = [one.what for one in found if one.what.startswith("Constant speed of 500 mm/s")]
+    assert len(steady) == 2
+    for what in steady:
+        seconds = float(re.search(r"([\d.]+) s( at a time)?[,.]", what)[1])
+        # a sine of that speed and stroke takes half of it to gain the speed and to lose it
+        room = stroke / 2.0
+        # two digits of the time, rounded down
+        assert 0.89 * room < 0.5 * seconds <= room * (1.0 + 1e-12)
+        assert f"within the stroke of {1e3 * stroke:g} mm." in what
+
+
+def test_a_speed_that_fits_the_stroke_is_run_as_it_is_without_one():
+    free = designed(of_axis(LEVELS), speed=0.05)[1]
+    held = designed(of_axis(LEVELS), speed=0.05, reach=(0.0, 10.0))[1]
+    assert [one.what for one in held if one.what.startswith("Constant")] == [
+        one.what for one in free if one.what.startswith("Constant")
+    ]
+
+
+def test_passes_in_a_small_stroke_are_worth_their_time_in_all():
+    asked = []
+
+    def doubt(seconds):
+        asked.append(seconds)
+        return 0.01
+
+    laws = {name: at(law, Axis(inertia=1.0)) for name, law in LEVELS.items()}
+    told = {"best": "low", "length_doubt": 1e-4, "driven": False, "force_doubt": doubt}
+    design(laws, speed=0.5, reach=(0.0, 0.01), **told)
+    # 5 mm at 0.5 m/s is 10 ms; twenty of them are asked for at most
+    assert min(asked) == pytest.approx(0.2)
+
+
+def test_where_no_position_was_measured_it_is_said_what_stroke_a_speed_takes():
+    _, found = designed(of_axis(LEVELS), speed=0.5, reach=None)
+    steady = [one.what for one in found if one.what.startswith("Constant")]
+    assert "Constant speed of 500 mm/s, forwards, 10 s, over 5000 mm." in steady
+
+
+def test_a_coast_that_leaves_the_stroke_begins_slower():
+    candidates = {
+        "light": at(LEVELS["low"], Axis(inertia=1.0)),
+        "heavy": at(LEVELS["low"], Axis(inertia=3.0)),
+    }
+    # m v^2 / 2 F is 0.1875 m for the heavy one from 0.5 m/s, 0.0169 m from 0.15 m/s
+    for stroke, speeds in ((0.3, {"500"}), (0.2, {"150"}), (0.0005, set())):
+        _, found = designed(candidates, length=1e-5, force=10.0, reach=(0.0, stroke))
+        coasts = [one for one in found if one.what.startswith("Coast")]
+        assert {one.what.split()[3] for one in coasts} == speeds
+        assert all(max(one.predicted.values()) <= stroke for one in coasts)
+
+
+def test_between_stops_a_coast_goes_as_far_as_without_them():
+    free = {"low": (0.0, 1.0), "high": (0.0, 3.0)}
+    found = []
+    for stops in ({}, {"lower_stop": -0.05, "upper_stop": 0.55}):
+        candidates = {
+            name: at(LEVELS["low"], Axis(inertia=mass, **stops)) for name, (_, mass) in free.items()
+        }
+        made = designed(candidates, force=10.0, reach=(-0.05, 0.55))[1]
+        found.append({one.what: one.predicted for one in made if one.what.startswith("Coast")})
+    assert found[0].keys() == found[1].keys() != set()
+    for what, predicted in found[0].items():
+        assert predicted == pytest.approx(found[1][what])
+
+
+def test_a_stroke_in_which_bristles_do_not_settle_is_not_run_at_constant_speed():
+    axis = Axis(inertia=1.0)
+    laws = {
+        "soft": Dahl(kinetic_coefficient=2.0, bristle_stiffness=1e3),  # gives way by 2 mm
+        "rigid": Coulomb(kinetic_coefficient=1.0),
+    }
+    candidates = {name: at(law, axis) for name, law in laws.items()}
+    for stroke, some in ((0.1, True), (0.005, False)):
+        found = designed(candidates, driven=False, reach=(0.0, stroke))[1]
+        assert bool(found) is some
+
+
+def moved(position, *, mechanism=None, turning=False):
+    """What of a fit says where its body moves."""
+    time = np.arange(len(position))
+    record = Measurement(time=time, position=position, turning=turning)
+    return SimpleNamespace(measurement=record, mechanism=mechanism or Axis(inertia=1.0))
+
+
+def test_a_body_moves_between_its_stops_or_where_it_was_measured():
+    assert reach_of(moved([0.1, 0.4, 0.2])) == (0.1, 0.4)
+    stopped = Axis(inertia=1.0, lower_stop=-0.5, upper_stop=1.0)
+    assert reach_of(moved([0.1, 0.4], mechanism=stopped)) == (-0.5, 1.0)
+    one_stop = Axis(inertia=1.0, lower_stop=-0.5)
+    assert reach_of(moved([0.1, 0.4], mechanism=one_stop)) == (-0.5, 0.4)
+    speeds = Measurement(time=[0.0, 1.0], velocity=[0.1, 0.2])
+    blind = SimpleNamespace(measurement=speeds, mechanism=Axis(inertia=1.0))
+    assert reach_of(blind) is None
+
+
+def test_what_turned_by_more_than_a_full_turn_may_turn_on():
+    assert reach_of(moved([0.0, 6.0], turning=True)) == (0.0, 6.0)
+    assert reach_of(moved([0.0, 6.5], turning=True)) == (-np.inf, np.inf)
+    assert reach_of(moved([0.0, 6.5])) == (0.0, 6.5)
+
+
+def test_records_with_zeros_of_their_own_do_not_make_a_longer_stroke():
+    trials = tuple(
+        Measurement(time=[0.0, 1.0], position=[start, start + length])
+        for start, length in ((0.0, 0.2), (5.0, 0.3))
+    )
+    fit = SimpleNamespace(measurement=Measurement(trials=trials), mechanism=Axis(inertia=1.0))
+    assert reach_of(fit) == (5.0, 5.3)
+
+
+@pytest.mark.parametrize(
+    ("value", "half", "said"),
+    [
+        (52.944775321548619, 1.4e-14, "52.9448"),  # rounding, which is no doubt
+        (52.944775321548619, 1e-4, "52.94478 ± 0.00010"),
+        (1592.3, 4.0, "1592 ± 4"),
+        (0.0, 1e-9, "(0.0 ± 1.0) × 10⁻⁹"),
+        (-2.13e-6, 4e-8, "(-2.13 ± 0.04) × 10⁻⁶"),
+    ],
+)
+def test_a_number_has_as_many_digits_as_its_doubt_and_six_at_most(value, half, said):
+    assert with_doubt(value, half) == said

@@ -1,6 +1,7 @@
 import dataclasses
 import itertools
 import math
+import re
 
 import numpy as np
 import pytest
@@ -15,17 +16,20 @@ from stickslip import (
     RecordVerdict,
     Sampled,
     SpringBlock,
+    Stribeck,
     Viscous,
     select,
     simulate,
 )
 from stickslip.cli.output import document, json_text
 from stickslip.errors import ConvergenceError, InputError
+from stickslip.experiments.wording import quantity
 from stickslip.identification.optimise import improve
 from stickslip.identification.record_fit import settled
 from stickslip.identification.record_fitting import fit_record
 from stickslip.selection import cross_validation
 from stickslip.selection.cross_validation import CrossValidation, Plan, cross_validate, plan_of
+from stickslip.selection.record_admissibility import objection
 from stickslip.selection.record_verdict import as_good
 from stickslip.selection.record_words import (
     error_text,
@@ -35,6 +39,7 @@ from stickslip.selection.record_words import (
     record_wording,
 )
 from stickslip.selection.records import choose
+from stickslip.selection.settled import settled_estimates, traded
 from stickslip.selection.suited import one_way
 
 TRUTH = DirectionDependent(
@@ -412,3 +417,64 @@ def test_it_is_said_where_blocks_do_not_tell_the_usual_choice_apart(verdict):
     assert "which do not tell the two apart." in said.lede
     row = next(c for c in outcomes(others, best) if c.name == close.name)
     assert row.outcome == "reference, not told apart"
+
+
+def test_scores_that_read_alike_have_the_digits_that_tell_them_apart():
+    pair = (1.021e-5, 0.9962e-5)
+    assert [error_text(one, "position") for one in pair] == ["0.01 mm", "0.01 mm"]
+    told = [error_text(one, "position", among=pair) for one in pair]
+    assert told == ["0.0102 mm", "0.00996 mm"]
+    pair = (1.0001e-5, 0.997e-5)
+    told = [error_text(one, "position", among=pair) for one in pair]
+    assert told == ["0.0100 mm", "0.00997 mm"]
+    # equal scores, and what is no score of these, are written as ever
+    assert error_text(pair[0], "position", among=(pair[0], pair[0])) == "0.01 mm"
+    assert error_text(2e-6, "position", among=pair) == "0.002 mm"
+    assert error_text(1.234, "friction", among=(1.234, 1.2339999999)) == "1.23 N"
+
+
+def test_a_step_that_may_be_none_is_told_with_its_unit():
+    found = table_fit(Stribeck, np.linspace(0.01, 0.2, 80))
+    said = objection(dataclasses.replace(found, at_bounds={}))
+    assert re.search(r"its step of \S+ N \(−\S+ to \S+\) covers 0", said)
+
+
+def table_fit(law, v, noise=0.05):
+    """A fit of measured friction at velocities, without an offset of the sensor."""
+    friction = 2.0 * np.sign(v) + 5.0 * v
+    friction += noise * np.random.default_rng(1).normal(size=len(v))
+    return fit_record(AXIS, law, Measurement(velocity=v, friction=friction), settings=QUICK)
+
+
+def test_what_trades_off_is_not_settled_for_itself():
+    narrow = table_fit(CoulombViscous, np.linspace(0.15, 0.2, 80))
+    assert traded(narrow) == {"friction.kinetic_coefficient", "friction.viscous_coefficient"}
+    assert settled_estimates(narrow) == ()
+    variances = np.diag(np.diag(narrow.inference.covariance))
+    alone = dataclasses.replace(narrow.inference, covariance=variances)
+    apart = dataclasses.replace(narrow, inference=alone)
+    assert traded(apart) == frozenset()
+    known = settled_estimates(apart)
+    assert {e.path for e in known} == traded(narrow)
+    assert (known[0].high - known[0].low) / known[0].value < (known[1].high - known[1].low) / known[
+        1
+    ].value
+
+
+def test_a_bound_is_told_with_its_unit():
+    # the level falls by less than nothing: Stribeck's step goes, or its velocity runs away
+    found = table_fit(Stribeck, np.linspace(0.01, 0.2, 80))
+    said = {}
+    for path, side in (("friction.static_coefficient", "upper"), ("friction.stribeck_velocity",
+                                                                  "lower")):  # fmt: skip
+        said[path] = objection(dataclasses.replace(found, at_bounds={path: side}))
+    level = found.estimate("static_coefficient").value
+    assert (
+        f"$mu_s$ ran to its upper bound of {quantity(level, 'N', 2)}"
+        in said["friction.static_coefficient"]
+    )
+    speed = found.estimate("stribeck_velocity").value
+    assert (
+        f"$v_s$ ran to its lower bound of {quantity(speed, 'm/s', 2)}"
+        in said["friction.stribeck_velocity"]
+    )

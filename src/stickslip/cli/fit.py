@@ -31,6 +31,7 @@ from stickslip.cli.output import (
 from stickslip.cli.progress import Searching, Watching
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, load_rig
+from stickslip.experiments.second_records import refuse_same
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification import FeatureFit, Fit, RecordFit, Score, TravelFit, fit
 from stickslip.report.numbers import length
@@ -87,6 +88,8 @@ def _checked(rig: Rig, found: Measured) -> Checks:
     if checks.worst == "error":
         wrong = [one.sentence for one in checks.findings if one.severity == "error"]
         raise InputError("No fit should be made from this record. " + " ".join(wrong))
+    if found.validate is not None:
+        refuse_same(found.measurement, found.validate)
     return checks
 
 

@@ -19,6 +19,8 @@ __all__ = ["MAP_SIZES", "MapLaw", "draw_friction_map", "low_speed"]
 MAP_SIZES: Final = Sizes(wide=(880, 320), narrow=(358, 500))
 LOW: Final = 0.25
 """Largest speed of the second panel over that of the first, before rounding."""
+ONE_WAY: Final = 0.01
+"""Share of the points below which a direction counts as not measured."""
 FEW: Final = 30
 """Points below that speed with which a second panel is worth its place."""
 OUTER: Final = 0.3
@@ -61,6 +63,8 @@ def draw_friction_map(
 ) -> Draw:
     """Return a drawing of friction against velocity: points, and laws as curves.
 
+    Where only one direction was measured, laws are drawn in that direction alone.
+
     Parameters
     ----------
     velocity, friction : array (n,)
@@ -84,7 +88,7 @@ def draw_friction_map(
     """
     v_max = float(np.max(np.abs(velocity)))
     factor, unit = in_mm([v_max], units[0])
-    curves = {name: _curve(one, load, 1.05 * v_max) for name, one in laws.items()}
+    curves = {name: _curve(one, load, 1.05 * v_max, _sides(velocity)) for name, one in laws.items()}
     look = looks(laws, chosen)
     low = low_speed(v_max)
     slow = np.abs(velocity) <= low
@@ -103,8 +107,7 @@ def draw_friction_map(
             lines = _inside(curves, first, last, factor)
             _lines(axes, lines, look)
             _frame(axes, (factor * first, factor * last), friction[seen], lines)
-            axes.set_xlabel(f"velocity, {unit}")
-            axes.set_ylabel(f"friction, {units[1]}")
+            axes.set(xlabel=f"velocity, {unit}", ylabel=f"friction, {units[1]}")
         grid.flat[0].set_title("all speeds", color=MUTED)
         if np.any(turn):
             _say_trend(grid.flat[0])
@@ -126,9 +129,18 @@ def _inside(
     }
 
 
-def _curve(one: MapLaw, load: float, v_max: float) -> tuple[Array, Array]:
+def _sides(velocity: Array) -> tuple[bool, bool]:
+    """Return whether slip backwards and forwards was measured; both if nothing slips."""
+    back, ahead = (float(np.mean(sign * velocity > 0.0)) >= ONE_WAY for sign in (-1.0, 1.0))
+    return (back, ahead) if back or ahead else (True, True)
+
+
+def _curve(one: MapLaw, load: float, v_max: float, sides: tuple[bool, bool]) -> tuple[Array, Array]:
+    """Return a curve in the directions that were measured; at rest each ends at break-away."""
     v, force = characteristic(one.law, load, v_max)
-    return v, force + one.offset
+    middle = len(v) // 2  # of an even number: two are at rest, one for each direction
+    kept = slice(0 if sides[0] else middle, len(v) if sides[1] else middle)
+    return v[kept], force[kept] + one.offset
 
 
 def _span(velocity: Array) -> tuple[float, float]:
@@ -189,9 +201,8 @@ def _names(
     """Name the laws in the quadrants that friction leaves free; beside the curves if one-way."""
     low, high = axes.get_xlim()
     if min(-low, high) < 0.2 * (high - low):
-        label_curves(
-            axes, [Curve(factor * v, f, name, look[name].colour) for name, (v, f) in curves.items()]
-        )
+        named = [Curve(factor * v, f, name, look[name].colour) for name, (v, f) in curves.items()]
+        label_curves(axes, [*named, _upright(axes)])
         return
     bottom, top = axes.get_ylim()
     ordered = sorted(curves, key=lambda name: -look[name].order)
@@ -202,3 +213,11 @@ def _names(
             axes, side * 0.03 * (high - low), 0.3 * (bottom if side > 0 else top), text,
             look[name].colour, offset=(0, 0), align="left" if side > 0 else "right",
         )  # fmt: skip
+
+
+def _upright(axes: Axes) -> Curve:
+    """Return the line at rest, which no name stands across, from far below to far above."""
+    (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    tall = top - bottom
+    ends = np.array([0.0, 1e-6 * (high - low)]), np.array([bottom - tall, top + tall])
+    return Curve(*ends, "", LINE)

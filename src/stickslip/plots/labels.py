@@ -151,7 +151,9 @@ def _cost(box: _Box, taken: Sequence[_Box], paths: Sequence[Array], own: int, fr
     for index, path in enumerate(paths):
         heights = np.interp(columns, path[:, 0], path[:, 1])
         inner = heights[1:-1]
-        cost += CROSSED * int(np.sum((inner > box.bottom - 1) & (inner < box.top + 1)))
+        # Between two columns a steep curve may run through the whole name.
+        highest, lowest = np.maximum(inner[1:], inner[:-1]), np.minimum(inner[1:], inner[:-1])
+        cost += CROSSED * int(np.sum((highest > box.bottom - 1) & (lowest < box.top + 1)))
         if index != own:
             # A name is read as that of the nearest curve, so no other may be as near.
             distance = float(np.min(np.abs(heights - middle)))

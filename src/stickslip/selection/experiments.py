@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stickslip.drives import Sampled, Sine
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import towards
+from stickslip.mechanisms import stops_of
 from stickslip.selection.predictors import (
     Coast,
     Predictor,
@@ -30,6 +31,12 @@ SPEEDS = (0.01, 0.03, 0.1, 0.3, 1.0)
 """Speeds that are proposed, over the largest of the record."""
 LOADS = (0.5, 0.8)
 """Amplitudes of presliding loops over the break-away level."""
+COASTS = (1.0, 0.3, 0.1)
+"""Speeds that a coast begins with, over the largest of the record: slower where it goes too far."""
+PASSES = 20
+"""Passes within the stroke that are asked for at most."""
+ANYWHERE = (-math.inf, math.inf)
+"""Where a body may be that nothing holds up."""
 
 
 @final
@@ -67,13 +74,18 @@ class _Terms:
     force_unit: str
     distance: str
     length_unit: str
-    speed_unit: str
-    per_second: float
-    """Speeds as they are said over those in SI."""
+    said_unit: str
+    """Unit of lengths and speeds as they are said, without the second."""
+    factor: float
+    """Lengths and speeds as they are said over those in SI."""
 
     def speed(self, value: float, digits: int) -> str:
         """Return a speed in words, without a power of ten."""
-        return f"{_plain(self.per_second * value, digits)} {self.speed_unit}"
+        return f"{self.length(value, digits)}/s"
+
+    def length(self, value: float, digits: int) -> str:
+        """Return a length in words, without a power of ten."""
+        return f"{_plain(self.factor * value, digits)} {self.said_unit}"
 
 
 STRAIGHT = _Terms(
@@ -81,16 +93,16 @@ STRAIGHT = _Terms(
     force_unit="N",
     distance="distance",
     length_unit="m",
-    speed_unit="mm/s",
-    per_second=1e3,
+    said_unit="mm",
+    factor=1e3,
 )
 TURNING = _Terms(
     force="torque",
     force_unit="N m",
     distance="angle",
     length_unit="rad",
-    speed_unit="rad/s",
-    per_second=1.0,
+    said_unit="rad",
+    factor=1.0,
 )
 
 
@@ -105,6 +117,10 @@ class _Plan:
     read: Reading
     noise: float
     """What the reading itself is known to."""
+    room: float = math.inf
+    """Largest reading that the stroke allows, of those that are lengths."""
+    slower: bool = False
+    """Whether it is asked for only where no faster one of its kind tells anything."""
 
 
 def design(
@@ -116,8 +132,12 @@ def design(
     length_doubt: float,
     driven: bool,
     turning: bool = False,
+    reach: tuple[float, float] | None = ANYWHERE,
 ) -> tuple[Experiment, ...]:
     """Return measurements in the order of what they tell, those that tell nothing left out.
+
+    Those that leave the stroke are left out too, or made shorter and repeated. It is taken to be
+    the one of a sine with the record's largest speed: gaining that and losing it takes half of it.
 
     Parameters
     ----------
@@ -135,6 +155,9 @@ def design(
         Whether the mechanism can be run; not where only friction was measured.
     turning : bool
         Whether it turns about an axis: speeds [rad/s], torques [N m] and angles [rad].
+    reach : tuple of float, optional
+        Between which positions the body moves [m]; None where they are not known, so that a run
+        at constant speed says what stroke it takes.
 
     Examples
     --------
@@ -155,17 +178,33 @@ def design(
     ... )
     >>> first.what, first.predicted
     ('Constant speed of 5 mm/s, forwards, 10 s.', {'coulomb': 2.0, 'viscous': 0.02})
+
+    In a stroke of 30 mm it is run several times:
+
+    >>> first, *_ = design(
+    ...     named,
+    ...     best="coulomb",
+    ...     speed=0.5,
+    ...     force_doubt=lambda seconds: 0.1,
+    ...     length_doubt=0.01,
+    ...     driven=False,
+    ...     reach=(-0.015, 0.015),
+    ... )
+    >>> first.what
+    'Constant speed of 5 mm/s, forwards, 5.9 s at a time, twice within the stroke of 30 mm.'
     """
     if len(candidates) < 2:
         return ()
     chosen = candidates[best]
     terms = TURNING if turning else STRAIGHT
-    plans = [*_steady(speed, force_doubt, terms, driven=driven)]
+    plans = [*_steady(speed, force_doubt, terms, reach, driven=driven)]
     if driven:
-        plans += [*_coasts(chosen, speed, length_doubt, terms)]
-        plans += [*_presliding(chosen, length_doubt, terms)]
+        plans += [*_coasts(chosen, speed, length_doubt, terms, reach or ANYWHERE)]
+        plans += [*_presliding(chosen, length_doubt, terms, reach or ANYWHERE)]
     found: dict[str, Experiment] = {}
     for plan in plans:
+        if plan.slower and plan.kind in found:
+            continue
         one = _looked_at(plan, candidates, best)
         if one is not None and one.separation > 1.0:
             known = found.get(plan.kind, one)
@@ -200,6 +239,8 @@ def _looked_at(plan: _Plan, candidates: Mapping[str, Predictor], best: str) -> E
     # The reading alone is asked first, since the doubt of predictions takes many runs.
     if not values or _separation(values, {}, best, plan.noise) <= 1.0:
         return None
+    if max(values.values()) > plan.room:
+        return None
     doubts = {name: error_of(plan.read, one, values[name]) for name, one in candidates.items()}
     return Experiment(
         what=plan.what,
@@ -215,43 +256,95 @@ def _plain(value: float, digits: int) -> str:
     return f"{float(f'{value:.{digits}g}'):.15g}"
 
 
+def _run_up(share: float, stroke: float) -> float:
+    """Return what a share of the record's largest speed takes of the stroke to gain or to lose.
+
+    A sine of amplitude A reaches its largest speed v with the acceleration v^2 / A, which gains
+    it within A / 2: a quarter of the stroke.
+    """
+    return 0.25 * share**2 * stroke
+
+
 def _steady(
-    speed: float, doubt: Callable[[float], float], terms: _Terms, *, driven: bool
+    speed: float,
+    doubt: Callable[[float], float],
+    terms: _Terms,
+    reach: tuple[float, float] | None,
+    *,
+    driven: bool,
 ) -> Iterator[_Plan]:
-    """Constant speed: the force after long sliding."""
+    """Constant speed: the force after long sliding, as far as the stroke goes."""
+    stroke = math.inf if reach is None else reach[1] - reach[0]
+    if stroke <= 0.0:
+        return
     for share in SPEEDS:
         v = share * speed
         seconds = min(max(10.0, 5.0 * math.ceil(0.05 / max(v, 1e-6) / 5.0)), 60.0)
+        distance = stroke if math.isinf(stroke) else stroke - 2.0 * _run_up(share, stroke)
+        how, seconds = _passes(seconds, v, distance, stroke, terms)
+        if reach is None:
+            how += f", over {terms.length(v * seconds, 2)}"
         for side, towards_it in ((1.0, "forwards"), (-1.0, "backwards")):
             yield _Plan(
                 kind=f"steady {towards_it}",
-                what=f"Constant speed of {terms.speed(v, 2)}, {towards_it}, {seconds:.0f} s.",
+                what=f"Constant speed of {terms.speed(v, 2)}, {towards_it}, {how}.",
                 observed=(
                     f"{f'{terms.force} that keeps it' if driven else 'friction'},"
                     f" {terms.force_unit}"
                 ),
-                read=Steady(velocity=side * v, driven=driven),
+                read=Steady(velocity=side * v, driven=driven, distance=distance),
                 noise=doubt(seconds),
             )
 
 
-def _coasts(chosen: Predictor, speed: float, noise: float, terms: _Terms) -> Iterator[_Plan]:
+def _passes(
+    seconds: float, speed: float, distance: float, stroke: float, terms: _Terms
+) -> tuple[str, float]:
+    """Return how long a speed is kept within a distance, in words, and how long that is in all."""
+    if speed * seconds <= distance:
+        return f"{seconds:.0f} s", seconds
+    each = _rounded_down(distance / speed)
+    count = min(math.ceil(seconds / each), PASSES)
+    times = "twice" if count == 2 else f"{count} times"
+    within = f"within the stroke of {terms.length(stroke, 3)}"
+    return f"{_plain(each, 2)} s at a time, {times} {within}", count * each
+
+
+def _rounded_down(value: float) -> float:
+    """Return a number to two digits that is not larger."""
+    power = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.floor(value / power) * power
+
+
+def _coasts(
+    chosen: Predictor, speed: float, noise: float, terms: _Terms, reach: tuple[float, float]
+) -> Iterator[_Plan]:
     """Let go at the record's speed: how far it goes until it stops. A spring would not let it."""
     if sprung(chosen.mechanism):
         return
-    for side, towards_it in ((1.0, "forwards"), (-1.0, "backwards")):
-        yield _Plan(
-            kind=f"coast {towards_it}",
-            what=(
-                f"Coast {towards_it} from {terms.speed(speed, 3)} with the drive off, three times."
-            ),
-            observed=f"{terms.distance} to the stop, {terms.length_unit}",
-            read=Coast(speed=side * speed),
-            noise=noise,
-        )
+    stroke = reach[1] - reach[0]
+    # Between stops it matters where a body is let go; elsewhere no force depends on it.
+    stopped = math.isfinite(stroke) and bool(stops_of(chosen.mechanism))
+    for share in COASTS if math.isfinite(stroke) else COASTS[:1]:
+        v, run_up = share * speed, _run_up(share, stroke)
+        for side, towards_it in ((1.0, "forwards"), (-1.0, "backwards")):
+            start = reach[0] + run_up if side > 0.0 else reach[1] - run_up
+            yield _Plan(
+                kind=f"coast {towards_it}",
+                what=(
+                    f"Coast {towards_it} from {terms.speed(v, 3)} with the drive off, three times."
+                ),
+                observed=f"{terms.distance} to the stop, {terms.length_unit}",
+                read=Coast(speed=side * v, start=start if stopped else 0.0),
+                noise=noise,
+                room=stroke - run_up if math.isfinite(stroke) else math.inf,
+                slower=share < COASTS[0],
+            )
 
 
-def _presliding(chosen: Predictor, noise: float, terms: _Terms) -> Sequence[_Plan]:
+def _presliding(
+    chosen: Predictor, noise: float, terms: _Terms, reach: tuple[float, float]
+) -> Sequence[_Plan]:
     """Push to and fro below break-away: how far it gives way."""
     level = float(towards(chosen.law, 1).break_away(chosen.load))
     if level <= 0.0:
@@ -270,6 +363,7 @@ def _presliding(chosen: Predictor, noise: float, terms: _Terms) -> Sequence[_Pla
                 + Sampled(times=(0.0,), values=(offset,))
             ),
             noise=noise,
+            room=reach[1] - reach[0],
         )
         for share in LOADS
     ]

@@ -9,12 +9,13 @@ from stickslip.errors import InputError
 from stickslip.identification import RecordFit
 from stickslip.identification.inverse_dynamics import inverse_dynamics
 from stickslip.identification.record_starts import load_of
+from stickslip.mechanisms import stops_of
 from stickslip.selection.cross_validation import Plan
 from stickslip.selection.experiments import Experiment, design
 from stickslip.selection.predictors import Predictor
 from stickslip.selection.record_verdict import RecordCandidate
 
-__all__ = ["experiments_after"]
+__all__ = ["experiments_after", "predictor_of", "reach_of"]
 
 RIVALS = 3
 """Laws that proposed measurements tell the best from, at most."""
@@ -34,7 +35,7 @@ def experiments_after(
     others = [c for c in candidates if c.fit and c.name != best.name and not c.dropped]
     near = [c for c in others if c.score <= 1.1 * best.score]
     rivals = (near or others[:1])[:RIVALS]
-    if not rivals or "position" not in best.fit.measurement.quantities():
+    if not rivals or not _moves(best.fit):
         return ()
     try:
         dynamics = inverse_dynamics(best.fit.mechanism, best.fit.measurement, unknown=())
@@ -44,7 +45,7 @@ def experiments_after(
     measured = best.fit.problem.quantity == "friction"
     left = best.fit.rms if measured else float(np.std(dynamics.residual))
     correlated = plan.length / best.fit.inference.effective
-    predictors = {c.name: _predictor(c.fit) for c in [best, *rivals] if c.fit}
+    predictors = {c.name: predictor_of(c.fit) for c in [best, *rivals] if c.fit}
     return design(
         predictors,
         best=best.name,
@@ -53,10 +54,38 @@ def experiments_after(
         length_doubt=best.fit.rms if best.fit.problem.quantity == "position" else LENGTH_DOUBT,
         driven=best.fit.route != "force-map",
         turning=best.fit.measurement.turning,
+        reach=reach_of(best.fit),
     )
 
 
-def _predictor(fit: RecordFit) -> Predictor:
+def _moves(fit: RecordFit) -> bool:
+    """Whether a motion in time was measured."""
+    known = {"position", "velocity"}.intersection(fit.measurement.quantities())
+    return bool(known) and all(record.time is not None for record in fit.measurement.records())
+
+
+def reach_of(fit: RecordFit) -> tuple[float, float] | None:
+    """Return between which positions [m] the body moves: its stops, or else where it was measured.
+
+    A body that turned by more than a full turn may turn on. None where nothing is known.
+    """
+    seen = [
+        np.asarray(record.values("position"))
+        for record in fit.measurement.records()
+        if "position" in record.quantities()
+    ]
+    sides: dict[str, float] = {}
+    if seen:
+        widest = max(seen, key=np.ptp)  # each record may count from a zero of its own
+        sides = {"lower": float(widest.min()), "upper": float(widest.max())}
+        if fit.measurement.turning and sides["upper"] - sides["lower"] > math.tau:
+            sides = {"lower": -math.inf, "upper": math.inf}
+    slip = fit.mechanism.contacts()[0].slip
+    sides |= {one.side: one.position for one in stops_of(fit.mechanism) if one.coordinate == slip}
+    return (sides["lower"], sides["upper"]) if len(sides) == 2 else None
+
+
+def predictor_of(fit: RecordFit) -> Predictor:
     """Return a fit as what predicts measurements that have not been made."""
     return Predictor(
         law=fit.law,

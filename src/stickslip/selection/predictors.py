@@ -9,6 +9,7 @@ from typing import Any, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.characterize import presliding_length
 from stickslip.drives import Drive
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw
@@ -32,6 +33,8 @@ Array = NDArray[np.float64]
 
 ROWS = 200
 """Instants at which a movement is looked at."""
+SETTLED = 5.0
+"""Presliding lengths after which bristles have settled."""
 
 
 @final
@@ -106,9 +109,18 @@ class Steady:
     velocity: float
     driven: bool
     """Whether the force is that of a drive, which moves the mechanism too."""
+    distance: float = math.inf
+    """How far the speed can be kept [m]."""
 
     def __call__(self, candidate: Predictor) -> float:
         """Return the force [N]."""
+        law = candidate.law
+        if math.isfinite(self.distance) and isinstance(law, BristleLaw):
+            needed = SETTLED * presliding_length(law, candidate.load)
+            if needed > self.distance:
+                raise InputError(
+                    f"bristles settle within {needed:.3g} m, the stroke has {self.distance:.3g} m."
+                )
         force = _after_long_sliding(candidate.law, self.velocity, candidate.load)
         if self.driven:
             force -= own_force(candidate.mechanism, self.velocity)
@@ -151,6 +163,8 @@ class Coast:
     """Reads how far a body goes without a drive."""
 
     speed: float
+    start: float = 0.0
+    """Where it is let go [m]."""
     t_end: float = 60.0
 
     def __call__(self, candidate: Predictor) -> float:
@@ -158,8 +172,8 @@ class Coast:
         mechanism = candidate.mechanism
         slip = mechanism.contacts()[0].slip
         rate = mechanism.rates[mechanism.coordinates.index(slip)]
-        run = _run(candidate, None, self.t_end, {rate: self.speed})
-        return abs(float(run.at(run.span[1])[slip][0]))
+        run = _run(candidate, None, self.t_end, {slip: self.start, rate: self.speed})
+        return abs(float(run.at(run.span[1])[slip][0]) - self.start)
 
 
 @dataclass(frozen=True, kw_only=True)

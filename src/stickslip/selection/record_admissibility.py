@@ -2,9 +2,10 @@
 
 import math
 
-from stickslip.experiments.wording import number
+from stickslip.experiments.wording import number, quantity
 from stickslip.identification.doubts import MOST_CONDITION, step_intervals
 from stickslip.identification.record_fit import RecordFit
+from stickslip.identification.results import Estimate
 
 __all__ = ["objection"]
 
@@ -25,11 +26,11 @@ def objection(fit: RecordFit) -> str:
             continue
         symbol = f"${estimate.quantity.symbol}$"
         if estimate.path in fit.at_bounds:
-            reasons.append(f"{symbol} {_ran(fit, estimate.path)}")
+            reasons.append(f"{symbol} {_ran(fit, estimate)}")
         elif estimate.reason:
             reasons.append(f"{symbol} is undetermined: {estimate.reason}")
         elif estimate.path in steps and steps[estimate.path][1] <= 0.0:
-            reasons.append(_no_step(*steps[estimate.path]))
+            reasons.append(_no_step(*steps[estimate.path], estimate.quantity.unit))
         elif estimate.low <= 0.0:
             reasons.append(f"the interval of {symbol} covers 0")
     if fit.inference.condition > MOST_CONDITION:
@@ -38,17 +39,19 @@ def objection(fit: RecordFit) -> str:
     return "; ".join(reasons)
 
 
-def _no_step(step: float, low: float, high: float) -> str:
+def _no_step(step: float, low: float, high: float, unit: str) -> str:
     if not math.isfinite(high - low):
         return "its step is not bounded"
-    return f"its step {number(step, 2)} ({number(low, 2)} to {number(high, 2)}) covers 0"
+    shown, first, last = (number(value, 2) for value in (step, low, high))
+    shown += "" if unit in {"", "1"} else f" {unit}"
+    return f"its step of {shown} ({first} to {last}) covers 0"
 
 
-def _ran(fit: RecordFit, path: str) -> str:
-    item = fit.unknowns.items[fit.unknowns.paths.index(path)]
-    side = fit.at_bounds[path]
+def _ran(fit: RecordFit, estimate: Estimate) -> str:
+    item = fit.unknowns.items[fit.unknowns.paths.index(estimate.path)]
+    side = fit.at_bounds[estimate.path]
     if item.above and side == "lower":
         return "shows no step above the kinetic level"
     if side == "lower" and item.low == 0.0:
         return "went to 0"
-    return f"ran to its {side} bound {number(fit.values[fit.unknowns.paths.index(path)], 2)}"
+    return f"ran to its {side} bound of {quantity(estimate.value, estimate.quantity.unit, 2)}"

@@ -12,6 +12,7 @@ from stickslip.identification import Estimate
 from stickslip.selection.experiments import Experiment
 from stickslip.selection.record_verdict import RecordCandidate, as_good
 from stickslip.selection.scoring import FLOOR
+from stickslip.selection.settled import settled_estimates
 from stickslip.selection.specifications import REFERENCE
 from stickslip.selection.verdict import Wording
 
@@ -27,23 +28,49 @@ __all__ = [
 
 MOST = 3
 """Items of a list at most."""
+PLAIN = 1e-4
+"""Size below which numbers are written with a power of ten."""
+DIGITS = 6
+"""Digits of a number at most, however sure it is."""
 NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
 """How titles begin that are names."""
 
 
-def error_text(value: float, quantity: str, *, turning: bool = False) -> str:
+def error_text(
+    value: float, quantity: str, *, turning: bool = False, among: Sequence[float] = ()
+) -> str:
     """Return a score with its unit, lengths in millimetres; angles if what was measured turns.
+
+    One of several scores has the digits that tell it from the others, four more at most.
 
     Examples
     --------
     >>> error_text(0.00024, "position"), error_text(1.234, "friction")
     ('0.24 mm', '1.23 N')
+    >>> [error_text(one, "position", among=(1.02e-5, 1.01e-5)) for one in (1.02e-5, 1.01e-5)]
+    ['0.0102 mm', '0.0101 mm']
     """
     unit = turned(QUANTITIES[quantity].unit, turning)
+    others = [other for other in among if other != value] if value in among else []
+    for more in range(5):
+        text = _score_text(value, quantity, unit, more)
+        if all(_score_text(other, quantity, unit, more) != text for other in others):
+            return text
+    return _score_text(value, quantity, unit, 0)
+
+
+def _score_text(value: float, quantity: str, unit: str, more: int) -> str:
+    """Return a score with more digits than usual."""
     if quantity in {"position", "velocity"} and abs(value) < 1.0:
         value, unit = 1e3 * value, "m" + unit
     size = abs(value)
-    text = number(value, 2) if size < 0.1 else f"{value:.2f}" if size < 10.0 else f"{value:.1f}"
+    digits = 2 if size < 10.0 else 1
+    if size >= 0.1:
+        text = f"{value:.{digits + more}f}"
+    elif more and size >= PLAIN:
+        text = f"{value:#.{digits + more}g}"  # zeros that tell it from others stay
+    else:
+        text = number(value, digits + more)
     return f"{text} {unit}"
 
 
@@ -56,15 +83,24 @@ def plus_minus(estimate: Estimate) -> str:
 
 
 def with_doubt(value: float, half: float) -> str:
-    """Return a number to the digits that its half width allows, and this.
+    """Return a number to the digits that its half width allows, and this; six digits at most.
 
     Examples
     --------
-    >>> with_doubt(157.36, 3.94), with_doubt(0.021699, 0.0)
-    ('157 ± 4', '0.0217')
+    >>> with_doubt(157.36, 3.94), with_doubt(0.021699, 0.0), with_doubt(52.9447753, 1.4e-14)
+    ('157 ± 4', '0.0217', '52.9448')
+    >>> with_doubt(2.13e-6, 4e-8)
+    '(2.13 ± 0.04) × 10⁻⁶'
     """
     if half <= 0.0:
         return number(value)
+    if half < 0.5 * 10.0**-DIGITS * abs(value):
+        return number(value, DIGITS)  # a doubt below the tolerances of runs says nothing
+    size = max(abs(value), half)
+    if size < PLAIN:
+        power = math.floor(math.log10(size))
+        factor = number(10.0**power).partition(" × ")[2]
+        return f"({with_doubt(value / 10.0**power, half / 10.0**power)}) × {factor}"
     power = math.floor(math.log10(half))
     digits = -power + (1 if half / 10.0**power < 1.95 else 0)
     if digits <= 0:
@@ -176,7 +212,12 @@ def _lede(
     assert best.fit is not None
     assert best.validation is not None
     fit = best.fit
-    told = partial(error_text, quantity=fit.problem.quantity, turning=fit.measurement.turning)
+    told = partial(
+        error_text,
+        quantity=fit.problem.quantity,
+        turning=fit.measurement.turning,
+        among=[c.score for c in candidates if c.name in {best.name, REFERENCE}],
+    )
     text = (
         f"It misses what it has not seen by {told(best.score)} ({scored};"
         f" standard error {told(best.validation.error)})."
@@ -199,8 +240,7 @@ def _lede(
 
 def _settles(best: RecordCandidate) -> tuple[str, ...]:
     assert best.fit is not None
-    known = [e for e in best.fit.estimates if e.bounded and not e.path.endswith("offset")]
-    known.sort(key=lambda e: (e.high - e.low) / max(abs(e.value), 1e-300))
+    known = settled_estimates(best.fit)
     return tuple(f"${e.quantity.symbol}$ = {plus_minus(e)}." for e in known[:MOST])
 
 

@@ -10,6 +10,7 @@ from typing import TypeAlias, TypeVar
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Measurement, check
 from stickslip.experiments.refusals import refuse_lack, refuse_unused, told, with_doubts
+from stickslip.experiments.second_records import refuse_same
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
 from stickslip.identification.record_fit import check_horizon
@@ -134,6 +135,7 @@ def checked(
     if validate is not None:
         refuse_lack(measurement, validate, which="the second record")
         refuse_unused(validate)
+        refuse_same(measurement, validate)
         checked(mechanism, validate, which="The second record")
     checks = check(measurement, mechanism=mechanism)
     if checks.worst == "error":

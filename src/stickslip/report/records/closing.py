@@ -13,7 +13,14 @@ from stickslip.report import numbers
 from stickslip.report.blocks import Block, Figure, KeyValue, KeyValues
 from stickslip.report.documents import Section
 from stickslip.report.records.data import speeds_of, thinned
-from stickslip.report.records.texts import estimate_parts, scale_for, symbols_of, typeset, unit_of
+from stickslip.report.records.texts import (
+    DOUBT,
+    estimate_parts,
+    scale_for,
+    symbols_of,
+    typeset,
+    unit_of,
+)
 from stickslip.report.selection.texts import counted
 from stickslip.report.tables import Cell, Column, Number, Row, Table
 from stickslip.selection import RecordCandidate, RecordVerdict
@@ -183,8 +190,7 @@ def _experiment(one: Experiment, names: Sequence[str]) -> Row:
     if unit == "m" and max(abs(v) for v in one.predicted.values()) < 1.0:
         factor, unit = 1e3, "mm"
     cells: list[Cell] = [one.what, f"{what}, {unit}"]
-    cells += [
-        with_doubt(factor * one.predicted[name], factor * one.doubts.get(name, 0.0))
-        for name in names
-    ]
+    for name in names:
+        said = with_doubt(factor * one.predicted[name], factor * one.doubts.get(name, 0.0))
+        cells.append(said.replace(" ± ", DOUBT))
     return Row(cells=(*cells, numbers.significant(one.separation, 2)))

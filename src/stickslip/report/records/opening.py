@@ -6,10 +6,12 @@ from typing import Final
 
 import numpy as np
 
+from stickslip.errors import InputError
 from stickslip.experiments.units import turned
 from stickslip.friction import (
     Coulomb,
     CoulombViscous,
+    DirectionalLaw,
     DirectionDependent,
     QuadraticDrag,
     Viscous,
@@ -34,12 +36,21 @@ from stickslip.report.records.texts import (
 )
 from stickslip.report.selection.texts import quantity_value
 from stickslip.selection import RecordVerdict
+from stickslip.selection.next_measurements import predictor_of
+from stickslip.selection.predictors import Steady
 from stickslip.selection.record_words import in_sentence
+from stickslip.selection.settled import settled_estimates, traded
 
-__all__ = ["law_lines", "opening_section"]
+__all__ = ["law_lines", "level_at", "levels_at_speed", "opening_section"]
 
 PLAIN: Final = (Coulomb, Viscous, CoulombViscous, QuadraticDrag)
 """Laws whose friction is a sum of powers of the speed, which one line says."""
+SLOW: Final = 0.05
+"""Share of the largest speed below which filtered points mix both directions."""
+STEP: Final = 1e-3
+"""Steps that slopes are taken with, over half widths."""
+FEW: Final = 0.05
+"""Share of the points below which friction of a direction is not told at a speed."""
 
 
 def opening_section(verdict: RecordVerdict, kicker: str, remark: str = "") -> Section:
@@ -60,7 +71,63 @@ def opening_section(verdict: RecordVerdict, kicker: str, remark: str = "") -> Se
 
 
 def _settles(fit: RecordFit) -> tuple[str, ...]:
-    return tuple(f"{label_of(e)} is {_said(e)}." for e in _known(fit)[:3])
+    lines = [f"{label_of(e)} is {_said(e)}." for e in settled_estimates(fit)]
+    return tuple([*lines[:2], *levels_at_speed(fit), *lines[2:]][:3])
+
+
+def levels_at_speed(fit: RecordFit) -> tuple[str, ...]:
+    """Return friction at the usual speed, where parameters of the law trade off.
+
+    None of them is known for itself then, but what they make together is. Of a law of two
+    directions, those are told whose parameters trade off.
+    """
+    points, together = map_points(fit), traded(fit)
+    if points is None:
+        return ()
+    ways: tuple[tuple[float, str, str], ...] = ((0.0, "friction.", ""),)
+    if isinstance(fit.law, DirectionalLaw):
+        ways = ((1.0, "friction.forward", " forward"), (-1.0, "friction.backward", " in reverse"))
+    lines = []
+    for side, paths, way in ways:
+        speeds = side * points.velocity if side else np.abs(points.velocity)
+        speeds = speeds[speeds > SLOW * float(np.max(np.abs(points.velocity)))]
+        known = len(speeds) >= FEW * len(points.velocity)
+        if not known or not any(path.startswith(paths) for path in together):
+            continue
+        speed = float(f"{np.median(speeds):.2g}")
+        value, half = level_at(fit, math.copysign(speed, side))
+        if not 0.0 < half < abs(value):
+            continue
+        at = quantity_value(speed, fit.measurement.unit("velocity"), 2)
+        unit = fit.measurement.unit("friction")
+        lines.append(
+            f"Friction{way} at {at} is {numbers.with_unit(numbers.estimate(value, half), unit)}."
+        )
+    return tuple(lines)
+
+
+def level_at(fit: RecordFit, velocity: float) -> tuple[float, float]:
+    """Return the size of friction in steady sliding [N], and the half width of its interval.
+
+    From slopes at the fit and all covariances; infinite where it hangs on what is not known.
+    """
+    read, candidate = Steady(velocity=velocity, driven=False), predictor_of(fit)
+    value, along = read(candidate), []
+    for (path, at), half in zip(
+        candidate.estimates.items(), fit.inference.half_widths.tolist(), strict=True
+    ):
+        width = half if math.isfinite(half) else abs(at)
+        step = STEP * (min(width, abs(at)) or 1.0)
+        try:
+            ends = [read(candidate.moved(path, at + side * step)) for side in (1.0, -1.0)]
+        except InputError:  # at a bound
+            return value, math.inf
+        slope = (ends[0] - ends[1]) / (2.0 * step)
+        if math.isinf(half) and abs(slope * at) > STEP * abs(value):
+            return value, math.inf
+        along.append(slope * width)
+    table = candidate.correlation
+    return value, math.sqrt(max(float(np.array(along) @ table @ np.array(along)), 0.0))
 
 
 def _known(fit: RecordFit) -> list[Estimate]:

@@ -13,6 +13,7 @@ from stickslip.report import numbers
 from stickslip.selection import RecordCandidate, RecordVerdict
 
 __all__ = [
+    "DOUBT",
     "Scale",
     "estimate_parts",
     "half_width",
@@ -27,6 +28,7 @@ __all__ = [
 ]
 
 POWERS: Final = dict(zip("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹", strict=True))
+DOUBT: Final = f"{numbers.NO_BREAK_SPACE}±{numbers.NO_BREAK_SPACE}"
 FINE: Final = 0.1
 """Scores below this, in the unit shown, have significant digits instead of decimals."""
 
@@ -153,14 +155,15 @@ def symbols_of(candidates: Iterable[RecordCandidate]) -> frozenset[str]:
 def typeset(text: str, symbols: Iterable[str]) -> str:
     """Return text whose symbols stand between dollar signs, which the page typesets.
 
-    Minus signs become true ones. A single letter is left alone: it may be a word or a unit.
+    Minus signs become true ones, and no line ends before a doubt. A single letter is left alone:
+    it may be a word or a unit.
 
     Examples
     --------
     >>> typeset("mu_- and sigma_- trade off (-0.98).", ["mu_-", "sigma_-", "J"])
     '$mu_-$ and $sigma_-$ trade off (−0.98).'
     """
-    text = re.sub(r"(?<![\w$.])-(?=\d)", "−", text)
+    text = re.sub(r"(?<![\w$.])-(?=\d)", "−", text).replace(" ± ", DOUBT)
     for name in sorted((s for s in symbols if "_" in s), key=len, reverse=True):
         text = re.sub(rf"(?<![\w$]){re.escape(name)}(?![\w$+-])", lambda m: f"${m[0]}$", text)
     return text

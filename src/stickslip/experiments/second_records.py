@@ -1,0 +1,46 @@
+"""A second record must be one that the fit has not seen."""
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.experiments.measurement import QUANTITIES, Measurement
+
+__all__ = ["refuse_same"]
+
+
+def refuse_same(first: Measurement, second: Measurement) -> None:
+    """Refuse a second record that holds what the fit is made to, number by number.
+
+    Raises
+    ------
+    InputError
+        If any of its records has the same samples as one of the first.
+
+    Examples
+    --------
+    >>> run = {"time": [0.0, 1.0], "position": [0.0, 0.1]}
+    >>> refuse_same(Measurement(**run, name="run 1"), Measurement(**run))
+    Traceback (most recent call last):
+    stickslip.errors.InputError: the second record is the one that is fitted ('run 1'), ...
+    """
+    for one in second.records():
+        for other in first.records():
+            if not _same(one, other):
+                continue
+            name = one.name or other.name
+            told = f" ({name!r})" if name else ""
+            raise InputError(
+                f"the second record is the one that is fitted{told}, sample by sample: its error"
+                " would say nothing of what the fit has not seen. Give another record, or none:"
+                " held-out blocks judge laws on one record."
+            )
+
+
+def _same(one: Measurement, other: Measurement) -> bool:
+    """Whether two records have the same quantities with the same samples."""
+    names = [name for name in ("time", *QUANTITIES) if getattr(one, name) is not None]
+    if names != [name for name in ("time", *QUANTITIES) if getattr(other, name) is not None]:
+        return False
+    if not any(np.ndim(getattr(one, name)) for name in names):
+        return False  # single numbers may well be alike
+    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in names)

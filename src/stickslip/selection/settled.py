@@ -1,0 +1,45 @@
+"""Which estimates of a fit may be quoted one by one."""
+
+import numpy as np
+
+from stickslip.identification import Estimate, RecordFit
+from stickslip.identification.doubts import TOGETHER
+
+__all__ = ["half_of", "settled_estimates", "traded"]
+
+
+def half_of(estimate: Estimate) -> float:
+    """Return half the width of a bounded interval."""
+    return 0.5 * (estimate.high - estimate.low)
+
+
+def traded(fit: RecordFit) -> frozenset[str]:
+    """Return the paths of what trades off with another unknown: only together they are known."""
+    table = np.abs(fit.inference.correlation)
+    found = set()
+    for i, one in enumerate(fit.unknowns.paths):
+        for j, other in enumerate(fit.unknowns.paths[:i]):
+            if table[i, j] > TOGETHER:
+                found |= {one, other}
+    return frozenset(found)
+
+
+def settled_estimates(fit: RecordFit) -> tuple[Estimate, ...]:
+    """Return the estimates that stand each for itself, the surest first.
+
+    Their intervals are bounded, they are no offset, and none trades off with another.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, Measurement, fit
+    >>> v = np.linspace(-1.0, 1.0, 40)
+    >>> friction = 2.0 * np.sign(v) + 0.01 * np.cos(40.0 * v)
+    >>> found = fit(Axis(inertia=1.0), Coulomb, Measurement(velocity=v, friction=friction))
+    >>> [estimate.quantity.symbol for estimate in settled_estimates(found)]
+    ['mu_k']
+    """
+    together = traded(fit)
+    known = [
+        e for e in fit.estimates if e.bounded and "offset" not in e.path and e.path not in together
+    ]
+    return tuple(sorted(known, key=lambda e: half_of(e) / max(abs(e.value), 1e-300)))
