@@ -105,6 +105,7 @@ _HOME = {
     "sample_posterior": "identification",
     "select": "selection",
     "simulate": "simulation",
+    "write_report": "report",
 }
 
 __all__ = sorted([*_HOME, "__version__"])  # noqa: PLE0605  # read off the table above

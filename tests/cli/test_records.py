@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 
 import numpy as np
@@ -99,7 +100,23 @@ def test_a_second_record_is_only_judged_by(run, write):
     assert "second record" in out
     code, out, _ = run("fit", "axis.toml", "--validate", "second.csv", "--starts", "1")
     assert code == 0
-    assert "On the second record: " in out
+    assert re.search(r"On the second record: [\d.]+ \S+, over [\d.]+ s at a time", out)
+
+
+def test_measured_friction_of_a_second_record_is_predicted_along_its_motion(run, tmp_path):
+    t = np.arange(400) / 100.0
+    v = np.sin(3.0 * t)
+    friction = 2.0 * np.sign(v) + 0.5 * v
+    table = np.stack([t, (1.0 - np.cos(3.0 * t)) / 3.0, friction], axis=1)
+    for name in ("first.csv", "second.csv"):
+        np.savetxt(tmp_path / name, table, delimiter=",", header="t,q,F", comments="")
+        table = table[:320]
+    columns = ("--columns", "time=t,position=q,friction=F")
+    asked = ("--law", "coulomb-viscous", "--data", "first.csv", "--validate", "second.csv")
+    code, out, _ = run("fit", "bare.toml", *asked, *columns)
+    assert code == 0
+    assert "at a time" not in out
+    assert re.search(r"On the second record: .*, along the measured motion\n", out)
 
 
 @pytest.mark.parametrize("command", [("select", *FAST), ("fit", "--law", "coulomb")])

@@ -33,13 +33,22 @@ class _Linear:
         )
 
 
-@pytest.mark.parametrize(("sampler", "steps"), [("emcee", 3000), ("dynesty", 300)])
-def test_draws_of_a_linear_problem_have_its_mean_and_covariance(fit, sampler, steps):
+@pytest.fixture(scope="module")
+def linear(fit):
+    """The fit with that problem in place of its own."""
+    stand_in = dataclasses.replace(fit, problem=fit.problem)
+    object.__setattr__(stand_in, "problem", _WithUnknowns(_Linear(fit), fit.unknowns))
+    return stand_in
+
+
+@pytest.mark.parametrize(
+    ("sampler", "counts"),
+    [("emcee", {"steps": 3000}), ("dynesty", {"live_points": 300}), ("dynesty", {})],
+)
+def test_draws_of_a_linear_problem_have_its_mean_and_covariance(fit, linear, sampler, counts):
     pytest.importorskip(sampler)
-    linear = dataclasses.replace(fit, problem=fit.problem)
-    stand_in = _Linear(fit)
-    object.__setattr__(linear, "problem", _WithUnknowns(stand_in, fit.unknowns))
-    found = sample_posterior(linear, sampler=sampler, steps=steps, seed=1)
+    found = sample_posterior(linear, sampler=sampler, seed=1, **counts)
+    assert not found.cancelled
     best = fit.found.best
     weight = fit.inference.effective / best.cost  # independent residuals over their variance
     expected = np.linalg.inv(weight * best.slopes.T @ best.slopes)
@@ -64,6 +73,52 @@ def test_an_interval_lies_between_the_quantiles_of_its_own_column():
     found = posterior.Posterior(paths=("mechanism.offset", "mechanism.inertia"), draws=draws)
     assert found.interval("mechanism.inertia", 0.5) == pytest.approx((0.25, 0.75))
     assert found.interval("mechanism.offset") == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("sampler", ["emcee", "dynesty"])
+def test_a_watcher_hears_of_predictions_and_ends_drawing_with_what_there_is(linear, sampler):
+    pytest.importorskip(sampler)
+    heard = []
+
+    def watch(runs):
+        heard.append(runs)
+        return len(heard) < 60
+
+    found = sample_posterior(linear, sampler=sampler, seed=1, watch=watch)
+    assert found.cancelled
+    assert len(heard) == 60
+    assert heard == sorted(heard)
+    assert found.runs == heard[-1]
+    assert len(found.draws) > 60
+    assert np.all(np.isfinite(found.draws))
+    # whoever only looks on ends nothing
+    looked_on = sample_posterior(linear, sampler=sampler, seed=1, watch=lambda runs: None)
+    assert not looked_on.cancelled
+    assert looked_on.runs > found.runs
+
+
+def test_live_points_say_how_often_nested_sampling_predicts(linear):
+    pytest.importorskip("dynesty")
+    few, many = (sample_posterior(linear, sampler="dynesty", live_points=n) for n in (40, 160))
+    # iterations go with live points: a factor of 4, less what the first bounds cost
+    assert many.runs > 2.0 * few.runs
+    assert len(many.draws) > 2.0 * len(few.draws)
+
+
+@pytest.mark.parametrize(
+    ("counts", "said"),
+    [
+        ({"sampler": "emcee", "live_points": 100}, "emcee takes steps, not live_points"),
+        ({"sampler": "dynesty", "steps": 100}, "dynesty takes live_points, not steps"),
+        ({"sampler": "emcee", "steps": 0}, "steps must be a whole number of at least 1, got 0"),
+        ({"sampler": "emcee", "steps": 2.5}, "steps must be a whole number"),
+        # of four unknowns: less than 2 p + 2 points do not span an ellipsoid
+        ({"sampler": "dynesty", "live_points": 7}, "live_points must be a whole number"),
+    ],
+)
+def test_counts_that_a_sampler_has_no_use_for_are_refused(fit, counts, said):
+    with pytest.raises(InputError, match=said):
+        sample_posterior(fit, **counts)
 
 
 def test_an_unknown_sampler_is_refused(fit):

@@ -142,7 +142,7 @@ def test_settings_that_mean_nothing_are_refused(changes):
         RecordSettings(**changes)
 
 
-@pytest.mark.parametrize("horizon", [math.nan, 0.0, -2.0, math.inf])
+@pytest.mark.parametrize("horizon", [math.nan, 0.0, -2.0, math.inf, "1 s", True])
 def test_a_horizon_that_is_no_length_of_time_is_refused(found, horizon):
     with pytest.raises(ParameterError, match="horizon must be a finite time above 0 s"):
         found.score(horizon=horizon)

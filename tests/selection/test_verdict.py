@@ -138,7 +138,7 @@ def test_a_verdict_and_its_parts_print_as_a_few_lines(verdict):
         assert part._repr_html_().startswith("<p>")
         assert "$" not in repr(part)
     assert verdict.sentence in repr(verdict)
-    assert str(verdict.best.fit.estimates[0]) == "mu_k = 0.254 (0.252 to 0.256)"
+    assert str(verdict.best.fit.estimates[0]) == "mu_k = 0.2540 (0.2517 to 0.2562)"
 
 
 def test_a_table_of_a_verdict_has_a_row_for_each_law(verdict):
@@ -146,4 +146,4 @@ def test_a_table_of_a_verdict_has_a_row_for_each_law(verdict):
     assert list(table.columns) == ["law", "parameters", "range", "travel", "score"]
     assert list(table["law"]) == [candidate.name for candidate in verdict.candidates]
     assert table["score"].tolist() == [candidate.score for candidate in verdict.candidates]
-    assert table["range"][0] == "0.252 to 0.256"
+    assert table["range"][0] == "0.2517 to 0.2562"

@@ -194,8 +194,9 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
     told = partial(error_text, quantity=quantity, turning=result.measurement.turning)
     console.print(f"Residual of {quantity}: {told(result.rms)}", markup=False)
     if second is not None:
-        text = f"{told(second.rms)}, over {second.horizon:.3g} s at a time"
-        console.print(f"On the second record: {text}", markup=False)
+        console.print(
+            f"On the second record: {told(second.rms)}, {_predicted(result, second)}", markup=False
+        )
     console.print(f"Restarts: {_restarts(found.agreeing, len(found.costs))}", markup=False)
     if found.cancelled:
         note("The search was ended early; this is the best so far.")
@@ -203,6 +204,13 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
         console.print("\nCannot tell", markup=False, style="bold")
     for line in result.sentences:
         console.print(f"  {plain(line)}", markup=False)
+
+
+def _predicted(result: RecordFit, second: Score) -> str:
+    """Return how a second record was predicted: where friction is, bristles run through it."""
+    if result.route == "shooting":
+        return f"over {second.horizon:.3g} s at a time"
+    return "along the measured motion"
 
 
 def _restarts(agreeing: int, starts: int) -> str:

@@ -1,8 +1,6 @@
 """What commands share: consoles, JSON documents, folders that are written whole or not at all."""
 
 import contextlib
-import json
-import math
 import shlex
 import sys
 import tempfile
@@ -15,11 +13,13 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from stickslip.documents import document, json_text, write_file, write_folder
 from stickslip.errors import InputError
 
 __all__ = [
     "command_line",
     "document",
+    "json_text",
     "note",
     "overrides",
     "plain",
@@ -32,7 +32,6 @@ __all__ = [
     "write_folder",
 ]
 
-SCHEMA_VERSION = 1
 GAP = 2
 """Spaces between columns."""
 FOLDED = 16
@@ -98,33 +97,9 @@ def _is_number(cell: str) -> bool:
     return not cell or cell[0].isdigit() or cell[0] in "-−.+"
 
 
-def document(kind: str, content: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a JSON document of a kind, with the version of its form."""
-    from stickslip import __version__
-
-    head = {"schema": f"stickslip/{kind}/{SCHEMA_VERSION}", "stickslip": __version__}
-    return {**head, **_finite(content)}
-
-
-def _finite(value: Any) -> Any:
-    """Replace what JSON has no word for by null, and -0.0 by 0.0."""
-    if isinstance(value, float):
-        return value + 0.0 if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {str(key): _finite(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(item) for item in value]
-    return value
-
-
 def print_json(content: Mapping[str, Any]) -> None:
     """Print one JSON document on stdout."""
     sys.stdout.write(json_text(content))
-
-
-def json_text(content: Mapping[str, Any]) -> str:
-    """Return a JSON document as text."""
-    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def command_line() -> str:
@@ -167,47 +142,3 @@ def refuse_overwriting(path: Path, folder: Path, *, force: bool) -> None:
         for part in new:
             with contextlib.suppress(OSError):
                 part.rmdir()
-
-
-def write_folder(folder: Path, files: Mapping[str, str | bytes]) -> None:
-    """Write files into a folder; each appears whole, and all were made before the first."""
-    made: dict[Path, Path] = {}
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, text in files.items():
-            content = text if isinstance(text, bytes) else text.encode("utf-8")
-            made[folder / name] = _beside(folder / name, content)
-        for path, temporary in made.items():
-            temporary.replace(path)
-    except OSError as error:
-        raise InputError(f"{folder} cannot be written: {error.strerror}.") from error
-    finally:
-        for temporary in made.values():
-            temporary.unlink(missing_ok=True)
-
-
-def write_file(path: Path, content: bytes) -> None:
-    """Write a file so that it appears whole or not at all."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary = _beside(path, content)
-        try:
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except OSError as error:
-        raise InputError(f"{path} cannot be written: {error.strerror}.") from error
-
-
-def _beside(path: Path, content: bytes) -> Path:
-    """Write a temporary file beside a path; leave none if that fails."""
-    with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
-        temporary = Path(file.name)
-        try:
-            file.write(content)
-            file.flush()
-            temporary.chmod(0o644)
-        except BaseException:
-            temporary.unlink()
-            raise
-    return temporary

@@ -6,9 +6,10 @@ from typing import Any
 
 import typer
 
-from stickslip.cli.output import json_text, note, print_json, stdout, write_folder
+from stickslip.cli.output import note, print_json, stdout, write_folder
 from stickslip.experiments import Rig
 from stickslip.friction import FrictionLaw
+from stickslip.report.verdicts import PAGE, verdict_files
 from stickslip.selection import FeatureVerdict, RecordVerdict
 
 __all__ = ["NO_LAW", "deliver", "laws_of"]
@@ -44,12 +45,9 @@ def deliver(
         print_json(content)
     else:
         note("Writing the report ...")
-        files: dict[str, str | bytes] = {"index.html": page(), "verdict.json": json_text(content)}
-        if verdict.best and verdict.best.fit:
-            files["law.toml"] = verdict.best.fit.to_toml()
-        write_folder(output, files)
+        write_folder(output, verdict_files(verdict, page(), content))
         show()
-        stdout().print(f"\nReport: {output / 'index.html'}", markup=False)
+        stdout().print(f"\nReport: {output / PAGE}", markup=False)
     if ended:
         note(f"Ended early: {', '.join(ended)} may do better than this.")
     if verdict.best is None or verdict.best.dropped:

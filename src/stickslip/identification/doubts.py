@@ -1,14 +1,11 @@
 """Estimates with their doubt, and what a record cannot tell, in words."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.experiments import Measurement
-from stickslip.experiments.units import turned
 from stickslip.experiments.wording import number
 from stickslip.friction import DirectionalLaw, FrictionLaw
 from stickslip.identification.inference import Inference, quantile_of
@@ -21,7 +18,6 @@ __all__ = [
     "INTERVAL",
     "bounds_met",
     "estimates_of",
-    "in_units_of",
     "offset_left_out",
     "sentences_of",
     "step_intervals",
@@ -32,8 +28,12 @@ Array = NDArray[np.float64]
 INTERVAL = "95 %"
 CLOSE = 1e-6
 """Distance from a bound, over the bound's size or the range, at which it counts as met."""
-WIDEST = math.log(30.0)
-"""An interval of a logarithm this wide to either side is none."""
+MANY = 10.0
+"""An interval that goes so many times the value to either side is none ..."""
+OF_BOUNDS = 0.1
+"""... if it is also as wide as this share of what was searched: the value itself may be 0."""
+ORDERS = 30.0
+"""An interval of a logarithm that goes by this factor to either side is none."""
 TOGETHER = 0.95
 """Correlation from which two estimates are one number and a split of it."""
 MOST_CONDITION = 300.0
@@ -63,15 +63,19 @@ def estimates_of(
         value, half = float(seen.values[i]), float(inference.half_widths[i])
         low, high, reason = value - half, value + half, ""
         if item.path in at_bounds:
-            low, high, reason = -math.inf, math.inf, _bound_reason(item, at_bounds[item.path])
+            low, high = -math.inf, math.inf
+            reason = _bound_reason(item, at_bounds[item.path], value)
         elif not math.isfinite(half):
             low, high, reason = -math.inf, math.inf, "the record does not depend on it"
         elif item.log:
             spread = half / value
             low, high = value * math.exp(-min(spread, 700.0)), value * math.exp(min(spread, 700.0))
-            if spread > WIDEST:
+            if spread > math.log(ORDERS):
                 low, high = -math.inf, math.inf
                 reason = "the record leaves its order of magnitude open"
+        elif half > max(MANY * abs(value), OF_BOUNDS * (item.high - item.low)):
+            low, high = -math.inf, math.inf
+            reason = f"the record leaves its size open, ± {_with_unit(half, item, 2)}"
         found.append(
             Estimate(
                 path=item.path,
@@ -86,10 +90,15 @@ def estimates_of(
     return tuple(found)
 
 
-def _bound_reason(item: Unknown, side: str) -> str:
+def _bound_reason(item: Unknown, side: str, value: float) -> str:
     if item.above and side == "lower":
         return f"it went down to the {in_words(item.above)}: no surplus is seen"
-    return f"it ran to its {side} bound"
+    return f"it ran to its {side} bound, {_with_unit(value, item)}"
+
+
+def _with_unit(value: float, item: Unknown, digits: int = 3) -> str:
+    unit = "" if item.quantity.unit == "1" else f" {item.quantity.unit}"
+    return number(value, digits) + unit
 
 
 def in_words(path: str) -> str:
@@ -139,13 +148,12 @@ def sentences_of(
     for path, (step, low, high) in step_intervals(unknowns, seen, inference).items():
         if path not in at_bounds and low <= 0.0:
             item = unknowns.items[unknowns.paths.index(path)]
-            unit = "" if item.quantity.unit == "1" else f" {item.quantity.unit}"
             bounds = (
                 f", interval {number(low)} to {number(high)}" if math.isfinite(high - low) else ""
             )
             lines.append(
                 f"No step from {item.quantity.symbol} to sliding can be told from 0:"
-                f" {number(step)}{unit}{bounds}."
+                f" {_with_unit(step, item)}{bounds}."
             )
     lines += _together(unknowns, inference, at_bounds)
     if inference.condition > MOST_CONDITION:
@@ -189,9 +197,3 @@ def _together(unknowns: Unknowns, inference: Inference, at_bounds: Mapping[str, 
                     " either."
                 )
     return lines
-
-
-def in_units_of(measurement: Measurement, estimates: Iterable[Estimate]) -> tuple[Estimate, ...]:
-    """Return estimates in the units of what was measured: about an axis, forces are torques."""
-    pairs = [(one, turned(one.quantity.unit, measurement.turning)) for one in estimates]
-    return tuple(replace(one, quantity=replace(one.quantity, unit=unit)) for one, unit in pairs)

@@ -6,10 +6,11 @@ from types import MappingProxyType
 from typing import Final
 
 from stickslip.experiments import Measurement
+from stickslip.experiments.units import turned
 from stickslip.identification.unknowns import Unknown, Unknowns
 from stickslip.mechanisms import Axis, Mechanism
 
-__all__ = ["in_forces", "reads_as_forces"]
+__all__ = ["in_forces", "reads_as_forces", "turned_as"]
 
 AT_UNIT_LOAD: Final = MappingProxyType({"1": "N", "1/m": "N/m", "s/m": "N s/m"})
 """What a unit per load [N] reads as where the load is 1."""
@@ -49,6 +50,24 @@ def in_forces(unknowns: Unknowns, mechanism: Mechanism, measurement: Measurement
     if not reads_as_forces(mechanism, measurement):
         return unknowns
     return replace(unknowns, items=tuple(_in_forces(unknowns.items)))
+
+
+def turned_as(measurement: Measurement, unknowns: Unknowns) -> Unknowns:
+    """Return the unknowns in the units of what was measured: about an axis, forces are torques.
+
+    Examples
+    --------
+    >>> from stickslip.quantities import Quantity
+    >>> offset = Unknowns(
+    ...     (Unknown(path="mechanism.offset", quantity=Quantity("o", "N"), start=0.0),)
+    ... )
+    >>> swing = Measurement(time=[0.0, 1.0], position=[0.0, 0.1], turning=True)
+    >>> turned_as(swing, offset).items[0].quantity.unit
+    'N m'
+    """
+    pairs = [(item, turned(item.quantity.unit, measurement.turning)) for item in unknowns.items]
+    items = (replace(item, quantity=replace(item.quantity, unit=unit)) for item, unit in pairs)
+    return replace(unknowns, items=tuple(items))
 
 
 def _in_forces(items: Iterable[Unknown]) -> Iterable[Unknown]:

@@ -46,4 +46,5 @@ def inertia_of(
         low=value / WIDE,
         high=value * WIDE,
         log=True,
+        guessed=True,
     )

@@ -3,15 +3,22 @@
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.experiments.wording import number
+from stickslip.identification.record_starts import load_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["loaded", "with_usual_load"]
+__all__ = ["as_loaded", "loaded", "with_usual_load"]
+
+Array = NDArray[np.float64]
 
 PATH = "mechanism.load"
+VARIES = 0.05
+"""Range of a load, its outer twentieths left out, over its median, beyond which it varies."""
 
 
 def loaded(mechanism: Mechanism, measurement: Measurement) -> Measurement:
@@ -50,6 +57,60 @@ def with_usual_load(mechanism: Mechanism, measurement: Measurement) -> Mechanism
     if "load" not in measurement.quantities() or not loads:
         return mechanism
     return vary(mechanism, "mechanism", {PATH: float(np.median(loads))})
+
+
+def as_loaded(mechanism: Mechanism, measurement: Measurement) -> tuple[Mechanism, str]:
+    """Return a mechanism under the load that was measured, and what is to be said of it.
+
+    It is that of simulations to come: coefficients that were found under one load are those of
+    another friction under another.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        With the load that it was given.
+    measurement : Measurement
+        Records, with loads or without.
+
+    Returns
+    -------
+    tuple of Mechanism and str
+        With the mean load; if it varies, with its median, and a sentence that says so. Without a
+        load that can be set, the mechanism as it is, and a sentence if its own load is another.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.4], load=[4.9, 5.1])
+    >>> axis, said = as_loaded(Axis(inertia=1.0), table)
+    >>> axis.load, said
+    (5.0, '')
+    """
+    loads = _measured(measurement)
+    if not len(loads):
+        return mechanism, ""
+    low, middle, high = np.percentile(loads, [5.0, 50.0, 95.0])
+    varies = high - low > VARIES * middle
+    usual = float(middle if varies else np.mean(loads))
+    span = f"{number(float(loads.min()))} to {number(float(loads.max()))} N"
+    if "load" not in mechanism.__dataclass_fields__:
+        own = load_of(mechanism)
+        if not varies and abs(own - usual) <= VARIES * usual:
+            return mechanism, ""
+        return mechanism, (
+            f"The load was measured, {span if varies else f'{number(usual)} N'}; here it follows"
+            f" from the parameters of {type(mechanism).__name__}, {number(own)} N."
+        )
+    said = f"The load was measured and varies, {span}: here it is the median." if varies else ""
+    return vary(mechanism, "mechanism", {PATH: usual}), said
+
+
+def _measured(measurement: Measurement) -> Array:
+    """Return the loads [N] of all records, one for each sample of those that have several."""
+    records = [one for one in measurement.records() if "load" in one.quantities()]
+    return np.concatenate(
+        [np.zeros(0), *(np.atleast_1d(np.asarray(one.values("load"))) for one in records)]
+    )
 
 
 def _loaded(mechanism: Mechanism, record: Measurement) -> Measurement:

@@ -2,6 +2,7 @@
 
 import importlib
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, final
 
@@ -20,6 +21,14 @@ WIDE = 20.0
 """Half width of the flat prior, in standard errors, where no bound is nearer."""
 BURN_IN = 0.3
 """Share of a chain that is left out."""
+STEPS = 400
+"""Steps of each walker, if not given."""
+LIVE_POINTS = 100
+"""Live points, if not given: predictions go with them, and so do the draws, about 15 each."""
+ENOUGH = 0.1
+"""Nested sampling ends where the live points would change the logarithm of the evidence by less."""
+Watch = Callable[[int], object]
+"""Called with the predictions so far; answers False to end with the draws there are."""
 
 
 @final
@@ -38,6 +47,10 @@ class Posterior:
     """Parameter paths (p,)."""
     draws: Array
     """Values (draws, p)."""
+    runs: int = 0
+    """How often the record was predicted."""
+    cancelled: bool = False
+    """Whether drawing was ended before its end."""
 
     def interval(self, path: str, level: float = 0.95) -> tuple[float, float]:
         """Return the central interval of a parameter.
@@ -63,8 +76,10 @@ def sample_posterior(
     fit: RecordFit,
     *,
     sampler: Literal["emcee", "dynesty"] = "emcee",
-    steps: int = 400,
+    steps: int | None = None,
+    live_points: int | None = None,
     seed: int = 0,
+    watch: Watch | None = None,
 ) -> Posterior:
     """Draw from the posterior of a fit with a flat prior within its bounds.
 
@@ -77,20 +92,26 @@ def sample_posterior(
         What is drawn around; each draw predicts the whole record once.
     sampler : {"emcee", "dynesty"}
         An ensemble of walkers, or nested sampling, which also finds further modes.
-    steps : int
-        Steps of each walker, or live points.
+    steps : int, optional
+        Steps of each of emcee's walkers, 400 if not given. There are two walkers more than twice
+        the unknowns, and each step predicts the record once.
+    live_points : int, optional
+        Points that dynesty moves inwards, 100 if not given. Predictions go with them: some tens
+        for each live point, more where unknowns trade off.
     seed : int
         Of the random numbers.
+    watch : callable, optional
+        Called with the number of predictions so far; False ends drawing with the draws so far.
 
     Returns
     -------
     Posterior
-        Draws of all unknowns.
+        Draws of all unknowns, and whether the watcher ended them.
 
     Raises
     ------
     InputError
-        If the sampler is not installed, or not known.
+        If the sampler is not installed, not known, or takes no such number.
 
     Examples
     --------
@@ -109,6 +130,8 @@ def sample_posterior(
     """
     if sampler not in ("emcee", "dynesty"):
         raise InputError(f"sampler must be 'emcee' or 'dynesty', got {sampler!r}.")
+    target = _Target(fit, watch)
+    count = _count(sampler, steps, live_points, len(target.free))
     try:
         library = importlib.import_module(sampler)
     except ImportError:
@@ -116,18 +139,40 @@ def sample_posterior(
             f"{sampler} is not installed: pip install 'stickslip[bayes]', or use"
             " RecordFit.bootstrap, which needs nothing."
         ) from None
-    target = _Target(fit)
     draw = _walked if sampler == "emcee" else _nested
-    found = draw(library, target, steps, np.random.default_rng(seed))
-    values = np.array([target.values(row) for row in found])
-    return Posterior(paths=fit.unknowns.paths, draws=values)
+    found = draw(library, target, count, np.random.default_rng(seed))
+    return Posterior(
+        paths=fit.unknowns.paths,
+        draws=np.array([target.values(row) for row in found]),
+        runs=target.runs,
+        cancelled=target.cancelled,
+    )
+
+
+def _count(sampler: str, steps: int | None, live_points: int | None, free: int) -> int:
+    """Return steps or live points; refuse what the sampler has none of, or too few of."""
+    given: dict[str, Any] = {"steps": steps, "live_points": live_points}
+    name, least, usual = ("steps", 1, STEPS)
+    if sampler == "dynesty":  # fewer do not span ellipsoids
+        name, least, usual = ("live_points", 2 * free + 2, LIVE_POINTS)
+    (other,) = set(given) - {name}
+    if given[other] is not None:
+        raise InputError(f"{sampler} takes {name}, not {other}: leave {other} out.")
+    count = given[name]
+    if count is None:
+        return max(usual, least)
+    whole = isinstance(count, int | np.integer) and not isinstance(count, bool)
+    if not whole or count < least:
+        raise InputError(f"{name} must be a whole number of at least {least}, got {count!r}.")
+    return int(count)
 
 
 class _Target:
     """The logarithm of the posterior over the coordinates that no bound holds."""
 
-    def __init__(self, fit: RecordFit) -> None:
-        self.fit = fit
+    def __init__(self, fit: RecordFit, watch: Watch | None) -> None:
+        self.fit, self.watch = fit, watch
+        self.runs, self.cancelled = 0, False
         self.best = fit.unknowns.coordinates(fit.values)
         self.free = [i for i, path in enumerate(fit.unknowns.paths) if path not in fit.at_bounds]
         scale = np.linalg.pinv(fit.scale)
@@ -155,8 +200,14 @@ class _Target:
         if np.any(free < self.low) or np.any(free > self.high):
             return -math.inf
         best = self.fit.found.best
+        self.runs += 1
         seen = self.fit.problem.linearise(self.values(free), best, slopes=False)
         return -self.weight * (seen.cost - best.cost) if math.isfinite(seen.cost) else -1e300
+
+    def goes_on(self) -> bool:
+        """Tell the watcher how many predictions there were; return whether it wants more."""
+        self.cancelled = self.watch is not None and self.watch(self.runs) is False
+        return not self.cancelled
 
 
 def _walked(library: Any, target: _Target, steps: int, random: np.random.Generator) -> Array:
@@ -166,19 +217,25 @@ def _walked(library: Any, target: _Target, steps: int, random: np.random.Generat
     start = np.clip(start, target.low, target.high)
     chain = library.EnsembleSampler(walkers, size, target)
     chain.random_state = np.random.RandomState(int(random.integers(2**31))).get_state()
-    chain.run_mcmc(start, steps)
-    found: Array = chain.get_chain(discard=int(BURN_IN * steps), flat=True)
+    for _ in chain.sample(start, iterations=steps):
+        if not target.goes_on():
+            break
+    found: Array = chain.get_chain(discard=int(BURN_IN * chain.iteration), flat=True)
     return found
 
 
-def _nested(library: Any, target: _Target, steps: int, random: np.random.Generator) -> Array:
+def _nested(library: Any, target: _Target, points: int, random: np.random.Generator) -> Array:
     nested = library.NestedSampler(
         target,
         lambda cube: target.low + cube * (target.high - target.low),
         len(target.free),
-        nlive=steps,
+        nlive=points,
         rstate=random,
     )
-    nested.run_nested(print_progress=False)
+    for _ in nested.sample(dlogz=ENOUGH):
+        if not target.goes_on():
+            break
+    for _ in nested.add_live_points():  # what the volume that is left consists of
+        pass
     found: Array = nested.results.samples_equal(rstate=random)
     return found

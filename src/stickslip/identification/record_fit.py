@@ -2,6 +2,7 @@
 
 import html
 import math
+import numbers
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeAlias, final
@@ -296,14 +297,19 @@ def check_horizon(horizon: float) -> None:
     Raises
     ------
     ParameterError
-        If it is not above 0 s.
+        If it is no number above 0 s.
 
     Examples
     --------
     >>> check_horizon(4.0)
     """
-    if not 0.0 < horizon < math.inf:
-        raise ParameterError(f"horizon must be a finite time above 0 s, got {horizon!r}.")
+    given: object = horizon  # a text with a unit is a likely mistake, whatever the types say
+    known = isinstance(given, numbers.Real) and not isinstance(given, bool)
+    if not (known and 0.0 < horizon < math.inf):
+        raise ParameterError(
+            "horizon must be a finite time above 0 s, a number of seconds such as 1.0, got"
+            f" {horizon!r}."
+        )
 
 
 def settled(

@@ -14,14 +14,14 @@ from stickslip.identification.applied import driven
 from stickslip.identification.doubts import (
     bounds_met,
     estimates_of,
-    in_units_of,
     offset_left_out,
     sentences_of,
 )
 from stickslip.identification.features import ROUTE as FEATURES
 from stickslip.identification.force_balance import Balanced
-from stickslip.identification.force_units import in_forces
+from stickslip.identification.force_units import in_forces, turned_as
 from stickslip.identification.inference import infer
+from stickslip.identification.loads import as_loaded
 from stickslip.identification.optimise import Found, Watch, search
 from stickslip.identification.record_fit import RecordFit, scale_of
 from stickslip.identification.record_problems import Prepared, Route, Wanted, prepared
@@ -34,6 +34,12 @@ __all__ = ["ROUTES", "RecordSettings", "fit_record", "route_of"]
 
 Array = NDArray[np.float64]
 
+WIDER = 100.0
+"""How much farther out a guessed bound is moved that the search has met."""
+WIDENINGS = 3
+"""How often at most."""
+WORTH = 0.02
+"""Share of the cost that a wider bound must take off: else what ran there is told by nothing."""
 DECAY_STEP = 3.0
 """A free decay is fitted in segments, then in segments so much longer, then as a whole."""
 
@@ -123,20 +129,43 @@ def fit_record(
         known=known,
         settings=settings,
     )
-    ready = prepared(way, wanted)
-    found = searched = search(
-        ready.problem,
-        starts=settings.starts,
-        seed=settings.seed,
-        tried=ready.tried,
-        watch=watch,
-    )
+    ready, found = _widened(prepared(way, wanted), settings, watch)
+    searched = found
     if way == "shooting" and not driven(measurement):
         ready, found = _lengthened(ready, found, measurement, settings, watch)
     if isinstance(ready.build, Balanced):
         build = ready.build.at(found.best.values)
         ready = replace(ready, build=build, problem=build(measurement, None))
     return _finished(way, measurement, ready, found, searched)
+
+
+def _widened(
+    ready: Prepared, settings: RecordSettings, watch: Watch | None
+) -> tuple[Prepared, Found]:
+    """Search, and again with wider bounds where one was met that a start value had set.
+
+    A bound that follows from a poor guess would pass for what the record says. One that is a limit
+    of the quantity, such as 0, or of what the record covers stays.
+    """
+    found = search(
+        ready.problem,
+        starts=settings.starts,
+        seed=settings.seed,
+        tried=ready.tried,
+        watch=watch,
+    )
+    for _ in range(WIDENINGS):
+        unknowns = ready.problem.unknowns
+        wider = unknowns.widened(bounds_met(unknowns, found.best.values), WIDER)
+        if found.cancelled or wider == unknowns:
+            break
+        wide = ready.looking_for(wider.starting_at(found.best.values))
+        again = search(wide.problem, starts=settings.starts, seed=settings.seed, watch=watch)
+        again = replace(again, evaluations=found.evaluations + again.evaluations)
+        if again.best.cost > (1.0 - WORTH) * found.best.cost:
+            return ready, replace(found, evaluations=again.evaluations, cancelled=again.cancelled)
+        ready, found = wide, again
+    return ready, found
 
 
 def _lengthened(
@@ -183,17 +212,20 @@ def _finished(
     unknowns, best = ready.problem.unknowns, found.best
     at_bounds = bounds_met(unknowns, best.values)
     inference = infer(best, scale_of(unknowns, best.values, at_bounds))
-    told = in_forces(unknowns, ready.mechanism, measurement)
+    told = turned_as(measurement, in_forces(unknowns, ready.mechanism, measurement))
     estimates = estimates_of(told, best, inference, at_bounds)
     values = dict(zip(unknowns.paths, best.values.tolist(), strict=True))
     law, own = (
         {path: value for path, value in values.items() if path.startswith(f"{room}.")}
         for room in ("friction", "mechanism")
     )
+    mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
+    mechanism, said = as_loaded(mechanism, measurement)
     return RecordFit(
         law=vary(ready.start, "friction", law),
-        mechanism=vary(ready.mechanism, "mechanism", own) if own else ready.mechanism,
-        estimates=in_units_of(measurement, estimates),
+        mechanism=mechanism,
+        estimates=estimates,
+        remarks=(said,) if said else (),
         route=route,
         measurement=measurement,
         problem=ready.problem,

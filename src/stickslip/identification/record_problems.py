@@ -63,6 +63,17 @@ class Prepared:
     build: Build
     tried: tuple[Array, ...] = ()
 
+    def looking_for(self, unknowns: Unknowns) -> "Prepared":
+        """Return the same with other bounds or start values of the unknowns."""
+        if isinstance(self.build, _Shot):
+            assert isinstance(self.problem, Shooting)
+            shot = replace(self.build, unknowns=unknowns)
+            return replace(self, problem=replace(self.problem, unknowns_=unknowns), build=shot)
+        assert isinstance(self.problem, ForceMap)
+        assert isinstance(self.build, _Rubbed | Balanced)
+        problem = replace(self.problem, unknowns_=unknowns)
+        return replace(self, problem=problem, build=replace(self.build, problem=problem))
+
 
 # What builds problems is no closure, so that fits can cross processes.
 
@@ -138,6 +149,9 @@ def _shooting(wanted: Wanted) -> Prepared:
         raise InputError("there is nothing to fit: name at least one parameter in `free`.")
     _refuse_overrides(loaded(mechanism, measurement), unknowns)
 
+    if scales.nominal is not None:
+        masses = (p for p in unknowns.paths if p in ("mechanism.inertia", "mechanism.mass"))
+        further = (dict.fromkeys(masses, scales.nominal), *further)
     build = _Shot(mechanism, start, unknowns, wanted.settings, quantity)
     tried = tuple(
         np.array([other.get(p, v) for p, v in zip(unknowns.paths, unknowns.start, strict=True)])

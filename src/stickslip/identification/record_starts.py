@@ -33,6 +33,14 @@ ONE_WAY = 0.01
 """Share of samples that must go each way for a record to be two-sided."""
 REACH = 100.0
 """How far levels and slopes may go above what linear regression found."""
+CREDIBLE = 1.0 / REACH
+"""Share of the force from which a regressed level is one to start from: bounds go beyond the force.
+Below it, such as below 0, regression has mistaken the level for mass or slope."""
+GUESSED = ("kinetic_coefficient", "viscous_coefficient", "quadratic_coefficient")
+"""Ends of names of parameters whose upper bound follows from the regression alone. Bounds of others
+follow from what the record covers: the speeds, the stroke, the level."""
+SEEN = 1e-3
+"""Share of the force that the inertia must take for its regression to say anything."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,6 +67,8 @@ class Scales:
     """Range of positions [m]."""
     two_sided: bool = True
     """Whether the record slips both ways."""
+    nominal: float | None = None
+    """Mass [kg] as it was given, where regression tells no level: it may be off as much."""
 
 
 def scales_of(
@@ -81,19 +91,33 @@ def scales_of(
     size = float(np.median(np.abs(both.friction)))
     positions = [np.ptp(positions_of(record)) for record in measurement.records()]
     ahead = float(np.mean(both.velocity > 0.0))
-    least = 1e-3 * size
+    speed = max(float(np.percentile(np.abs(both.velocity), 98.0)), 1e-12)
     return Scales(
         load=load_of(mechanism),
-        level=max(both["level"], least),
-        levels=(max(apart["level+"], least), max(apart["level-"], least)),
+        level=_level(both["level"], size),
+        levels=(_level(apart["level+"], size), _level(apart["level-"], size)),
         slope=max(both["viscous"], 0.0),
         slopes=(max(apart["viscous+"], 0.0), max(apart["viscous-"], 0.0)),
         offset=both["offset"],
-        inertia=both["inertia"] if free and both["inertia"] > 0.0 else mass_of(mechanism),
-        speed=max(float(np.percentile(np.abs(both.velocity), 98.0)), 1e-12),
+        inertia=both["inertia"] if _tells_mass(both, size) else mass_of(mechanism),
+        speed=speed,
         stroke=max(float(max(positions)), 1e-12),
         two_sided=ONE_WAY < ahead < 1.0 - ONE_WAY,
+        nominal=mass_of(mechanism) if free and both["level"] <= CREDIBLE * size else None,
     )
+
+
+def _level(regressed: float, size: float) -> float:
+    """Return the level to start from [N]: half of the force where regression tells none."""
+    return regressed if regressed > CREDIBLE * size else 0.5 * size
+
+
+def _tells_mass(found: InverseDynamics, size: float) -> bool:
+    """Whether the inertia takes a share of the force that the regression can see."""
+    if "inertia" not in found.names or found["inertia"] <= 0.0:
+        return False
+    accelerations = found.table[:, found.names.index("inertia")]
+    return found["inertia"] * float(np.std(accelerations)) > SEEN * size
 
 
 def _check_signs(found: InverseDynamics, *, driven: bool) -> None:
@@ -180,6 +204,7 @@ def law_unknowns(
                 high=max(high, 2.0 * values[name]),
                 log=log,
                 above=f"friction.{above}" if above else "",
+                guessed=name.endswith(GUESSED) and not above,
             )
         )
     further = _further(kind, scales) if isinstance(law, type) else ()
@@ -286,14 +311,16 @@ def mechanism_unknowns(
         start = {"inertia": scales.inertia, "mass": scales.inertia, "offset": scales.offset}
         log = quantity.above is not None
         begin = start.get(name, value)
+        most = (REACH if name in NUISANCE else 1e3) * (scales.level + abs(begin))
         found.append(
             Unknown(
                 path=path,
                 quantity=quantity,
                 start=begin,
-                low=1e-3 * begin if log else max(quantity.low, -1e3 * (scales.level + abs(begin))),
-                high=1e3 * begin if log else 1e3 * (scales.level + abs(begin)),
+                low=1e-3 * begin if log else max(quantity.low, -most),
+                high=1e3 * begin if log else most,
                 log=log,
+                guessed=True,
             )
         )
     return tuple(found)

@@ -10,7 +10,7 @@ from typing import Any, final
 
 from typing_extensions import override
 
-from stickslip.experiments.wording import number
+from stickslip.digits import NO_BREAK_SPACE, interval, significant, within
 from stickslip.experiments.writing import rig_toml
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
@@ -47,16 +47,19 @@ class Estimate:
     def range(self) -> str:
         """The interval in words."""
         if self.bounded:
-            return f"{_three(self.low)} to {_three(self.high)}"
+            return _spaced(interval(self.low, self.high))
         if math.isfinite(self.low):
-            return f"{_three(self.low)} or more"
-        return f"{_three(self.high)} or less" if math.isfinite(self.high) else "not bounded"
+            return f"{_spaced(significant(self.low, 3))} or more"
+        if math.isfinite(self.high):
+            return f"{_spaced(significant(self.high, 3))} or less"
+        return "not bounded"
 
     @override
     def __str__(self) -> str:
         """Return symbol, value and interval, such as ``mu_k = 0.255 (0.249 to 0.261)``."""
         unit = "" if self.quantity.unit == "1" else f" {self.quantity.unit}"
-        return f"{self.quantity.symbol} = {_three(self.value)}{unit} ({self.range})"
+        value = _spaced(within(self.value, self.low, self.high))
+        return f"{self.quantity.symbol} = {value}{unit} ({self.range})"
 
     @override
     def __repr__(self) -> str:
@@ -79,10 +82,9 @@ class Estimate:
         }
 
 
-def _three(value: float) -> str:
-    """Return a number with three digits, zeros kept."""
-    text = f"{value:#.3g}".rstrip(".")
-    return number(value) if "e" in text else text
+def _spaced(text: str) -> str:
+    """Return a number with ordinary spaces, as a terminal and a search want them."""
+    return text.replace(NO_BREAK_SPACE, " ")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,6 +97,8 @@ class Fit(ABC):
     """The mechanism: as measured first, with what was fitted of it."""
     estimates: tuple[Estimate, ...]
     """The free parameters."""
+    remarks: tuple[str, ...] = ()
+    """What is to be known of the mechanism as it is saved, in sentences."""
 
     @final
     def to_law(self) -> FrictionLaw:
@@ -110,7 +114,8 @@ class Fit(ABC):
     @final
     def to_toml(self) -> str:
         """Return mechanism and law as the text of a rig file, which `load_rig` reads."""
-        return rig_toml(self.mechanism, self.law, title=f"{self.law.title}, fitted")
+        text = rig_toml(self.mechanism, self.law, title=f"{self.law.title}, fitted")
+        return "".join(f"# {remark}\n" for remark in self.remarks) + text
 
     @final
     def save(self, path: str | Path) -> None:

@@ -1,4 +1,4 @@
-"""Reports: self-contained HTML pages, independent of any physics."""
+"""Reports: self-contained HTML pages, and verdicts as such a page, a JSON document and a rig."""
 
 from stickslip.report.animations import Animation
 from stickslip.report.blocks import (
@@ -25,6 +25,7 @@ from stickslip.report.markup import inline, mathml, symbol, symbol_text
 from stickslip.report.page import render, write
 from stickslip.report.rowplots import Axis, Mark, RowPlot
 from stickslip.report.tables import Cell, Column, Correlations, Name, Number, Row, Table
+from stickslip.report.verdicts import write_report
 
 __all__ = [
     "Animation",
@@ -65,4 +66,5 @@ __all__ = [
     "symbol",
     "symbol_text",
     "write",
+    "write_report",
 ]

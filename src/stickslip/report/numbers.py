@@ -5,11 +5,11 @@ thousands, no-break spaces where a line must not end. What is not a number is sa
 """
 
 import math
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
+from stickslip import digits as dec
+from stickslip.digits import NO_BREAK_SPACE, NOT_FINITE, UNBOUNDED, interval, significant
 from stickslip.errors import InputError
-from stickslip.report import _decimals as dec
-from stickslip.report._decimals import NO_BREAK_SPACE, NOT_FINITE, UNBOUNDED
 
 __all__ = [
     "NOT_FINITE",
@@ -29,9 +29,6 @@ __all__ = [
     "split_estimate",
     "with_unit",
 ]
-
-_PLAIN_POWERS: Final = range(-4, 7)
-_DIGITS_OF_A_FLOAT: Final = 15
 
 
 class Estimate(NamedTuple):
@@ -111,103 +108,16 @@ def split_estimate(value: float, half_width: float) -> Estimate:
         return Estimate(significant(value, 3), f"(doubt {dec.in_words(half_width)})")
     if half_width == 0:
         return Estimate(f"exactly {significant(value, 6)}", "")
-    if half_width < abs(value) * 10**-_DIGITS_OF_A_FLOAT:
+    if half_width < abs(value) * 10**-dec.DIGITS_OF_A_FLOAT:
         return Estimate(significant(value, 6), "(doubt below rounding)")
     doubt, place = dec.rounded_doubt(dec.decimal(half_width))
     number = dec.at_place(dec.decimal(value), place)
     power = max(dec.power_of(number), dec.power_of(doubt))
-    if power in _PLAIN_POWERS:
+    if power in dec.PLAIN_POWERS:
         return Estimate(dec.plain(number, place), f"±{NO_BREAK_SPACE}{dec.plain(doubt, place)}")
     factor = f"{NO_BREAK_SPACE}{dec.power_factor(power)}"
     scaled = [dec.plain(part.scaleb(-power), place - power) for part in (number, doubt)]
     return Estimate(scaled[0] + factor, f"±{NO_BREAK_SPACE}{scaled[1]}{factor}")
-
-
-def interval(low: float, high: float) -> str:
-    """Return a range, its ends rounded to two digits of its width.
-
-    Parameters
-    ----------
-    low, high : float
-        The ends; infinite if that side is open.
-
-    Returns
-    -------
-    str
-        Such as "0.249 to 0.261".
-
-    Raises
-    ------
-    InputError
-        If `low` is above `high`.
-
-    Examples
-    --------
-    >>> interval(0.24871, 0.26113), interval(-math.inf, 0.7), interval(0.0, math.inf)
-    ('0.249 to 0.261', 'at most 0.700', 'at least 0')
-    """
-    if math.isnan(low) or math.isnan(high):
-        return NOT_FINITE
-    if low > high:
-        raise InputError(f"a range has its low end first, got {low!r}, {high!r}.")
-    if math.isinf(high):
-        return f"at least {significant(low, 3)}" if math.isfinite(low) else UNBOUNDED
-    if math.isinf(low):
-        return f"at most {significant(high, 3)}"
-    if low == high:
-        return f"exactly {significant(low, 6)}"
-    place = dec.power_of(dec.decimal(high) - dec.decimal(low)) - 1
-    place = max(place, dec.power_of(dec.decimal(max(abs(low), abs(high)))) - _DIGITS_OF_A_FLOAT + 1)
-    ends = [dec.decimal(low), dec.decimal(high)]
-    lost = any(end and dec.power_of(end) < place for end in ends)
-    odd = any(end and dec.power_of(end) not in _PLAIN_POWERS for end in ends)
-    if lost or odd:
-        # One rounding cannot show both ends: over many powers of ten each has its own.
-        digits = min(max(dec.power_of(max(ends, key=abs)) - place + 1, 2), _DIGITS_OF_A_FLOAT)
-        return " to ".join(significant(end, 2 if lost else digits) for end in (low, high))
-    return " to ".join(dec.plain(dec.at_place(end, place), place) for end in ends)
-
-
-def significant(value: float, digits: int) -> str:
-    r"""Return a number rounded to some significant digits.
-
-    Parameters
-    ----------
-    value : float
-        The number.
-    digits : int
-        How many digits to keep, at least 1.
-
-    Returns
-    -------
-    str
-        Plain from 0.0001 to 9,999,999 and as a power of ten beyond.
-
-    Raises
-    ------
-    InputError
-        If `digits` is below 1.
-
-    Examples
-    --------
-    >>> significant(0.2, 3), significant(24841, 5), significant(2e9, 2), significant(-3.14159, 3)
-    ('0.200', '24,841', '2.0\xa0×\xa010⁹', '−3.14')
-    """
-    if digits < 1:
-        raise InputError(f"at least 1 digit must be kept, got {digits!r}.")
-    if not math.isfinite(value):
-        return dec.in_words(value)
-    if value == 0:
-        return "0"
-    exact = dec.decimal(value)
-    place = dec.power_of(exact) - digits + 1
-    number = dec.at_place(exact, place)
-    power = dec.power_of(number)
-    place = power - digits + 1
-    if power in _PLAIN_POWERS:
-        return dec.plain(number, place)
-    mantissa = dec.plain(number.scaleb(-power), place - power)
-    return f"{mantissa}{NO_BREAK_SPACE}{dec.power_factor(power)}"
 
 
 def fixed(value: float, decimals: int) -> str:
@@ -232,7 +142,7 @@ def fixed(value: float, decimals: int) -> str:
     """
     if not math.isfinite(value):
         return dec.in_words(value)
-    if dec.power_of(dec.decimal(value)) >= _DIGITS_OF_A_FLOAT:
+    if dec.power_of(dec.decimal(value)) >= dec.DIGITS_OF_A_FLOAT:
         return significant(value, 3)
     return dec.plain(dec.at_place(dec.decimal(value), -decimals), -decimals)
 

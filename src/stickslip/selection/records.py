@@ -192,6 +192,12 @@ def _candidate(
         fit = _without_spare(whole, fitted)
     except (ConvergenceError, SimulationError) as error:
         return _unfitted(one, str(error))
+    left_out = [path for path in whole.unknowns.paths if path not in fit.unknowns.paths]
+    return _fitted(one, fit, left_out)
+
+
+def _fitted(one: Specification, fit: RecordFit, left_out: Sequence[str]) -> RecordCandidate:
+    """Return a candidate with its fit and the criteria that take residuals as independent."""
     rows, count = len(fit.residual), len(fit.unknowns)
     likelihood = rows * math.log(max(fit.rms**2, 1e-300))
     return RecordCandidate(
@@ -199,7 +205,7 @@ def _candidate(
         title=one.title,
         fit=fit,
         validation=None,
-        left_out=tuple(path for path in whole.unknowns.paths if path not in fit.unknowns.paths),
+        left_out=tuple(left_out),
         aic=likelihood + 2.0 * count,
         bic=likelihood + math.log(rows) * count,
     )

@@ -1,0 +1,168 @@
+"""A verdict as files: a page, a JSON document, the law as a rig."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stickslip.documents import document, json_text, write_folder
+from stickslip.errors import InputError
+from stickslip.report.versions import versions
+
+if TYPE_CHECKING:
+    from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict, Verdict
+
+__all__ = ["LAW", "PAGE", "verdict_files", "write_report"]
+
+PAGE, DOCUMENT, LAW = "index.html", "verdict.json", "law.toml"
+"""What is written into a folder."""
+
+# Blocks and pages are imported for much else: what fits laws is imported where it is asked for.
+
+
+def write_report(
+    verdict: "Verdict",
+    folder: str | Path,
+    *,
+    title: str = "",
+    subject: str = "",
+    digest: str = "",
+    commands: Sequence[str] = (),
+    overwrite: bool = False,
+) -> Path:
+    """Write what ``stickslip select`` writes of a verdict into a folder.
+
+    These are ``index.html``, the report as one page that needs nothing else; ``verdict.json``, all
+    that the verdict says as numbers and texts; and ``law.toml``, mechanism and law with their
+    fitted values, which `load_rig` reads and ``stickslip simulate`` takes. Without a law to name
+    there is no ``law.toml``.
+
+    Parameters
+    ----------
+    verdict : Verdict
+        What `select` gave.
+    folder : str or Path
+        Made if it is not there.
+    title : str
+        What was measured, for the title of the page; the kind of mechanism if not given.
+    subject : str
+        The data in one line; if not given what the measurement says of where it is from.
+    digest : str
+        Hash of the inputs, to be shown.
+    commands : sequence of str
+        Commands that give this report again, to be shown.
+    overwrite : bool
+        Whether files of an earlier report in the folder may be replaced.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    InputError
+        If a report is already there, or the folder cannot be written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from stickslip import Coulomb, Measurement, SpringBlock, load_rig, select
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+    >>> verdict = select(rig, reading, [Coulomb], t_end=1.0)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     page = write_report(verdict, folder, title="Block")
+    ...     law = load_rig(page.with_name("law.toml")).laws["coulomb"]
+    ...     sorted(file.name for file in page.parent.iterdir())
+    ['index.html', 'law.toml', 'verdict.json']
+    >>> f"{law.kinetic_coefficient:.3f}"
+    '0.255'
+    """
+    from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict
+
+    if not isinstance(verdict, RecordVerdict | FeatureVerdict | TravelVerdict):
+        raise InputError(f"a report is of a verdict of `select`, got {type(verdict).__name__}.")
+    folder = Path(folder)
+    there = [name for name in (PAGE, DOCUMENT, LAW) if (folder / name).exists()]
+    if there and not overwrite:
+        raise InputError(
+            f"{folder / there[0]} is already there: give overwrite=True to replace it, or another"
+            " folder."
+        )
+    kind = verdict.mechanism.name.replace("-", " ").capitalize()
+    subject = subject or verdict.measurement.provenance or kind
+    page = _page(verdict, title or kind, subject, digest, commands)
+    content = document("select", {"rig": title, "digest": digest, **verdict.to_dict()})
+    files = verdict_files(verdict, page, content)
+    write_folder(folder, files)
+    if LAW in there and LAW not in files:
+        (folder / LAW).unlink()  # that of an earlier verdict, which this one does not name
+    return folder / PAGE
+
+
+def verdict_files(
+    verdict: "RecordVerdict | FeatureVerdict | TravelVerdict", page: str, content: Mapping[str, Any]
+) -> dict[str, str | bytes]:
+    """Return the files of a report by name, from its page and its JSON document.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Measurement, SpringBlock, select
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+    >>> verdict = select(rig, reading, [Coulomb], t_end=1.0)
+    >>> list(verdict_files(verdict, "<!doctype html>", {}))
+    ['index.html', 'verdict.json', 'law.toml']
+    """
+    files: dict[str, str | bytes] = {PAGE: page, DOCUMENT: json_text(content)}
+    if verdict.best is not None and verdict.best.fit is not None:
+        files[LAW] = verdict.best.fit.to_toml()
+    return files
+
+
+def _page(
+    verdict: "RecordVerdict | FeatureVerdict | TravelVerdict",
+    title: str,
+    subject: str,
+    digest: str,
+    commands: Sequence[str],
+) -> str:
+    """Return the page as HTML."""
+    from stickslip.selection import RecordVerdict, TravelVerdict
+
+    if isinstance(verdict, TravelVerdict):
+        return _travel_page(verdict, title, subject, digest, commands)
+    if isinstance(verdict, RecordVerdict):
+        from stickslip.report.records import record_page
+
+        return record_page(
+            verdict,
+            title=title,
+            kicker=subject,
+            commands=commands,
+            versions=versions(),
+            digest=digest,
+        )
+    from stickslip.report.features import feature_page
+
+    return feature_page(
+        verdict, title=title, kicker=subject, commands=commands, versions=versions(), digest=digest
+    )
+
+
+def _travel_page(
+    verdict: "TravelVerdict", title: str, subject: str, digest: str, commands: Sequence[str]
+) -> str:
+    from stickslip.report.page import render
+    from stickslip.report.selection import selection_page
+
+    return render(
+        selection_page(
+            verdict,
+            subject=subject,
+            kicker=title,
+            reproduce=commands,
+            versions=versions(),
+            digest=digest,
+        )
+    )

@@ -1,0 +1,107 @@
+"""A verdict from Python is written as the command writes it."""
+
+import json
+
+import numpy as np
+import pytest
+
+import stickslip
+from stickslip import (
+    Axis,
+    Coulomb,
+    CoulombViscous,
+    Measurement,
+    SpringBlock,
+    Viscous,
+    load_rig,
+    select,
+    write_report,
+)
+from stickslip.cli import main
+from stickslip.errors import InputError
+
+SPEED = np.concatenate([np.linspace(-1.0, -0.01, 60), np.linspace(0.01, 1.0, 60)])
+FRICTION = 2.0 * np.sign(SPEED) + 0.5 * SPEED + 0.02 * np.cos(40.0 * SPEED)
+TABLE = Measurement(velocity=SPEED, friction=FRICTION, load=4.0)
+FILES = ["index.html", "law.toml", "verdict.json"]
+
+
+@pytest.fixture(scope="module")
+def verdict():
+    return select(Axis(inertia=1.0), TABLE, [Coulomb, CoulombViscous])
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_page_document_and_law_say_what_the_verdict_says(verdict, tmp_path):
+    page = write_report(verdict, tmp_path / "new" / "report", title="Slide", subject="made up")
+    folder = tmp_path / "new" / "report"
+    assert page == folder / "index.html"
+    assert names(folder) == FILES
+    text = page.read_text(encoding="utf-8")
+    assert "<title>Friction model selection: Slide<" in text
+    assert "made up" in text
+    content = json.loads((folder / "verdict.json").read_text(encoding="utf-8"))
+    assert content["schema"] == "stickslip/select/1"
+    assert content["stickslip"] == stickslip.__version__
+    assert content["verdict"] == verdict.sentence
+    assert content["best"] == "coulomb-viscous"
+    rig = load_rig(folder / "law.toml")
+    assert rig.laws["coulomb-viscous"] == verdict.best.law
+    assert rig.mechanism.load == 4.0
+
+
+def test_the_command_writes_the_same_files_but_for_its_own_name_and_hash(verdict, tmp_path):
+    lines = [f"{v!r},{f!r}" for v, f in zip(SPEED.tolist(), FRICTION.tolist(), strict=True)]
+    data = tmp_path / "table.csv"
+    data.write_text("\n".join(["v [m/s],F [N]", *lines]) + "\n", encoding="utf-8")
+    rig = tmp_path / "rig.toml"
+    rig.write_text(
+        'title = "Slide"\n[mechanism]\ntype = "axis"\ninertia = "1 kg"\nload = "4 N"\n'
+        '[data]\nfile = "table.csv"\ncolumns = { velocity = "v [m/s]", friction = "F [N]" }\n',
+        encoding="utf-8",
+    )
+    with pytest.raises(SystemExit) as leaving:
+        main(["select", str(rig), "--laws", "coulomb,coulomb-viscous", "-o", str(tmp_path / "cli")])
+    assert not leaving.value.code
+    seen = load_rig(rig)
+    own = select(seen.mechanism, seen.measurement, ["coulomb", "coulomb-viscous"])
+    write_report(own, tmp_path / "python", title="Slide")
+    assert names(tmp_path / "cli") == names(tmp_path / "python") == FILES
+    law = [(tmp_path / side / "law.toml").read_text("utf-8") for side in ("cli", "python")]
+    assert law[0] == law[1]
+    both = [
+        json.loads((tmp_path / side / "verdict.json").read_text("utf-8"))
+        for side in ("cli", "python")
+    ]
+    assert both[0].pop("digest")
+    assert both[1].pop("digest") == ""
+    assert both[0] == both[1]
+
+
+def test_an_earlier_report_is_only_replaced_if_that_is_asked_for(verdict, tmp_path):
+    write_report(verdict, tmp_path, title="First")
+    with pytest.raises(InputError, match=r"index\.html is already there: give overwrite=True"):
+        write_report(verdict, tmp_path, title="Second")
+    assert "First" in (tmp_path / "index.html").read_text(encoding="utf-8")
+    write_report(verdict, tmp_path, title="Second", overwrite=True)
+    assert "First" not in (tmp_path / "index.html").read_text(encoding="utf-8")
+
+
+def test_a_verdict_without_a_law_leaves_none_of_an_earlier_one(verdict, tmp_path):
+    write_report(verdict, tmp_path)
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    # farther than a spring pressed by 0.1 m throws a block without friction: no law explains it
+    reading = Measurement(travel=5.0, uncertainty=0.005, uncertainty_kind="rounding")
+    nothing = select(block, reading, [Viscous], t_end=1.0)
+    assert nothing.best is None
+    write_report(nothing, tmp_path, overwrite=True)
+    assert names(tmp_path) == ["index.html", "verdict.json"]
+
+
+def test_only_verdicts_are_reported(tmp_path):
+    with pytest.raises(InputError, match="a report is of a verdict of `select`, got dict"):
+        write_report({}, tmp_path / "none")
+    assert not (tmp_path / "none").exists()
