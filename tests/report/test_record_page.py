@@ -469,7 +469,7 @@ def test_points_say_whether_the_motion_speeds_up_or_slows_down(loops_html, table
 
 def test_the_caption_of_the_scores_states_the_rule(html):
     text = text_of(html)
-    assert "AIC picks is taken if its error is within one paired standard error and 10 %" in text
+    assert "AIC picks is taken if its error is within one paired standard error and 30 %" in text
     assert "within that and 2.0 % are as good as the least" in text
     assert "the fewest parameters" in text
     assert "An objection does not outweigh a larger error" in text
