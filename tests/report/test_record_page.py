@@ -30,6 +30,7 @@ from stickslip.report.records.opening import law_lines, level_at, levels_at_spee
 from stickslip.report.records.reproduce import python_lines
 from stickslip.report.records.texts import Scale, half_width, rival_of, scale_for, typeset
 from stickslip.selection.record_words import in_sentence
+from stickslip.selection.specifications import specifications
 
 TRUE = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=5.0)
 DRIVE = Sine(amplitude=6.0, frequency=0.5) + Sine(amplitude=3.0, frequency=1.3)
@@ -521,6 +522,19 @@ def test_the_lines_of_python_make_the_selection_again(table_verdict):
     again = names["verdict"]
     assert again.sentence == table_verdict.sentence
     assert [c.score for c in again.candidates] == [c.score for c in table_verdict.candidates]
+
+
+def test_many_laws_are_wrapped_and_the_usual_ones_are_not_named(table_verdict):
+    names = [one.name for one in specifications(None)]
+
+    def lines(kept):
+        like = [dataclasses.replace(table_verdict.candidates[0], name=name) for name in kept]
+        return python_lines(dataclasses.replace(table_verdict, candidates=tuple(like)))
+
+    assert "coulomb" not in lines(names)
+    nine = lines(names[1:])
+    assert max(map(len, nine.split("\n"))) <= 76
+    assert all(f'"{name}"' in nine for name in names[1:])
 
 
 def test_a_mechanism_that_is_not_all_numbers_comes_from_its_rig_file(verdict):

@@ -1,7 +1,9 @@
 """How to have the report again, and whom to cite."""
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
+from typing import Final
 
 import stickslip
 from stickslip.errors import UnknownNameError
@@ -16,6 +18,9 @@ from stickslip.selection import RecordVerdict
 from stickslip.selection.specifications import specifications
 
 __all__ = ["python_lines", "reproduce_section"]
+
+WIDTH: Final = 66
+"""Letters of a line of code, which a page shows without scrolling."""
 
 
 def reproduce_section(
@@ -92,14 +97,19 @@ def _built(mechanism: Mechanism) -> str:
 
 
 def _laws(verdict: RecordVerdict) -> list[str]:
-    """Return the argument with the laws by name, nothing if the names say nothing."""
+    """Return the argument with the laws by name; none if these are all that there usually are.
+
+    Laws whose names say nothing are left to oneself.
+    """
     names = [one.name for one in verdict.candidates]
+    if {*names} == {one.name for one in specifications(None)}:
+        return []
     try:
         specifications(names)
     except UnknownNameError:
         return ["laws"]
     said = ", ".join(f'"{name}"' for name in names)
-    return [f"[{said}]"]
+    return ["\n...      ".join(textwrap.wrap(f"[{said}]", WIDTH, break_on_hyphens=False))]
 
 
 def _asked(verdict: RecordVerdict) -> list[str]:
