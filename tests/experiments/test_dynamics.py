@@ -262,6 +262,17 @@ def test_a_force_that_acts_against_the_motion_is_doubted_without_a_mechanism(dri
     assert signs(Measurement(**parts, force=driven["force"])) == ()
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-5])
+def test_the_sign_of_a_force_is_told_from_a_single_sine_too(noise):
+    # acceleration and position are then one, and only one of them may be asked for
+    x = 0.1 * np.sin(2.0 * TIME)
+    v, a = 0.2 * np.cos(2.0 * TIME), -0.4 * np.sin(2.0 * TIME)
+    force = 5.0 * a + 3.0 * np.sign(v)
+    seen = x + noise * np.random.default_rng(0).normal(size=len(TIME))
+    assert len(signs(Measurement(time=TIME, position=seen, force=-force))) == 1
+    assert signs(Measurement(time=TIME, position=seen, force=force)) == ()
+
+
 def test_the_sign_of_a_force_is_doubted_once(driven):
     wrong = Measurement(**{**driven, "force": -driven["force"]})
     assert signs(wrong, AXIS) == ()  # the mechanism has said so

@@ -86,6 +86,12 @@ def test_a_gain_that_repeats_the_factor_of_the_unit_is_refused(read, gain, cure)
         read("force [mN]", NEWTONS, gain={"force": gain})
 
 
+@pytest.mark.parametrize(("header", "gain"), [("position [deg]", 0.01745), ("force [lbf]", 4.448)])
+def test_a_rounded_factor_of_the_unit_is_refused_too(read, header, gain):
+    with pytest.raises(InputError, match="a second time: leave the gain out"):
+        read(header, NEWTONS, gain={header.split()[0]: gain})
+
+
 @pytest.mark.parametrize("gain", [0, 0.0, -0.0, np.nan, np.inf])
 def test_a_gain_that_leaves_nothing_is_refused(read, gain):
     with pytest.raises(ParameterError, match=r"data\.csv: gain\.force"):
@@ -148,7 +154,17 @@ def test_a_coefficient_without_a_load_is_refused_with_both_cures(read):
     for mechanism in (None, Axis(inertia=1.0)):
         with pytest.raises(ParameterError, match=r"give the load as a column.*as its gain"):
             read("friction [1]", NEWTONS, mechanism=mechanism)
+    with pytest.raises(ParameterError, match=r"give the load as a column"):
+        read("friction [1]", NEWTONS, gain={"friction": -1})  # a sign is no load
     assert read("friction [1]", NEWTONS, gain={"friction": 50}).friction.tolist() == [-50, 100, 175]
+
+
+def test_a_coefficient_about_an_axis_needs_a_radius(read):
+    turning = [("position [rad]", [0.0, 0.1, 0.2]), ("load [N]", [50, 50, 50])]
+    with pytest.raises(ParameterError, match=r"a torque in N m: give the load times the radius"):
+        read("friction [1]", [0.1, 0.1, 0.1], turning)
+    record = read("friction [1]", [0.1, 0.1, 0.1], turning, gain={"friction": 2.5})
+    assert record.friction.tolist() == [0.25, 0.25, 0.25]
 
 
 def test_a_gain_of_minus_one_turns_the_sign_of_a_coefficient_that_has_a_load(read):

@@ -69,6 +69,14 @@ def test_several_trials_at_their_own_loads_are_saved_with_the_median(tmp_path):
     assert "2 to 9 N" in found.remarks[0]
 
 
+def test_a_load_that_was_set_for_each_trial_is_saved_too(tmp_path):
+    plain = Measurement(velocity=SPEED, friction=2.0 * np.sign(SPEED))
+    pressed = dataclasses.replace(plain, overrides={"mechanism.load": 5.0})
+    found = fit(AXIS, Coulomb, Measurement(trials=(pressed, pressed)))
+    assert saved(found, tmp_path).mechanism.load == 5.0
+    assert found.estimate("kinetic_coefficient").quantity.unit == "1"
+
+
 @pytest.mark.parametrize("route", ["shooting", "inverse-dynamics"])
 def test_records_of_motion_are_saved_with_their_load_too(route, tmp_path):
     law = CoulombViscous(kinetic_coefficient=0.5, viscous_coefficient=3.0)

@@ -253,6 +253,19 @@ def test_between_stops_a_coast_goes_as_far_as_without_them():
         assert predicted == pytest.approx(found[1][what])
 
 
+def test_no_coast_into_a_stop_is_proposed():
+    stops = {"lower_stop": -0.12, "upper_stop": 0.12}
+    candidates = {
+        "low": at(LEVELS["low"], Axis(inertia=1.0, **stops)),
+        "heavy": at(LEVELS["low"], Axis(inertia=9.0, **stops)),
+    }
+    _, found = designed(candidates, length=1e-5, force=10.0, reach=(-0.12, 0.12))
+    coasts = [one for one in found if one.what.startswith("Coast")]
+    # 9 kg go 0.56 m from 500 mm/s, .05 m from 150 mm/s
+    assert {one.what.split()[3] for one in coasts} == {"150"}
+    assert all(max(one.predicted.values()) < 0.12 for one in coasts)
+
+
 def test_a_stroke_in_which_bristles_do_not_settle_is_not_run_at_constant_speed():
     axis = Axis(inertia=1.0)
     laws = {

@@ -366,6 +366,11 @@ def test_two_candidates_of_one_name_are_refused(record):
         select(rig, Measurement(travel=0.2), twice)
 
 
+def test_angles_are_written_in_thousandths_below_a_tenth():
+    assert error_text(0.2, "position", turning=True) == "0.20 rad"
+    assert error_text(0.02, "position", turning=True) == "20.0 mrad"
+
+
 def test_scores_are_written_with_their_unit():
     assert error_text(0.00024, "position") == "0.24 mm"
     assert error_text(2.0, "friction") == "2.00 N"

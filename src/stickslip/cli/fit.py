@@ -31,6 +31,7 @@ from stickslip.cli.output import (
 from stickslip.cli.progress import Searching, Watching
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, load_rig
+from stickslip.experiments.refusals import told
 from stickslip.experiments.second_records import refuse_same
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification import FeatureFit, Fit, RecordFit, Score, TravelFit, fit
@@ -86,8 +87,8 @@ def _checked(rig: Rig, found: Measured) -> Checks:
     """Return what is to be said of the measurement; refuse what no fit should be made from."""
     checks = check(found.measurement, mechanism=rig.mechanism)
     if checks.worst == "error":
-        wrong = [one.sentence for one in checks.findings if one.severity == "error"]
-        raise InputError("No fit should be made from this record. " + " ".join(wrong))
+        wrong = told([one for one in checks.findings if one.severity == "error"])
+        raise InputError(f"No fit should be made from this record. {wrong}")
     if found.validate is not None:
         refuse_same(found.measurement, found.validate)
     return checks
@@ -191,13 +192,15 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
     assert isinstance(result, RecordFit)
     assert not isinstance(second, Mapping)
     quantity, found = result.problem.quantity, result.found
-    told = partial(error_text, quantity=quantity, turning=result.measurement.turning)
-    console.print(f"Residual of {quantity}: {told(result.rms)}", markup=False)
+    said = partial(error_text, quantity=quantity, turning=result.measurement.turning)
+    console.print(f"Residual of {quantity}: {said(result.rms)}", markup=False)
     if second is not None:
         console.print(
-            f"On the second record: {told(second.rms)}, {_predicted(result, second)}", markup=False
+            f"On the second record: {said(second.rms)}, {_predicted(result, second)}", markup=False
         )
     console.print(f"Restarts: {_restarts(found.agreeing, len(found.costs))}", markup=False)
+    for remark in result.remarks:
+        console.print(remark, markup=False)
     if found.cancelled:
         note("The search was ended early; this is the best so far.")
     if result.sentences:

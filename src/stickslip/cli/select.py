@@ -11,7 +11,6 @@ from stickslip.cli.measured import Asked, Measured, measured, show_open
 from stickslip.cli.output import (
     command_line,
     document,
-    json_text,
     note,
     overrides,
     plain,
@@ -30,6 +29,7 @@ from stickslip.friction import FrictionLaw, law_type
 from stickslip.friction import laws as known_laws
 from stickslip.identification import starting_law
 from stickslip.report.numbers import interval, length, significant
+from stickslip.report.verdicts import PAGE, verdict_files
 from stickslip.selection import Candidate, TravelVerdict, select
 
 __all__ = ["run"]
@@ -82,9 +82,9 @@ def _travels(
         note("Writing the report ...")
         seen = replace(rig, digest=found.digest)
         page = rig_report(seen, verdict, command=command_line())
-        write_folder(output, {"index.html": page, "verdict.json": json_text(content)})
+        write_folder(output, verdict_files(verdict, page, content))
         _show(verdict)
-        stdout().print(f"\nReport: {output / 'index.html'}", markup=False)
+        stdout().print(f"\nReport: {output / PAGE}", markup=False)
     if verdict.best is None:
         note("No law explains the measurement; the report says why.")
         raise typer.Exit(NO_LAW)

@@ -22,8 +22,8 @@ RUBBING: Final = ("friction", "spring_force")
 """Forces that are often written as coefficients, over the load."""
 PRESSING: Final = ("load", "mass", "gravity")
 """Parameters of a mechanism that its load may come from."""
-TWICE: Final = 1e-6
-"""Relative distance at which a gain is taken for the factor of the column's own unit."""
+TWICE: Final = 0.01
+"""Relative distance at which a gain is taken for the factor of the column's own unit, rounded."""
 
 
 def gains_of(given: Mapping[str, float], known: Iterable[str]) -> dict[str, float]:
@@ -102,7 +102,7 @@ class Scaling:
     def _one(self, name: str, raw: Array, target: str, load: Array | float | None) -> Array:
         unit, gain = self.frame.units.get(name), self.gains.get(name)
         if name in RUBBING and unit is not None and is_of(unit, "1"):
-            return self._by_load(name, raw, load)
+            return self._by_load(name, raw, load, target)
         if gain is None:
             return self.frame.scaled(name, raw, target)
         if unit is None or not is_of(unit, target):  # volts, say: the gain makes SI of them
@@ -110,19 +110,25 @@ class Scaling:
         self._refuse_twice(name, unit, target, gain)
         return gain * self.frame.scaled(name, raw, target)
 
-    def _by_load(self, name: str, raw: Array, load: Array | float | None) -> Array:
-        """Return a coefficient as a force: by a gain, or by the load.
+    def _by_load(self, name: str, raw: Array, load: Array | float | None, target: str) -> Array:
+        """Return a coefficient as a force: by a gain, or by the load. A gain of -1 or 1 is a sign.
 
-        A gain of -1 or 1 is a sign, since no load known to be another one is left out by it.
+        About an axis a load makes forces of coefficients, and only a radius makes torques of these.
         """
         gain = self.gains.get(name)
-        if gain is not None and (load is None or abs(gain) != 1.0):
+        if gain is not None and abs(gain) != 1.0:
             return gain * self.frame.scaled(name, raw, "1")
+        what = f"{self.frame.file}: column {self.frame.names[name]!r} is a coefficient, in"
+        what += f" {self.frame.units[name]}, and {name} is"
+        if target != QUANTITIES[name].unit:
+            raise ParameterError(
+                f"{what} a torque in {target}: give the load times the radius at which it rubs, in"
+                f" {target}, as its gain."
+            )
         if load is None:
             raise ParameterError(
-                f"{self.frame.file}: column {self.frame.names[name]!r} is a coefficient, in"
-                f" {self.frame.units[name]}, and {name} is a force in N: give the load as a column"
-                " in N or as the load of the mechanism, or the load in N as its gain."
+                f"{what} a force in N: give the load as a column in N or as the load of the"
+                " mechanism, or the load in N as its gain."
             )
         return np.asarray((gain or 1.0) * self.frame.scaled(name, raw, "1") * load)
 

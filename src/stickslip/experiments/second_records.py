@@ -37,10 +37,12 @@ def refuse_same(first: Measurement, second: Measurement) -> None:
 
 
 def _same(one: Measurement, other: Measurement) -> bool:
-    """Whether two records have the same quantities with the same samples."""
-    names = [name for name in ("time", *QUANTITIES) if getattr(one, name) is not None]
-    if names != [name for name in ("time", *QUANTITIES) if getattr(other, name) is not None]:
-        return False
-    if not any(np.ndim(getattr(one, name)) for name in names):
-        return False  # single numbers may well be alike
-    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in names)
+    """Whether what both records have is the same, sample by sample."""
+    pairs = [
+        (getattr(one, name), getattr(other, name))
+        for name in ("time", *QUANTITIES)
+        if getattr(one, name) is not None and getattr(other, name) is not None
+    ]
+    if sum(np.ndim(mine) > 0 for mine, _ in pairs) < 2:
+        return False  # times, and single numbers, may well be alike
+    return all(np.array_equal(mine, yours) for mine, yours in pairs)

@@ -29,7 +29,10 @@ def reads_as_forces(mechanism: Mechanism, measurement: Measurement) -> bool:
     (True, False)
     """
     unit_load = isinstance(mechanism, Axis) and mechanism.load == 1.0
-    return unit_load and "load" not in measurement.quantities()
+    known = "load" in measurement.quantities() or any(
+        "mechanism.load" in record.overrides for record in measurement.records()
+    )
+    return unit_load and not known
 
 
 def in_forces(unknowns: Unknowns, mechanism: Mechanism, measurement: Measurement) -> Unknowns:

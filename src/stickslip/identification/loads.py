@@ -106,11 +106,14 @@ def as_loaded(mechanism: Mechanism, measurement: Measurement) -> tuple[Mechanism
 
 
 def _measured(measurement: Measurement) -> Array:
-    """Return the loads [N] of all records, one for each sample of those that have several."""
-    records = [one for one in measurement.records() if "load" in one.quantities()]
-    return np.concatenate(
-        [np.zeros(0), *(np.atleast_1d(np.asarray(one.values("load"))) for one in records)]
-    )
+    """Return the loads [N] of all records, measured or set, one for each sample of those."""
+    found = [np.zeros(0)]
+    for one in measurement.records():
+        if "load" in one.quantities():
+            found.append(np.atleast_1d(np.asarray(one.values("load"), dtype=float)))
+        elif PATH in one.overrides:
+            found.append(np.array([one.overrides[PATH]]))
+    return np.concatenate(found)
 
 
 def _loaded(mechanism: Mechanism, record: Measurement) -> Measurement:

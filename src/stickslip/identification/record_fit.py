@@ -288,6 +288,7 @@ class RecordFit(Fit):
             "evaluations": found.evaluations,
             "cancelled": found.cancelled,
             "cannot_tell": list(self.sentences),
+            "remarks": list(self.remarks),
         }
 
 

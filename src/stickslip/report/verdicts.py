@@ -34,7 +34,8 @@ def write_report(
     These are ``index.html``, the report as one page that needs nothing else; ``verdict.json``, all
     that the verdict says as numbers and texts; and ``law.toml``, mechanism and law with their
     fitted values, which `load_rig` reads and ``stickslip simulate`` takes. Without a law to name
-    there is no ``law.toml``.
+    there is no ``law.toml``. On travels the command's page also compares fixed steps, and audits
+    the source paper where the rig is the paper's.
 
     Parameters
     ----------

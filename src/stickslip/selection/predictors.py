@@ -173,6 +173,8 @@ class Coast:
         slip = mechanism.contacts()[0].slip
         rate = mechanism.rates[mechanism.coordinates.index(slip)]
         run = _run(candidate, None, self.t_end, {slip: self.start, rate: self.speed})
+        if any(event.reason.endswith("hits stop") for event in run.events):
+            raise InputError("the body coasts into a stop: what it would go is not seen.")
         return abs(float(run.at(run.span[1])[slip][0]) - self.start)
 
 

@@ -61,7 +61,8 @@ def error_text(
 
 def _score_text(value: float, quantity: str, unit: str, more: int) -> str:
     """Return a score with more digits than usual."""
-    if quantity in {"position", "velocity"} and abs(value) < 1.0:
+    least = 0.1 if unit.startswith("rad") else 1.0
+    if quantity in {"position", "velocity"} and abs(value) < least:
         value, unit = 1e3 * value, "m" + unit
     size = abs(value)
     digits = 2 if size < 10.0 else 1

@@ -22,6 +22,8 @@ GIVEN_OUT: Final = 0.1
 """Energy that friction would give out, over all that the force exchanges, from which it is told."""
 BOTH_WAYS: Final = 0.05
 """Share of the samples in each direction; in one alone, a level cannot be told from an offset."""
+ALIKE: Final = 0.95
+"""Correlation from which acceleration and displacement are one, as those of a single sine."""
 LARGEST: Final = 2.0
 """Coefficients of friction hardly exceed this."""
 LEAST_LOAD: Final = 10.0
@@ -42,7 +44,9 @@ def direction(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
         return
     force, v, a = np.asarray(record.values("force")), motion.velocity, acceleration_of(record)
     steps = np.diff(motion.time, prepend=motion.time[0])
-    columns = np.stack([a, ways, v, np.cumsum(v * steps), np.ones(v.size)], axis=1)
+    columns = np.stack([a, ways, v, np.ones(v.size), np.cumsum(v * steps)], axis=1)
+    if abs(float(np.corrcoef(a, columns[:, -1])[0, 1])) > ALIKE:
+        columns = columns[:, :-1]
     size = np.sqrt(np.mean(columns**2, axis=0))
     if not (size > 0.0).all() or not np.ptp(force):
         return
@@ -83,7 +87,8 @@ def coefficient(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fi
         severity="warning",
         sentence=(
             f"Friction reaches {most} under a load of {pressed}, {percent(largest / load)} of it."
-            " If these are coefficients, state 1 as their unit: the load then makes forces of them."
+            " If these are coefficients whose unit was not stated, state 1 as their unit: the load"
+            " then makes forces of them."
         ),
         numbers={"friction": largest, "load": load},
     )
