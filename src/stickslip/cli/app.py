@@ -178,8 +178,7 @@ def check(
     from stickslip.cli.reading import reading_of
 
     reading = reading_of(columns=columns, units=units, gain=gain, repair=repair)
-    start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
-    start(files, reading, output)
+    run(files, reading, output, allow_import=allow_import, force=force, as_json=as_json)
 
 
 @app.command()

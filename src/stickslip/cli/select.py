@@ -18,7 +18,6 @@ from stickslip.cli.output import (
     refuse_overwriting,
     show_table,
     stdout,
-    write_folder,
 )
 from stickslip.cli.progress import Watching
 from stickslip.cli.select_records import select_on_records
@@ -28,8 +27,9 @@ from stickslip.experiments import Rig, load_rig
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.friction import laws as known_laws
 from stickslip.identification import starting_law
+from stickslip.paper import rig_report
 from stickslip.report.numbers import interval, length, significant
-from stickslip.report.verdicts import PAGE, verdict_files
+from stickslip.report.verdicts import PAGE, write_verdict
 from stickslip.selection import Candidate, TravelVerdict, select
 
 __all__ = ["run"]
@@ -76,13 +76,10 @@ def _travels(
     if as_json:
         print_json(content)
     else:
-        # the paper's audit is a part of this page alone, and takes a second to import
-        from stickslip.paper import rig_report
-
         note("Writing the report ...")
         seen = replace(rig, digest=found.digest)
         page = rig_report(seen, verdict, command=command_line())
-        write_folder(output, verdict_files(verdict, page, content))
+        write_verdict(output, verdict, page, content)
         _show(verdict)
         stdout().print(f"\nReport: {output / PAGE}", markup=False)
     if verdict.best is None:

@@ -6,10 +6,10 @@ from typing import Any
 
 import typer
 
-from stickslip.cli.output import note, print_json, stdout, write_folder
+from stickslip.cli.output import note, print_json, stdout
 from stickslip.experiments import Rig
 from stickslip.friction import FrictionLaw
-from stickslip.report.verdicts import PAGE, verdict_files
+from stickslip.report.verdicts import PAGE, write_verdict
 from stickslip.selection import FeatureVerdict, RecordVerdict
 
 __all__ = ["NO_LAW", "deliver", "laws_of"]
@@ -45,7 +45,7 @@ def deliver(
         print_json(content)
     else:
         note("Writing the report ...")
-        write_folder(output, verdict_files(verdict, page(), content))
+        write_verdict(output, verdict, page(), content)
         show()
         stdout().print(f"\nReport: {output / PAGE}", markup=False)
     if ended:

@@ -10,7 +10,7 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.columns import check_columns
 from stickslip.experiments.measurement import SAMPLED, Array, Measurement, Uncertainty
 from stickslip.experiments.reading import Reading
-from stickslip.experiments.repair import Repair, repaired
+from stickslip.experiments.repair import Repair, repaired, repairs
 from stickslip.experiments.scaling import Scaling, gains_of, load_stated
 from stickslip.experiments.spelling import spelled
 from stickslip.experiments.units import shown
@@ -103,7 +103,7 @@ def load_measurement(
         units=units or {},
         gain=gain or {},
         offset=offset or {},
-        repair=repair,  # type: ignore[arg-type]  # made a tuple by Reading itself
+        repair=repairs(repair),
     )
     common: dict[str, Any] = {
         "uncertainty_kind": uncertainty_kind,

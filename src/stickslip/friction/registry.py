@@ -46,7 +46,7 @@ def laws() -> Mapping[str, type[FrictionLaw]]:
     >>> sorted(laws())[:2]
     ['coulomb', 'coulomb-viscous']
     """
-    return gathered(LAWS, "stickslip.friction", FrictionLaw)  # type: ignore[type-abstract]
+    return gathered(LAWS, "stickslip.friction", FrictionLaw)  # type: ignore[type-abstract]  # a base
 
 
 def law_type(name: str) -> type[FrictionLaw]:

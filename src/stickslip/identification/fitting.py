@@ -1,7 +1,6 @@
 """The verb `fit`."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
@@ -97,23 +96,40 @@ def fit(
     """
     check_given("fit", mechanism, measurement)
     unknown, free = names_of(unknown), None if free is None else names_of(free)
-    law = law_type(law) if isinstance(law, str) else law
-    check_known(law, known)
-    wanted: Any = {"unknown": unknown, "free": free, "watch": watch}
+    law = _known_law(law, known)
     if by_features(measurement, route):
         _refuse_known(known)
         seed = 0 if settings is None else settings.seed
-        return fit_features(mechanism, law, measurement, **wanted, seed=seed)
+        return fit_features(
+            mechanism, law, measurement, unknown=unknown, free=free, seed=seed, watch=watch
+        )
     if "travel" not in measurement.quantities():
         refuse_faults(measurement, mechanism)
         with with_doubts(measurement, mechanism, of=ConvergenceError):
-            wanted |= {"known": known, "route": route, "settings": settings}
-            return fit_record(mechanism, law, measurement, **wanted)
+            return fit_record(
+                mechanism,
+                law,
+                measurement,
+                unknown=unknown,
+                free=free,
+                known=known,
+                route=route,
+                settings=settings,
+                watch=watch,
+            )
     if unknown:
         raise InputError("a few travels cannot tell parameters of the mechanism from friction.")
     start = with_known(starting_law(law), known) if isinstance(law, type) else law
-    trials = trials_of(mechanism, measurement)
-    return fit_trials(start, trials, free=free, t_end=t_end, watch=watch)
+    return fit_trials(start, trials_of(mechanism, measurement), free=free, t_end=t_end, watch=watch)
+
+
+def _known_law(
+    law: FrictionLaw | type[FrictionLaw] | str, known: Mapping[str, float] | None
+) -> FrictionLaw | type[FrictionLaw]:
+    """Return the law that a name stands for; refuse known values that it cannot take."""
+    law = law_type(law) if isinstance(law, str) else law
+    check_known(law, known)
+    return law
 
 
 def _refuse_known(known: Mapping[str, float] | None) -> None:

@@ -85,9 +85,10 @@ def block_sums(seen: Linearised, table: Array, *, blocks: int = BLOCKS) -> tuple
     together all the same.
     """
     edges = np.linspace(0, len(seen.residual), blocks + 1).astype(int)
-    order = np.argsort(seen.segment, kind="stable")
-    if effective_size(seen) < INDEPENDENT * len(order):
-        order = np.arange(len(order))
+    order = np.arange(len(seen.residual))
+    within = bool(np.any(np.diff(seen.segment) < 0))
+    if within and effective_size(seen) >= INDEPENDENT * len(order):
+        order = np.argsort(seen.segment, kind="stable")
     squares, slopes = [], []
     for first, last in itertools.pairwise(edges.tolist()):
         rows = order[first:last]

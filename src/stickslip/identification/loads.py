@@ -12,7 +12,7 @@ from stickslip.identification.record_starts import load_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["as_loaded", "loaded", "with_usual_load"]
+__all__ = ["as_loaded", "loaded"]
 
 Array = NDArray[np.float64]
 
@@ -40,23 +40,6 @@ def loaded(mechanism: Mechanism, measurement: Measurement) -> Measurement:
         return measurement
     records = tuple(_loaded(mechanism, record) for record in measurement.records())
     return replace(measurement, trials=records) if measurement.trials else records[0]
-
-
-def with_usual_load(mechanism: Mechanism, measurement: Measurement) -> Mechanism:
-    """Return a mechanism with the load that was measured, the median of those of several trials.
-
-    Examples
-    --------
-    >>> from stickslip import Axis
-    >>> record = Measurement(time=[0.0, 1.0], position=[0.0, 0.1], load=5.0)
-    >>> with_usual_load(Axis(inertia=1.0), record).load
-    5.0
-    """
-    found = [one.overrides.get(PATH) for one in loaded(mechanism, measurement).records()]
-    loads = [value for value in found if value is not None]
-    if "load" not in measurement.quantities() or not loads:
-        return mechanism
-    return vary(mechanism, "mechanism", {PATH: float(np.median(loads))})
 
 
 def as_loaded(mechanism: Mechanism, measurement: Measurement) -> tuple[Mechanism, str]:

@@ -16,7 +16,7 @@ from stickslip.identification.force_balance import Balanced, balanced
 from stickslip.identification.force_map import FEW, force_map, map_along
 from stickslip.identification.inertia import inertia_of
 from stickslip.identification.inverse_dynamics import mass_of
-from stickslip.identification.loads import loaded, with_usual_load
+from stickslip.identification.loads import as_loaded, loaded
 from stickslip.identification.map_problem import ForceMap
 from stickslip.identification.map_records import stretches_of
 from stickslip.identification.problem import RecordProblem
@@ -139,15 +139,16 @@ def prepared(route: Route, wanted: Wanted) -> Prepared:
 def _shooting(wanted: Wanted) -> Prepared:
     measurement = wanted.measurement
     quantity = measured_quantity(measurement)
-    mechanism = with_usual_load(wanted.mechanism, measurement)
+    under_load = loaded(wanted.mechanism, measurement)
+    mechanism, _ = as_loaded(wanted.mechanism, measurement)
     with with_doubts(measurement, mechanism):
-        scales = scales_of(mechanism, loaded(mechanism, measurement), wanted.unknown)
+        scales = scales_of(mechanism, under_load, wanted.unknown)
     start, items, further = law_unknowns(wanted.law, scales, wanted.free, wanted.known)
     own = mechanism_unknowns(mechanism, start, wanted.unknown, scales)
     unknowns = joined(start, [*items, *own])
     if not len(unknowns):
         raise InputError("there is nothing to fit: name at least one parameter in `free`.")
-    _refuse_overrides(loaded(mechanism, measurement), unknowns)
+    _refuse_overrides(under_load, unknowns)
 
     if scales.nominal is not None:
         masses = (p for p in unknowns.paths if p in ("mechanism.inertia", "mechanism.mass"))

@@ -42,4 +42,4 @@ def mechanisms() -> Mapping[str, type[Mechanism]]:
     >>> sorted(mechanisms())
     ['axis', 'capsule', 'pendulum', 'pendulum-cart', 'spring-block', 'towed-block', 'two-mass-axis']
     """
-    return gathered(MECHANISMS, "stickslip.mechanisms", Mechanism)  # type: ignore[type-abstract]
+    return gathered(MECHANISMS, "stickslip.mechanisms", Mechanism)  # type: ignore[type-abstract]  # a base

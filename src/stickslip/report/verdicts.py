@@ -11,7 +11,7 @@ from stickslip.report.versions import versions
 if TYPE_CHECKING:
     from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict, Verdict
 
-__all__ = ["LAW", "PAGE", "verdict_files", "write_report"]
+__all__ = ["LAW", "PAGE", "write_report", "write_verdict"]
 
 PAGE, DOCUMENT, LAW = "index.html", "verdict.json", "law.toml"
 """What is written into a folder."""
@@ -94,31 +94,38 @@ def write_report(
     subject = subject or verdict.measurement.provenance or kind
     page = _page(verdict, title or kind, subject, digest, commands)
     content = document("select", {"rig": title, "digest": digest, **verdict.to_dict()})
-    files = verdict_files(verdict, page, content)
-    write_folder(folder, files)
-    if LAW in there and LAW not in files:
-        (folder / LAW).unlink()  # that of an earlier verdict, which this one does not name
+    write_verdict(folder, verdict, page, content)
     return folder / PAGE
 
 
-def verdict_files(
-    verdict: "RecordVerdict | FeatureVerdict | TravelVerdict", page: str, content: Mapping[str, Any]
-) -> dict[str, str | bytes]:
-    """Return the files of a report by name, from its page and its JSON document.
+def write_verdict(
+    folder: Path,
+    verdict: "RecordVerdict | FeatureVerdict | TravelVerdict",
+    page: str,
+    content: Mapping[str, Any],
+) -> None:
+    """Write the files of a report from its page and its document, over those of an earlier one.
+
+    Where no law is named, none of an earlier verdict is left beside the page that says so.
 
     Examples
     --------
+    >>> import tempfile
     >>> from stickslip import Coulomb, Measurement, SpringBlock, select
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
     >>> verdict = select(rig, reading, [Coulomb], t_end=1.0)
-    >>> list(verdict_files(verdict, "<!doctype html>", {}))
-    ['index.html', 'verdict.json', 'law.toml']
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_verdict(Path(folder), verdict, "<!doctype html>", {})
+    ...     sorted(file.name for file in Path(folder).iterdir())
+    ['index.html', 'law.toml', 'verdict.json']
     """
     files: dict[str, str | bytes] = {PAGE: page, DOCUMENT: json_text(content)}
     if verdict.best is not None and verdict.best.fit is not None:
         files[LAW] = verdict.best.fit.to_toml()
-    return files
+    write_folder(folder, files)
+    if LAW not in files:
+        (folder / LAW).unlink(missing_ok=True)
 
 
 def _page(

@@ -90,17 +90,8 @@ def predictor_of(fit: RecordFit) -> Predictor:
     return Predictor(
         law=fit.law,
         mechanism=fit.mechanism,
-        load=_load(fit),
+        load=load_of(fit.mechanism),
         estimates=dict(zip(fit.unknowns.paths, fit.values.tolist(), strict=True)),
         errors=fit.inference.errors,
         correlation=fit.inference.correlation,
     )
-
-
-def _load(fit: RecordFit) -> float:
-    """Return the normal force [N]: the usual one of those measured, else the mechanism's."""
-    records = fit.measurement.records()
-    if fit.route != "shooting" and all("load" in record.quantities() for record in records):
-        loads = [np.atleast_1d(np.asarray(record.values("load"))) for record in records]
-        return float(np.median(np.concatenate(loads)))
-    return load_of(fit.mechanism)

@@ -27,6 +27,7 @@ ALIKE: Final = 0.95
 LARGEST: Final = 2.0
 """Coefficients of friction hardly exceed this."""
 LEAST_LOAD: Final = 10.0
+"""Load [N] above which forces and coefficients are of different sizes."""
 SMALL: Final = 0.1
 """Friction over load below which a coefficient is the likelier reading."""
 
