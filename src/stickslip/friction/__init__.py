@@ -2,10 +2,12 @@
 
 from stickslip.friction.base import (
     BristleLaw,
+    Containment,
     DirectionalLaw,
     FrictionLaw,
     SetValuedLaw,
     bristles_of,
+    containment_of,
     towards,
 )
 from stickslip.friction.coulomb import Coulomb
@@ -16,7 +18,7 @@ from stickslip.friction.lugre import LuGre
 from stickslip.friction.power_viscous import PowerViscous
 from stickslip.friction.published import PRINTED_FORMS, PrintedForm
 from stickslip.friction.quadratic_drag import QuadraticDrag
-from stickslip.friction.registry import LAWS, law_type, laws
+from stickslip.friction.registry import LAWS, contained_laws, law_type, laws
 from stickslip.friction.sources import SOURCES
 from stickslip.friction.stribeck import Stribeck
 from stickslip.friction.viscous import Viscous
@@ -26,6 +28,7 @@ __all__ = [
     "PRINTED_FORMS",
     "SOURCES",
     "BristleLaw",
+    "Containment",
     "Coulomb",
     "CoulombViscous",
     "Dahl",
@@ -40,6 +43,8 @@ __all__ = [
     "Stribeck",
     "Viscous",
     "bristles_of",
+    "contained_laws",
+    "containment_of",
     "law_type",
     "laws",
     "towards",

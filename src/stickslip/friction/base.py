@@ -1,7 +1,8 @@
 """What a friction law is: set-valued at rest, or carried by the deflection of bristles."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import ClassVar, final
 
 from typing_extensions import override
@@ -11,12 +12,64 @@ from stickslip.quantities import Parametrised
 
 __all__ = [
     "BristleLaw",
+    "Containment",
     "DirectionalLaw",
     "FrictionLaw",
     "SetValuedLaw",
     "bristles_of",
+    "containment_of",
     "towards",
 ]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Containment:
+    """How the parameters of a richer law follow from those of a simpler one that it contains.
+
+    A fit of the richer law that leaves more than one of the simpler law was not searched to its
+    end: what it leaves says nothing about the law.
+
+    Parameters of the richer law that are named nowhere have no effect where it is the simpler one,
+    such as a Stribeck velocity without a static surplus.
+    """
+
+    law: str
+    """Registry name of the simpler law."""
+    values: Mapping[str, str | float]
+    """Parameter of the richer law -> the simpler one's parameter that it equals, or its value."""
+    limits: tuple[str, ...] = ()
+    """Parameters that go to infinity; none where the richer law is exactly the simpler one."""
+    where: Mapping[str, float] = field(default_factory=dict)
+    """Values that parameters of the simpler law must have, such as a whole exponent."""
+
+    def embed(self, simpler: "FrictionLaw") -> dict[str, float] | None:
+        """Return values of the richer law that make it the simpler one.
+
+        Parameters
+        ----------
+        simpler : FrictionLaw
+            A law of the contained type.
+
+        Returns
+        -------
+        dict of str to float, or None
+            By name, without those that have no effect and those that go to infinity. None if the
+            simpler law has values for which the richer one does not contain it.
+
+        Examples
+        --------
+        >>> from stickslip import CoulombViscous, Stribeck
+        >>> (one,) = [c for c in Stribeck.contained if c.law == "coulomb-viscous"]
+        >>> one.embed(CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=3.0))
+        {'kinetic_coefficient': 0.2, 'viscous_coefficient': 3.0, 'static_coefficient': 0.2}
+        """
+        if any(getattr(simpler, name) != value for name, value in self.where.items()):
+            return None
+        return {
+            name: float(getattr(simpler, source)) if isinstance(source, str) else source
+            for name, source in self.values.items()
+        }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +93,8 @@ class FrictionLaw(Parametrised, ABC):
     """Parameters in the order in which scarce data should pay for them."""
     on_request: ClassVar[bool] = False
     """Whether it is tried only where it is named: few travels cannot tell it from simpler laws."""
+    contained: ClassVar[tuple[Containment, ...]] = ()
+    """Simpler laws that it is for some values of its parameters, the nearest first."""
 
     @abstractmethod
     def break_away(self, load: Scalar) -> Scalar:
@@ -178,3 +233,15 @@ def towards(law: FrictionLaw, direction: int) -> FrictionLaw:
 def bristles_of(law: FrictionLaw) -> tuple[str, ...]:
     """Return the names of the bristle states that a law has; none where it is set-valued."""
     return law.bristles if isinstance(law, BristleLaw) else ()
+
+
+def containment_of(kind: type[FrictionLaw], name: str) -> Containment | None:
+    """Return how a type of law contains the law of a name at first hand; None if it does not.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, LuGre
+    >>> containment_of(LuGre, "dahl").limits, containment_of(Coulomb, "dahl")
+    ((), None)
+    """
+    return next((one for one in kind.contained if one.law == name), None)

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, final
 
 from typing_extensions import override
 
-from stickslip.friction.base import SetValuedLaw
+from stickslip.friction.base import Containment, SetValuedLaw
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity
 
@@ -31,6 +31,22 @@ class CoulombViscous(SetValuedLaw):
     )
     sources: ClassVar[tuple[str, ...]] = ("coulomb1785", "reynolds1886", "morin1833")
     fit_order: ClassVar[tuple[str, ...]] = ("kinetic_coefficient", "viscous_coefficient")
+    contained: ClassVar[tuple[Containment, ...]] = (
+        Containment(
+            law="coulomb",
+            values={
+                "kinetic_coefficient": "kinetic_coefficient",
+                "viscous_coefficient": 0.0,
+            },
+        ),
+        Containment(
+            law="viscous",
+            values={
+                "kinetic_coefficient": 0.0,
+                "viscous_coefficient": "viscous_coefficient",
+            },
+        ),
+    )
 
     kinetic_coefficient: Annotated[float, Quantity("mu_k", low=0)]
     """Friction force over the normal force as the speed goes to zero."""

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Self, final
 
 from typing_extensions import override
 
-from stickslip.friction.base import BristleLaw
+from stickslip.friction.base import BristleLaw, Containment
 from stickslip.maths import Scalar, power, sign
 from stickslip.quantities import Quantity
 
@@ -41,6 +41,17 @@ class Dahl(BristleLaw):
         "bristle_stiffness",
         "viscous_coefficient",
         "exponent",
+    )
+    contained: ClassVar[tuple[Containment, ...]] = (
+        Containment(
+            law="coulomb-viscous",
+            values={
+                "kinetic_coefficient": "kinetic_coefficient",
+                "viscous_coefficient": "viscous_coefficient",
+                "exponent": 1.0,
+            },
+            limits=("bristle_stiffness",),
+        ),
     )
 
     kinetic_coefficient: Annotated[float, Quantity("mu_k", above=0)]

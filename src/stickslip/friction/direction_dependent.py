@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, final
 
 from typing_extensions import override
 
-from stickslip.friction.base import DirectionalLaw
+from stickslip.friction.base import Containment, DirectionalLaw
 from stickslip.friction.coulomb_viscous import CoulombViscous
 from stickslip.quantities import Quantity, unchecked
 
@@ -45,6 +45,17 @@ class DirectionDependent(DirectionalLaw):
         "backward_kinetic_coefficient",
         "forward_viscous_coefficient",
         "backward_viscous_coefficient",
+    )
+    contained: ClassVar[tuple[Containment, ...]] = (
+        Containment(
+            law="coulomb-viscous",
+            values={
+                "forward_kinetic_coefficient": "kinetic_coefficient",
+                "backward_kinetic_coefficient": "kinetic_coefficient",
+                "forward_viscous_coefficient": "viscous_coefficient",
+                "backward_viscous_coefficient": "viscous_coefficient",
+            },
+        ),
     )
     on_request: ClassVar[bool] = True
 

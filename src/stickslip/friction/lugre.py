@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Self, final
 
 from typing_extensions import override
 
-from stickslip.friction.base import BristleLaw
+from stickslip.friction.base import BristleLaw, Containment
 from stickslip.friction.stribeck import fade
 from stickslip.maths import Scalar, sign
 from stickslip.quantities import Quantity
@@ -51,6 +51,31 @@ class LuGre(BristleLaw):
         "static_coefficient",
         "stribeck_velocity",
         "bristle_damping",
+    )
+    contained: ClassVar[tuple[Containment, ...]] = (
+        Containment(
+            law="dahl",
+            values={
+                "kinetic_coefficient": "kinetic_coefficient",
+                "viscous_coefficient": "viscous_coefficient",
+                "bristle_stiffness": "bristle_stiffness",
+                "static_coefficient": "kinetic_coefficient",
+                "bristle_damping": 0.0,
+            },
+            where={"exponent": 1.0},
+        ),
+        Containment(
+            law="stribeck",
+            values={
+                "kinetic_coefficient": "kinetic_coefficient",
+                "viscous_coefficient": "viscous_coefficient",
+                "static_coefficient": "static_coefficient",
+                "stribeck_velocity": "stribeck_velocity",
+                "exponent": "exponent",
+                "bristle_damping": 0.0,
+            },
+            limits=("bristle_stiffness",),
+        ),
     )
 
     kinetic_coefficient: Annotated[float, Quantity("mu_k", above=0)]

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, final
 
 from typing_extensions import override
 
-from stickslip.friction.base import SetValuedLaw
+from stickslip.friction.base import Containment, SetValuedLaw
 from stickslip.maths import Scalar, power, where
 from stickslip.quantities import Quantity
 
@@ -47,6 +47,16 @@ class PowerViscous(SetValuedLaw):
         "kinetic_coefficient",
         "viscous_coefficient",
         "exponent",
+    )
+    contained: ClassVar[tuple[Containment, ...]] = (
+        Containment(
+            law="coulomb-viscous",
+            values={
+                "kinetic_coefficient": "kinetic_coefficient",
+                "viscous_coefficient": "viscous_coefficient",
+                "exponent": 1.0,
+            },
+        ),
     )
     on_request: ClassVar[bool] = True
 

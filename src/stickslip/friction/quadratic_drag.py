@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, final
 
 from typing_extensions import override
 
-from stickslip.friction.base import SetValuedLaw
+from stickslip.friction.base import Containment, SetValuedLaw
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity
 
@@ -37,6 +37,16 @@ class QuadraticDrag(SetValuedLaw):
         "kinetic_coefficient",
         "viscous_coefficient",
         "quadratic_coefficient",
+    )
+    contained: ClassVar[tuple[Containment, ...]] = (
+        Containment(
+            law="coulomb-viscous",
+            values={
+                "kinetic_coefficient": "kinetic_coefficient",
+                "viscous_coefficient": "viscous_coefficient",
+                "quadratic_coefficient": 0.0,
+            },
+        ),
     )
     on_request: ClassVar[bool] = True
 

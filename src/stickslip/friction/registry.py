@@ -1,7 +1,7 @@
 """The laws by name; installed packages add theirs under the entry point ``stickslip.friction``."""
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
 from stickslip.friction.base import FrictionLaw
@@ -16,7 +16,7 @@ from stickslip.friction.stribeck import Stribeck
 from stickslip.friction.viscous import Viscous
 from stickslip.quantities import gathered, named
 
-__all__ = ["LAWS", "law_type", "laws"]
+__all__ = ["LAWS", "contained_laws", "law_type", "laws"]
 
 LAWS: Mapping[str, type[FrictionLaw]] = MappingProxyType(
     {
@@ -59,3 +59,23 @@ def law_type(name: str) -> type[FrictionLaw]:
     """
     law: type[FrictionLaw] = named(laws(), name, "friction law")
     return law
+
+
+def contained_laws(kind: type[FrictionLaw]) -> tuple[str, ...]:
+    """Return the registry names of all laws that a type of law contains, the nearest first.
+
+    Examples
+    --------
+    >>> from stickslip import LuGre
+    >>> contained_laws(LuGre)
+    ('dahl', 'stribeck', 'coulomb-viscous', 'coulomb', 'viscous')
+    """
+    return tuple(dict.fromkeys(_walk(kind)))
+
+
+def _walk(kind: type[FrictionLaw]) -> Iterator[str]:
+    known, level = laws(), [kind]
+    while level:
+        names = [one.law for law in level for one in law.contained if one.law in known]
+        yield from names
+        level = [known[name] for name in dict.fromkeys(names)]

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, final
 
 from typing_extensions import override
 
-from stickslip.friction.base import SetValuedLaw
+from stickslip.friction.base import Containment, SetValuedLaw
 from stickslip.maths import Scalar, exp, power, where
 from stickslip.quantities import Quantity
 
@@ -59,6 +59,16 @@ class Stribeck(SetValuedLaw):
         "viscous_coefficient",
         "stribeck_velocity",
         "static_coefficient",
+    )
+    contained: ClassVar[tuple[Containment, ...]] = (
+        Containment(
+            law="coulomb-viscous",
+            values={
+                "kinetic_coefficient": "kinetic_coefficient",
+                "viscous_coefficient": "viscous_coefficient",
+                "static_coefficient": "kinetic_coefficient",
+            },
+        ),
     )
 
     kinetic_coefficient: Annotated[float, Quantity("mu_k", low=0)]

@@ -17,10 +17,19 @@ from stickslip.friction import (
     QuadraticDrag,
     Stribeck,
     Viscous,
+    contained_laws,
+    containment_of,
 )
 from stickslip.friction import laws as known_laws
 
-__all__ = ["CONTROL", "REFERENCE", "Specification", "check_apart", "specifications"]
+__all__ = [
+    "CONTROL",
+    "REFERENCE",
+    "Specification",
+    "check_apart",
+    "contains",
+    "specifications",
+]
 
 REFERENCE = "coulomb-viscous"
 """What is always used: the row that others are compared with."""
@@ -105,6 +114,30 @@ def check_apart(names: Sequence[str]) -> None:
             f"two of `laws` are called {twice[0]!r}: give a mapping with a name for each, such as"
             f' {{"{twice[0]}-a": ..., "{twice[0]}-b": ...}}.'
         )
+
+
+def contains(rich: Specification, simple: Specification) -> bool:
+    """Whether a candidate is another one for some values of what is looked for.
+
+    Examples
+    --------
+    >>> by_name = {one.name: one for one in specifications(None)}
+    >>> contains(by_name["dahl-exponent"], by_name["dahl"])
+    True
+    >>> contains(by_name["lugre"], by_name["dahl-exponent"])
+    False
+    """
+    kinds = [one.law if isinstance(one.law, type) else type(one.law) for one in (rich, simple)]
+    free, fewer = (
+        set(kind.fit_order if one.free is None else one.free)
+        for kind, one in zip(kinds, (rich, simple), strict=True)
+    )
+    if kinds[0] is kinds[1]:
+        return fewer < free
+    if kinds[1].name not in contained_laws(kinds[0]):
+        return False
+    first = containment_of(kinds[0], kinds[1].name)
+    return first is None or not (set(first.where) & fewer)
 
 
 def _usual() -> tuple[Specification, ...]:
