@@ -71,7 +71,7 @@ class Rig:
     """Whether speeds are ramped up and down, as point-to-point motions do; else sums of sines."""
 
 
-def _between(random: Random, low: float, high: float) -> float:
+def between(random: Random, low: float, high: float) -> float:
     """Draw from numbers spread evenly over powers of ten."""
     return float(10.0 ** random.uniform(math.log10(low), math.log10(high)))
 
@@ -117,7 +117,7 @@ def _stribeck(random: Random, s: Sizes) -> FrictionLaw:
     return Stribeck(
         kinetic_coefficient=s.level,
         static_coefficient=s.level * float(random.uniform(1.2, 1.6)),
-        stribeck_velocity=_between(random, 0.03, 0.2) * s.speed,
+        stribeck_velocity=between(random, 0.03, 0.2) * s.speed,
         viscous_coefficient=_viscous(random, s),
     )
 
@@ -125,7 +125,7 @@ def _stribeck(random: Random, s: Sizes) -> FrictionLaw:
 def _dahl(random: Random, s: Sizes) -> FrictionLaw:
     return Dahl(
         kinetic_coefficient=s.level,
-        bristle_stiffness=s.level / (_between(random, 2e-3, 2e-2) * s.stroke),
+        bristle_stiffness=s.level / (between(random, 2e-3, 2e-2) * s.stroke),
         viscous_coefficient=_viscous(random, s),
     )
 
@@ -143,10 +143,10 @@ TRUTHS: Mapping[str, Callable[[Random, Sizes], FrictionLaw]] = {
 
 def draw(random: Random, truth: str) -> Rig:
     """Return a random rig whose friction is of a kind."""
-    inertia, speed = _between(random, 0.5, 100.0), _between(random, 0.05, 0.5)
+    inertia, speed = between(random, 0.5, 100.0), between(random, 0.05, 0.5)
     slowest = 2.0  # s, the usual time of a stroke
     accelerating = inertia * speed / (0.25 * slowest)
-    level = accelerating * _between(random, 0.3, 3.0)
+    level = accelerating * between(random, 0.3, 3.0)
     sizes = Sizes(level=level, speed=speed, stroke=speed * slowest)
     law = TRUTHS[truth](random, sizes)
     # a law with a level for each direction has no constant force beside them
@@ -159,9 +159,9 @@ def draw(random: Random, truth: str) -> Rig:
         speed=speed,
         rate=float(random.choice((200.0, 500.0, 1000.0))),
         duration=float(random.uniform(15.0, 25.0)),
-        noise=sizes.stroke * _between(random, 1e-5, 1e-4),
+        noise=sizes.stroke * between(random, 1e-5, 1e-4),
         disturbance=float(random.uniform(0.01, 0.04)),
-        correlation_time=_between(random, 0.05, 0.5),
+        correlation_time=between(random, 0.05, 0.5),
         ramps=bool(random.integers(2)),
     )
 
@@ -208,7 +208,7 @@ def _waving(rig: Rig, t: Array, random: Random) -> Array:
     """Return velocities (n,) of a sum of sines that begins at rest."""
     waves = [
         random.uniform(0.3, 1.0) * np.sin(2.0 * math.pi * f * t)
-        for f in (_between(random, 0.12, 0.3), _between(random, 0.3, 0.7), _between(random, 0.7, 2))
+        for f in (between(random, 0.12, 0.3), between(random, 0.3, 0.7), between(random, 0.7, 2))
     ]
     v = np.sum(waves, axis=0)
     return np.asarray(rig.speed * v / np.max(np.abs(v)))

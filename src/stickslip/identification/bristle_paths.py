@@ -32,6 +32,8 @@ NUDGE = 1e-7
 JOINED = 1e-10
 """Mismatch at joints over the largest deflection that counts as none: a thousand times less than
 what the copies of a law differ by when slopes are wanted."""
+SWEEPS = 30
+"""Sweeps at most: states that do not meet by then belong to values far from any fit."""
 STEPS_PER_CHUNK = 0.5
 """Steps in a chunk over the number of chunks."""
 SERIES = 0.05
@@ -70,7 +72,14 @@ class Path:
         return h, v, n
 
 
-def follow(law: BristleLaw, path: Path, start: Array, guess: Array | None = None) -> Array:
+def follow(
+    law: BristleLaw,
+    path: Path,
+    start: Array,
+    guess: Array | None = None,
+    *,
+    mismatch: float = JOINED,
+) -> Array:
     """Return bristle states along a path.
 
     Within a step the velocity is constant, so that laws which know displacement only see the
@@ -86,6 +95,8 @@ def follow(law: BristleLaw, path: Path, start: Array, guess: Array | None = None
         States at the first sample.
     guess : array (bristles, n), optional
         States of a similar law at the samples, near which those of this one are looked for.
+    mismatch : float
+        Mismatch at joints over the largest deflection that is none.
 
     Returns
     -------
@@ -108,13 +119,16 @@ def follow(law: BristleLaw, path: Path, start: Array, guess: Array | None = None
     starts = np.repeat(start[:, None, :], chunks, axis=1)
     if guess is not None:
         starts[:, 1:] = guess[:, steps : steps * (chunks - 1) + 1 : steps, None]
-    for _ in range(chunks):  # each sweep settles one more joint, whatever the slopes
+    # each sweep settles one more joint, whatever the slopes
+    for _ in range(min(chunks, SWEEPS)):
         states, slopes = _swept(law, motion, starts)
-        gap = states[-1][:, :-1] - starts[:, 1:]
-        size = float(np.max(np.abs(states)))
-        if not math.isfinite(size) or np.max(np.abs(gap), initial=0.0) <= JOINED * size:
+        gap = np.max(np.abs(states[-1][:, :-1] - starts[:, 1:]), axis=(0, 1), initial=0.0)
+        size = np.max(np.abs(states), axis=(0, 1, 2))
+        apart = ~(gap <= mismatch * size)
+        if not (apart & np.isfinite(size)).any():
             break
         starts = _joined(starts, states[-1], slopes)
+    states[..., apart] = np.nan
     inside = states[1:].transpose(1, 2, 0, 3).reshape(bristles, -1, copies)
     return np.concatenate([start[:, None, :], inside], axis=1)[:, : len(path.time)]
 

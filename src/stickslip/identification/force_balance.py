@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.experiments.cutting import between_gaps
+from stickslip.experiments.signals import noise_of, step_of
 from stickslip.identification.applied import applied_force
 from stickslip.identification.bristle_paths import Path
 from stickslip.identification.inverse_dynamics import (
@@ -216,9 +217,8 @@ def _second_differences(x: Array, dt: float) -> Array:
 
 
 def _noise(x: Array) -> float:
-    """Return the standard deviation of white noise of positions (n,)."""
-    # third differences take the motion away and leave white noise times the root of 20
-    return 1.4826 * float(np.median(np.abs(np.diff(x, 3)))) / math.sqrt(20.0)
+    """Return the standard deviation of the noise of positions (n,); rounding is the least."""
+    return noise_of(x, step_of(x))
 
 
 def _passed(x: Array) -> float:

@@ -2,21 +2,20 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import MISSING, fields, replace
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ConvergenceError, InputError
+from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw
 from stickslip.identification.map_problem import ForceMap
 from stickslip.identification.map_records import Stretch, stretches_of
 from stickslip.identification.map_starts import Rough, looked_for
-from stickslip.identification.optimise import improve
-from stickslip.identification.unknowns import Unknown, Unknowns
+from stickslip.identification.screening import screened_starts
+from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import vary
+from stickslip.quantities import fields_of
 
 __all__ = ["ForceMap", "force_map", "map_along"]
 
@@ -26,16 +25,6 @@ MECHANISM, SENSOR = "mechanism.offset", "measurement.offset.friction"
 """Paths of the constant force: of the mechanism if it has one, else of the force sensor."""
 FEW = 1_000
 """Samples of a record that start values are looked for with."""
-EXPONENTS = (0.1, 0.6, 1.5)
-"""Exponents that start values are looked for at; whole ones are another law."""
-SPEEDS = (0.01, 0.05, 0.25, 1.0)
-"""Stribeck velocities over the largest speed."""
-FACTORS = (0.4, 1.0, 2.5)
-"""Stiffness over that of the first look."""
-BEST = 2
-"""Points of the grid from which a law of bristles with a static surplus goes downhill."""
-ROUNDS = 4
-"""Steps downhill from there."""
 SAMPLES = 4_000
 """Samples of a record that a fit uses at most."""
 
@@ -47,6 +36,7 @@ def force_map(
     *,
     segment: float | None = None,
     samples: float = SAMPLES,
+    free: Collection[str] | None = None,
     held: Collection[str] = (),
     known: Mapping[str, float] | None = None,
 ) -> ForceMap:
@@ -68,8 +58,11 @@ def force_map(
     samples : float
         Samples of a record that are compared at most; ``float("inf")`` for all. The motion between
         them is kept.
+    free : collection of str, optional
+        Parameters of the law that are fitted, by path or last name; if not given, those of its
+        `fit_order`.
     held : collection of str
-        Parameters that are not looked for, by path or last name.
+        Parameters that are not fitted, by path or last name.
     known : mapping of str to float, optional
         Values of those, by last name, where the law is a type; defaults if not given.
 
@@ -101,7 +94,8 @@ def force_map(
     """
     stretches = stretches_of(mechanism, measurement, segment=segment, samples=samples)
     few = stretches_of(mechanism, measurement, samples=min(FEW, samples))
-    return map_along(law, mechanism, stretches, few, held=held, known=known)
+    problem, starts = map_along(law, mechanism, stretches, few, free=free, held=held, known=known)
+    return replace(problem, unknowns_=problem.unknowns.starting_at(starts[0]))
 
 
 def map_along(
@@ -110,10 +104,13 @@ def map_along(
     stretches: Sequence[Stretch],
     few: Sequence[Stretch],
     *,
+    free: Collection[str] | None = None,
     held: Collection[str] = (),
     known: Mapping[str, float] | None = None,
-) -> ForceMap:
-    """Return the problem as `force_map` does, along stretches; of fewer samples for start values.
+) -> tuple[ForceMap, tuple[Array, ...]]:
+    """Return the problem as `force_map` does, along stretches, and start values (p,), best first.
+
+    Start values come from stretches of fewer samples.
 
     Raises
     ------
@@ -129,137 +126,55 @@ def map_along(
     own = getattr(mechanism, "offset", None)
     constant = SENSOR if own is None else MECHANISM
     told = Rough.of(stretches, offset=None)
-    free = (
+    sought = (
         told.two_sided
         and not issubclass(kind, DirectionalLaw)
         and not {constant, "offset"} & set(held)
     )
-    rough = told if free else Rough.of(stretches, offset=own or 0.0)
-    start = _without(rough.law(kind), held, known) if isinstance(law, type) else law
-    paths = looked_for(start, whole=isinstance(law, type), held=held)
-    problem = _seen(
-        ForceMap(
-            law=start,
-            unknowns_=rough.unknowns(start, paths, constant if free else None),
-            stretches=tuple(stretches),
-            constant=constant,
-            offset=own or 0.0,
-        )
+    rough = told if sought else Rough.of(stretches, offset=own or 0.0)
+    start = rough.law(kind, known or {}) if isinstance(law, type) else law
+    paths = looked_for(start, whole=isinstance(law, type), free=free, held=held)
+    if isinstance(law, type):
+        start = _with_defaults(start, paths, known or {})
+    whole = ForceMap(
+        law=start,
+        unknowns_=rough.unknowns(start, paths, constant if sought else None),
+        stretches=tuple(stretches),
+        constant=constant,
+        offset=own or 0.0,
     )
+    coarse = replace(whole, stretches=tuple(few))
+    unknowns = _effective(coarse if isinstance(law, type) else whole)
+    problem = replace(whole, unknowns_=unknowns)
     if not isinstance(law, type):
-        return problem
-    return _from_grid(problem, replace(problem, stretches=tuple(few)))
+        return problem, (unknowns.start,)
+    return problem, screened_starts(problem, replace(coarse, unknowns_=unknowns))
 
 
-def _without(
-    law: FrictionLaw, held: Collection[str], known: Mapping[str, float] | None
+def _with_defaults(
+    law: FrictionLaw, fitted: Collection[str], known: Mapping[str, float]
 ) -> FrictionLaw:
-    """Return a law in which what is not looked for has its value or default, where it has one."""
-    names = {name.rpartition(".")[2] for name in held}
-    defaults = {field.name: field.default for field in fields(law) if field.name in names}
-    plain = {name: v for name, v in defaults.items() if v is not MISSING}
-    return replace(law, **{**plain, **{n: v for n, v in (known or {}).items() if n in names}})
+    """Return a law in which what is not fitted has its known value or its default, if any."""
+    names = {path.rpartition(".")[2] for path in fitted}
+    plain = {
+        field.name: field.default
+        for field in fields(law)
+        if field.name in fields_of(type(law)) and field.name not in names
+        if field.default is not MISSING
+    }
+    return replace(law, **{**plain, **{n: v for n, v in known.items() if n not in names}})
 
 
-def _from_grid(problem: ForceMap, coarse: ForceMap) -> ForceMap:
-    """Return the problem with start values from a grid of what the force is not linear in.
-
-    At each point of the grid the other parameters are fitted: for a law of bristles one factor on
-    all that is per load, a viscous part and an offset; for any other law all of them.
-    """
-    unknowns, memory = problem.unknowns, isinstance(problem.law, BristleLaw)
-    curved = [item for item in unknowns.items if item.log or (memory and item.above)]
-    tried: list[tuple[float, Array]] = []
-    for point in product(*(_grid(item) for item in curved)):
-        chosen = dict(zip((item.path for item in curved), point, strict=True))
-        values = np.array([chosen.get(item.path, item.start) for item in unknowns.items])
-        if memory:
-            values, cost = _scaled(coarse, values)
-        else:
-            values, cost = _fitted(coarse, values, set(chosen))
-        tried.append((cost, unknowns.values(unknowns.coordinates(values))))
-    tried.sort(key=lambda one: one[0])
-    if memory and any(item.above for item in curved):
-        # a static surplus and its speed stand for each other: a factor alone misjudges the points
-        tried = [_fitted_all(coarse, values) for _, values in tried[:BEST]]
-    _, best = min(tried, key=lambda one: one[0])
-    return replace(problem, unknowns_=unknowns.starting_at(best))
-
-
-def _fitted_all(coarse: ForceMap, values: Array) -> tuple[float, Array]:
-    """Return the cost after some steps downhill from values, and where they lead."""
-    try:
-        end, _ = improve(coarse, values, rounds=ROUNDS)
-    except ConvergenceError:
-        return np.inf, values
-    return end.cost, end.values
-
-
-def _grid(item: Unknown) -> Sequence[float]:
-    """Return the values of a parameter on the grid."""
-    if item.above:
-        return [item.start, 5.0 * item.start]
-    if item.quantity.structural:
-        return EXPONENTS
-    if item.quantity.unit == "m/s":
-        return [item.high / 10.0 * share for share in SPEEDS]
-    return [item.start * factor for factor in FACTORS]
-
-
-def _scaled(coarse: ForceMap, values: Array) -> tuple[Array, float]:
-    """Return values whose levels and stiffness are scaled to fit, and the cost."""
-    items = coarse.unknowns.items
-    predicted = coarse.predicted(values)
-    offset = next((v for v, i in zip(values, items, strict=True) if i.path == coarse.constant), 0.0)
-    if not np.all(np.isfinite(predicted)):
-        return values, np.inf
-    velocity = np.concatenate([one.path.velocity[one.rows_of(None)] for one in coarse.stretches])
-    table = np.column_stack([predicted - offset, np.ones(len(predicted)), velocity])
-    found = np.linalg.lstsq(table, coarse.measured, rcond=None)[0]
-    factor = float(np.clip(found[0], 0.1, 10.0))
-    residual = coarse.measured - table @ [factor, *found[1:]]
-    new = []
-    for value, item in zip(values, items, strict=True):
-        per_load = item.quantity.unit in ("1", "1/m", "s/m") and not item.quantity.structural
-        new.append(value * factor if per_load else value)
-        if item.path == coarse.constant:
-            new[-1] = float(found[1])
-        if item.quantity.unit == "N s/m":
-            new[-1] = max(factor * value + float(found[2]), 0.0)
-    return np.array(new), float(residual @ residual)
-
-
-def _fitted(coarse: ForceMap, values: Array, kept: Collection[str]) -> tuple[Array, float]:
-    """Return values fitted where some of them are kept, and the cost."""
-    items = coarse.unknowns.items
-    law = vary(
-        coarse.law,
-        "friction",
-        {i.path: float(v) for i, v in zip(items, values, strict=True) if i.path in kept},
-    )
-    free = [k for k, item in enumerate(items) if item.path not in kept]
-    unknowns = Unknowns(tuple(items[k] for k in free), coarse.unknowns.known)
-    if not free:
-        return values, coarse.linearise(values, slopes=False).cost
-    try:
-        end, _ = improve(replace(coarse, law=law, unknowns_=unknowns), values[free], rounds=4)
-    except ConvergenceError:
-        return values, np.inf
-    new = values.copy()
-    new[free] = end.values
-    return new, end.cost
-
-
-def _seen(problem: ForceMap) -> ForceMap:
-    """Return the problem without parameters that nothing in the record depends on.
+def _effective(problem: ForceMap) -> Unknowns:
+    """Return the unknowns without those that nothing in the record depends on.
 
     Raises
     ------
     InputError
         If none is left.
     """
-    slopes = problem.linearise(problem.unknowns.start).slopes
-    dead = np.all(slopes == 0.0, axis=0)
+    here = problem.linearise(problem.unknowns.start)
+    dead = np.all(here.slopes == 0.0, axis=0) & here.finite
     items = problem.unknowns.items
     left = tuple(item for item, gone in zip(items, dead, strict=True) if not gone)
     if not left:
@@ -267,4 +182,4 @@ def _seen(problem: ForceMap) -> ForceMap:
             f"nothing is left to look for in the law {problem.law.title}: its parameters are held"
             " or do not show in the record."
         )
-    return replace(problem, unknowns_=replace(problem.unknowns, items=left))
+    return replace(problem.unknowns, items=left)

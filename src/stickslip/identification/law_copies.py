@@ -11,7 +11,7 @@ from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.identification.unknowns import Unknowns
 from stickslip.quantities import parameters, shadow, vary
 
-__all__ = ["MOVED", "Copies"]
+__all__ = ["MOVED", "Copies", "with_arrays"]
 
 Array = NDArray[np.float64]
 
@@ -106,7 +106,7 @@ class Copies:
             table[items[own[k]].path][1 + k] += moved[k]
         at = next((i for i, item in enumerate(items) if item.path == constant), None)
         return cls(
-            law=_replaced(base, numbers, table),
+            law=with_arrays(base, table),
             base=base,
             constant=at,
             offset=None if at is None else float(values[at]),
@@ -133,11 +133,22 @@ def _size(value: float, start: float, high: float) -> float:
     )
 
 
-def _replaced(law: FrictionLaw, numbers: Mapping[str, float], table: Mapping[str, Array]) -> Any:
-    """Return the law with arrays for some of its parameters."""
+def with_arrays(law: FrictionLaw, table: Mapping[str, Array]) -> Any:
+    """Return a law with arrays (copies,) for some of its parameters, by path.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> both = with_arrays(
+    ...     Coulomb(kinetic_coefficient=0.5),
+    ...     {"friction.kinetic_coefficient": np.array([0.5, 0.6])},
+    ... )
+    >>> both.force(np.array([[0.1]]), 10.0)
+    array([[5., 6.]])
+    """
     known = {path: value for path, _, value in parameters(law, "friction")}
     # a whole exponent is part of the equations' shape and would not be replaced
-    whole = {path: v * (1.0 + 1e-12) for path, v in numbers.items() if path not in known}
+    whole = {path: float(v[0]) * (1.0 + 1e-12) for path, v in table.items() if path not in known}
     return shadow(
         vary(law, "friction", whole), "friction", lambda path: table.get(path, known.get(path))
     )

@@ -1,6 +1,6 @@
 """Start values and bounds for laws, from friction that was measured against motion."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -97,12 +97,15 @@ class Rough:
             sides.append(cls(level=level, viscous=viscous, stiffness=stiffness, **own))
         return cls(**{**_plain(sides[2]), "sides": (sides[0], sides[1])})
 
-    def law(self, kind: type[FrictionLaw]) -> FrictionLaw:
-        """Return a law of a kind with values of these sizes where it needs or looks for some."""
+    def law(self, kind: type[FrictionLaw], known: Mapping[str, float]) -> FrictionLaw:
+        """Return a law of a kind: known values by name, else of these sizes where it needs some."""
         values: dict[str, Any] = {}
         for declared in fields(kind):
             quantity = fields_of(kind).get(declared.name)
             if quantity is None or (declared.default is None):
+                continue
+            if declared.name in known:
+                values[declared.name] = float(known[declared.name])
                 continue
             if quantity.structural and not isinstance(declared.default, (int, float)):
                 values[declared.name] = 1.0
@@ -191,11 +194,13 @@ class Rough:
         )
 
 
-def looked_for(law: FrictionLaw, *, whole: bool, held: Collection[str]) -> list[str]:
+def looked_for(
+    law: FrictionLaw, *, whole: bool, free: Collection[str] | None = None, held: Collection[str]
+) -> list[str]:
     """Return the paths of the parameters of a law that a fit looks for.
 
     Those of its `fit_order` and of laws within it, as far as they are given. A whole exponent is
-    among them only if `whole` is true.
+    among them only if `whole` is true, or if it is named.
 
     Examples
     --------
@@ -203,14 +208,22 @@ def looked_for(law: FrictionLaw, *, whole: bool, held: Collection[str]) -> list[
     >>> law = Dahl(kinetic_coefficient=0.5, bristle_stiffness=1e3)
     >>> looked_for(law, whole=False, held=["bristle_stiffness"])
     ['friction.kinetic_coefficient', 'friction.viscous_coefficient']
+    >>> looked_for(law, whole=False, free=["exponent"], held=[])
+    ['friction.exponent']
     """
     own = {f"friction.{name}" for name in _wanted(type(law))}
     standing = {path for path, _, _ in parameters(law, "friction")}
     within = {path for path in standing if path.count(".") > 1}
     known = _values(law)
-    found = [
-        path for path in known if path in within or (path in own and (whole or path in standing))
-    ]
+    if free is not None:
+        named = {full_path(name, list(known)) for name in free}
+        found = [path for path in known if path in named]
+    else:
+        found = [
+            path
+            for path in known
+            if path in within or (path in own and (whole or path in standing))
+        ]
     names = [*known, "mechanism.offset", "measurement.offset.friction"]
     out = {full_path(name, names) for name in held if name != "offset"}
     return [path for path in found if path not in out]

@@ -13,7 +13,7 @@ from stickslip.experiments import Measurement
 from stickslip.experiments.refusals import with_doubts
 from stickslip.friction import FrictionLaw
 from stickslip.identification.force_balance import Balanced, balanced
-from stickslip.identification.force_map import FEW, force_map, map_along
+from stickslip.identification.force_map import FEW, SAMPLES, map_along
 from stickslip.identification.inertia import inertia_of
 from stickslip.identification.inverse_dynamics import mass_of
 from stickslip.identification.loads import as_loaded, loaded
@@ -182,10 +182,16 @@ def _mapped(wanted: Wanted) -> Prepared:
             " what is unknown of the mechanism, or fit another record that has motion and force."
         )
     mechanism = wanted.mechanism
-    problem = force_map(
-        wanted.law, mechanism, wanted.measurement, held=_held(wanted), known=wanted.known
+    problem, starts = map_along(
+        wanted.law,
+        mechanism,
+        stretches_of(mechanism, wanted.measurement, samples=SAMPLES),
+        stretches_of(mechanism, wanted.measurement, samples=FEW),
+        free=wanted.free,
+        known=wanted.known,
     )
-    return Prepared(mechanism, problem.law, problem, _Rubbed(mechanism, problem))
+    problem = replace(problem, unknowns_=problem.unknowns.starting_at(starts[0]))
+    return Prepared(mechanism, problem.law, problem, _Rubbed(mechanism, problem), starts[1:])
 
 
 def _derived(wanted: Wanted) -> Prepared:
@@ -194,24 +200,19 @@ def _derived(wanted: Wanted) -> Prepared:
     mass = inertia_of(mechanism, measurement, wanted.unknown)
     if mass is not None:
         mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})
-    problem = map_along(
+    problem, starts = map_along(
         wanted.law,
         mechanism,
         balanced(mechanism, measurement, hold=hold),
-        balanced(mechanism, measurement, hold=hold, samples=FEW, rough=True),
-        held=_held(wanted),
+        balanced(mechanism, measurement, hold=hold, samples=FEW),
+        free=wanted.free,
         known=wanted.known,
     )
+    problem = replace(problem, unknowns_=problem.unknowns.starting_at(starts[0]))
     if mass is not None:
+        starts = tuple(np.append(values, mass.start) for values in starts)
         unknowns = replace(problem.unknowns, items=(*problem.unknowns.items, mass))
         problem = replace(problem, unknowns_=unknowns, inertia=mass.path, mass=mass_of(mechanism))
         _refuse_overrides(measurement, unknowns)
-    return Prepared(mechanism, problem.law, problem, Balanced(mechanism, problem, hold))
-
-
-def _held(wanted: Wanted) -> list[str]:
-    """Return the names of the law's parameters that are not looked for."""
-    law, free = wanted.law, wanted.free
-    order = (law if isinstance(law, type) else type(law)).fit_order
-    looked_for = order if free is None else [name.rpartition(".")[2] for name in free]
-    return [name for name in order if name not in looked_for]
+    build = Balanced(mechanism, problem, hold)
+    return Prepared(mechanism, problem.law, problem, build, starts[1:])
