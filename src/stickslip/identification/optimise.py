@@ -24,7 +24,13 @@ AGREE = 0.01
 FLAT = 1e-4
 """The search ends when a step lowers the cost by less than this share."""
 FURTHER = 4
-"""Starts added when the first ones disagree."""
+"""Starts added at most while only one came to the least cost."""
+ROUNDS = 30
+"""Steps of a descent at most."""
+EARLY = 5
+"""Steps after which starts are compared."""
+HOPELESS = 9.0
+"""Cost over the least then, above which a start goes no further: three times the residual."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,8 +49,7 @@ class Found:
     @property
     def agreeing(self) -> int:
         """How many starts came to the least cost."""
-        least = min(self.costs)
-        return sum(cost <= least * (1.0 + AGREE) ** 2 for cost in self.costs)
+        return _agreeing(self.costs)
 
 
 class _StoppedError(Exception):
@@ -82,11 +87,11 @@ def search(
     problem : Searchable
         Its unknowns give the first start.
     starts : int
-        Number of starts; as many as `FURTHER` more if they disagree.
+        Number of starts; up to `FURTHER` more while only one of several came to the least cost.
     seed : int
         Of the jitter of further starts.
     tried : sequence of array (p,)
-        Values known to be worth a start, used before jittered ones.
+        Values known to be worth a start, all of which are used, and before jittered ones.
     watch : callable, optional
         Called with the least root mean square so far; False ends the search with the best so far.
 
@@ -116,31 +121,56 @@ def _ends(
 ) -> tuple[list[Linearised], list[float], bool]:
     """Return where starts ended, the cost of each, and whether the watcher stopped them.
 
-    A start from which nothing is predicted has a cost and no end.
+    All starts go some rounds; those that are then far above the least cost go no further. As long
+    as the least cost was reached once only, further starts are made, up to `FURTHER`. A start from
+    which nothing is predicted has a cost and no end.
     """
     random = np.random.default_rng(seed)
-    ends: list[Linearised] = []
-    costs: list[float] = []
-    cancelled, wanted = False, starts
-    while len(costs) < wanted and not cancelled:
-        values = _start(problem.unknowns, len(costs), tried, random)
-        try:
-            end, cancelled = improve(problem, values, counter=counter)
-        except ConvergenceError:
-            costs.append(math.inf)
-        else:
-            ends.append(end)
-            costs.append(end.cost)
-        if len(costs) == starts > 1 and _disagree(costs):
-            wanted = starts + FURTHER
-    return ends, costs, cancelled
+    begun: list[Linearised | None] = []
+    for number in range(max(starts, 1 + len(tried))):
+        values = _start(problem.unknowns, number, tried, random)
+        end, cancelled = _improved(problem, values, None, counter, EARLY)
+        begun.append(end)
+        if cancelled:
+            return [one for one in begun if one], _costs(begun), True
+    least = min(_costs(begun))
+    ends: list[Linearised | None] = []
+    for one in begun:
+        going = one is not None and one.cost <= HOPELESS * least
+        end, cancelled = (
+            _improved(problem, one.values, one, counter, ROUNDS) if going and one else (one, False)
+        )
+        ends.append(end)
+        if cancelled:
+            return [e for e in ends if e], _costs(ends), True
+    number = len(ends)
+    while starts > 1 and _agreeing(_costs(ends)) < 2 and len(ends) < number + FURTHER:
+        values = _start(problem.unknowns, len(ends), tried, random)
+        end, cancelled = _improved(problem, values, None, counter, ROUNDS)
+        ends.append(end)
+        if cancelled:
+            break
+    return [one for one in ends if one], _costs(ends), cancelled
 
 
-def _disagree(costs: Sequence[float]) -> bool:
-    """Whether less than half of the starts came to the least cost."""
+def _improved(
+    problem: Searchable, values: Array, near: Linearised | None, counter: Counter, rounds: int
+) -> tuple[Linearised | None, bool]:
+    """Return where a start leads, None if nothing is predicted there; and whether to stop."""
+    try:
+        return improve(problem, values, near=near, counter=counter, rounds=rounds)
+    except ConvergenceError:
+        return None, False
+
+
+def _costs(ends: Sequence[Linearised | None]) -> list[float]:
+    return [math.inf if one is None else one.cost for one in ends]
+
+
+def _agreeing(costs: Sequence[float]) -> int:
+    """Return how many starts came to the least cost."""
     least = min(costs)
-    agreeing = sum(cost <= least * (1.0 + AGREE) ** 2 for cost in costs)
-    return agreeing < (len(costs) + 1) // 2
+    return sum(cost <= least * (1.0 + AGREE) ** 2 for cost in costs)
 
 
 def _start(
@@ -160,10 +190,13 @@ def improve(
     problem: Searchable,
     values: Array,
     *,
+    near: Linearised | None = None,
     counter: Callable[[Linearised], None] | None = None,
-    rounds: int = 30,
+    rounds: int = ROUNDS,
 ) -> tuple[Linearised, bool]:
     """Descend from values (p,); return the end, and whether the watcher stopped it.
+
+    A descent that ended at these values, `near`, is gone on with.
 
     Raises
     ------
@@ -173,12 +206,12 @@ def improve(
     unknowns = problem.unknowns
     low, high = unknowns.limits()
     at = unknowns.coordinates(values)
-    here = problem.linearise(unknowns.values(at))
+    here = problem.linearise(unknowns.values(at)) if near is None else near
     if not here.finite:
         raise ConvergenceError("the record cannot be predicted from this start.")
     damping = 1e-3
     try:
-        if counter is not None:
+        if counter is not None and near is None:
             counter(here)
         for _ in range(rounds):
             table = here.slopes @ unknowns.slopes(at)

@@ -15,6 +15,7 @@ from stickslip.errors import ParameterError
 from stickslip.experiments import QUANTITIES, Measurement
 from stickslip.experiments.refusals import refuse_lack, refuse_unused
 from stickslip.experiments.units import turned
+from stickslip.identification.containment import FittedLaw
 from stickslip.identification.inference import Inference, bootstrap
 from stickslip.identification.optimise import Found, improve
 from stickslip.identification.problem import Held, Linearised, Problem, RecordProblem
@@ -127,6 +128,10 @@ class RecordFit(Fit):
     """Which parameters ended at a bound, by path: ``"lower"`` or ``"upper"``."""
     sentences: tuple[str, ...]
     """What the record cannot tell, in words."""
+    search_failure: str = ""
+    """Which contained law leaves less than this fit, in words; empty if none does."""
+    route_reason: str = ""
+    """Why the route was chosen, in words; empty if it was asked for or is the usual one."""
 
     @override
     def __str__(self) -> str:
@@ -162,6 +167,13 @@ class RecordFit(Fit):
     def residual(self) -> Array:
         """Measured less predicted (n,), what is local to segments taken out."""
         return self.found.best.residual
+
+    @property
+    def fitted_law(self) -> FittedLaw:
+        """The fit as searches of richer laws begin from it."""
+        values = dict(zip(self.unknowns.paths, self.values.tolist(), strict=True))
+        best = self.found.best
+        return FittedLaw(law=self.law, values=values, cost=best.cost, rows=len(best.residual))
 
     @property
     def scale(self) -> Array:
@@ -276,6 +288,7 @@ class RecordFit(Fit):
         return {
             "law": self.law.name,
             "route": self.route,
+            "route_reason": self.route_reason,
             "quantity": self.problem.quantity,
             "residual_rms": self.rms,
             "estimates": [estimate.to_dict() for estimate in self.estimates],

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.experiments.refusals import refuse_unused
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, laws
 from stickslip.identification.applied import driven
+from stickslip.identification.containment import FittedLaw, search_failure, starts_from
 from stickslip.identification.doubts import (
     bounds_met,
     estimates_of,
@@ -26,9 +27,10 @@ from stickslip.identification.optimise import Found, Watch, search
 from stickslip.identification.record_fit import RecordFit, scale_of
 from stickslip.identification.record_problems import Prepared, Route, Wanted, prepared
 from stickslip.identification.record_settings import RecordSettings
+from stickslip.identification.route_choice import choose_route
 from stickslip.identification.shooting import Shooting
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import vary
+from stickslip.quantities import fields_of, vary
 
 __all__ = ["ROUTES", "RecordSettings", "fit_record", "route_of"]
 
@@ -78,6 +80,7 @@ def fit_record(
     known: Mapping[str, float] | None = None,
     route: str | None = None,
     settings: RecordSettings | None = None,
+    contained: Sequence[FittedLaw] | None = None,
     watch: Watch | None = None,
 ) -> RecordFit:
     """Fit a law to records in time or to measured friction.
@@ -102,6 +105,9 @@ def fit_record(
         dynamics finds, along it.
     settings : RecordSettings, optional
         Segments and starts.
+    contained : sequence of FittedLaw, optional
+        Fits of simpler laws to the same record by the same route, from which the search begins too.
+        If not given, the laws that this one contains are fitted first.
     watch : callable, optional
         Called with the least root mean square so far; False ends the search with the best so far.
 
@@ -117,8 +123,7 @@ def fit_record(
     ConvergenceError
         If no start predicts the record.
     """
-    settings = RecordSettings() if settings is None else settings
-    way = route_of(measurement, route)
+    way, settings, reason = _route(mechanism, measurement, unknown, route, settings)
     refuse_unused(measurement)
     wanted = Wanted(
         mechanism=mechanism,
@@ -129,14 +134,96 @@ def fit_record(
         known=known,
         settings=settings,
     )
-    ready, found = _widened(prepared(way, wanted), settings, watch)
+    if contained is None:
+        contained = _simpler_fits(way, wanted, watch)
+    kind = law if isinstance(law, type) else type(law)
+    ready = prepared(way, wanted)
+    nested = starts_from(kind, ready.problem.unknowns, contained, ready.load)
+    ready = replace(ready, tried=(*nested, *ready.tried))
+    ready, found = _widened(ready, settings, watch)
     searched = found
     if way == "shooting" and not driven(measurement):
         ready, found = _lengthened(ready, found, measurement, settings, watch)
+        again = starts_from(kind, ready.problem.unknowns, contained, ready.load)
+        found = _best_of(ready, found, again, watch)
     if isinstance(ready.build, Balanced):
         build = ready.build.at(found.best.values)
         ready = replace(ready, build=build, problem=build(measurement, None))
-    return _finished(way, measurement, ready, found, searched)
+    failure = search_failure(kind, found.best.cost, len(found.best.residual), contained)
+    fit = _finished(way, measurement, ready, found, searched)
+    sentences = (failure, *fit.sentences) if failure else fit.sentences
+    return replace(fit, sentences=sentences, search_failure=failure, route_reason=reason)
+
+
+def _route(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    unknown: Sequence[str],
+    route: str | None,
+    settings: RecordSettings | None,
+) -> tuple[Route, RecordSettings, str]:
+    """Return the route, its settings and why it was chosen; as asked for if it was."""
+    if route is not None:
+        return route_of(measurement, route), settings or RecordSettings(), ""
+    chosen = choose_route(mechanism, measurement, unknown=unknown, settings=settings)
+    return chosen.route, chosen.settings, chosen.reason
+
+
+def _simpler_fits(way: Route, wanted: Wanted, watch: Watch | None) -> tuple[FittedLaw, ...]:
+    """Fit the laws that a law contains at first hand, and those that they contain.
+
+    The simplest are left out: what contains nothing, such as Coulomb friction alone, is found by
+    linear regression as part of the next.
+    """
+    kind = wanted.law if isinstance(wanted.law, type) else type(wanted.law)
+    known = laws()
+    found: dict[str, FittedLaw] = {}
+
+    def fitted(name: str) -> None:
+        simpler = known.get(name)
+        if simpler is None or not simpler.contained or name in found:
+            return
+        for one in simpler.contained:
+            fitted(one.law)
+        try:
+            fit = fit_record(
+                wanted.mechanism,
+                simpler,
+                wanted.measurement,
+                unknown=wanted.unknown,
+                free=[f for f in simpler.fit_order if not _is_shape(simpler, f)],
+                route=way,
+                settings=replace(wanted.settings, starts=1),
+                contained=tuple(found.values()),
+                watch=watch,
+            )
+        except (ConvergenceError, InputError):
+            return
+        found[name] = fit.fitted_law
+
+    for one in kind.contained:
+        fitted(one.law)
+    return tuple(found.values())
+
+
+def _is_shape(kind: type[FrictionLaw], name: str) -> bool:
+    """Whether a parameter is an exponent, which the contained law has at its default."""
+    return fields_of(kind)[name].structural
+
+
+def _best_of(ready: Prepared, found: Found, starts: Sequence[Array], watch: Watch | None) -> Found:
+    """Return the better of a search and of searches from further starts."""
+    for start in starts:
+        if found.cancelled:
+            break
+        try:
+            near = ready.looking_for(ready.problem.unknowns.starting_at(start)).problem
+            again = search(near, starts=1, watch=watch)
+        except ConvergenceError:
+            continue
+        better = min(found, again, key=lambda one: one.best.cost)
+        found = replace(better, evaluations=found.evaluations + again.evaluations)
+    return found
 
 
 def _widened(

@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError
+from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Measurement
 from stickslip.experiments.refusals import with_doubts
 from stickslip.friction import FrictionLaw
@@ -19,6 +19,7 @@ from stickslip.identification.inverse_dynamics import mass_of
 from stickslip.identification.loads import as_loaded, loaded
 from stickslip.identification.map_problem import ForceMap
 from stickslip.identification.map_records import stretches_of
+from stickslip.identification.optimise import improve
 from stickslip.identification.problem import RecordProblem
 from stickslip.identification.record_fit import Build
 from stickslip.identification.record_settings import RecordSettings
@@ -62,6 +63,9 @@ class Prepared:
     problem: RecordProblem
     build: Build
     tried: tuple[Array, ...] = ()
+    """Further start values (p,), the best first."""
+    load: float = 1.0
+    """Typical normal force [N]."""
 
     def looking_for(self, unknowns: Unknowns) -> "Prepared":
         """Return the same with other bounds or start values of the unknowns."""
@@ -160,7 +164,34 @@ def _shooting(wanted: Wanted) -> Prepared:
     )
     with with_doubts(measurement, mechanism):
         problem = build(measurement, None)
-    return Prepared(mechanism, start, problem, build, tried)
+    near = _by_inverse_dynamics(wanted, unknowns)
+    if near is not None:
+        assert isinstance(problem, Shooting)
+        tried = (unknowns.start, *tried)
+        problem = replace(problem, unknowns_=unknowns.starting_at(near))
+    return Prepared(mechanism, start, problem, build, tried, scales.load)
+
+
+def _by_inverse_dynamics(wanted: Wanted, unknowns: Unknowns) -> Array | None:
+    """Return start values (p,) that inverse dynamics finds; None if it cannot or nothing asks.
+
+    Simulated segments say nothing of a velocity or a stiffness that is decades away.
+    """
+    decades = any(i.log and i.path.startswith("friction.") for i in unknowns.items)
+    if not decades or not isinstance(wanted.law, type):
+        return None
+    try:
+        ready = _derived(wanted)
+        end, _ = improve(ready.problem, ready.problem.unknowns.start)
+    except (InputError, ConvergenceError):
+        return None
+    found = dict(zip(ready.problem.unknowns.paths, end.values.tolist(), strict=True))
+    near = np.array([found.get(item.path, item.start) for item in unknowns.items])
+    return unknowns.values(unknowns.coordinates(near))
+
+
+def _load(problem: ForceMap) -> float:
+    return float(np.median(np.concatenate([one.path.load for one in problem.stretches])))
 
 
 def _refuse_overrides(measurement: Measurement, unknowns: Unknowns) -> None:
@@ -191,7 +222,9 @@ def _mapped(wanted: Wanted) -> Prepared:
         known=wanted.known,
     )
     problem = replace(problem, unknowns_=problem.unknowns.starting_at(starts[0]))
-    return Prepared(mechanism, problem.law, problem, _Rubbed(mechanism, problem), starts[1:])
+    return Prepared(
+        mechanism, problem.law, problem, _Rubbed(mechanism, problem), starts[1:], _load(problem)
+    )
 
 
 def _derived(wanted: Wanted) -> Prepared:
@@ -215,4 +248,4 @@ def _derived(wanted: Wanted) -> Prepared:
         problem = replace(problem, unknowns_=unknowns, inertia=mass.path, mass=mass_of(mechanism))
         _refuse_overrides(measurement, unknowns)
     build = Balanced(mechanism, problem, hold)
-    return Prepared(mechanism, problem.law, problem, build, starts[1:])
+    return Prepared(mechanism, problem.law, problem, build, starts[1:], _load(problem))

@@ -68,6 +68,11 @@ class FeatureCandidate:
         return len(self.fit.estimates) if self.fit else 0
 
     @property
+    def fitted_law(self) -> None:
+        """Features leave no sum of squares that fits of richer laws could begin from."""
+        return None
+
+    @property
     def score(self) -> float:
         """Root mean square of the relative errors held out, infinite without a fit."""
         return self.fit.score if self.fit else math.inf

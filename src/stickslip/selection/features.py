@@ -18,6 +18,7 @@ from stickslip.identification import (
     features_of,
     fit_features,
 )
+from stickslip.identification.containment import FittedLaw
 from stickslip.identification.feature_fit import free_of
 from stickslip.identification.feature_result import MISSED
 from stickslip.identification.feature_scores import as_good, error_of_score, room_of
@@ -83,7 +84,7 @@ def select_features(
     control = None
     if unknown:
         own = next(one for one in chosen if one.name == best.name)
-        control = _beside(_judged(fitted(own, _renamed(watch), unknown=()), validate), best)
+        control = _beside(_judged(fitted(own, (), _renamed(watch), unknown=()), validate), best)
     ordered = outcomes([best, *(one for one in judged if one.name != best.name)])
     return _verdict(mechanism, measurement, ordered, control, features, checks)
 
@@ -129,6 +130,7 @@ def _verdict(
 
 def _candidate(
     one: Specification,
+    _contained: Sequence[FittedLaw] = (),
     watch: RecordWatch | None = None,
     *,
     mechanism: Mechanism,

@@ -18,7 +18,7 @@ def objection(fit: RecordFit) -> str:
 
     Only the law's parameters are judged: an offset may well be 0.
     """
-    reasons = []
+    reasons = [fit.search_failure.rstrip(".")] if fit.search_failure else []
     seen = fit.found.best
     steps = step_intervals(fit.unknowns, seen, fit.inference)
     for estimate in fit.estimates:

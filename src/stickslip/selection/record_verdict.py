@@ -11,6 +11,7 @@ from typing_extensions import override
 from stickslip.experiments import Checks, Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
+from stickslip.identification.containment import FittedLaw
 from stickslip.identification.record_fit import Score
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.selection.cross_validation import CrossValidation, Plan
@@ -85,6 +86,11 @@ class RecordCandidate:
     def law(self) -> FrictionLaw | None:
         """The fitted law."""
         return self.fit.law if self.fit else None
+
+    @property
+    def fitted_law(self) -> FittedLaw | None:
+        """The fit as searches of richer laws begin from it."""
+        return self.fit.fitted_law if self.fit else None
 
     def to_row(self) -> Mapping[str, Any]:
         """Return the candidate as a row of `Verdict.table`."""

@@ -13,9 +13,11 @@ from stickslip.experiments.refusals import refuse_lack, refuse_unused, told, wit
 from stickslip.experiments.second_records import refuse_same
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
+from stickslip.identification.containment import FittedLaw
 from stickslip.identification.record_fit import check_horizon
 from stickslip.identification.record_fitting import fit_record
 from stickslip.identification.record_settings import RecordSettings
+from stickslip.identification.route_choice import choose_route
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
@@ -78,12 +80,17 @@ def select_records(
     if purpose == "compensate" and route is None and "friction" not in measurement.quantities():
         route = "inverse-dynamics"
     chosen = _laws(laws, measurement)
+    reason = ""
+    if route is None:
+        choice = choose_route(mechanism, measurement, unknown=unknown, settings=settings)
+        route, settings, reason = choice.route, choice.settings, choice.reason
     fitted = partial(
         _candidate,
         mechanism=mechanism,
         measurement=measurement,
         unknown=unknown,
         route=route,
+        reason=reason,
         settings=settings,
     )
     tried = fitted_side_by_side(fitted, chosen, watch, executor)
@@ -163,12 +170,14 @@ def _unfitted(one: Specification, reason: str) -> RecordCandidate:
 
 def _candidate(
     one: Specification,
+    contained: Sequence[FittedLaw] = (),
     watch: RecordWatch | None = None,
     *,
     mechanism: Mechanism,
     measurement: Measurement,
     unknown: Sequence[str],
     route: str | None,
+    reason: str,
     settings: RecordSettings | None,
 ) -> RecordCandidate:
     """Fit one candidate; one that cannot be fitted is kept with the reason."""
@@ -185,11 +194,12 @@ def _candidate(
         unknown=unknown,
         route=route,
         settings=settings,
+        contained=contained,
         watch=report,
     )
     try:
         whole = fitted(one.law, free=one.free)
-        fit = _without_spare(whole, fitted)
+        fit = replace(_without_spare(whole, fitted), route_reason=reason)
     except (ConvergenceError, SimulationError) as error:
         return _unfitted(one, str(error))
     left_out = [path for path in whole.unknowns.paths if path not in fit.unknowns.paths]

@@ -2,14 +2,15 @@
 
 import math
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol, TypeVar
 
 from stickslip.friction import BristleLaw
-from stickslip.selection.specifications import Specification
+from stickslip.identification.containment import FittedLaw
+from stickslip.selection.specifications import Specification, contains
 
 __all__ = ["Fitted", "fitted_side_by_side", "takes_long"]
 
@@ -38,6 +39,10 @@ class Tried(Protocol):
     def fit(self) -> Residual | None:
         """The fit."""
 
+    @property
+    def fitted_law(self) -> FittedLaw | None:
+        """The fit as searches of richer laws begin from it, if they can."""
+
 
 C = TypeVar("C", bound=Tried)
 C_co = TypeVar("C_co", bound=Tried, covariant=True)
@@ -46,8 +51,10 @@ C_co = TypeVar("C_co", bound=Tried, covariant=True)
 class Fitted(Protocol[C_co]):
     """Fits one candidate; may be sent to other processes."""
 
-    def __call__(self, one: Specification, watch: Watch | None = None, /) -> C_co:
-        """Return the candidate with its fit."""
+    def __call__(
+        self, one: Specification, contained: Sequence[FittedLaw], watch: Watch | None = None, /
+    ) -> C_co:
+        """Return the candidate with its fit, whose search begins from contained laws too."""
 
 
 @dataclass(frozen=True)
@@ -68,25 +75,50 @@ def fitted_side_by_side(
 ) -> list[C]:
     """Return the candidates in order, each fitted by a worker; without any, one after the other.
 
+    A candidate is fitted after those that it contains, from which its search begins too.
+
     `watch` is called here: with the least residual of each candidate when its search ends, and in
     between to ask whether to go on. When it answers False, searches end with the best so far.
     """
+    found: dict[str, C] = {}
+    waiting = list(chosen)
     if executor is None:
-        return [fitted(one, watch) for one in chosen]
+        while waiting:
+            one = next(one for one in waiting if not _awaited(one, waiting))
+            found[one.name] = fitted(one, _contained(one, chosen, found), watch)
+            waiting.remove(one)
+        return [found[one.name] for one in chosen]
     with tempfile.TemporaryDirectory() as folder:
         wanted = _Wanted(Path(folder, "end"))
-        # what takes longest begins first, so that no worker waits for it alone at the end
-        order = sorted(chosen, key=lambda one: not takes_long(one.law))
-        futures = {executor.submit(fitted, one, wanted): one for one in order}
-        pending: set[Future[C]] = set(futures)
-        while pending:
-            done, pending = wait(pending, timeout=PATIENCE, return_when=FIRST_COMPLETED)
-            news = [(one.result().name, _residual(one.result())) for one in done]
-            news += [(futures[one].name, math.nan) for one in futures if one in pending][:1]
+        futures: dict[Future[C], Specification] = {}
+        while waiting or futures:
+            unfinished = [*waiting, *futures.values()]
+            ready = [one for one in waiting if not _awaited(one, unfinished)]
+            # what takes longest begins first, so that no worker waits for it alone at the end
+            for one in sorted(ready, key=lambda one: not takes_long(one.law)):
+                nested = _contained(one, chosen, found)
+                futures[executor.submit(fitted, one, nested, wanted)] = one
+                waiting.remove(one)
+            done, _ = wait(futures, timeout=PATIENCE, return_when=FIRST_COMPLETED)
+            found |= {futures.pop(future).name: future.result() for future in done}
+            news = [(future.result().name, _residual(future.result())) for future in done]
+            news += [(one.name, math.nan) for one in futures.values()][:1]
             if watch is not None and any(watch(*item) is False for item in news):
                 wanted.end.touch()
-        found = {one.name: future.result() for future, one in futures.items()}
     return [found[one.name] for one in chosen]
+
+
+def _awaited(one: Specification, unfinished: Sequence[Specification]) -> bool:
+    """Whether a candidate contains one whose fit has not ended."""
+    return any(contains(one, other) for other in unfinished if other is not one)
+
+
+def _contained(
+    one: Specification, chosen: Sequence[Specification], found: Mapping[str, Tried]
+) -> tuple[FittedLaw, ...]:
+    """Return the fits of candidates that a candidate contains."""
+    simpler = (found[other.name].fitted_law for other in chosen if contains(one, other))
+    return tuple(law for law in simpler if law is not None)
 
 
 def takes_long(law: object) -> bool:

@@ -1,0 +1,130 @@
+"""Searches from the fits of simpler laws, and what to say where a richer law ends above one."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.experiments.wording import number
+from stickslip.friction import DirectionalLaw, FrictionLaw, containment_of
+from stickslip.identification.unknowns import Unknowns
+
+__all__ = ["FittedLaw", "search_failure", "starts_from"]
+
+Array = NDArray[np.float64]
+
+STIFFER = (30.0, 1000.0)
+"""Factors on the start value of what goes to infinity in the simpler law, such as a stiffness."""
+WORSE = 1e-3
+"""Share by which a sum of squares may be above that of a contained law: searches end there."""
+CONSTANTS = ("mechanism.offset", "measurement.offset.friction")
+"""Paths of a constant force beside friction."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FittedLaw:
+    """A fit of a law, as far as fits of richer laws need it."""
+
+    law: FrictionLaw
+    """The law with its fitted values."""
+    values: Mapping[str, float]
+    """Best values of all that was fitted, by path."""
+    cost: float
+    """Sum of squares that it leaves."""
+    rows: int
+    """Number of residuals."""
+
+
+def starts_from(
+    kind: type[FrictionLaw], unknowns: Unknowns, fitted: Sequence[FittedLaw], load: float
+) -> tuple[Array, ...]:
+    """Return values (p,) of a richer law that make it a fitted simpler one.
+
+    Parameters
+    ----------
+    kind : type
+        The richer law.
+    unknowns : Unknowns
+        What of it, and of the mechanism, is looked for; start values stand for what has no effect.
+    fitted : sequence of FittedLaw
+        Simpler laws, of which those count that the richer one contains at first hand, and the same
+        law with fewer unknowns.
+    load : float
+        Normal force [N].
+
+    Examples
+    --------
+    >>> from stickslip import CoulombViscous, QuadraticDrag
+    >>> from stickslip.identification.unknowns import Unknown
+    >>> from stickslip.quantities import Quantity
+    >>> drag = Unknown(
+    ...     path="friction.quadratic_coefficient", quantity=Quantity("c", low=0), start=3.0, low=0.0
+    ... )
+    >>> simple = FittedLaw(
+    ...     law=CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=1.0),
+    ...     values={},
+    ...     cost=1.0,
+    ...     rows=10,
+    ... )
+    >>> starts_from(QuadraticDrag, Unknowns((drag,)), [simple], 1.0)
+    (array([0.]),)
+    """
+    found = []
+    for one in fitted:
+        for point in _embedded(kind, unknowns, one, load):
+            values = np.array([point.get(i.path, i.start) for i in unknowns.items])
+            found.append(unknowns.values(unknowns.coordinates(values)))
+    return tuple(found)
+
+
+def _embedded(
+    kind: type[FrictionLaw], unknowns: Unknowns, one: FittedLaw, load: float
+) -> Iterator[dict[str, float]]:
+    """Yield points, by path, at which the richer law is the simpler one or near it."""
+    beside = {p: v for p, v in one.values.items() if not p.startswith("friction.")}
+    if type(one.law) is kind:
+        fields = (item.path for item in unknowns.items if item.path.startswith("friction."))
+        own = {path: float(getattr(one.law, path.partition(".")[2])) for path in fields}
+        yield {**beside, **own}
+        return
+    containment = containment_of(kind, one.law.name)
+    values = None if containment is None else containment.embed(one.law)
+    if containment is None or values is None:
+        return
+    if issubclass(kind, DirectionalLaw):
+        constant = sum(one.values.get(path, 0.0) for path in CONSTANTS)
+        for name in values:
+            if name.endswith("kinetic_coefficient"):
+                values[name] += (1.0 if name.startswith("forward") else -1.0) * constant / load
+    point = {**beside, **{f"friction.{name}": value for name, value in values.items()}}
+    stiff = [item for item in unknowns.items if item.path.partition(".")[2] in containment.limits]
+    for factor in STIFFER if stiff else (1.0,):
+        yield {**point, **{item.path: min(item.start * factor, item.high) for item in stiff}}
+
+
+def search_failure(
+    kind: type[FrictionLaw], cost: float, rows: int, fitted: Sequence[FittedLaw]
+) -> str:
+    """Return a sentence if a contained law leaves less than the richer one; empty if none does.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, CoulombViscous
+    >>> simple = FittedLaw(law=Coulomb(kinetic_coefficient=0.2), values={}, cost=4.0, rows=100)
+    >>> search_failure(CoulombViscous, 9.0, 100, [simple])
+    'The search failed: Coulomb friction, which this law contains, leaves 33 % less.'
+    >>> search_failure(CoulombViscous, 4.0, 100, [simple])
+    ''
+    """
+    for one in fitted:
+        contained = type(one.law) is kind or containment_of(kind, one.law.name) is not None
+        if contained and one.rows == rows and cost > (1.0 + WORSE) * one.cost:
+            less = 100.0 * (1.0 - (one.cost / cost) ** 0.5)
+            return (
+                f"The search failed: {one.law.title} friction, which this law contains, leaves"
+                f" {number(less, 2)} % less."
+            )
+    return ""
