@@ -6,7 +6,9 @@ from tests.linear import Linear
 
 from stickslip.errors import ConvergenceError
 from stickslip.identification.optimise import FURTHER, JITTER, improve, search, step_of
-from stickslip.identification.problem import Linearised
+from stickslip.identification.problem import Linearised, Searchable
+from stickslip.identification.unknowns import Unknown, Unknowns
+from stickslip.quantities import Quantity
 
 RANDOM = np.random.default_rng(3)
 TABLE = RANDOM.normal(size=(40, 2))
@@ -78,9 +80,11 @@ def test_starts_of_a_linear_problem_agree_and_no_further_ones_are_made():
 def test_starts_that_disagree_call_for_further_ones(monkeypatch):
     from stickslip.identification import optimise
 
-    costs = iter([4.0, 3.0, 2.0, 1.0, 1.0, 1.0, 1.0, 1.0])
+    costs = iter([9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0])
 
-    def ended(problem, values, *, counter):
+    def ended(problem, values, *, near, counter, rounds):
+        if near is not None:
+            return near, False
         row = np.array([next(costs) ** 0.5])
         return Linearised(
             values=values, residual=row, slopes=np.zeros((1, 2)), segment=np.zeros(1, int)
@@ -89,7 +93,41 @@ def test_starts_that_disagree_call_for_further_ones(monkeypatch):
     monkeypatch.setattr(optimise, "improve", ended)
     found = search(Linear(TABLE, MEASURED, start=[9.0, 9.0]), starts=4)
     assert len(found.costs) == 4 + FURTHER
-    assert found.best.cost == pytest.approx(1.0)
+    assert found.best.cost == pytest.approx(2.0)
+
+
+class Valley(Searchable):
+    """Exponential decay: from far too fast a rate no slope leads back."""
+
+    unknowns = Unknowns(
+        (
+            Unknown(
+                path="friction.rate",
+                quantity=Quantity("k", above=0),
+                start=1e4,
+                low=1e-6,
+                high=1e6,
+                log=True,
+            ),
+        )
+    )
+    times = np.linspace(0.0, 1.0, 200)
+
+    def linearise(self, values, near=None):
+        gone = np.exp(-values[0] * self.times)
+        return Linearised(
+            values=values,
+            residual=np.exp(-3.0 * self.times) - gone,
+            slopes=(-self.times * gone)[:, None],
+            segment=np.zeros(200, int),
+        )
+
+
+def test_a_start_three_times_above_the_least_goes_no_further():
+    found = search(Valley(), starts=1, tried=[np.array([2.0])])
+    assert found.best.values[0] == pytest.approx(3.0, rel=1e-3)
+    assert found.costs[0] > 9.0 * found.costs[1]
+    assert found.agreeing == 1
 
 
 @pytest.mark.parametrize("calls", [1, 2])

@@ -7,29 +7,38 @@ measured, needs no such prediction, but a motion that is measured well.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
-from stickslip.errors import StickslipError
+from stickslip.errors import ConvergenceError, StickslipError
 from stickslip.experiments import Measurement
 from stickslip.experiments.wording import number, percent
 from stickslip.friction import CoulombViscous
 from stickslip.identification.applied import driven
-from stickslip.identification.problem import Linearised
+from stickslip.identification.optimise import improve, search
+from stickslip.identification.record_fit import settled
 from stickslip.identification.record_problems import Route, Wanted, prepared
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.shooting import Segment, Shooting
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["RouteChoice", "choose_route", "motion_left", "serves_inverse_dynamics"]
+__all__ = ["RouteChoice", "choose_route", "serves_inverse_dynamics"]
 
 UNPREDICTED = 0.5
 """Share of the motion left unexplained beyond which simulated segments do not serve."""
+SUSPECT = 0.15
+"""Share beyond which their mass and level are compared with those of inverse dynamics."""
+CONTRADICTED = 1.5
+"""Factor between the two beyond which the simulated segments do not serve."""
 LOOKED_AT = 12
 """Segments that are simulated to see it."""
+COMPARED = ("inertia", "mass", "kinetic_coefficient")
+"""Ends of paths of what is compared; viscous parts trade off with levels at low speed."""
+STARTS = 2
+"""Starts of a search where the regression leaves much: of a short record it may be far off."""
 SHORTER = (0.5, 0.25, 0.125)
 """Shares of the usual length that are tried where inverse dynamics does not serve."""
 
@@ -57,9 +66,10 @@ def choose_route(
     """Return how a record is fitted where nobody asks for a route.
 
     Friction that was measured is fitted along the measured motion. Everything else is simulated in
-    segments, unless Coulomb and viscous friction, with values by linear regression of the forces,
-    leaves more than half of the motion within these unexplained. Then friction is derived by
-    inverse dynamics if the mechanism allows that, else the segments are made shorter.
+    segments, unless Coulomb and viscous friction leaves more than half of the motion within these
+    unexplained, or a good part of it with a mass or a level that inverse dynamics contradicts. Then
+    friction is derived by inverse dynamics, or, where the mechanism does not allow that, segments
+    are made shorter.
 
     Parameters
     ----------
@@ -85,34 +95,66 @@ def choose_route(
     usual = RouteChoice(route="shooting", settings=settings)
     if not driven(measurement):
         return usual
-    left = _left_by_regression(mechanism, measurement, unknown, settings)
-    if not left > UNPREDICTED:
+    seen = _simulated(mechanism, measurement, unknown, settings)
+    if seen is None or seen.left <= SUSPECT:
         return usual
-    why = (
-        f"Coulomb + viscous friction leaves {percent(left)} of the motion within"
-        f" {number(settings.segment)} s unexplained"
-        if math.isfinite(left)
-        else f"the motion cannot be simulated over {number(settings.segment)} s"
-    )
-    if serves_inverse_dynamics(mechanism, measurement, unknown):
+    derivable = serves_inverse_dynamics(mechanism, measurement, unknown)
+    if seen.left > UNPREDICTED:
+        why = (
+            f"Coulomb + viscous friction leaves {percent(seen.left)} of the motion within"
+            f" {number(settings.segment)} s unexplained"
+            if math.isfinite(seen.left)
+            else f"the motion cannot be simulated over {number(settings.segment)} s"
+        )
+    else:
+        why = _contradiction(mechanism, measurement, unknown, settings, seen) if derivable else ""
+    if not why:
+        return usual
+    if derivable:
         return RouteChoice(route="inverse-dynamics", settings=settings, reason=why)
     if settings.segment != RecordSettings().segment:
         return usual
     for share in SHORTER:
         shorter = replace(settings, segment=share * settings.segment)
-        if not _left_by_regression(mechanism, measurement, unknown, shorter) > UNPREDICTED:
+        again = _simulated(mechanism, measurement, unknown, shorter)
+        if again is None or again.left <= UNPREDICTED:
             return RouteChoice(route="shooting", settings=shorter, reason=why)
     return usual
 
 
-def _left_by_regression(
+@dataclass(frozen=True, kw_only=True)
+class _Simulated:
+    """Coulomb and viscous friction fitted to simulated segments."""
+
+    values: Mapping[str, float]
+    left: float
+    """Share of the motion within the segments that it leaves unexplained."""
+
+
+def _simulated(
     mechanism: Mechanism,
     measurement: Measurement,
     unknown: Sequence[str],
     settings: RecordSettings,
-) -> float:
-    """Return what Coulomb and viscous friction leaves; 0 where that cannot be said."""
-    wanted = Wanted(
+) -> _Simulated | None:
+    """Return what Coulomb and viscous friction leaves; None where that cannot be said."""
+    try:
+        problem = prepared(
+            "shooting", _plain_fit(mechanism, measurement, unknown, settings)
+        ).problem
+    except StickslipError:
+        return None  # what is wrong with the record is said where it is fitted
+    assert isinstance(problem, Shooting)
+    return _motion_left(problem)
+
+
+def _plain_fit(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    unknown: Sequence[str],
+    settings: RecordSettings,
+) -> Wanted:
+    return Wanted(
         mechanism=mechanism,
         law=CoulombViscous,
         measurement=measurement,
@@ -121,12 +163,34 @@ def _left_by_regression(
         known=None,
         settings=settings,
     )
+
+
+def _contradiction(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    unknown: Sequence[str],
+    settings: RecordSettings,
+    seen: _Simulated,
+) -> str:
+    """Return where inverse dynamics finds another mass or level, in words; empty if it does not."""
     try:
-        problem = prepared("shooting", wanted).problem
+        wanted = _plain_fit(mechanism, measurement, unknown, settings)
+        problem = prepared("inverse-dynamics", wanted).problem
+        end, _ = improve(problem, problem.unknowns.start)
     except StickslipError:
-        return 0.0  # what is wrong with the record is said where it is fitted
-    assert isinstance(problem, Shooting)
-    return motion_left(problem)
+        return ""
+    derived = dict(zip(problem.unknowns.paths, end.values.tolist(), strict=True))
+    for path, value in seen.values.items():
+        other = derived.get(path, 0.0)
+        if path.endswith(COMPARED) and value > 0.0 and other > 0.0:
+            factor = max(value / other, other / value)
+            if factor > CONTRADICTED:
+                name = path.rpartition(".")[2].replace("_", " ")
+                return (
+                    f"simulated segments and inverse dynamics contradict each other: the {name}"
+                    f" differs by a factor of {number(factor, 2)}"
+                )
+    return ""
 
 
 def serves_inverse_dynamics(
@@ -153,30 +217,24 @@ def serves_inverse_dynamics(
     )
 
 
-def motion_left(problem: Shooting) -> float:
-    """Return the share of the motion within segments that the start values leave unexplained.
+def _motion_left(problem: Shooting) -> _Simulated:
+    """Return the share of the motion within segments that a law leaves unexplained at its best.
 
     A straight line is taken off the motion of each segment, since its first position and velocity
-    are fitted.
-
-    Parameters
-    ----------
-    problem : Shooting
-        Its start values, by linear regression of forces, are near what a law can reach.
+    are fitted. Start values, by linear regression of forces, are improved only if they leave much.
     """
     count = len(problem.segments)
-    chosen = list(range(0, count, max(1, math.ceil(count / LOOKED_AT))))
-    seen = problem.linearise(problem.unknowns.start, only=chosen, slopes=False)
-    for _ in range(2):
-        if not math.isfinite(seen.cost):
-            return math.inf
-        seen = _better(seen, problem.linearise(seen.values, seen, only=chosen, slopes=False))
-    moved = sum(_curved(problem.segments[k]) for k in chosen)
-    return math.sqrt(seen.cost / max(moved, 1e-300))
-
-
-def _better(one: Linearised, other: Linearised) -> Linearised:
-    return other if other.cost < one.cost else one
+    step = max(1, math.ceil(count / LOOKED_AT))
+    few = replace(problem, segments=problem.segments[::step])
+    moved = sum(_curved(segment) for segment in few.segments)
+    seen = settled(few, few.unknowns.start)
+    if not seen.cost <= SUSPECT**2 * moved:
+        try:
+            seen = search(few, starts=STARTS).best
+        except ConvergenceError:
+            return _Simulated(values={}, left=math.inf)
+    values = dict(zip(few.unknowns.paths, seen.values.tolist(), strict=True))
+    return _Simulated(values=values, left=math.sqrt(seen.cost / max(moved, 1e-300)))
 
 
 def _curved(segment: Segment) -> float:
