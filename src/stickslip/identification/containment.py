@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.experiments.wording import number
 from stickslip.friction import DirectionalLaw, FrictionLaw, containment_of
-from stickslip.identification.unknowns import Unknowns
+from stickslip.identification.unknowns import Unknown, Unknowns
 
 __all__ = ["FittedLaw", "search_failure", "starts_from"]
 
@@ -17,8 +17,10 @@ Array = NDArray[np.float64]
 
 STIFFER = (30.0, 1000.0)
 """Factors on the start value of what goes to infinity in the simpler law, such as a stiffness."""
-WORSE = 1e-3
-"""Share by which a sum of squares may be above that of a contained law: searches end there."""
+WORSE = 0.02
+"""Share by which a sum of squares may be above that of a contained law: as far as starts agree."""
+NOT_WHOLE = 1e-6
+"""Share by which a whole exponent is moved: residuals change by less than any search resolves."""
 CONSTANTS = ("mechanism.offset", "measurement.offset.friction")
 """Paths of a constant force beside friction."""
 
@@ -75,9 +77,17 @@ def starts_from(
     found = []
     for one in fitted:
         for point in _embedded(kind, unknowns, one, load):
-            values = np.array([point.get(i.path, i.start) for i in unknowns.items])
+            values = np.array([_value(item, point.get(item.path)) for item in unknowns.items])
             found.append(unknowns.values(unknowns.coordinates(values)))
     return tuple(found)
+
+
+def _value(item: Unknown, given: float | None) -> float:
+    """Return a start value; a whole exponent would shape the equations and have no slope."""
+    if given is None:
+        return item.start
+    whole = item.quantity.structural and float(given).is_integer()
+    return given * (1.0 + NOT_WHOLE) if whole else given
 
 
 def _embedded(
@@ -110,6 +120,8 @@ def search_failure(
 ) -> str:
     """Return a sentence if a contained law leaves less than the richer one; empty if none does.
 
+    A law that is another one in a limit only, such as that of infinite stiffness, may leave more.
+
     Examples
     --------
     >>> from stickslip import Coulomb, CoulombViscous
@@ -120,8 +132,9 @@ def search_failure(
     ''
     """
     for one in fitted:
-        contained = type(one.law) is kind or containment_of(kind, one.law.name) is not None
-        if contained and one.rows == rows and cost > (1.0 + WORSE) * one.cost:
+        how = containment_of(kind, one.law.name)
+        exact = type(one.law) is kind or (how is not None and not how.limits)
+        if exact and one.rows == rows and cost > (1.0 + WORSE) * one.cost:
             less = 100.0 * (1.0 - (one.cost / cost) ** 0.5)
             return (
                 f"The search failed: {one.law.title} friction, which this law contains, leaves"

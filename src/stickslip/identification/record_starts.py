@@ -39,6 +39,8 @@ Below it, such as below 0, regression has mistaken the level for mass or slope."
 GUESSED = ("kinetic_coefficient", "viscous_coefficient", "quadratic_coefficient")
 """Ends of names of parameters whose upper bound follows from the regression alone. Bounds of others
 follow from what the record covers: the speeds, the stroke, the level."""
+FADING = (1.5, 0.3, 5.0)
+"""Start value and bounds of the exponent by which a static surplus fades: 1 Tustin, 2 Gaussian."""
 SEEN = 1e-3
 """Share of the force that the inertia must take for its regression to say anything."""
 
@@ -178,8 +180,10 @@ def law_unknowns(
     kind = law if isinstance(law, type) else type(law)
     names = list(kind.fit_order)
     if free is not None:
-        wanted = [full_path(name, [f"friction.{known}" for known in names]) for name in free]
-        names = [name for name in names if f"friction.{name}" in wanted]
+        known_paths = [f"friction.{name}" for name in fields_of(kind)]
+        wanted = {full_path(name, known_paths).partition(".")[2] for name in free}
+        names = [name for name in (*names, *fields_of(kind)) if name in wanted]
+        names = list(dict.fromkeys(names))
     ranges = {name: _range(kind, name, scales) for name in names}
     values = {name: start for name, (start, _, _) in ranges.items()}
     if not isinstance(law, type):
@@ -260,7 +264,7 @@ def _range(kind: type[FrictionLaw], name: str, s: Scales) -> tuple[float, float,
             1e-3 * level / s.speed,
             1e3 * level / s.speed,
         ),
-        "exponent": (0.8, 0.2, 3.0),
+        "exponent": FADING if "stribeck_velocity" in fields_of(kind) else (0.8, 0.2, 3.0),
     }
     if name not in known:
         symbol = fields_of(kind)[name].symbol

@@ -29,7 +29,7 @@ __all__ = ["RouteChoice", "choose_route", "serves_inverse_dynamics"]
 
 UNPREDICTED = 0.5
 """Share of the motion left unexplained beyond which simulated segments do not serve."""
-SUSPECT = 0.15
+SUSPECT = 0.05
 """Share beyond which their mass and level are compared with those of inverse dynamics."""
 CONTRADICTED = 1.5
 """Factor between the two beyond which the simulated segments do not serve."""

@@ -33,6 +33,8 @@ STIFFNESSES = tuple(float(10.0**power) for power in range(-3, 2))
 """Stiffness over the one that reversals suggest, which is more often too high than too low."""
 EXPONENTS = (0.1, 0.6, 1.5)
 """Exponents; whole ones are another law's."""
+FADINGS = (1.01, 1.5, 1.99)
+"""Exponents with which a static surplus fades, from Tustin's to Gauss's."""
 SURPLUSES = (1.0, 5.0)
 """Static surplus over its start value."""
 MISMATCH = 1e-2
@@ -99,8 +101,11 @@ def _has_memory(problem: ForceMap) -> bool:
 
 def _grid_points(unknowns: Unknowns, *, memory: bool) -> list[dict[str, float]]:
     """Return the points of the grid, by path of what is looked at in decades."""
+    fades = any(item.quantity.unit == "m/s" for item in unknowns.items)
     axes = {
-        item.path: _axis(item) for item in unknowns.items if item.log or (memory and item.above)
+        item.path: FADINGS if fades and item.quantity.structural else _axis(item)
+        for item in unknowns.items
+        if item.log or (memory and item.above)
     }
     return [dict(zip(axes, point, strict=True)) for point in product(*axes.values())]
 

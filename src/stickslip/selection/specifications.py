@@ -143,6 +143,12 @@ def contains(rich: Specification, simple: Specification) -> bool:
 def _usual() -> tuple[Specification, ...]:
     return (
         *(_given(law.name, law) for law in LAWS),
+        Specification(
+            name="stribeck-exponent",
+            title="Stribeck with exponent",
+            law=Stribeck,
+            free=(*Stribeck.fit_order, "exponent"),
+        ),
         Specification(name="dahl", title="Dahl", law=Dahl, free=PLAIN_DAHL),
         Specification(name="dahl-exponent", title="Dahl with exponent", law=Dahl),
     )

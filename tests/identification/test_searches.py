@@ -1,0 +1,155 @@
+"""Searches that find: grids over decades, starts from simpler laws, routes from the record."""
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Axis,
+    CoulombViscous,
+    Dahl,
+    LuGre,
+    Measurement,
+    RecordSettings,
+    Sampled,
+    Stribeck,
+    fit,
+    simulate,
+)
+from stickslip.control import closed_loop
+from stickslip.friction import laws
+from stickslip.identification.containment import FittedLaw, search_failure
+from stickslip.identification.route_choice import choose_route
+from stickslip.solver import EventDriven
+
+SOLVER = EventDriven(tier="compiled", max_steps=1_000_000)
+
+
+def controlled(law, *, seed, offset=0.0, duration=12.0):
+    """Return a record of an axis of 3 kg that follows slow and fast moves; encoder 1 um."""
+    random = np.random.default_rng(seed)
+    t = np.arange(0.0, duration, 1e-3)
+    corners, speeds, side = [0.0], [0.0], 1.0
+    while corners[-1] < t[-1]:
+        peak = side * 10.0 ** random.uniform(-3.0, -0.7)
+        for stretch, speed in ((0.15, peak), (0.4, peak), (0.15, 0.0), (0.05, 0.0)):
+            corners.append(corners[-1] + stretch)
+            speeds.append(speed)
+        side = -side
+    v = np.interp(t, corners, speeds)
+    x = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * 1e-3)])
+    a = np.gradient(v, t)
+
+    def control(now, seen):
+        k = min(round(now * 1e3), len(t) - 1)
+        return 3.0 * (a[k] + 1600.0 * (x[k] - seen["x"]) + 56.0 * (v[k] - seen["v"]))
+
+    axis = Axis(inertia=3.0, offset=offset)
+    loop = closed_loop(
+        axis, law, control, period=1e-3, t_end=float(t[-1]), quantisation={"x": 1e-6}, solver=SOLVER
+    )
+    position = 1e-6 * np.round(np.asarray(loop.run.at(loop.t)["x"]) / 1e-6)
+    force = loop.commands + 0.02 * random.standard_normal(len(loop.commands))
+    return Measurement(time=loop.t, position=position, force=force)
+
+
+LUGRE = LuGre(
+    kinetic_coefficient=18.0,
+    static_coefficient=26.0,
+    stribeck_velocity=8e-3,
+    bristle_stiffness=2.5e5,
+    bristle_damping=600.0,
+    viscous_coefficient=12.0,
+)
+
+
+@pytest.fixture(scope="module")
+def lugre_record():
+    return controlled(LUGRE, seed=5, offset=1.0)
+
+
+def test_the_route_of_a_slow_closed_loop_is_inverse_dynamics(lugre_record):
+    chosen = choose_route(Axis(inertia=4.0), lugre_record, unknown=("inertia",))
+    assert chosen.route == "inverse-dynamics"
+    assert "unexplained" in chosen.reason or "contradict" in chosen.reason
+
+
+def test_all_eight_parameters_of_lugre_are_found_from_no_start_values(lugre_record):
+    found = fit(Axis(inertia=4.0), LuGre, lugre_record, unknown=("inertia",))
+    assert found.route == "inverse-dynamics"
+    truth = {f"friction.{name}": getattr(LUGRE, name) for name in LuGre.fit_order}
+    truth |= {"mechanism.offset": 1.0, "mechanism.inertia": 3.0}
+    for path, value in truth.items():
+        estimate = found.estimate(path)
+        # twice the half width of a 95 % interval: one miss in 10,000 of a normal estimate
+        middle, half = 0.5 * (estimate.low + estimate.high), estimate.high - estimate.low
+        assert abs(value - middle) < half, path
+    assert found.estimate("stribeck_velocity").value == pytest.approx(8e-3, rel=0.2)
+
+
+@pytest.mark.parametrize("v_s", [2e-3, 2e-2, 0.2])
+def test_a_stribeck_velocity_is_found_over_two_decades(v_s):
+    # friction against velocity with noise of 1 % of the level
+    random = np.random.default_rng(11)
+    v = np.linspace(-1.0, 1.0, 4001)
+    law = Stribeck(
+        kinetic_coefficient=18.0,
+        static_coefficient=26.0,
+        stribeck_velocity=v_s,
+        viscous_coefficient=5.0,
+    )
+    table = Measurement(velocity=v, friction=law.force(v, 1.0) + 0.18 * random.normal(size=4001))
+    found = fit(Axis(inertia=1.0), Stribeck, table)
+    assert found.estimate("stribeck_velocity").value == pytest.approx(v_s, rel=0.25)
+
+
+def test_an_exponent_outside_the_order_of_fits_is_fitted_where_it_is_named():
+    v = np.linspace(-1.0, 1.0, 2001)
+    law = Stribeck(
+        kinetic_coefficient=18.0, static_coefficient=26.0, stribeck_velocity=0.05, exponent=1.0
+    )
+    friction = law.force(v, 1.0) + 0.05 * np.random.default_rng(2).normal(size=2001)
+    table = Measurement(velocity=v, friction=friction)
+    free = [*Stribeck.fit_order, "exponent"]
+    found = fit(Axis(inertia=1.0), Stribeck, table, free=free)
+    # noise of .05 N on a surplus of 8 N over a hundred rows
+    assert found.estimate("exponent").value == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    "name", ["stribeck", "power-viscous", "quadratic-drag", "direction-dependent"]
+)
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_richer_law_never_leaves_more_than_the_one_it_contains(name, seed):
+    random = np.random.default_rng(seed)
+    t = np.arange(0.0, 6.0, 4e-3)
+    force = 30.0 * np.sin(2.0 * t) + 18.0 * np.sin(5.1 * t) + random.normal(0.0, 1.0, len(t))
+    law = CoulombViscous(kinetic_coefficient=6.0, viscous_coefficient=20.0)
+    axis = Axis(inertia=4.0, drive=Sampled(times=t, values=force), offset=1.0)
+    x = np.asarray(simulate(axis, law, t_end=float(t[-1]), solver=SOLVER).at(t)["x"])
+    record = Measurement(time=t, position=x + random.normal(0.0, 1e-5, len(t)), force=force)
+    settings = RecordSettings(starts=1, seed=seed)
+    plain = fit(Axis(inertia=4.0), CoulombViscous, record, settings=settings)
+    rich = fit(Axis(inertia=4.0), laws()[name], record, settings=settings)
+    # residuals of starts agree to 1 %: first states of segments are fitted as closely
+    assert rich.found.best.cost <= 1.02 * plain.found.best.cost
+    assert not rich.search_failure
+
+
+def test_a_law_that_leaves_more_than_one_it_contains_says_that_its_search_failed():
+    simple = FittedLaw(
+        law=Dahl(kinetic_coefficient=0.3, bristle_stiffness=1e4), values={}, cost=35.0**2, rows=500
+    )
+    said = search_failure(LuGre, 37.5**2, 500, [simple])
+    assert said.startswith("The search failed: Dahl friction")
+    assert not search_failure(LuGre, 10.0**2, 500, [simple])
+    assert not search_failure(Stribeck, 37.5**2, 500, [simple])  # it does not contain Dahl's law
+
+
+def test_positions_that_rest_between_steps_of_an_encoder_have_the_noise_of_rounding():
+    record = controlled(LUGRE, seed=6, duration=4.0)
+    coarse = 2e-5 * np.round(np.asarray(record.values("position")) / 2e-5)
+    still = Measurement(time=record.time, position=coarse, force=record.force)
+    found = fit(
+        Axis(inertia=3.0), CoulombViscous, still, route="inverse-dynamics", unknown=("inertia",)
+    )
+    assert found.estimate("kinetic_coefficient").value == pytest.approx(18.0, rel=0.3)
