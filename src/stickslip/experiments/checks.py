@@ -15,6 +15,7 @@ from stickslip.experiments.checking import (
     dynamics,
     forces,
     level,
+    mains,
     motion,
     sampling,
     tables,
@@ -236,6 +237,7 @@ def _signals(record: Measurement, moving: motion.Motion | None, enough: bool) ->
     yield from values.cut_off(record)
     yield from values.quantised(record)
     yield from values.lifted(record)
+    yield from mains.hum(record)
     if record.position is None and record.velocity is None:
         yield Finding(
             kind="motion",
