@@ -29,6 +29,7 @@ from stickslip.cli.output import (
     write_file,
 )
 from stickslip.cli.progress import Searching, Watching
+from stickslip.cli.trials import compared, show_trials
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, load_rig
 from stickslip.experiments.refusals import told
@@ -71,14 +72,17 @@ def run(
     wanted = None if free is None else [part.strip() for part in free.split(",")]
     result = _fitted(rig, law, found, asked, wanted)
     second = _second(result, found, asked)
+    trials = compared(result)
     if output is not None:
         write_file(output, result.to_toml().encode())
     if as_json:
         content = _content(rig, found, result, checks, second)
-        print_json(document("fit", content))
+        own = {} if trials is None else {"trials": trials.to_dict()}
+        print_json(document("fit", {**content, **own}))
         return
     show_warnings(checks)
     _show(result, second)
+    show_trials(trials)
     if output is not None:
         stdout().print(f"\nRig file of the fitted law: {output}", markup=False)
 

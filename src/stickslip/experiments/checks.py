@@ -168,6 +168,8 @@ def _findings(
     if measurement.kind == "scalars":
         yield from tables.settings(records)
     yield from tables.alike(records)
+    if not grave:
+        yield from tables.unused(records)
     for number, record in enumerate(records, 1):
         label = (record.name or f"trial {number}") if measurement.trials else ""
         fits = [*_fits(record, mechanism)]

@@ -26,6 +26,7 @@ from stickslip.identification.results import Estimate
 from stickslip.identification.trial_estimates import TrialEstimates
 from stickslip.identification.trial_words import SURE, sentences_of
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -286,7 +287,7 @@ def comparison_of(joint: RecordFit) -> TrialComparison:
 
 
 def _alone(
-    joint: RecordFit, record: Measurement, name: str, segments: Array, own: Sequence[int]
+    joint: RecordFit, record: Measurement, name: str, segments: NDArray[np.intp], own: Sequence[int]
 ) -> TrialEstimates:
     """Fit the law to one trial, from the joint optimum; all else is kept."""
     problem: Part | Held = Part(joint.problem, segments.tolist(), joint.found.best)
@@ -318,6 +319,9 @@ def _alone(
     return TrialEstimates(
         name=name,
         conditions=record.conditions,
+        law=vary(
+            joint.law, "friction", dict(zip(unknowns.paths, end.values.tolist(), strict=True))
+        ),
         estimates=tuple(estimates),
         errors=tuple(_errors(inference, estimates)),
         freedom=tuple(map(float, inference.freedom)),

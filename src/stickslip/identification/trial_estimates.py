@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import final
 
+from stickslip.friction import FrictionLaw
 from stickslip.identification.results import Estimate
 
 __all__ = ["TrialEstimates"]
@@ -18,6 +19,8 @@ class TrialEstimates:
     """Of the trial."""
     conditions: Mapping[str, float | str]
     """What was different in it."""
+    law: FrictionLaw
+    """The law with the parameters of this trial."""
     estimates: tuple[Estimate, ...]
     """Parameters of the law, in the order of the joint fit."""
     errors: tuple[float, ...]

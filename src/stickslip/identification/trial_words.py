@@ -189,7 +189,7 @@ def _range(trials: Sequence[TrialEstimates]) -> list[str]:
 
 def _troubles(trials: Sequence[TrialEstimates]) -> Iterator[str]:
     """Yield which conditions are the same in all trials, missing, or change together."""
-    numeric: dict[str, dict[str, float]] = {}
+    differing: dict[str, dict[str, float | str]] = {}
     for condition in dict.fromkeys(name for trial in trials for name in trial.conditions):
         name = condition_name(condition)
         have = {t.name: v for t in trials if (v := t.conditions.get(condition)) is not None}
@@ -203,19 +203,27 @@ def _troubles(trials: Sequence[TrialEstimates]) -> Iterator[str]:
             (value,) = set(have.values())
             said = _at(condition, value) if isinstance(value, float) else f"{name} {value!r}"
             yield f"All trials have {said}: its effect cannot be told."
-        elif all(isinstance(value, float) for value in have.values()):
-            numeric[condition] = {key: float(value) for key, value in have.items()}
-    for one, other in combinations(numeric, 2):
-        both = sorted(numeric[one].keys() & numeric[other].keys())
-        pairs = np.array([[numeric[one][key], numeric[other][key]] for key in both])
-        if len(both) < 2 or not np.all(np.ptp(pairs, axis=0) > 0.0):
-            continue
-        together = float(np.corrcoef(pairs.T)[0, 1])
-        if abs(together) > TOGETHER:
+        else:
+            differing[condition] = have
+    for one, other in combinations(differing, 2):
+        if _together(differing[one], differing[other]):
             yield (
-                f"{condition_name(one)} and {condition_name(other)} change together (correlation"
-                f" {number(together)}): their effects cannot be told apart."
+                f"{condition_name(one)} and {condition_name(other)} change together: their effects"
+                " cannot be told apart."
             )
+
+
+def _together(one: Mapping[str, float | str], other: Mapping[str, float | str]) -> bool:
+    """Whether two conditions of trials say nearly the same."""
+    both = sorted(one.keys() & other.keys())
+    pairs = [(one[key], other[key]) for key in both]
+    if len({first for first, _ in pairs}) < 2 or len({last for _, last in pairs}) < 2:
+        return False
+    if any(isinstance(value, str) for pair in pairs for value in pair):
+        levels = {len(set(column)) for column in (pairs, *zip(*pairs, strict=True))}
+        # that every trial has values of its own says nothing, unless there are two of them
+        return len(levels) == 1 and (min(levels) < len(pairs) or len(pairs) == 2)
+    return abs(float(np.corrcoef(np.array(pairs, dtype=float).T)[0, 1])) > TOGETHER
 
 
 def _untold(trials: Sequence[TrialEstimates]) -> Iterator[str]:

@@ -84,7 +84,7 @@ def lines_of(values: Array, step: float) -> tuple[Line, ...]:
         return ()
     found = []
     for mains in MAINS:
-        lines = []
+        lines: list[Line] = []
         for order in ORDERS:
             near = order * mains
             if order == 1:  # that of a harmonic may be the place of another one
