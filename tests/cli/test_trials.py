@@ -40,7 +40,7 @@ def folder(tmp_path, monkeypatch):
 def run(*arguments):
     result = CliRunner().invoke(app, list(arguments), terminal_width=200)
     assert result.exit_code == 0, result.output
-    return result.output
+    return result.stdout
 
 
 def test_fit_says_that_the_trials_do_not_share_one_law_and_which_column_is_not_used(folder):

@@ -22,7 +22,7 @@ from stickslip.cli.output import (
 )
 from stickslip.cli.progress import Searching
 from stickslip.cli.selected import deliver, laws_of
-from stickslip.cli.trials import compared, show_trials
+from stickslip.cli.trials import compared, content_of, show_trials
 from stickslip.cli.workers import workers
 from stickslip.experiments import Rig
 from stickslip.experiments.digests import of_files
@@ -50,10 +50,8 @@ def select_on_records(
     """Select, write what was found into a folder, print the verdict."""
     verdict = _selected(rig, found, asked, laws_of(rig, laws), jobs)
     trials = compared(verdict.best.fit if verdict.best else None)
-    own = {} if trials is None else {"trials": trials.to_dict()}
-    content = document(
-        "select", {"rig": rig.title, "digest": found.digest, **verdict.to_dict(), **own}
-    )
+    head = {"rig": rig.title, "digest": found.digest}
+    content = document("select", {**head, **verdict.to_dict(), **content_of(trials)})
     ended = [c.name for c in verdict.candidates if c.fit and c.fit.found.cancelled]
     deliver(
         verdict,

@@ -1,6 +1,8 @@
 """What the commands say of several trials: whether they share one law."""
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 from stickslip.cli.output import plain, show_table, stdout
 from stickslip.digits import interval, significant
@@ -9,7 +11,7 @@ from stickslip.experiments.condition_values import condition_name
 from stickslip.identification import Fit, RecordFit, TrialComparison
 from stickslip.identification.trial_comparison import comparison_of, fitted_alone
 
-__all__ = ["compared", "show_trials"]
+__all__ = ["compared", "content_of", "show_trials"]
 
 
 def compared(fit: Fit | None) -> TrialComparison | None:
@@ -23,6 +25,11 @@ def compared(fit: Fit | None) -> TrialComparison | None:
         return comparison_of(fit)
     except StickslipError:
         return None
+
+
+def content_of(comparison: TrialComparison | None) -> Mapping[str, Any]:
+    """Return the comparison as a part of what a command writes as JSON."""
+    return {} if comparison is None else {"trials": comparison.to_dict()}
 
 
 def show_trials(comparison: TrialComparison | None) -> None:

@@ -168,13 +168,13 @@ def _findings(
     if measurement.kind == "scalars":
         yield from tables.settings(records)
     yield from tables.alike(records)
-    if not grave:
-        yield from tables.unused(records)
     for number, record in enumerate(records, 1):
         label = (record.name or f"trial {number}") if measurement.trials else ""
         fits = [*_fits(record, mechanism)]
         own = [*_record(record, None if _wrong(fits) else mechanism, grave), *fits]
         yield from (replace(finding, record=label) for finding in own)
+    if not grave:
+        yield from tables.unused(records)
 
 
 def _wrong(found: Sequence[Finding]) -> bool:

@@ -3,7 +3,7 @@
 import html
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 import numpy as np
@@ -14,15 +14,14 @@ from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification.condition_lines import ConditionLine, line_over
-from stickslip.identification.doubts import INTERVAL, bounds_met
+from stickslip.identification.doubts import bounds_met, estimates_of
 from stickslip.identification.fitting import fit
 from stickslip.identification.homogeneity import Homogeneity, homogeneity, rows_of
-from stickslip.identification.inference import Inference, infer, quantile_of
+from stickslip.identification.inference import infer, quantile_of
 from stickslip.identification.optimise import improve
 from stickslip.identification.problem import Held, Linearised, Part
 from stickslip.identification.record_fit import RecordFit, scale_of
 from stickslip.identification.record_settings import RecordSettings
-from stickslip.identification.results import Estimate
 from stickslip.identification.trial_estimates import TrialEstimates
 from stickslip.identification.trial_words import SURE, sentences_of
 from stickslip.mechanisms import Mechanism
@@ -299,40 +298,28 @@ def _alone(
     unknowns = problem.unknowns
     bounds = bounds_met(unknowns, end.values)
     inference = infer(end, scale_of(unknowns, end.values, bounds))
-    quantities = {one.path: one.quantity for one in joint.estimates}
-    widths = inference.half_widths
-    estimates = []
-    for i, path in enumerate(unknowns.paths):
-        value, width = float(end.values[i]), float(widths[i])
-        known = math.isfinite(width) and (width > 0.0 or path not in bounds)
-        estimates.append(
-            Estimate(
-                path=path,
-                quantity=quantities[path],
-                value=value,
-                low=value - width if known else -math.inf,
-                high=value + width if known else math.inf,
-                interval=INTERVAL,
-                reason="" if known else "this trial alone does not tell it",
-            )
-        )
+    known = {one.path: one for one in joint.estimates}
+    told = replace(
+        unknowns,
+        items=tuple(replace(item, quantity=known[item.path].quantity) for item in unknowns.items),
+    )
+    estimates = estimates_of(told, end, inference, bounds)
+    errors = [
+        # what all trials together leave open is told by none of them
+        float(error) if one.bounded and known[one.path].bounded and error > 0.0 else math.inf
+        for error, one in zip(inference.errors, estimates, strict=True)
+    ]
     return TrialEstimates(
         name=name,
         conditions=record.conditions,
         law=vary(
             joint.law, "friction", dict(zip(unknowns.paths, end.values.tolist(), strict=True))
         ),
-        estimates=tuple(estimates),
-        errors=tuple(_errors(inference, estimates)),
+        estimates=estimates,
+        errors=tuple(errors),
         freedom=tuple(map(float, inference.freedom)),
         rms=end.rms,
     )
-
-
-def _errors(inference: Inference, estimates: Sequence[Estimate]) -> list[float]:
-    """Return standard errors, infinite for what is not told."""
-    pairs = zip(inference.errors, estimates, strict=True)
-    return [float(error) if one.bounded else math.inf for error, one in pairs]
 
 
 def _lines(trials: Sequence[TrialEstimates]) -> tuple[ConditionLine, ...]:
