@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from stickslip.cli.output import plain, show_table, stdout
+from stickslip.cli.output import note, plain, show_table, stdout
 from stickslip.digits import interval, significant
 from stickslip.errors import StickslipError
 from stickslip.experiments.condition_values import condition_name
@@ -23,7 +23,8 @@ def compared(fit: Fit | None) -> TrialComparison | None:
         return None
     try:
         return comparison_of(fit)
-    except StickslipError:
+    except StickslipError as error:
+        note(f"The trials were not compared: {error}")
         return None
 
 
