@@ -10,6 +10,7 @@ from stickslip.cli.groups import data, profile
 from stickslip.cli.options import (
     AllowImport,
     Columns,
+    Conditions,
     Data,
     Enforce,
     FittedLaw,
@@ -75,6 +76,7 @@ def select(
     units: Units = None,
     gain: Gain = None,
     repair: Repair = None,
+    conditions: Conditions = None,
     changes: Set = None,
     allow_import: AllowImport = False,
     laws: Laws = None,
@@ -101,7 +103,9 @@ def select(
     from stickslip.cli.reading import reading_of
     from stickslip.cli.select import run
 
-    reading = reading_of(columns=columns, units=units, gain=gain, repair=repair)
+    reading = reading_of(
+        columns=columns, units=units, gain=gain, repair=repair, conditions=conditions
+    )
     fitted = partial(How, segment=segment, hold=hold, starts=starts, seed=seed)
     how = fitted(purpose=purpose, horizon=horizon, route=route)
     asked = Asked(
@@ -121,6 +125,7 @@ def fit(
     units: Units = None,
     gain: Gain = None,
     repair: Repair = None,
+    conditions: Conditions = None,
     changes: Set = None,
     allow_import: AllowImport = False,
     validate: Validate = None,
@@ -143,7 +148,9 @@ def fit(
     from stickslip.cli.measured import Asked, How
     from stickslip.cli.reading import reading_of
 
-    reading = reading_of(columns=columns, units=units, gain=gain, repair=repair)
+    reading = reading_of(
+        columns=columns, units=units, gain=gain, repair=repair, conditions=conditions
+    )
     how = How(horizon=horizon, route=route, segment=segment, hold=hold, starts=starts, seed=seed)
     asked = Asked(
         data=data or [], reading=reading, validate=validate, unknown=unknown or [], how=how
@@ -166,6 +173,7 @@ def check(
     units: Units = None,
     gain: Gain = None,
     repair: Repair = None,
+    conditions: Conditions = None,
     allow_import: AllowImport = False,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder for a picture and the findings.")
@@ -177,7 +185,9 @@ def check(
     from stickslip.cli.check import run
     from stickslip.cli.reading import reading_of
 
-    reading = reading_of(columns=columns, units=units, gain=gain, repair=repair)
+    reading = reading_of(
+        columns=columns, units=units, gain=gain, repair=repair, conditions=conditions
+    )
     run(files, reading, output, allow_import=allow_import, force=force, as_json=as_json)
 
 

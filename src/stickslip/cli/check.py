@@ -77,8 +77,8 @@ def _measurement(rig: Rig | None, data: Sequence[Path], reading: Reading) -> Mea
     assert rig is not None  # one file at least is given
     if reading != Reading():
         raise InputError(
-            f"--columns, --unit, --gain and --repair are for files of data: give one beside"
-            f" {rig.path}, or write them under its [data]."
+            "--columns, --unit, --gain, --repair and --conditions are for files of data: give one"
+            f" beside {rig.path}, or write them under its [data]."
         )
     if rig.measurement is None:
         raise InputError(

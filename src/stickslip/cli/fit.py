@@ -29,6 +29,7 @@ from stickslip.cli.output import (
     write_file,
 )
 from stickslip.cli.progress import Searching, Watching
+from stickslip.cli.trials import compared, content_of, show_trials
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, load_rig
 from stickslip.experiments.refusals import told
@@ -62,29 +63,31 @@ def run(
     name = fitted_name(rig, name)
     law = rig.laws.get(name) or law_type(name)
     found = measured(rig, asked, given=path is not None)
+    checks = _checked(rig, found, asked)
+    wanted = None if free is None else [part.strip() for part in free.split(",")]
+    result = _fitted(rig, law, found, asked, wanted)
+    second = _second(result, found, asked)
+    trials = compared(result)
+    if output is not None:
+        write_file(output, result.to_toml().encode())
+    if as_json:
+        content = _content(rig, found, result, checks, second)
+        print_json(document("fit", {**content, **content_of(trials)}))
+        return
+    show_warnings(checks)
+    _show(result, second)
+    show_trials(trials)
+    if output is not None:
+        stdout().print(f"\nRig file of the fitted law: {output}", markup=False)
+
+
+def _checked(rig: Rig, found: Measured, asked: Asked) -> Checks:
+    """Return what is to be said of the measurement; refuse what no fit should be made from."""
     if asked.how.horizon is not None and not found.travels and found.validate is None:
         raise InputError(
             "--horizon is the length of predicted stretches of a second record: give --validate"
             " FILE too, or leave it out."
         )
-    checks = _checked(rig, found)
-    wanted = None if free is None else [part.strip() for part in free.split(",")]
-    result = _fitted(rig, law, found, asked, wanted)
-    second = _second(result, found, asked)
-    if output is not None:
-        write_file(output, result.to_toml().encode())
-    if as_json:
-        content = _content(rig, found, result, checks, second)
-        print_json(document("fit", content))
-        return
-    show_warnings(checks)
-    _show(result, second)
-    if output is not None:
-        stdout().print(f"\nRig file of the fitted law: {output}", markup=False)
-
-
-def _checked(rig: Rig, found: Measured) -> Checks:
-    """Return what is to be said of the measurement; refuse what no fit should be made from."""
     checks = check(found.measurement, mechanism=rig.mechanism)
     if checks.worst == "error":
         wrong = told([one for one in checks.findings if one.severity == "error"])

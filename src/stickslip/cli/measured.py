@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import final
@@ -108,14 +108,18 @@ def measured(rig: Rig, asked: Asked, *, given: bool) -> Measured:
     if asked.data:
         measurement = read_data(asked.data, reading, mechanism=rig.mechanism)
     elif asked.reading != Reading() and asked.validate is None:
-        raise InputError("--columns, --unit, --gain and --repair are for --data or --validate.")
+        raise InputError(
+            "--columns, --unit, --gain, --repair and --conditions are for --data or --validate."
+        )
     if measurement is None:
         raise InputError(
             f"{rig.path} has no measurement: add a [[trial]] with a travel or [data] with a file,"
             " or give --data FILE."
         )
     if asked.validate is not None:
-        validate = read_data([asked.validate], reading, mechanism=rig.mechanism)
+        # a second record is predicted, whatever its conditions
+        alike = replace(reading, conditions=())
+        validate = read_data([asked.validate], alike, mechanism=rig.mechanism)
     names = [part.strip() for given in asked.unknown for part in given.split(",")]
     files = [*asked.data, *([] if asked.validate is None else [asked.validate])]
     found = Measured(

@@ -9,6 +9,7 @@ __all__ = [
     "AllowImport",
     "BackSlip",
     "Columns",
+    "Conditions",
     "Data",
     "Effort",
     "Enforce",
@@ -124,6 +125,14 @@ Gain = Annotated[
 Repair = Annotated[
     list[str] | None,
     typer.Option("--repair", metavar="sort,gaps", help="Order the times, drop what is empty."),
+]
+Conditions = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--conditions",
+        metavar="NAME,...",
+        help="Columns with a condition of each trial, such as a temperature or a direction.",
+    ),
 ]
 Validate = Annotated[
     Path | None,

@@ -14,14 +14,17 @@ def reading_of(
     units: Sequence[str] | None,
     gain: Sequence[str] | None,
     repair: Sequence[str] | None,
+    conditions: Sequence[str] | None = None,
 ) -> Reading:
     """Return what the options of that name say together."""
     texts = [part.strip() for given in repair or () for part in given.split(",")]
+    names = [part.strip() for given in conditions or () for part in given.split(",")]
     return Reading(
         columns=_pairs("--columns", "position=q_m", columns),
         units=_pairs("--unit", "position=mm", units),
         gain=_numbers(_pairs("--gain", "force=35.15", gain)),
         repair=tuple(texts),  # type: ignore[arg-type]  # checked by Reading itself
+        conditions=tuple(names),
         by="options",
     )
 

@@ -15,6 +15,7 @@ from stickslip.experiments.checking import (
     dynamics,
     forces,
     level,
+    mains,
     motion,
     sampling,
     tables,
@@ -172,6 +173,8 @@ def _findings(
         fits = [*_fits(record, mechanism)]
         own = [*_record(record, None if _wrong(fits) else mechanism, grave), *fits]
         yield from (replace(finding, record=label) for finding in own)
+    if not grave:
+        yield from tables.unused(records)
 
 
 def _wrong(found: Sequence[Finding]) -> bool:
@@ -236,6 +239,7 @@ def _signals(record: Measurement, moving: motion.Motion | None, enough: bool) ->
     yield from values.cut_off(record)
     yield from values.quantised(record)
     yield from values.lifted(record)
+    yield from mains.hum(record)
     if record.position is None and record.velocity is None:
         yield Finding(
             kind="motion",

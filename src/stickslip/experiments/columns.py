@@ -34,7 +34,7 @@ def check_columns(names: Iterable[str], mechanism: Mechanism | None = None) -> N
     Traceback (most recent call last):
     stickslip.errors.UnknownNameError: unknown quantity in columns 'positon'. Did you mean ...
     """
-    known = ("time", *QUANTITIES, *OF_TRIALS)
+    known = ("time", *QUANTITIES, *OF_TRIALS, "trial")
     for name in names:
         first, _, rest = str(name).partition(".")
         if name in known or (rest and first in ("initial", PREFIX)):

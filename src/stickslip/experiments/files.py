@@ -52,7 +52,7 @@ def read_rig(
         raise complaint(error, raw, file, overrides) from None
     mechanism = _mechanism(table, file, overrides)
     known = known_laws(table.friction, file, overrides, {**laws(), **own.laws})
-    reading = _reading(table.data, file)
+    reading = replace(_reading(table.data, file), conditions=tuple(table.data.conditions))
     return Rig(
         title=table.title or Path(file).stem,
         subject=table.subject,
@@ -64,7 +64,7 @@ def read_rig(
         assumed=known.assumed,
         unknown=_unknown(table.mechanism),
         measurement=_measured(table, mechanism, reading, file),
-        validate=_files([table.data.second], mechanism, reading, file),
+        validate=_files([table.data.second], mechanism, replace(reading, conditions=()), file),
         reading=reading,
         hold=table.data.hold,
         t_end=table.run.t_end,
@@ -230,7 +230,10 @@ def _filed(
         raise kind(text if text.startswith(label) else f"{label}: {text}") from None
     for record in found.records():
         check_record(mechanism, record, label)
-    return found.records()
+    return tuple(
+        replace(record, conditions={**record.conditions, **trial.conditions})
+        for record in found.records()
+    )
 
 
 def _check_keys(given: Mapping[str, Any], refused: tuple[str, ...], said: str) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments.condition_values import plain_conditions
 from stickslip.quantities import Quantity
 
 __all__ = ["KINDS_OF_UNCERTAINTY", "QUANTITIES", "Array", "Kind", "Measurement", "Uncertainty"]
@@ -78,6 +79,9 @@ class Measurement:
         within it; or the half width of an interval.
     overrides : mapping of str to float, optional
         What was different in this record, by parameter path.
+    conditions : mapping of str to float or str, optional
+        What else was different, such as ``{"temperature [degC]": 20, "direction": "up"}``, by name
+        with its unit if it has one. `compare_trials` asks whether friction depends on it.
     initial : mapping of str to float, optional
         Initial states by name; the others are 0.
     offset : mapping of str to float, optional
@@ -85,6 +89,8 @@ class Measurement:
     turning : bool
         Whether all that was measured is about an axis: angles [rad], their rates [rad/s], torques
         [N m].
+    unused : mapping of str to float, str or None, optional
+        Columns of its file that nothing was read from: their value, None if it changes.
     name, provenance : str
         What the record is called and where it comes from.
     trials : tuple of Measurement
@@ -123,9 +129,11 @@ class Measurement:
     uncertainty: Mapping[str, float] = field(default_factory=dict)
     uncertainty_kind: Uncertainty = "standard"
     overrides: Mapping[str, float] = field(default_factory=dict)
+    conditions: Mapping[str, float | str] = field(default_factory=dict)
     initial: Mapping[str, float] = field(default_factory=dict)
     offset: Mapping[str, float] = field(default_factory=dict)
     turning: bool = False
+    unused: Mapping[str, float | str | None] = field(default_factory=dict)
     name: str = ""
     provenance: str = ""
     trials: tuple["Measurement", ...] = ()
@@ -152,6 +160,7 @@ class Measurement:
             )
         _check_shapes(self)
         self._set("uncertainty", _uncertainty(self))
+        self._set("conditions", plain_conditions(self.conditions))
         for name in ("overrides", "initial", "offset"):
             self._set(name, _floats(name, getattr(self, name)))
         for quantity_name in self.offset:
@@ -371,7 +380,7 @@ def _check_trials(whole: Measurement) -> None:
             raise InputError(f"Each of Measurement.trials must be one record, got {_short(trial)}.")
     # Beside trials these would silently have no effect.
     arrays = [name for name in ("time", *QUANTITIES) if getattr(whole, name) is not None]
-    settings = ("uncertainty", "overrides", "initial", "offset")
+    settings = ("uncertainty", "overrides", "conditions", "initial", "offset")
     own = arrays + [name for name in settings if getattr(whole, name)]
     if own:
         raise InputError(f"Measurement.{own[0]} stands beside trials: give it to each trial.")

@@ -32,12 +32,15 @@ class Reading:
     """Quantity -> offset of its sensor, in SI."""
     repair: tuple[Repair, ...] = ()
     """What is repaired."""
+    conditions: tuple[str, ...] = ()
+    """Columns that hold a condition of the trial, one value in each."""
     by: Speaker = field(default="python", compare=False)
     """Who said so, and is to be told in the same spelling what else to say."""
 
     def __post_init__(self) -> None:
         """Check what is to be repaired."""
         object.__setattr__(self, "repair", repairs(self.repair))
+        object.__setattr__(self, "conditions", tuple(dict.fromkeys(self.conditions)))
 
     def with_changes(self, other: "Reading") -> "Reading":
         """Return this one with what another one says in addition or instead."""
@@ -47,5 +50,6 @@ class Reading:
             gain={**self.gain, **other.gain},
             offset={**self.offset, **other.offset},
             repair=self.repair + other.repair,
+            conditions=self.conditions + other.conditions,
             by=self.by if other.by == "python" else other.by,
         )

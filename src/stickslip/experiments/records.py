@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.columns import check_columns
+from stickslip.experiments.condition_values import condition_name
 from stickslip.experiments.measurement import SAMPLED, Array, Measurement, Uncertainty
 from stickslip.experiments.reading import Reading
 from stickslip.experiments.repair import Repair, repaired, repairs
@@ -36,6 +37,7 @@ def load_measurement(
     name: str = "",
     mechanism: Mechanism | None = None,
     repair: Repair | Sequence[Repair] | None = None,
+    conditions: str | Sequence[str] = (),
 ) -> Measurement:
     r"""Read a measurement from a CSV, Parquet or MATLAB file, or its trials from several.
 
@@ -43,7 +45,8 @@ def load_measurement(
     columns may be ``uncertainty``, ``uncertainty_kind``, ``name``, ``provenance``, ``initial.x``
     and the like, and parameter paths such as ``mechanism.compression``. Every other file is one
     record, with the columns ``time``, ``position``, ``velocity``, ``force``, ``friction``,
-    ``load``, ``spring_force``, ``pull``, ``reference``; what else it has is left alone. A header
+    ``load``, ``spring_force``, ``pull``, ``reference``; what else it has is left alone, and named
+    by `stickslip.check`. A column ``trial`` says which trial each row belongs to. A header
     may carry its unit, as ``travel [mm]``; without one, and without an entry in `units`, numbers
     are in SI. A ``friction`` or ``spring_force`` in ``1`` or ``%`` is a coefficient, which becomes
     a force by the load: of the file, or else of the mechanism. The columns of a MATLAB file are its
@@ -64,6 +67,9 @@ def load_measurement(
         or newtons per volt of an amplifier and its motor. It multiplies what a unit of the
         quantity's kind (mN, mm/s) has made SI of; where the column has another unit (V, A) or
         none, it makes SI of the numbers that stand there.
+    conditions : str or sequence of str, optional
+        Columns that hold a condition of the trial, such as a temperature or a direction: one value
+        in each trial, a number or a text. See `compare_trials`.
     uncertainty, uncertainty_kind, overrides, initial, offset
         As in `Measurement`, in SI; for several trials, of every one that says nothing else.
     name : str
@@ -104,6 +110,7 @@ def load_measurement(
         gain=gain or {},
         offset=offset or {},
         repair=repairs(repair),
+        conditions=(conditions,) if isinstance(conditions, str) else tuple(conditions),
     )
     common: dict[str, Any] = {
         "uncertainty_kind": uncertainty_kind,
@@ -175,6 +182,7 @@ class _Files:
     def one(self, path: str | Path, name: str) -> Measurement:
         """Return the measurement of one file."""
         # Imported here so that measurements built in Python do without pandas.
+        from stickslip.experiments.condition_columns import by_trial
         from stickslip.experiments.frames import read_frame
         from stickslip.experiments.trials import read_trials
 
@@ -185,8 +193,12 @@ class _Files:
             if "travel" in frame.names and "time" not in frame.names:
                 self._refuse_for_trials()
                 common = {**self.common, "offset": self.reading.offset}
-                return read_trials(frame, common, name, self.mechanism)
-            return self._record(frame, name)
+                return read_trials(frame, common, name, self.mechanism, self.reading.conditions)
+            parts = list(by_trial(frame))
+            if len(parts) == 1:
+                return self._record(frame, name)
+            trials = (self._record(part, label) for label, part in parts)
+            return Measurement(trials=tuple(trials), name=name)
         except UnknownNameError:
             raise
         except InputError as error:
@@ -200,10 +212,13 @@ class _Files:
 
     def _record(self, frame: "Frame", name: str) -> Measurement:
         """Return the record of a file, all columns that are quantities converted to SI."""
+        from stickslip.experiments.condition_columns import TRIAL, conditions_in, unused_in
+
         wanted, reading = ("time", *SAMPLED), self.reading
         for key in reading.columns:  # those of trials, which a record has not
-            if key not in wanted:
+            if key not in (*wanted, TRIAL):
                 raise UnknownNameError("quantity of a record in columns", key, wanted)
+        conditions = conditions_in(frame, reading.conditions)
         holes = "gaps" in reading.repair
         raw: dict[str, Array] = {
             quantity: frame.raw(quantity, holes=holes, repairable=True)
@@ -227,6 +242,8 @@ class _Files:
         return Measurement(
             **parts,
             offset=reading.offset,
+            conditions=conditions,
+            unused=unused_in(frame, {*raw, TRIAL, *map(condition_name, conditions)}),
             turning=turning,
             name=name,
             provenance="; ".join([Path(frame.file).name, *done]),

@@ -63,6 +63,9 @@ class TrialTable(ReadTable):
     provenance: str = ""
     set: dict[str, Any] = Field(default={}, description="parameter path: value in this trial")
     initial: dict[str, Any] = Field(default={}, description="state name: value at the start")
+    conditions: dict[str, float | str] = Field(
+        default={}, description="what else was different, by name: a number or a text"
+    )
 
 
 class DataTable(ReadTable):
@@ -74,6 +77,9 @@ class DataTable(ReadTable):
         default="zero",
         description="a force keeps its value until the next sample (`zero`: a command), or goes"
         " straight to it (`first`: a sensor's)",
+    )
+    conditions: list[str] = Field(
+        default=[], min_length=1, description="columns with a condition, one value in each trial"
     )
     second: str = Field(
         default="", alias="validate", description="a second record, which no fit sees"

@@ -9,7 +9,7 @@ Speaker: TypeAlias = Literal["python", "options", "rig"]
 """Who says how files are read: a call, the options of a command, or a rig file."""
 
 _SETTING: Final = re.compile(
-    r"""\b(?P<setting>columns|units|gain|repair)=
+    r"""\b(?P<setting>columns|units|gain|repair|conditions)=
         (?:"(?P<word>\w+)"|\{"(?P<name>[\w.]+)":\ (?P<value>"[^"]*"|[^"}]+)\})""",
     re.VERBOSE,
 )

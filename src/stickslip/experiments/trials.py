@@ -1,12 +1,13 @@
 """Tables of trials: one row a trial."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments.condition_columns import condition_cells, condition_keys
 from stickslip.experiments.frames import Frame
 from stickslip.experiments.measurement import Measurement
 from stickslip.experiments.paths import PREFIX, canonical, quantity_at
@@ -20,14 +21,25 @@ NUMBERS = ("travel", "uncertainty")
 
 
 def read_trials(
-    frame: Frame, common: Mapping[str, Any], name: str, mechanism: Mechanism | None
+    frame: Frame,
+    common: Mapping[str, Any],
+    name: str,
+    mechanism: Mechanism | None,
+    conditions: Sequence[str] = (),
 ) -> Measurement:
     """Return the trials of a table; what a row does not say is taken from `common`."""
-    columns = {column: _values(frame, column, mechanism) for column in frame.names}
+    keys = condition_keys(frame, conditions)
+    named = {key: condition_cells(frame, column) for key, column in keys.items()}
+    columns = {
+        column: _values(frame, column, mechanism)
+        for column in frame.names
+        if column not in keys.values()
+    }
     records = []
     for row in range(len(frame.data)):
         cells = {column: values[row] for column, values in columns.items()}
-        records.append(_trial(frame, row, cells, common, mechanism))
+        own = {key: found[row] for key, found in named.items() if found[row] is not None}
+        records.append(_trial(frame, row, cells, {**common, "conditions": own}, mechanism))
     return records[0] if len(records) == 1 else Measurement(trials=tuple(records), name=name)
 
 
@@ -57,7 +69,9 @@ def _path(frame: Frame, column: str, mechanism: Mechanism) -> str:
     try:
         return canonical(mechanism, column)
     except UnknownNameError as error:
-        raise InputError(f"{frame.file}: column {column!r}: {error}") from None
+        cure = f' If it is a condition of the trials, give conditions="{column}".'
+        said = str(error) if "Did you mean" in str(error) else f"{error}{cure}"
+        raise InputError(f"{frame.file}: column {column!r}: {said}") from None
 
 
 def _overrides(

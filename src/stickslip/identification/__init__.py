@@ -13,6 +13,7 @@ from stickslip.identification.record_fit import Prediction, RecordFit, Score
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.results import Estimate, Fit, TravelFit
 from stickslip.identification.starts import starting_law
+from stickslip.identification.trial_comparison import TrialComparison, compare_trials
 
 __all__ = [
     "Estimate",
@@ -29,7 +30,9 @@ __all__ = [
     "SliderHistory",
     "StickSlipFeatures",
     "TravelFit",
+    "TrialComparison",
     "compare_features",
+    "compare_trials",
     "features_of",
     "fit",
     "fit_features",

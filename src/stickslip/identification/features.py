@@ -12,7 +12,8 @@ from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.identification.slips import Slips, peak_of, slips_of, spectra_of
+from stickslip.identification.frequencies import frequency_of, refuse_without_cycles
+from stickslip.identification.slips import Slips, slips_of
 from stickslip.mechanisms import Mechanism, TowedBlock
 
 __all__ = [
@@ -39,14 +40,8 @@ ROUTE = "features"
 """What `fit` and `select` call the way that compares features."""
 OTHERS = frozenset({"travel", "friction", "position", "velocity", "force"})
 """Quantities that laws can be compared with themselves."""
-BLOCKS = 15
-"""Half overlapping stretches, of an eighth of the record each, for spectra and the bootstrap."""
-STRETCHES = 8
-DRAWS = 400
 READ = 2e-3
 """Features are read off samples to this share at best, however regular the record is."""
-HIGHEST = 5.0
-"""Frequencies are sought up to so many times the natural one."""
 STEADY = 0.02
 """Sliding is steady if the force scatters by less than this share of its mean."""
 LONG = 1.5
@@ -69,7 +64,7 @@ class StickSlipFeatures:
     standard_deviation: float
     """Standard deviation of the force."""
     frequency: float
-    """Frequency that carries most [Hz]."""
+    """Slips a second; that of the spectrum where the motion is not stick-slip [Hz]."""
     natural_frequency: float
     """sqrt(k/m) / (2 pi) of the nominal mass [Hz]."""
     slips: int
@@ -157,8 +152,9 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
     """Return the features of the force of a spring that pulls a block.
 
     Slips are falls of the force over half a natural period that stand out of its scatter and are
-    at least a quarter of the median fall. The dominant frequency is where a spectrum, averaged
-    over half overlapping eighths of the record, carries most by octave.
+    at least a quarter of the median fall. The frequency of stick-slip is one over the mean time
+    between them. That of other motions is where a spectrum, averaged over half overlapping eighths
+    of the record, carries most by octave; for stick-slip it is the cross-check.
 
     Parameters
     ----------
@@ -175,7 +171,8 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
     Raises
     ------
     InputError
-        If the record or the mechanism will not do.
+        If the record or the mechanism will not do; if the spectrum contradicts the slips by more
+        than the doubt of both; if what the spectrum shows is mains hum.
 
     Examples
     --------
@@ -193,22 +190,24 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
     step, force = evenly(measurement, block)
     natural = math.sqrt(block.stiffness / block.mass) / (2.0 * math.pi)
     found = slips_of(force, max(1, round(0.5 / natural / step)))
-    frequencies, spectra = spectra_of(force, BLOCKS, HIGHEST * natural * step)
-    frequency = peak_of(frequencies, spectra.mean(axis=0)) / step
-    waiting = step * np.diff(found.place)
-    regime = _regime(force, frequency, waiting, natural)
+    events, waiting = found.place, step * np.diff(found.place)
+    slow = _is_slow(waiting, natural)
+    read = frequency_of(force, step, natural=natural, slips=events if slow else None)
+    regime: Regime = "stick-slip" if slow else _regime(force, read.frequency, natural)
+    if regime == "stick-slip" and not slow:
+        refuse_without_cycles(force, step, read.frequency)
     if regime != "stick-slip":
         none = np.empty(0)
         found = Slips(place=found.place[:0], level=none, drop=none, slope=none)
         waiting = none
     pull = block.stiffness * block.speed * step / load_of(block)
     thirds = tuple(float(part.mean()) for part in np.array_split(force, 3))
-    covariance = _covariance(force, frequencies, spectra)
+    covariance = _covariance(force, read.draws, read.chosen)
     halves = tuple(float(part.mean()) for part in np.array_split(force, 2))
     parts: dict[str, Any] = {
         "mean": float(force.mean()),
         "standard_deviation": float(force.std()),
-        "frequency": frequency,
+        "frequency": read.frequency,
         "natural_frequency": natural,
         "slips": len(found.place),
         "waiting_times": waiting,
@@ -275,30 +274,31 @@ def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
     return step, np.interp(time[0] + step * np.arange(count), time, force)
 
 
-def _regime(force: Array, frequency: float, waiting: Array, natural: float) -> Regime:
-    if len(waiting) >= 3 and float(np.median(waiting)) * natural > LONG:
-        return "stick-slip"
+def _is_slow(waiting: Array, natural: float) -> bool:
+    """Whether slips are so far apart that the block sticks between them."""
+    return len(waiting) >= 3 and float(np.median(waiting)) * natural > LONG
+
+
+def _regime(force: Array, frequency: float, natural: float) -> Regime:
+    """Return what moves without slips that stand out."""
     if float(force.std()) < STEADY * abs(float(force.mean())):
         return "steady sliding"
     return "inertial oscillation" if frequency * LONG > natural else "stick-slip"
 
 
-def _covariance(force: Array, frequencies: Array, spectra: Array) -> Array:
-    """Return the covariance of the logarithms of the compared features by block bootstrap."""
-    draw = np.random.default_rng(0)
-    parts = np.array_split(force, STRETCHES)
-    means = np.array([part.mean() for part in parts])
-    squares = np.array([np.mean(part**2) for part in parts])
-    found = np.empty((DRAWS, 3))
-    for i in range(DRAWS):
-        chosen = draw.integers(0, STRETCHES, STRETCHES)
-        mean = means[chosen].mean()
-        spread = max(squares[chosen].mean() - mean**2, 1e-30)
-        # overlapping spectra stand around the stretch they begin with
-        drawn = spectra[np.minimum(2 * chosen, BLOCKS - 1)].mean(axis=0)
-        found[i] = peak_of(frequencies, drawn), abs(mean), math.sqrt(spread)
+def _covariance(force: Array, frequencies: Array, chosen: NDArray[np.intp]) -> Array:
+    """Return the covariance of the logarithms of the compared features by block bootstrap.
+
+    `frequencies` (draws,) are those of the stretches `chosen` (draws, stretches).
+    """
+    stretches = chosen.shape[1]
+    parts = np.array_split(force, stretches)
+    means = np.array([part.mean() for part in parts])[chosen].mean(axis=1)
+    squares = np.array([np.mean(part**2) for part in parts])[chosen].mean(axis=1)
+    spread = np.sqrt(np.maximum(squares - means**2, 1e-30))
+    found = np.column_stack([frequencies, np.abs(means), spread])
     # means of eight stretches scatter too little by a factor of 7/8
-    scatter = np.cov(np.log(np.maximum(found, 1e-300)).T) * STRETCHES / (STRETCHES - 1)
+    scatter = np.cov(np.log(np.maximum(found, 1e-300)).T) * stretches / (stretches - 1)
     return np.asarray(scatter + READ**2 * np.eye(3), dtype=float)
 
 

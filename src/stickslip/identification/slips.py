@@ -1,4 +1,4 @@
-"""Slips and spectra of the force of a spring that pulls a slider."""
+"""Slips, cycles and spectra of the force of a spring that pulls a slider."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Slips", "peak_of", "slips_of", "spectra_of"]
+__all__ = ["Slips", "cycles_of", "peak_of", "slips_of", "spectra_of"]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -17,6 +17,8 @@ LARGE = 0.25
 """And if it is this share of the median fall: smaller ones are creep."""
 FINE = 8
 """Spectra are padded with zeros to so many times their length."""
+SWING = 0.5
+"""A cycle goes from so many standard deviations below the mean to as many above it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,6 +68,26 @@ def slips_of(force: Array, half_period: int) -> Slips:
     return Slips(place=place, level=level, drop=level - low, slope=np.array(slopes))
 
 
+def cycles_of(force: Array, period: float) -> NDArray[np.intp]:
+    """Return where the cycles of a force (n,) begin: where it has come from low to high.
+
+    What changes over two of the `period`s (in samples) or more does not count.
+
+    Examples
+    --------
+    >>> wave = np.sin(2.0 * np.pi * np.arange(1000.0) / 40.0) + np.linspace(0.0, 3.0, 1000)
+    >>> np.unique(np.diff(cycles_of(wave, 40.0)[2:-2])).tolist()
+    [40]
+    """
+    from scipy.ndimage import uniform_filter1d
+
+    fast = force - uniform_filter1d(force, max(round(2.0 * period), 1))
+    limit = SWING * float(fast.std())
+    outside = np.flatnonzero(np.abs(fast) > limit)
+    high = fast[outside] > 0.0
+    return np.asarray(outside[1:][high[1:] & ~high[:-1]], dtype=np.intp)
+
+
 def spectra_of(force: Array, blocks: int, highest: float = 0.5) -> tuple[Array, Array]:
     """Return frequencies by sample (m,) and the spectra of half overlapping blocks (k, m)."""
     from scipy.fft import next_fast_len, rfft
@@ -105,5 +127,6 @@ def peak_of(frequency: Array, spectrum: Array) -> float:
     i = min(max(i, 1), len(spectrum) - 2)
     before, here, after = np.log(np.maximum(spectrum[i - 1 : i + 2], 1e-300))
     bend = before - 2.0 * here + after
-    shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
+    # more than half a bin is no top of a peak, but the end of what was looked at
+    shift = min(max(0.5 * (before - after) / bend, -0.5), 0.5) if bend < 0.0 else 0.0
     return float(frequency[i] + shift * (frequency[1] - frequency[0]))

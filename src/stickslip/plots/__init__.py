@@ -46,6 +46,7 @@ _HOME = {
     "draw_separation": "separation",
     "draw_sketch": "sketches",
     "draw_travels": "compare",
+    "draw_trials": "trials",
     "draw_velocity_map": "maps",
     "inline_svg": "svg",
     "label_at": "theme",

@@ -9,10 +9,12 @@ from stickslip.experiments.checking.finding import TURN, Finding, Severity
 from stickslip.experiments.measurement import QUANTITIES, Array, Measurement
 from stickslip.experiments.wording import count, percent, quantities
 
-__all__ = ["alike", "coverage", "settings"]
+__all__ = ["alike", "coverage", "settings", "unused"]
 
 FEWEST: Final = 3
 FEW_SPEEDS: Final = 5
+SHOWN: Final = 8
+"""Names of columns in a sentence at most."""
 ALIKE: Final = 1e-6
 ACTING: Final = ("force", "reference", "friction", "load", "spring_force", "pull")
 """What acts on a body: where it is not given, a fit takes it that nothing does."""
@@ -54,6 +56,43 @@ def coverage(record: Measurement) -> Iterator[Finding]:
         text += f" here is that friction has the sign of the slip velocity; {TURN}."
         sign = {"opposite_share": against}
         yield Finding(kind="friction sign", severity="error", sentence=text, numbers=sign)
+
+
+def unused(records: Sequence[Measurement]) -> Iterator[Finding]:
+    """Name columns that nothing was read from, those first that differ between trials."""
+    names = dict.fromkeys(name for record in records for name in record.unused)
+    apart: list[str] = []
+    rest: list[str] = []
+    for name in names:
+        values = [record.unused.get(name) for record in records]
+        known = {value for value in values if value is not None}
+        (apart if len(known) > 1 and None not in values else rest).append(name)
+    for name in apart:
+        yield Finding(
+            kind="unused column",
+            severity="warning",
+            sentence=(
+                f"Column {name!r} is not used, and differs between the trials: name it as a"
+                " condition to fit per trial."
+            ),
+        )
+    if rest:
+        listed = ", ".join(map(repr, rest[:SHOWN])) + (
+            f" and {len(rest) - SHOWN} more" if len(rest) > SHOWN else ""
+        )
+        verb = "Column {} is" if len(rest) == 1 else "Columns {} are"
+        yield Finding(kind="unused column", sentence=f"{verb.format(listed)} not used.")
+    conditions = dict.fromkeys(name for record in records for name in record.conditions)
+    if conditions and records[0].kind == "scalars":
+        yield Finding(
+            kind="conditions",
+            severity="warning",
+            sentence=(
+                f"Conditions ({', '.join(conditions)}) are not used: a trial that is a single"
+                " number cannot be fitted alone. What a parameter of the mechanism says of them is,"
+                " such as mechanism.load."
+            ),
+        )
 
 
 def _map(severity: Severity, sentence: str, numbers: dict[str, float]) -> Finding:

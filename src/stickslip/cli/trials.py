@@ -1,0 +1,59 @@
+"""What the commands say of several trials: whether they share one law."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from stickslip.cli.output import note, plain, show_table, stdout
+from stickslip.digits import interval, significant
+from stickslip.errors import StickslipError
+from stickslip.experiments.condition_values import condition_name
+from stickslip.identification import Fit, RecordFit, TrialComparison
+from stickslip.identification.trial_comparison import comparison_of, fitted_alone
+
+__all__ = ["compared", "content_of", "show_trials"]
+
+
+def compared(fit: Fit | None) -> TrialComparison | None:
+    """Return the comparison of the trials of a fit; None where there is nothing to compare.
+
+    A fit that stands is not lost because its trials cannot be compared.
+    """
+    if not isinstance(fit, RecordFit) or not fitted_alone(fit.measurement):
+        return None
+    try:
+        return comparison_of(fit)
+    except StickslipError as error:
+        note(f"The trials were not compared: {error}")
+        return None
+
+
+def content_of(comparison: TrialComparison | None) -> Mapping[str, Any]:
+    """Return the comparison as a part of what a command writes as JSON."""
+    return {} if comparison is None else {"trials": comparison.to_dict()}
+
+
+def show_trials(comparison: TrialComparison | None) -> None:
+    """Print whether the trials share one law, and by trial what was fitted where they do not."""
+    if comparison is None:
+        return
+    console = stdout()
+    console.print("\nTrials", markup=False, style="bold")
+    for line in comparison.sentences:
+        console.print(f"  {plain(line)}", markup=False)
+    if comparison.shared and not comparison.conditions:
+        return
+    symbols = [one.quantity.symbol for one in comparison.trials[0].estimates]
+    heads = ["trial", *map(condition_name, comparison.conditions)]
+    heads += [head for symbol in symbols for head in (symbol, "95 %")]
+    rows = []
+    for trial in comparison.trials:
+        row = [trial.name]
+        for name in comparison.conditions:
+            value = trial.conditions.get(name)
+            row.append(significant(value, 4) if isinstance(value, float) else value or "")
+        for one, error in zip(trial.estimates, trial.errors, strict=True):
+            known = math.isfinite(error)
+            row += [significant(one.value, 4), interval(one.low, one.high) if known else "open"]
+        rows.append([plain(cell) for cell in row])
+    show_table("", heads, rows, whole=heads)
