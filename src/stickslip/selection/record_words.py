@@ -9,9 +9,9 @@ from stickslip.experiments import QUANTITIES, Checks
 from stickslip.experiments.units import turned
 from stickslip.experiments.wording import number
 from stickslip.identification import Estimate
+from stickslip.selection.choice import as_good
 from stickslip.selection.experiments import Experiment
-from stickslip.selection.record_verdict import RecordCandidate, as_good
-from stickslip.selection.scoring import FLOOR
+from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
 from stickslip.selection.settled import settled_estimates
 from stickslip.selection.specifications import REFERENCE
 from stickslip.selection.verdict import Wording
@@ -32,6 +32,8 @@ PLAIN = 1e-4
 """Size below which numbers are written with a power of ten."""
 DIGITS = 6
 """Digits of a number at most, however sure it is."""
+SEVERAL = 2.0
+"""Error on a second record over the held-out one from which the second is what to expect."""
 NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
 """How titles begin that are names."""
 
@@ -109,14 +111,18 @@ def with_doubt(value: float, half: float) -> str:
     return f"{value:.{digits}f} ± {half:.{digits}f}"
 
 
-def outcomes(candidates: Sequence[RecordCandidate], best: RecordCandidate) -> list[RecordCandidate]:
+def outcomes(
+    candidates: Sequence[RecordCandidate], best: RecordCandidate, *, recommended: bool = True
+) -> list[RecordCandidate]:
     """Add to each candidate what became of it."""
-    return [replace(c, outcome=_outcome(c, best)) for c in candidates]
+    return [replace(c, outcome=_outcome(c, best, recommended=recommended)) for c in candidates]
 
 
-def _outcome(c: RecordCandidate, best: RecordCandidate) -> str:
+def _outcome(c: RecordCandidate, best: RecordCandidate, *, recommended: bool) -> str:
     if c.name == best.name:
-        return "chosen"
+        if recommended:
+            return "chosen"
+        return f"closest, not recommended{f': {c.dropped}' if c.dropped else ''}"
     if c.fit is None:
         return f"not fitted: {c.dropped}"
     if c.dropped:
@@ -125,12 +131,12 @@ def _outcome(c: RecordCandidate, best: RecordCandidate) -> str:
     if as_good(c, best):
         if more > 0:
             return f"{more} more parameter{'s' if more > 1 else ''}, no gain beyond doubt"
-        return "as good within doubt"
+        return "not distinguished"
     told = _told_apart(c, best)
     if c.name == REFERENCE:
-        return "reference" if told else "reference, not told apart"
+        return "reference" if told else "reference, not distinguished"
     if best.score <= 0.0:  # numbers that a law made, without noise
-        return "errs where the chosen law does not"
+        return "non-zero error, while the chosen law fits exactly"
     return f"{c.score / best.score:.1f} × the error" + ("" if told else ", within doubt")
 
 
@@ -148,36 +154,81 @@ def record_wording(
     experiments: Sequence[Experiment],
     *,
     scored: str,
+    fault: str = "",
+    on_second: SecondRecord | None = None,
 ) -> Wording:
-    """Put a selection on records into words."""
+    """Put a selection on records into words.
+
+    Parameters
+    ----------
+    candidates : sequence of RecordCandidate
+        All laws tried, with their outcome.
+    best : RecordCandidate
+        The law that the rule of choice takes, recommended or not.
+    without : RecordCandidate, optional
+        No friction at all.
+    picks : mapping of str to str
+        What other criteria would pick.
+    checks : Checks
+        What was checked of the record.
+    experiments : sequence of Experiment
+        Proposed measurements, the most telling first.
+    scored : str
+        What held-out errors are of.
+    fault : str
+        Why no law explains the record; empty if one does.
+    on_second : SecondRecord, optional
+        What a second record says of the choice.
+    """
     assert best.fit is not None
-    rivals = [c for c in candidates if c.name != best.name and c.fit and not c.dropped]
+    rivals = [
+        c
+        for c in candidates
+        if c.name != best.name and c.fit and not c.dropped and best.name not in c.is_simpler
+    ]
     equal = [c for c in rivals if as_good(c, best)]
     return Wording(
-        verdict=_verdict(best, equal, without),
-        lede=_lede(candidates, best, without, scored),
-        settles=_settles(best),
+        verdict=_verdict(best, equal, candidates, fault, on_second),
+        lede=_lede(candidates, best, equal, without, scored, on_second),
+        settles=() if fault else _settles(best),
         cannot_tell=_cannot_tell(best, candidates, picks),
-        measure_next=_measure_next(experiments, candidates, checks),
+        measure_next=_measure_next(experiments, candidates, checks, fault, on_second),
         no_score="",
     )
 
 
 def _verdict(
-    best: RecordCandidate, equal: Sequence[RecordCandidate], without: RecordCandidate | None
+    best: RecordCandidate,
+    equal: Sequence[RecordCandidate],
+    candidates: Sequence[RecordCandidate],
+    fault: str,
+    on_second: SecondRecord | None,
 ) -> str:
-    if without is not None and without.score <= (1.0 + FLOOR) * best.score:
-        return "No candidate explains this record better than no friction at all."
     name = friction_of(best.title)
+    if fault:
+        return f"No law explains this record: {fault}."
     if best.dropped:
-        return f"No candidate is beyond objection; the closest is {name}."
+        return f"No candidate passes all checks; {name} fits best."
+    if on_second is not None and not on_second.holds:
+        other = next(c for c in candidates if c.name == on_second.rival)
+        return (
+            f"No law predicts both records best: {name} does on the first,"
+            f" {friction_of(other.title)} on the second."
+        )
     if best.doubt:
-        return f"Use {name} to predict; not all of it is known: {best.doubt}."
+        return f"Use {name} to predict, but not all of its parameters are identified: {best.doubt}."
     if equal:
-        names = " and ".join(in_sentence(c.title) for c in equal[:2])
-        verb = "is" if len(equal) == 1 else "are"
-        return f"Use {name}; {names} {verb} as good on this record."
+        return f"Use {name}; {_listed(equal)} not distinguished from it by this record."
     return f"Use {name}."
+
+
+def _listed(candidates: Sequence[RecordCandidate]) -> str:
+    """Return the titles of candidates with their verb, three at most."""
+    names = [in_sentence(c.title) for c in candidates]
+    if len(names) > MOST:
+        names = [*names[: MOST - 1], f"{len(names) - MOST + 1} more"]
+    text = f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
+    return f"{text} {'are' if len(names) > 1 else 'is'}"
 
 
 def friction_of(title: str) -> str:
@@ -207,8 +258,10 @@ def in_sentence(title: str) -> str:
 def _lede(
     candidates: Sequence[RecordCandidate],
     best: RecordCandidate,
+    equal: Sequence[RecordCandidate],
     without: RecordCandidate | None,
     scored: str,
+    on_second: SecondRecord | None,
 ) -> str:
     assert best.fit is not None
     assert best.validation is not None
@@ -219,24 +272,64 @@ def _lede(
         turning=fit.measurement.turning,
         among=[c.score for c in candidates if c.name in {best.name, REFERENCE}],
     )
-    text = (
-        f"It misses what it has not seen by {told(best.score)} ({scored};"
-        f" standard error {told(best.validation.error)})."
-    )
+    held = _error_with_doubt(told(best.score), told(best.validation.error))
+    text = f"Held-out error: {held} ({scored})."
+    if on_second is not None:
+        text += f" {_second_text(candidates, best, on_second)}"
+    if equal and best.doubt:
+        text += f" {_capital(_listed(equal))} not distinguished from it by this record."
     usual = next((c for c in candidates if c.name == REFERENCE), None)
     if usual is not None and usual.name != best.name and usual.fit:
         text += (
-            f" Coulomb + viscous friction, the usual choice, reaches"
-            f" {told(usual.score)} on the same blocks"
-            f"{'.' if _told_apart(usual, best) else ', which do not tell the two apart.'}"
+            f" Coulomb + viscous friction, the usual choice: {told(usual.score)} on the same blocks"
+            f"{'.' if _told_apart(usual, best) else ', not distinguished by them.'}"
         )
     elif without is not None and math.isfinite(without.score):
-        text += f" Without friction it would be {told(without.score)}."
+        text += f" Without friction: {told(without.score)}."
     closer = [c for c in candidates if c.dropped and c.fit and c.score < best.score]
     if closer and not best.dropped:
         first = closer[0]
-        text += f" {first.title} misses by {told(first.score)}, but {first.dropped}."
+        text += f" {first.title}: {told(first.score)}, but {first.dropped}."
     return text
+
+
+def _capital(text: str) -> str:
+    return text[0].upper() + text[1:]
+
+
+def _error_with_doubt(value: str, doubt: str) -> str:
+    """Return two texts of one quantity as one, the unit once where it is the same.
+
+    Examples
+    --------
+    >>> _error_with_doubt("0.60 mm", "0.08 mm"), _error_with_doubt("0.12 rad", "20.0 mrad")
+    ('0.60 ± 0.08 mm', '0.12 rad ± 20.0 mrad')
+    """
+    size, _, unit = value.partition(" ")
+    other, _, same = doubt.partition(" ")
+    return f"{size} ± {other} {unit}" if unit == same else f"{value} ± {doubt}"
+
+
+def _second_text(
+    candidates: Sequence[RecordCandidate], best: RecordCandidate, on_second: SecondRecord
+) -> str:
+    """Return the error on the second record, and whether the choice holds there."""
+    assert best.fit is not None
+    told = partial(
+        error_text,
+        quantity=best.fit.problem.quantity,
+        turning=best.fit.measurement.turning,
+        among=[on_second.error, on_second.rival_error],
+    )
+    text = f"On the second record: {told(on_second.error)}"
+    if SEVERAL <= on_second.ratio < math.inf:
+        text += (
+            f", {number(on_second.ratio, 2)} times the held-out error and what to expect of a new"
+            " record"
+        )
+    text += f"; the choice {'holds' if on_second.holds else 'does not hold'} there"
+    rival = next((c for c in candidates if c.name == on_second.rival), None)
+    return text + (f" ({rival.title}: {told(on_second.rival_error)})." if rival else ".")
 
 
 def _settles(best: RecordCandidate) -> tuple[str, ...]:
@@ -252,7 +345,7 @@ def _cannot_tell(
     others = _other_picks(best, candidates, picks)
     lines = list(best.fit.sentences)
     for c in candidates:
-        for line in c.fit.sentences if c.fit and c.dropped else ():
+        for line in c.fit.sentences if c.fit and c.dropped and c.name != best.name else ():
             if "step" in line or "undetermined" in line:
                 lines.append(f"{c.title}: {line}")
                 break
@@ -278,9 +371,16 @@ def _measure_next(
     experiments: Sequence[Experiment],
     candidates: Sequence[RecordCandidate],
     checks: Checks,
+    fault: str,
+    on_second: SecondRecord | None,
 ) -> tuple[str, ...]:
     titles = {c.name: c.title for c in candidates}
     lines = []
+    if fault:
+        lines.append(
+            "Before any further measurement, check the units, gains and signs of each column, the"
+            " mass, and that all trials are of one machine in one condition."
+        )
     for one in experiments[:2]:
         said = ", ".join(
             f"{titles.get(name, name)} {with_doubt(value, one.doubts.get(name, 0.0))}"
@@ -288,9 +388,17 @@ def _measure_next(
         )
         lines.append(f"{one.what} Predicted {one.observed}: {said}.")
     warned = [f.sentence for f in checks.findings if f.severity == "warning"]
-    lines += [f"First mend the record: {line}" for line in warned[:1]]
-    if not lines:
+    lines += [f"First correct the record: {line}" for line in warned[:1]]
+    if any(f.kind == "drift" for f in checks.findings):
         lines.append(
-            "The same record once more, after an hour of running: what changes is not in the law."
+            "Repeat this record after an hour of running, to separate warm-up effects from the"
+            " friction law."
         )
+    if not lines and on_second is None:
+        lines.append(
+            "A second record of another motion: given for validation, it tests the choice on data"
+            " that no fit has used."
+        )
+    elif not lines:
+        lines.append("A record at other speeds, loads or temperatures, where the law extrapolates.")
     return tuple(lines[:MOST])
