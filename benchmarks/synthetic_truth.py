@@ -22,9 +22,9 @@ from stickslip import Axis, Measurement, fit, select
 from stickslip.errors import StickslipError
 from stickslip.identification import RecordFit
 from stickslip.identification.record_settings import RecordSettings
+from stickslip.selection.choice import choose
 from stickslip.selection.cross_validation import CrossValidation
 from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
-from stickslip.selection.records import choose
 
 CANDIDATES = (
     "viscous", "coulomb", "coulomb-viscous", "direction-dependent", "power-viscous",
@@ -109,7 +109,7 @@ def regrets(
     assert isinstance(verdict, RecordVerdict)
     errors = {c.name: [_error(c, one) for one in fresh] for c in verdict.candidates}
     picks = {
-        "selected": verdict.best.name,
+        "selected": verdict.closest.name,
         f"always {ALWAYS}": ALWAYS,
         **{name: verdict.picks[name] for name in ("held-out blocks", "AIC", "BIC")},
         "training error": verdict.picks["training error"],
@@ -119,6 +119,11 @@ def regrets(
             "losses": c.validation.losses,
             "parameters": c.parameters,
             "dropped": c.dropped or c.doubt,
+            "residual": c.residual,
+            "effective": c.effective,
+            "simpler": list(c.simpler),
+            "is_simpler": list(c.is_simpler),
+            "weak": c.weak,
         }
         for c in verdict.candidates
         if c.validation
@@ -180,6 +185,11 @@ class Stored:
     parameters: int
     dropped: str
     validation: CrossValidation
+    residual: float
+    effective: float
+    simpler: tuple[str, ...]
+    is_simpler: tuple[str, ...]
+    weak: bool
 
     @property
     def score(self) -> float:
@@ -188,18 +198,23 @@ class Stored:
 
 def repicked(row: dict[str, Any]) -> dict[str, Any]:
     """Return a row with what the present rule selects: the rule may have changed since the fits."""
-    if "judged" not in row:
-        return row
+    if "judged" not in row or any("effective" not in one for one in row["judged"].values()):
+        return row  # of fits that kept less than the rule asks for
     candidates = [
         Stored(
             name=name,
             parameters=one["parameters"],
             dropped=one["dropped"],
             validation=CrossValidation(losses=tuple(one["losses"]), extrapolation=math.nan),
+            residual=one["residual"],
+            effective=one["effective"],
+            simpler=tuple(one["simpler"]),
+            is_simpler=tuple(one["is_simpler"]),
+            weak=one["weak"],
         )
         for name, one in row["judged"].items()
     ]
-    best = choose(candidates, row["picks"]["AIC"])
+    best = choose(candidates)
     return row | {"picks": row["picks"] | {"selected": best.name}}
 
 

@@ -1,12 +1,14 @@
 """A richer law is named only where it is shown to hold; the choice among laws that are."""
 
+import dataclasses
 import math
 from collections import Counter
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from stickslip import Axis, Measurement, RecordSettings, Stribeck, fit, select
+from stickslip import Axis, Coulomb, Dahl, Measurement, RecordSettings, Stribeck, select
 from stickslip.selection.choice import as_good, choose, effective_aic, established, reduces_to
 from stickslip.selection.cross_validation import CrossValidation
 
@@ -125,16 +127,25 @@ def test_numbers_that_two_laws_fit_exactly_go_to_the_simpler_one():
     assert choose([exact, digits], uncertainty=1e-9).name == "simple"
 
 
-def test_what_a_fit_reduces_to_is_seen_from_its_values():
-    v = np.linspace(-0.3, 0.3, 80)
-    noise = 0.02 * np.random.default_rng(2).normal(size=len(v))
-    rising = Measurement(velocity=v, friction=np.sign(v) * (2.0 + np.sqrt(np.abs(v))) + noise)
-    falling = np.sign(v) * (2.0 + np.exp(-np.abs(v) / 0.05)) + noise
-    at_none = fit(AXIS, Stribeck, rising, settings=QUICK)
-    assert reduces_to(at_none, "coulomb-viscous")  # nothing falls: no step
-    peaked = fit(AXIS, Stribeck, Measurement(velocity=v, friction=falling), settings=QUICK)
-    assert not reduces_to(peaked, "coulomb-viscous")
-    assert not reduces_to(peaked, "dahl")  # which it does not contain
+STEP = {"kinetic_coefficient": 2.0, "stribeck_velocity": 0.1}
+DAHL = Dahl(kinetic_coefficient=2.0, bristle_stiffness=1e7)
+
+
+@pytest.mark.parametrize(
+    ("law", "at_bounds", "expected"),
+    [
+        (Stribeck(static_coefficient=2.0, **STEP), {}, True),  # no step
+        (Stribeck(static_coefficient=2.1, **STEP), {}, False),
+        (DAHL, {"friction.bristle_stiffness": "upper"}, True),  # bristles that do not give way
+        (DAHL, {}, False),
+        (DAHL, {"friction.kinetic_coefficient": "upper"}, False),
+        (dataclasses.replace(DAHL, exponent=2.0), {"friction.bristle_stiffness": "upper"}, False),
+        (Coulomb(kinetic_coefficient=2.0), {}, False),  # which does not contain it
+    ],
+)
+def test_what_a_fit_reduces_to_is_seen_from_its_values(law, at_bounds, expected):
+    fitted = SimpleNamespace(law=law, at_bounds=at_bounds)
+    assert reduces_to(fitted, "coulomb-viscous") is expected
 
 
 def tabled(law, seed):

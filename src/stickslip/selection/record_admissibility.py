@@ -96,8 +96,8 @@ def unexplained(candidate: RecordCandidate, variation: float, *, uncertainty: fl
     share = candidate.score / variation if variation > 0.0 else 0.0
     assert candidate.fit is not None
     said = (
-        f"the held-out error of the closest, {candidate.title}, is {percent(share)} of the variation"
-        f" of the {candidate.fit.problem.quantity} itself"
+        f"the held-out error of the closest, {candidate.title}, is {percent(share)} of the"
+        f" variation of the {candidate.fit.problem.quantity} itself"
     )
     if uncertainty > 0.0 and candidate.score > MANY * uncertainty and share > VISIBLE:
         times = number(candidate.score / uncertainty, 2)

@@ -18,6 +18,7 @@ from stickslip.selection.verdict import Wording
 
 __all__ = [
     "error_text",
+    "error_with_doubt",
     "friction_of",
     "in_sentence",
     "outcomes",
@@ -61,11 +62,31 @@ def error_text(
     return _score_text(value, quantity, unit, 0)
 
 
-def _score_text(value: float, quantity: str, unit: str, more: int) -> str:
-    """Return a score with more digits than usual."""
+def error_with_doubt(value: float, doubt: float, quantity: str, *, turning: bool = False) -> str:
+    """Return a score and its standard error to the digits that this allows, with their unit.
+
+    Examples
+    --------
+    >>> error_with_doubt(0.00043, 0.000079, "position"), error_with_doubt(1.234, 0.05, "friction")
+    ('0.43 ± 0.08 mm', '1.23 ± 0.05 N')
+    """
+    factor, unit = _scale_of(value, quantity, turned(QUANTITIES[quantity].unit, turning))
+    text = with_doubt(factor * value, factor * doubt if math.isfinite(doubt) else 0.0)
+    return f"{text} {unit}"
+
+
+def _scale_of(value: float, quantity: str, unit: str) -> tuple[float, str]:
+    """Return factor and unit that a score is shown with, thousandths where it is small."""
     least = 0.1 if unit.startswith("rad") else 1.0
     if quantity in {"position", "velocity"} and abs(value) < least:
-        value, unit = 1e3 * value, "m" + unit
+        return 1e3, f"m{unit}"
+    return 1.0, unit
+
+
+def _score_text(value: float, quantity: str, unit: str, more: int) -> str:
+    """Return a score with more digits than usual."""
+    factor, unit = _scale_of(value, quantity, unit)
+    value *= factor
     size = abs(value)
     digits = 2 if size < 10.0 else 1
     if size >= 0.1:
@@ -272,7 +293,8 @@ def _lede(
         turning=fit.measurement.turning,
         among=[c.score for c in candidates if c.name in {best.name, REFERENCE}],
     )
-    held = _error_with_doubt(told(best.score), told(best.validation.error))
+    quantity, turning = fit.problem.quantity, fit.measurement.turning
+    held = error_with_doubt(best.score, best.validation.error, quantity, turning=turning)
     text = f"Held-out error: {held} ({scored})."
     if on_second is not None:
         text += f" {_second_text(candidates, best, on_second)}"
@@ -295,19 +317,6 @@ def _lede(
 
 def _capital(text: str) -> str:
     return text[0].upper() + text[1:]
-
-
-def _error_with_doubt(value: str, doubt: str) -> str:
-    """Return two texts of one quantity as one, the unit once where it is the same.
-
-    Examples
-    --------
-    >>> _error_with_doubt("0.60 mm", "0.08 mm"), _error_with_doubt("0.12 rad", "20.0 mrad")
-    ('0.60 ± 0.08 mm', '0.12 rad ± 20.0 mrad')
-    """
-    size, _, unit = value.partition(" ")
-    other, _, same = doubt.partition(" ")
-    return f"{size} ± {other} {unit}" if unit == same else f"{value} ± {doubt}"
 
 
 def _second_text(
