@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from stickslip.experiments import Measurement
 from stickslip.experiments.wording import number, percent, quantity
 from stickslip.identification.doubts import MOST_CONDITION, step_intervals
 from stickslip.identification.record_fit import RecordFit
@@ -68,15 +69,19 @@ def _ran(fit: RecordFit, estimate: Estimate) -> str:
     return f"ran to its {side} bound of {quantity(estimate.value, estimate.quantity.unit, 2)}"
 
 
-def standard_uncertainty(candidate: RecordCandidate) -> float:
-    """Return the stated standard uncertainty of what a candidate predicts, 0 if none is stated."""
-    if candidate.fit is None:
-        return 0.0
-    name = candidate.fit.problem.quantity
+def standard_uncertainty(measurement: Measurement, quantity: str) -> float:
+    """Return the largest stated standard uncertainty of a quantity, 0 if none is stated.
+
+    Examples
+    --------
+    >>> read = Measurement(velocity=[0.1, 0.2], friction=[2.0, 2.1], uncertainty={"friction": 0.1})
+    >>> standard_uncertainty(read, "friction"), standard_uncertainty(read, "velocity")
+    (0.1, 0.0)
+    """
     stated = [
-        record.uncertainty[name] * STANDARD[record.uncertainty_kind]
-        for record in candidate.fit.measurement.records()
-        if name in record.uncertainty
+        record.uncertainty[quantity] * STANDARD[record.uncertainty_kind]
+        for record in measurement.records()
+        if quantity in record.uncertainty
     ]
     return max(stated, default=0.0)
 

@@ -93,7 +93,7 @@ def select_records(
     fitted = partial(
         _candidate,
         mechanism=mechanism,
-        measurement=measurement,
+        measurement=_without_stated(measurement, route),
         unknown=unknown,
         route=route,
         settings=settings,
@@ -129,6 +129,21 @@ def _laws(
     if laws is None and one_way(measurement):
         return tuple(one for one in chosen if one.name != "direction-dependent")
     return chosen
+
+
+def _without_stated(measurement: Measurement, route: str | None) -> Measurement:
+    """Return a measurement without the stated uncertainty of what is compared.
+
+    Fits refuse it, as their intervals come from what they leave; the verdict alone uses it.
+    """
+    compared = "friction" if "friction" in measurement.quantities() else "position"
+    if route == "inverse-dynamics" and compared == "position":
+        return measurement
+    bare = [
+        replace(one, uncertainty={k: u for k, u in one.uncertainty.items() if k != compared})
+        for one in measurement.records()
+    ]
+    return replace(measurement, trials=tuple(bare)) if measurement.trials else bare[0]
 
 
 def _has_control(fit: RecordFit) -> bool:
@@ -326,7 +341,7 @@ def _verdict(
     scored = _judgeable(ordered)
     picks = _picks(scored)
     variation = variation_of(scored[0], plan.horizon)
-    stated = standard_uncertainty(scored[0])
+    stated = standard_uncertainty(measurement, _quantity_of(scored))
     closest = choose(scored, uncertainty=max(stated, ROUNDING * variation))
     closest = _doubted(closest, scored)
     ordered = [closest if c.name == closest.name else c for c in ordered]
@@ -369,6 +384,11 @@ def _verdict(
         experiments=experiments,
         half_estimates=halves(closest.fit),
     )
+
+
+def _quantity_of(scored: Sequence[RecordCandidate]) -> str:
+    """Return what is predicted, as in `QUANTITIES`."""
+    return next(c.fit.problem.quantity for c in scored if c.fit)
 
 
 def _with_criteria(candidates: Sequence[RecordCandidate]) -> list[RecordCandidate]:
