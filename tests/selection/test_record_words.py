@@ -89,6 +89,7 @@ def test_a_second_record_that_is_missed_by_several_times_the_held_out_error_says
     found = selected(table(1), table(2, level=3.0))
     assert found.on_second.ratio > 5.0
     assert "times the held-out error and what to expect of a new record" in found.words.lede
+    assert found.words.measure_next[0].startswith("Find what differs between the two records")
     assert "times the held-out" not in selected(table(1), table(2)).words.lede
 
 

@@ -17,7 +17,6 @@ from stickslip.identification import RecordFit
 from stickslip.selection.cross_validation import CrossValidation
 
 __all__ = [
-    "ALONE",
     "LEVEL",
     "LIKELY",
     "MATERIAL",
@@ -40,11 +39,9 @@ LIKELY = 0.30
 SAME = 1e-3
 """Share of a mean square below which a difference is one of the search, not of the laws."""
 LEVEL = 0.99
-"""Confidence of the F test where held-out blocks agree: several richer laws are tried at once."""
-ALONE = 0.999
-"""Confidence of the F test where held-out blocks are undecided ..."""
+"""Confidence of the F test: several richer laws are tried at once."""
 MATERIAL = 0.05
-"""... and the share of the residual that the richer law must take off then."""
+"""Share of the residual that a richer law must take off where held-out blocks are undecided."""
 MOST_CONDITION = 1000.0
 """Condition of the scaled slopes beyond which a gain of the fit itself counts for nothing."""
 LEAST = 1e-300
@@ -146,17 +143,14 @@ def established(rich: Judged, simple: Judged, *, uncertainty: float = 0.0) -> bo
     if simple.name in rich.is_simpler or simple.score <= uncertainty:
         return False
     own, other = rich.validation.losses, simple.validation.losses
-    chance = _chance(rich, simple)
-    if chance >= 1.0 - LEVEL:
+    if _chance(rich, simple) >= 1.0 - LEVEL:
         return False
     if rich.weak:  # a fit at a bound is no evidence for the law, only its predictions may be
         return beyond_doubt(other, own)
     # Ratios weigh blocks alike: squares of one bad block would outweigh all others.
     gain, error = paired(*(np.log(np.maximum(one, LEAST)).tolist() for one in (other, own)))
-    if gain > error:
-        return True
     material = rich.residual < (1.0 - MATERIAL) * simple.residual
-    return gain >= -error and material and chance < 1.0 - ALONE
+    return gain > error or (gain >= -error and material)
 
 
 def _chance(rich: Judged, simple: Judged) -> float:

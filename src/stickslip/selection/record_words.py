@@ -403,6 +403,11 @@ def _measure_next(
             "Repeat this record after an hour of running, to separate warm-up effects from the"
             " friction law."
         )
+    if on_second is not None and SEVERAL <= on_second.ratio < math.inf:
+        lines.append(
+            "Find what differs between the two records (load, temperature, lubrication, gains): the"
+            " law of the first does not carry over to the second."
+        )
     if not lines and on_second is None:
         lines.append(
             "A second record of another motion: given for validation, it tests the choice on data"

@@ -345,7 +345,6 @@ def _verdict(
     closest = choose(scored, uncertainty=max(stated, ROUNDING * variation))
     closest = _doubted(closest, scored)
     ordered = [closest if c.name == closest.name else c for c in ordered]
-    assert closest.fit is not None
     what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(closest, plan))
     fault = unexplained(closest, variation, uncertainty=stated)
     if without is not None and not _better_than(closest, without):
@@ -354,6 +353,7 @@ def _verdict(
     recommended = not fault and not closest.dropped and (on_second is None or on_second.holds)
     ordered = outcomes(ordered, closest, recommended=recommended)
     closest = next(c for c in ordered if c.name == closest.name)
+    assert closest.fit is not None
     # What no law explains, laws cannot be told apart by.
     experiments = () if fault else experiments_after(closest, ordered, plan)
     return RecordVerdict(

@@ -11,7 +11,7 @@ from stickslip.report.rowplots import Axis, Colour, Mark, RowPlot
 from stickslip.report.selection.texts import counted, joined, quantity_value
 from stickslip.report.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.selection import RecordCandidate, RecordVerdict
-from stickslip.selection.choice import ALONE, LEVEL, LIKELY, MATERIAL, NEAR
+from stickslip.selection.choice import LEVEL, LIKELY, MATERIAL, NEAR
 from stickslip.selection.record_words import in_sentence
 
 __all__ = ["picks_text", "scores_section"]
@@ -159,9 +159,8 @@ def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
     text += (
         "The rule: (1) A law counts only if it is established over every simpler law that it"
         f" contains: an F test with the effective sample size is significant at"
-        f" {numbers.percent(LEVEL)} and held-out blocks agree, or they are undecided, the test is"
-        f" significant at {numbers.percent(ALONE)} and the residual falls by"
-        f" {numbers.percent(MATERIAL)}. (2) Of these laws, the one with the least AIC is taken if"
+        f" {numbers.percent(LEVEL)}, and held-out blocks agree, or they are undecided and the"
+        f" residual falls by {numbers.percent(MATERIAL)}. (2) Of these laws, the one with the least AIC is taken if"
         f" its error is within one paired standard error and {numbers.percent(LIKELY)} of the"
         f" least. (3) If not, of the laws within one paired standard error and"
         f" {numbers.percent(NEAR)} of the least, one without an objection, then the one with the"
