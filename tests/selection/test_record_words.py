@@ -52,9 +52,8 @@ def test_the_error_on_a_second_record_stands_beside_the_first_in_the_first_parag
     best, on_second = confirmed.best, confirmed.on_second
     held = error_with_doubt(best.score, best.validation.error, "friction")
     assert confirmed.words.lede.startswith(f"Held-out error: {held} (")
-    assert (
-        f"On the second record: {best.second.rms:.2f} N; the choice holds" in confirmed.words.lede
-    )
+    said = f"On the second record: {best.second.rms:.3f} N; the choice holds there"
+    assert said in confirmed.words.lede
     assert on_second.holds
     assert on_second.error == best.second.rms
     assert on_second.ratio == pytest.approx(best.second.rms / best.score)

@@ -158,13 +158,13 @@ def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
         text += "Last third: fitted to what comes before, judged on the last third. "
     text += (
         "The rule: (1) A law counts only if it is established over every simpler law that it"
-        f" contains: an F test with the effective sample size is significant at"
+        " contains: an F test with the effective sample size is significant at"
         f" {numbers.percent(LEVEL)}, and held-out blocks agree, or they are undecided and the"
-        f" residual falls by {numbers.percent(MATERIAL)}. (2) Of these laws, the one with the least AIC is taken if"
-        f" its error is within one paired standard error and {numbers.percent(LIKELY)} of the"
-        f" least. (3) If not, of the laws within one paired standard error and"
-        f" {numbers.percent(NEAR)} of the least, one without an objection, then the one with the"
-        " fewest parameters. "
+        f" residual falls by {numbers.percent(MATERIAL)}. (2) Of these laws, the one with the least"
+        f" AIC is taken if its error is within one paired standard error and"
+        f" {numbers.percent(LIKELY)} of the least. (3) If not, of the laws within one paired"
+        f" standard error and {numbers.percent(NEAR)} of the least, one without an objection, then"
+        " the one with the fewest parameters. "
     )
     return text + picks_text(verdict)
 
