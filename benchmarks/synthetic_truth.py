@@ -2,7 +2,8 @@
 
 ``python -m benchmarks.synthetic_truth --rigs 200 --seed 1 --jobs 2``; results are appended to a
 file line by line, and a run that was killed goes on where it was. ``--route inverse-dynamics`` asks
-the same of friction that is derived from filtered motion and force.
+the same of friction that is derived from filtered motion and force; ``--clean`` of axes with
+Coulomb and viscous friction whose records have the noise of an encoder and nothing else.
 """
 
 import argparse
@@ -11,7 +12,7 @@ import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -138,15 +139,23 @@ def _error(candidate: RecordCandidate, fresh: Measurement) -> float:
 
 
 def judge(
-    seed: int, number: int, *, candidates: Sequence[str] = CANDIDATES, route: str = ROUTES[0]
+    seed: int,
+    number: int,
+    *,
+    candidates: Sequence[str] = CANDIDATES,
+    route: str = ROUTES[0],
+    clean: bool = False,
 ) -> dict[str, Any]:
     """Return what fits, and selection if there are candidates, make of one random rig."""
     random = np.random.default_rng([seed, number])
-    truth = list(TRUTHS)[number % len(TRUTHS)]
+    truth = ALWAYS if clean else list(TRUTHS)[number % len(TRUTHS)]
     began = time.perf_counter()
     row: dict[str, Any] = {"seed": seed, "rig": number, "truth": truth, "route": route}
+    row["clean"] = clean
     try:
         rig = draw(random, truth)
+        if clean:
+            rig = replace(rig, disturbance=0.0)
         measurement, _ = record(rig, random)
         fresh = [record(rig, random)[0] for _ in range(FRESH if candidates else 0)]
         found = fitted(rig, measurement, route=route)
@@ -164,7 +173,9 @@ def judge(
     return row | {"seconds": time.perf_counter() - began}
 
 
-def judged(path: Path, seed: int, route: str = ROUTES[0]) -> list[dict[str, Any]]:
+def judged(
+    path: Path, seed: int, route: str = ROUTES[0], *, clean: bool = False
+) -> list[dict[str, Any]]:
     """Return the results of a route in a file; a last line that was cut off does not count."""
     rows = []
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
@@ -172,7 +183,8 @@ def judged(path: Path, seed: int, route: str = ROUTES[0]) -> list[dict[str, Any]
             row = json.loads(line)
         except json.JSONDecodeError:
             continue
-        if row["seed"] == seed and row.get("route", ROUTES[0]) == route:
+        asked = (seed, route, clean)
+        if (row["seed"], row.get("route", ROUTES[0]), row.get("clean", False)) == asked:
             rows.append(repicked(row))
     return rows
 
@@ -226,16 +238,18 @@ def run(
     jobs: int,
     candidates: Sequence[str],
     route: str = ROUTES[0],
+    clean: bool = False,
 ) -> Iterator[str]:
     """Judge the rigs that a file does not hold yet, and append them; yield progress."""
-    done = {row["rig"] for row in judged(path, seed, route)}
+    done = {row["rig"] for row in judged(path, seed, route, clean=clean)}
     left = [number for number in range(rigs) if number not in done]
     cut = path.exists() and not path.read_bytes().endswith(b"\n")
     with path.open("a", encoding="utf-8") as file, ProcessPoolExecutor(jobs) as pool:
         if cut and path.stat().st_size:
             file.write("\n")
         tasks = [
-            pool.submit(judge, seed, number, candidates=candidates, route=route) for number in left
+            pool.submit(judge, seed, number, candidates=candidates, route=route, clean=clean)
+            for number in left
         ]
         for count, task in enumerate(as_completed(tasks), start=len(done) + 1):
             row = task.result()
@@ -340,6 +354,9 @@ def main() -> None:
         help="laws that selection compares; none: fits of the true law only",
     )
     parser.add_argument("--route", choices=ROUTES, default=ROUTES[0], help="how records are fitted")
+    parser.add_argument(
+        "--clean", action="store_true", help="Coulomb + viscous truth, noise of the encoder alone"
+    )
     given = parser.parse_args()
     candidates = {"all": CANDIDATES, "fast": FAST, "none": ()}[given.candidates]
     for line in run(
@@ -349,9 +366,11 @@ def main() -> None:
         jobs=given.jobs,
         candidates=candidates,
         route=given.route,
+        clean=given.clean,
     ):
         print(line, flush=True)
-    print("\n".join(summary(judged(given.results, given.seed, given.route))))
+    rows = judged(given.results, given.seed, given.route, clean=given.clean)
+    print("\n".join(summary(rows)))
 
 
 if __name__ == "__main__":
