@@ -179,6 +179,21 @@ def test_no_reversal_is_proposed_to_a_body_that_slides_one_way():
     assert "to and fro" not in forwards
 
 
+def test_a_law_that_reduces_to_the_chosen_one_contradicts_nothing():
+    v = np.linspace(-0.3, 0.3, 120)
+    rising = np.sign(v) * (2.0 + 5.0 * np.abs(v) + 10.0 * v**2)
+    found = selected(
+        Measurement(velocity=v, friction=-0.5 * rising + np.sign(v) * (4.0 + 8.0 * np.abs(v))),
+        laws=["coulomb-viscous", "quadratic-drag"],
+    )
+    drag = next(c for c in found.candidates if c.name == "quadratic-drag")
+    assert drag.is_simpler == ("coulomb-viscous",)  # its drag would be negative
+    assert found.best.name == "coulomb-viscous"
+    assert set(found.picks.values()) <= {"coulomb-viscous", ""}
+    assert "Criteria disagree" not in " ".join(found.words.cannot_tell)
+    assert "Quadratic drag" not in found.words.lede
+
+
 def test_what_is_not_distinguished_is_listed():
     found = selected(table(3), laws=["coulomb-viscous", "power-viscous", "direction-dependent"])
     assert found.best.name == "coulomb-viscous"

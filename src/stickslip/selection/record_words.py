@@ -308,7 +308,11 @@ def _lede(
         )
     elif without is not None and math.isfinite(without.score):
         text += f" Without friction: {told(without.score)}."
-    closer = [c for c in candidates if c.dropped and c.fit and c.score < best.score]
+    closer = [
+        c
+        for c in candidates
+        if c.dropped and c.fit and best.name not in c.is_simpler and not as_good(best, c)
+    ]
     if closer and not best.dropped:
         first = closer[0]
         text += f" {first.title}: {told(first.score)}, but {first.dropped}."

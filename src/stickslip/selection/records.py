@@ -455,7 +455,8 @@ def _doubted(best: RecordCandidate, scored: Sequence[RecordCandidate]) -> Record
 
 def _picks(scored: Sequence[RecordCandidate]) -> Mapping[str, str]:
     def least(key: Callable[[RecordCandidate], float]) -> str:
-        known = [c for c in scored if math.isfinite(key(c))]
+        # A law that is a simpler candidate at its fitted values is no pick of its own.
+        known = [c for c in scored if math.isfinite(key(c)) and not c.is_simpler]
         return min(known, key=key).name if known else ""
 
     return {
