@@ -2,7 +2,8 @@
 
 ``python -m benchmarks.synthetic_truth --rigs 200 --seed 1 --jobs 2``; results are appended to a
 file line by line, and a run that was killed goes on where it was. ``--route inverse-dynamics`` asks
-the same of friction that is derived from filtered motion and force.
+the same of friction that is derived from filtered motion and force; ``--clean`` of axes with
+Coulomb and viscous friction whose records have the noise of an encoder and nothing else.
 """
 
 import argparse
@@ -11,7 +12,7 @@ import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,9 +23,9 @@ from stickslip import Axis, Measurement, fit, select
 from stickslip.errors import StickslipError
 from stickslip.identification import RecordFit
 from stickslip.identification.record_settings import RecordSettings
+from stickslip.selection.choice import choose
 from stickslip.selection.cross_validation import CrossValidation
 from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
-from stickslip.selection.records import choose
 
 CANDIDATES = (
     "viscous", "coulomb", "coulomb-viscous", "direction-dependent", "power-viscous",
@@ -109,7 +110,7 @@ def regrets(
     assert isinstance(verdict, RecordVerdict)
     errors = {c.name: [_error(c, one) for one in fresh] for c in verdict.candidates}
     picks = {
-        "selected": verdict.best.name,
+        "selected": verdict.closest.name,
         f"always {ALWAYS}": ALWAYS,
         **{name: verdict.picks[name] for name in ("held-out blocks", "AIC", "BIC")},
         "training error": verdict.picks["training error"],
@@ -119,6 +120,11 @@ def regrets(
             "losses": c.validation.losses,
             "parameters": c.parameters,
             "dropped": c.dropped or c.doubt,
+            "residual": c.residual,
+            "effective": c.effective,
+            "simpler": list(c.simpler),
+            "is_simpler": list(c.is_simpler),
+            "weak": c.weak,
         }
         for c in verdict.candidates
         if c.validation
@@ -133,15 +139,23 @@ def _error(candidate: RecordCandidate, fresh: Measurement) -> float:
 
 
 def judge(
-    seed: int, number: int, *, candidates: Sequence[str] = CANDIDATES, route: str = ROUTES[0]
+    seed: int,
+    number: int,
+    *,
+    candidates: Sequence[str] = CANDIDATES,
+    route: str = ROUTES[0],
+    clean: bool = False,
 ) -> dict[str, Any]:
     """Return what fits, and selection if there are candidates, make of one random rig."""
     random = np.random.default_rng([seed, number])
-    truth = list(TRUTHS)[number % len(TRUTHS)]
+    truth = ALWAYS if clean else list(TRUTHS)[number % len(TRUTHS)]
     began = time.perf_counter()
     row: dict[str, Any] = {"seed": seed, "rig": number, "truth": truth, "route": route}
+    row["clean"] = clean
     try:
         rig = draw(random, truth)
+        if clean:
+            rig = replace(rig, disturbance=0.0)
         measurement, _ = record(rig, random)
         fresh = [record(rig, random)[0] for _ in range(FRESH if candidates else 0)]
         found = fitted(rig, measurement, route=route)
@@ -159,7 +173,9 @@ def judge(
     return row | {"seconds": time.perf_counter() - began}
 
 
-def judged(path: Path, seed: int, route: str = ROUTES[0]) -> list[dict[str, Any]]:
+def judged(
+    path: Path, seed: int, route: str = ROUTES[0], *, clean: bool = False
+) -> list[dict[str, Any]]:
     """Return the results of a route in a file; a last line that was cut off does not count."""
     rows = []
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
@@ -167,7 +183,8 @@ def judged(path: Path, seed: int, route: str = ROUTES[0]) -> list[dict[str, Any]
             row = json.loads(line)
         except json.JSONDecodeError:
             continue
-        if row["seed"] == seed and row.get("route", ROUTES[0]) == route:
+        asked = (seed, route, clean)
+        if (row["seed"], row.get("route", ROUTES[0]), row.get("clean", False)) == asked:
             rows.append(repicked(row))
     return rows
 
@@ -180,6 +197,11 @@ class Stored:
     parameters: int
     dropped: str
     validation: CrossValidation
+    residual: float
+    effective: float
+    simpler: tuple[str, ...]
+    is_simpler: tuple[str, ...]
+    weak: bool
 
     @property
     def score(self) -> float:
@@ -188,18 +210,23 @@ class Stored:
 
 def repicked(row: dict[str, Any]) -> dict[str, Any]:
     """Return a row with what the present rule selects: the rule may have changed since the fits."""
-    if "judged" not in row:
-        return row
+    if "judged" not in row or any("effective" not in one for one in row["judged"].values()):
+        return row  # of fits that kept less than the rule asks for
     candidates = [
         Stored(
             name=name,
             parameters=one["parameters"],
             dropped=one["dropped"],
             validation=CrossValidation(losses=tuple(one["losses"]), extrapolation=math.nan),
+            residual=one["residual"],
+            effective=one["effective"],
+            simpler=tuple(one["simpler"]),
+            is_simpler=tuple(one["is_simpler"]),
+            weak=one["weak"],
         )
         for name, one in row["judged"].items()
     ]
-    best = choose(candidates, row["picks"]["AIC"])
+    best = choose(candidates)
     return row | {"picks": row["picks"] | {"selected": best.name}}
 
 
@@ -211,16 +238,18 @@ def run(
     jobs: int,
     candidates: Sequence[str],
     route: str = ROUTES[0],
+    clean: bool = False,
 ) -> Iterator[str]:
     """Judge the rigs that a file does not hold yet, and append them; yield progress."""
-    done = {row["rig"] for row in judged(path, seed, route)}
+    done = {row["rig"] for row in judged(path, seed, route, clean=clean)}
     left = [number for number in range(rigs) if number not in done]
     cut = path.exists() and not path.read_bytes().endswith(b"\n")
     with path.open("a", encoding="utf-8") as file, ProcessPoolExecutor(jobs) as pool:
         if cut and path.stat().st_size:
             file.write("\n")
         tasks = [
-            pool.submit(judge, seed, number, candidates=candidates, route=route) for number in left
+            pool.submit(judge, seed, number, candidates=candidates, route=route, clean=clean)
+            for number in left
         ]
         for count, task in enumerate(as_completed(tasks), start=len(done) + 1):
             row = task.result()
@@ -325,6 +354,9 @@ def main() -> None:
         help="laws that selection compares; none: fits of the true law only",
     )
     parser.add_argument("--route", choices=ROUTES, default=ROUTES[0], help="how records are fitted")
+    parser.add_argument(
+        "--clean", action="store_true", help="Coulomb + viscous truth, noise of the encoder alone"
+    )
     given = parser.parse_args()
     candidates = {"all": CANDIDATES, "fast": FAST, "none": ()}[given.candidates]
     for line in run(
@@ -334,9 +366,11 @@ def main() -> None:
         jobs=given.jobs,
         candidates=candidates,
         route=given.route,
+        clean=given.clean,
     ):
         print(line, flush=True)
-    print("\n".join(summary(judged(given.results, given.seed, given.route))))
+    rows = judged(given.results, given.seed, given.route, clean=given.clean)
+    print("\n".join(summary(rows)))
 
 
 if __name__ == "__main__":

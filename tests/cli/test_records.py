@@ -4,6 +4,7 @@ import json
 import os
 import re
 import signal
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -376,3 +377,18 @@ def test_processes_come_to_the_same_verdict(run):
     alone, together = (run("select", "axis.toml", *FAST, "--json", "--jobs", n) for n in "12")
     assert alone[0] == 0
     assert together[:2] == alone[:2]  # what is told meanwhile comes as it is done
+
+
+@pytest.mark.parametrize("factor", [10.0, 0.1])
+def test_lengths_in_the_wrong_unit_leave_no_law_and_no_law_file(run, write, axis_record, factor):
+    write("wrong.csv", q=factor * axis_record["q"])
+    args = ("select", "bare.toml", "--data", "wrong.csv", *COLUMNS, *FAST)
+    code, out, err = run(*args)
+    assert code == 3
+    assert "No law explains this record: " in out
+    assert "Use " not in out
+    assert "check the units" in " ".join(out.split())
+    assert "No law is recommended" in err
+    folder = Path("stickslip-report")
+    assert not (folder / "law.toml").exists()
+    assert json.loads((folder / "verdict.json").read_text(encoding="utf-8"))["best"] is None

@@ -118,10 +118,10 @@ def test_a_killed_run_goes_on_where_it_was(tmp_path, monkeypatch):
 
     called = []
 
-    def quick(seed, number, *, candidates, route):
+    def quick(seed, number, *, candidates, route, clean):
         called.append(number)
         row = {"seed": seed, "rig": number, "truth": "dahl", "failed": "no", "seconds": 0.0}
-        return {**row, "route": route}
+        return {**row, "route": route, "clean": clean}
 
     monkeypatch.setattr(synthetic_truth, "ProcessPoolExecutor", Here)
     monkeypatch.setattr(synthetic_truth, "judge", quick)
@@ -139,6 +139,12 @@ def test_a_killed_run_goes_on_where_it_was(tmp_path, monkeypatch):
     assert synthetic_truth.judged(path, 1, "inverse-dynamics") == []
     list(run(path, rigs=2, seed=1, jobs=1, candidates=(), route="inverse-dynamics"))
     assert called == [0, 1]
+    assert len(synthetic_truth.judged(path, 1)) == 4
+
+    # and so are clean axes
+    assert synthetic_truth.judged(path, 1, clean=True) == []
+    list(run(path, rigs=1, seed=1, jobs=1, candidates=(), clean=True))
+    assert len(synthetic_truth.judged(path, 1, clean=True)) == 1
     assert len(synthetic_truth.judged(path, 1)) == 4
 
 
@@ -163,20 +169,24 @@ def test_regret_is_that_of_all_fresh_records_together_or_the_mean_of_each_alone(
 
 
 def test_stored_results_are_chosen_from_by_the_present_rule():
-    def stored(*losses, parameters=3):
-        return {"losses": losses, "parameters": parameters, "dropped": ""}
+    def stored(*losses, residual=1.0, simpler=()):
+        kept = {"losses": losses, "parameters": 3, "dropped": "", "residual": residual}
+        return kept | {"effective": 50.0, "simpler": simpler, "is_simpler": [], "weak": False}
 
     row = {
         "picks": {"selected": "whatever it was", "AIC": "dahl"},
         "judged": {
             "viscous": stored(1.0, 2.0),
-            "dahl": stored(1.2, 1.9),
+            "dahl": stored(1.2, 1.9, residual=0.9),
             "coulomb": stored(9.0, 9.0),
         },
     }
     assert synthetic_truth.repicked(row)["picks"] == {"selected": "dahl", "AIC": "dahl"}
-    far = {**row, "picks": {"selected": "", "AIC": "coulomb"}}
-    assert synthetic_truth.repicked(far)["picks"]["selected"] == "viscous"
+    contained = stored(1.2, 1.9, residual=0.99, simpler=["viscous"])  # no gain beyond chance
+    fewer = {**row, "judged": row["judged"] | {"dahl": contained}}
+    assert synthetic_truth.repicked(fewer)["picks"]["selected"] == "viscous"
+    short = {**row, "judged": {"dahl": {"losses": [1.0], "parameters": 3, "dropped": ""}}}
+    assert synthetic_truth.repicked(short) == short
     assert synthetic_truth.repicked({"rig": 1, "failed": "why"}) == {"rig": 1, "failed": "why"}
 
 

@@ -122,9 +122,10 @@ def _show(verdict: RecordVerdict, trials: TrialComparison | None) -> None:
     console.print()
     for one in verdict.candidates:
         console.print(f"  {one.name}: {plain(one.outcome)}", markup=False)
-    if verdict.best and verdict.best.fit:
-        console.print(f"\n{verdict.best.title}", markup=False, style="bold")
-        show_estimates(verdict.best.fit.estimates)
+    if verdict.closest.fit:
+        title = verdict.closest.title + ("" if verdict.best else ", closest but not recommended")
+        console.print(f"\n{title}", markup=False, style="bold")
+        show_estimates(verdict.closest.fit.estimates)
     show_trials(trials)
     show_open(words)
 

@@ -15,7 +15,7 @@ from stickslip.selection import FeatureVerdict, RecordVerdict
 __all__ = ["NO_LAW", "deliver", "laws_of"]
 
 NO_LAW = 3
-"""Exit code where something speaks against every law."""
+"""Exit code where no law is recommended."""
 
 
 def laws_of(
@@ -51,5 +51,5 @@ def deliver(
     if ended:
         note(f"Ended early: {', '.join(ended)} may do better than this.")
     if verdict.best is None or verdict.best.dropped:
-        note("No law is beyond objection; the verdict says why.")
+        note("No law is recommended; the verdict says why.")
         raise typer.Exit(NO_LAW)

@@ -35,6 +35,9 @@ COASTS = (1.0, 0.3, 0.1)
 """Speeds that a coast begins with, over the largest of the record: slower where it goes too far."""
 PASSES = 20
 """Passes within the stroke that are asked for at most."""
+WAYS = {1.0: "forwards", -1.0: "backwards"}
+BOTH = tuple(WAYS)
+"""Signs of the directions that a body can be moved in."""
 ANYWHERE = (-math.inf, math.inf)
 """Where a body may be that nothing holds up."""
 
@@ -133,6 +136,7 @@ def design(
     driven: bool,
     turning: bool = False,
     reach: tuple[float, float] | None = ANYWHERE,
+    sides: Sequence[float] = BOTH,
 ) -> tuple[Experiment, ...]:
     """Return measurements in the order of what they tell, those that tell nothing left out.
 
@@ -158,6 +162,8 @@ def design(
     reach : tuple of float, optional
         Between which positions the body moves [m]; None where they are not known, so that a run
         at constant speed says what stroke it takes.
+    sides : sequence of float
+        Signs of the directions that the body can be moved in; no reversal is proposed with one.
 
     Examples
     --------
@@ -197,9 +203,10 @@ def design(
         return ()
     chosen = candidates[best]
     terms = TURNING if turning else STRAIGHT
-    plans = [*_steady(speed, force_doubt, terms, reach, driven=driven)]
+    plans = [*_steady(speed, force_doubt, terms, reach, sides, driven=driven)]
     if driven:
-        plans += [*_coasts(chosen, speed, length_doubt, terms, reach or ANYWHERE)]
+        plans += [*_coasts(chosen, speed, length_doubt, terms, reach or ANYWHERE, sides)]
+    if driven and len(sides) > 1:
         plans += [*_presliding(chosen, length_doubt, terms, reach or ANYWHERE)]
     found: dict[str, Experiment] = {}
     for plan in plans:
@@ -270,6 +277,7 @@ def _steady(
     doubt: Callable[[float], float],
     terms: _Terms,
     reach: tuple[float, float] | None,
+    sides: Sequence[float],
     *,
     driven: bool,
 ) -> Iterator[_Plan]:
@@ -284,7 +292,8 @@ def _steady(
         how, seconds = _passes(seconds, v, distance, stroke, terms)
         if reach is None:
             how += f", over {terms.length(v * seconds, 2)}"
-        for side, towards_it in ((1.0, "forwards"), (-1.0, "backwards")):
+        for side in sides:
+            towards_it = WAYS[side]
             yield _Plan(
                 kind=f"steady {towards_it}",
                 what=f"Constant speed of {terms.speed(v, 2)}, {towards_it}, {how}.",
@@ -317,7 +326,12 @@ def _rounded_down(value: float) -> float:
 
 
 def _coasts(
-    chosen: Predictor, speed: float, noise: float, terms: _Terms, reach: tuple[float, float]
+    chosen: Predictor,
+    speed: float,
+    noise: float,
+    terms: _Terms,
+    reach: tuple[float, float],
+    sides: Sequence[float],
 ) -> Iterator[_Plan]:
     """Let go at the record's speed: how far it goes until it stops. A spring would not let it."""
     if sprung(chosen.mechanism):
@@ -327,7 +341,8 @@ def _coasts(
     stopped = math.isfinite(stroke) and bool(stops_of(chosen.mechanism))
     for share in COASTS if math.isfinite(stroke) else COASTS[:1]:
         v, run_up = share * speed, _run_up(share, stroke)
-        for side, towards_it in ((1.0, "forwards"), (-1.0, "backwards")):
+        for side in sides:
+            towards_it = WAYS[side]
             start = reach[0] + run_up if side > 0.0 else reach[1] - run_up
             yield _Plan(
                 kind=f"coast {towards_it}",

@@ -4,9 +4,12 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.errors import InputError
+from stickslip.experiments import Measurement
 from stickslip.identification import RecordFit
+from stickslip.identification.applied import driven
 from stickslip.identification.inverse_dynamics import inverse_dynamics
 from stickslip.identification.record_starts import load_of
 from stickslip.mechanisms import stops_of
@@ -14,6 +17,7 @@ from stickslip.selection.cross_validation import Plan
 from stickslip.selection.experiments import Experiment, design
 from stickslip.selection.predictors import Predictor
 from stickslip.selection.record_verdict import RecordCandidate
+from stickslip.selection.suited import one_way
 
 __all__ = ["experiments_after", "predictor_of", "reach_of"]
 
@@ -29,13 +33,15 @@ def experiments_after(
     """Design measurements that tell the best from its rivals.
 
     These are what is within a tenth of its error and has nothing against it; if there is no such
-    law, the next best that has nothing against it.
+    law, the next best that has nothing against it. Nothing is proposed that the rig cannot do: no
+    constant speed or force where the record was not driven, no reversal where all motion went one
+    way.
     """
     assert best.fit is not None
     others = [c for c in candidates if c.fit and c.name != best.name and not c.dropped]
     near = [c for c in others if c.score <= 1.1 * best.score]
     rivals = (near or others[:1])[:RIVALS]
-    if not rivals or not _moves(best.fit):
+    if not rivals or not _moves(best.fit) or not _actuated(best.fit):
         return ()
     try:
         dynamics = inverse_dynamics(best.fit.mechanism, best.fit.measurement, unknown=())
@@ -55,6 +61,7 @@ def experiments_after(
         driven=best.fit.route != "force-map",
         turning=best.fit.measurement.turning,
         reach=reach_of(best.fit),
+        sides=_sides(best.fit.measurement, dynamics.velocity),
     )
 
 
@@ -62,6 +69,18 @@ def _moves(fit: RecordFit) -> bool:
     """Whether a motion in time was measured."""
     known = {"position", "velocity"}.intersection(fit.measurement.quantities())
     return bool(known) and all(record.time is not None for record in fit.measurement.records())
+
+
+def _actuated(fit: RecordFit) -> bool:
+    """Whether something imposed the motion: a force, a reference, or a machine that measured."""
+    return fit.problem.quantity == "friction" or driven(fit.measurement)
+
+
+def _sides(measurement: Measurement, velocity: NDArray[np.float64]) -> tuple[float, ...]:
+    """Return the directions that the body was moved in, by sign."""
+    if one_way(measurement):
+        return (1.0,) if float(np.sum(velocity)) >= 0.0 else (-1.0,)
+    return (1.0, -1.0)
 
 
 def reach_of(fit: RecordFit) -> tuple[float, float] | None:

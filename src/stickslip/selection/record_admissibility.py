@@ -1,16 +1,28 @@
-"""Which fits to records may be taken, and why not."""
+"""Which fits to records may be taken, and which records no law explains."""
 
 import math
+from typing import Final
 
-from stickslip.experiments.wording import number, quantity
+import numpy as np
+
+from stickslip.experiments import Measurement
+from stickslip.experiments.wording import number, percent, quantity
 from stickslip.identification.doubts import MOST_CONDITION, step_intervals
 from stickslip.identification.record_fit import RecordFit
 from stickslip.identification.results import Estimate
+from stickslip.selection.record_verdict import RecordCandidate
+from stickslip.selection.suited import one_way
 
-__all__ = ["objection"]
+__all__ = ["objection", "standard_uncertainty", "unexplained", "variation_of"]
 
-OPEN = "open"
-"""What reasons of intervals say where an order of magnitude is not known."""
+STANDARD: Final = {"standard": 1.0, "rounding": 1.0 / math.sqrt(3.0), "interval": 0.5}
+"""Standard uncertainty over the one stated: of an even spread, and of a 95 % interval."""
+NOTHING: Final = 0.5
+"""Held-out error over the variation of what is predicted from which a law explains nothing."""
+MANY: Final = 10.0
+"""Held-out error over its stated uncertainty from which readings contradict the law ..."""
+VISIBLE: Final = 0.1
+"""... if it is also this share of the variation: a law that leaves 1 % of the variance predicts."""
 
 
 def objection(fit: RecordFit) -> str:
@@ -55,3 +67,73 @@ def _ran(fit: RecordFit, estimate: Estimate) -> str:
     if side == "lower" and item.low == 0.0:
         return "went to 0"
     return f"ran to its {side} bound of {quantity(estimate.value, estimate.quantity.unit, 2)}"
+
+
+def standard_uncertainty(measurement: Measurement, quantity: str) -> float:
+    """Return the largest stated standard uncertainty of a quantity, 0 if none is stated.
+
+    Examples
+    --------
+    >>> read = Measurement(velocity=[0.1, 0.2], friction=[2.0, 2.1], uncertainty={"friction": 0.1})
+    >>> standard_uncertainty(read, "friction"), standard_uncertainty(read, "velocity")
+    (0.1, 0.0)
+    """
+    stated = [
+        record.uncertainty[quantity] * STANDARD[record.uncertainty_kind]
+        for record in measurement.records()
+        if quantity in record.uncertainty
+    ]
+    return max(stated, default=0.0)
+
+
+def unexplained(candidate: RecordCandidate, variation: float, *, uncertainty: float) -> str:
+    """Return in what a record contradicts even the law that is closest to it; empty if it does not.
+
+    Parameters
+    ----------
+    candidate : RecordCandidate
+        The closest law, with its fit and held-out errors.
+    variation : float
+        Of what is predicted, from `variation_of`.
+    uncertainty : float
+        Stated standard uncertainty of what is predicted, 0 if none is.
+    """
+    share = candidate.score / variation if variation > 0.0 else 0.0
+    assert candidate.fit is not None
+    said = (
+        f"the held-out error of the closest, {candidate.title}, is {percent(share)} of the"
+        f" variation of the {candidate.fit.problem.quantity} itself"
+    )
+    if uncertainty > 0.0 and candidate.score > MANY * uncertainty and share > VISIBLE:
+        times = number(candidate.score / uncertainty, 2)
+        return f"{said}, and {times} times the stated uncertainty"
+    return said if share > NOTHING else ""
+
+
+def variation_of(candidate: RecordCandidate, horizon: float) -> float:
+    """Return the root mean square of what is predicted, about what needs no friction law.
+
+    Positions about a straight line in each segment, the motion without any force. Friction about
+    its mean, which is the sensor's offset; about 0 where it was measured in one direction only.
+
+    Parameters
+    ----------
+    candidate : RecordCandidate
+        Any law that was fitted to the record.
+    horizon : float
+        Length of the predicted segments [s].
+    """
+    fit = candidate.fit
+    assert fit is not None
+    if fit.problem.quantity == "friction":
+        measured = fit.problem.measured
+        centre = 0.0 if one_way(fit.measurement) else float(np.mean(measured))
+        return float(np.sqrt(np.mean((measured - centre) ** 2)))
+    seen = fit.predict(horizon=horizon)
+    total = 0.0
+    for k in np.unique(seen.segment):
+        rows = seen.segment == k
+        t, x = seen.t[rows] - seen.t[rows].mean(), seen.measured[rows]
+        line = np.column_stack([np.ones_like(t), t])
+        total += float(np.sum((x - line @ np.linalg.lstsq(line, x, rcond=None)[0]) ** 2))
+    return math.sqrt(total / len(seen.measured))

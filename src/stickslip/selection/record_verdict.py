@@ -2,10 +2,9 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol, final
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any, final
 
-import numpy as np
 from typing_extensions import override
 
 from stickslip.experiments import Checks, Measurement
@@ -14,6 +13,7 @@ from stickslip.identification import RecordFit
 from stickslip.identification.containment import FittedLaw
 from stickslip.identification.record_fit import Score
 from stickslip.identification.record_settings import RecordSettings
+from stickslip.selection.choice import MOST_CONDITION, reduces_to
 from stickslip.selection.cross_validation import CrossValidation, Plan
 from stickslip.selection.experiments import Experiment
 from stickslip.selection.verdict import Verdict, plain
@@ -21,14 +21,7 @@ from stickslip.selection.verdict import Verdict, plain
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["LIKELY", "NEAR", "Judged", "Purpose", "RecordCandidate", "RecordVerdict", "as_good"]
-
-NEAR = 0.02
-"""Share by which an error may be larger and count as the same, if blocks do not contradict."""
-LIKELY = 0.30
-"""Share by which the error of the law that the whole record makes likeliest may be larger."""
-SAME = 1e-3
-"""Share of a mean square below which a difference is one of the search, not of the laws."""
+__all__ = ["Purpose", "RecordCandidate", "RecordVerdict", "SecondRecord"]
 
 
 @final
@@ -42,6 +35,23 @@ class Purpose:
     """Length of the segments that are predicted [s]."""
     scored: str
     """What is scored, in words."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SecondRecord:
+    """What a record that no fit has used says of the choice."""
+
+    error: float
+    """Error of the chosen law on it, root mean square over its segments."""
+    ratio: float
+    """That error over the held-out error of the first record; infinite if that is 0."""
+    holds: bool
+    """Whether no other law has a smaller error there beyond doubt."""
+    rival: str
+    """Key of the other law with the least error there; empty if there is none."""
+    rival_error: float
+    """Its error; not a number if there is none."""
 
 
 @final
@@ -68,14 +78,40 @@ class RecordCandidate:
     left_out: tuple[str, ...] = ()
     """Paths of what went to 0 beside the rest of the law, and was left out of the fit."""
     aic: float = math.nan
-    """Akaike's criterion, as if residuals were independent; for information."""
+    """Akaike's criterion, residuals counted by their effective number."""
     bic: float = math.nan
-    """Schwarz's criterion, as if residuals were independent; for information."""
+    """Schwarz's criterion, residuals counted by their effective number; for information."""
+    simpler: Mapping[str, str] = field(default_factory=dict)
+    """The candidates that the law contains: name -> name of their law."""
 
     @property
     def parameters(self) -> int:
-        """Number of unknowns that were fitted."""
+        """Number of unknowns that were fitted, whether or not the record identifies them."""
         return len(self.fit.unknowns) if self.fit else 0
+
+    @property
+    def residual(self) -> float:
+        """Root mean square of the residuals of the fit, infinite without one."""
+        return self.fit.rms if self.fit else math.inf
+
+    @property
+    def effective(self) -> float:
+        """Effective number of independent residuals, 0 without a fit."""
+        return self.fit.inference.effective if self.fit else 0.0
+
+    @property
+    def is_simpler(self) -> tuple[str, ...]:
+        """Names of the candidates that it contains and, at its fitted values, is."""
+        fit = self.fit
+        return tuple(name for name, law in self.simpler.items() if fit and reduces_to(fit, law))
+
+    @property
+    def weak(self) -> bool:
+        """Whether a parameter of the law ended at a bound, or the condition is above 1,000."""
+        if self.fit is None:
+            return True
+        bound = any(path.startswith("friction.") for path in self.fit.at_bounds)
+        return bound or self.fit.inference.condition > MOST_CONDITION
 
     @property
     def score(self) -> float:
@@ -100,6 +136,7 @@ class RecordCandidate:
             "score": self.score,
             "score_error": self.validation.error if self.validation else math.nan,
             "last_third": self.validation.extrapolation if self.validation else math.nan,
+            "second_record": self.second.rms if self.second else math.nan,
             "outcome": self.outcome,
         }
 
@@ -116,6 +153,7 @@ class RecordCandidate:
             "extrapolation": validation.extrapolation if validation else None,
             "second_record": self.second.rms if self.second else None,
             "left_out": list(self.left_out),
+            "contains": list(self.simpler),
             "aic": self.aic,
             "bic": self.bic,
             "dropped": plain(self.dropped),
@@ -133,7 +171,7 @@ class RecordVerdict(Verdict):
     candidates: tuple[RecordCandidate, ...]
     """All laws tried, least held-out error first."""
     best: RecordCandidate | None
-    """The law to use; None if no candidate could be fitted."""
+    """The law to use; None if the verdict recommends none."""
     reference: RecordCandidate | None
     """Coulomb and viscous friction, whatever the record says."""
     control: RecordCandidate | None
@@ -146,14 +184,25 @@ class RecordVerdict(Verdict):
     """What other criteria would pick: criterion -> name of the candidate."""
     checks: Checks
     """What the record can tell, before any fit."""
+    not_recommended: RecordCandidate | None = None
+    """What comes closest where none is recommended; None where one is."""
     second: Measurement | None = None
     """The record given to validate, which no fit has seen; None without one."""
+    on_second: SecondRecord | None = None
+    """What that record says of the choice; None without one."""
     settings: RecordSettings = field(default_factory=RecordSettings)
     """How each law was fitted: segments, starts and their seed."""
     experiments: tuple[Experiment, ...] = ()
     """Measurements that would tell the best from its rivals, the most telling first."""
     half_estimates: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """Estimates of the best law from the first and the second half of the record, by path."""
+
+    @property
+    def closest(self) -> RecordCandidate:
+        """What the rule of choice takes: `best`, or what comes closest to the record."""
+        taken = self.best or self.not_recommended
+        assert taken is not None
+        return taken
 
     @property
     def quantity(self) -> str:
@@ -169,7 +218,7 @@ class RecordVerdict(Verdict):
     @property
     def blocks_scored(self) -> int:
         """Number of held-out blocks that are scored; one beside which nothing is left is not."""
-        validation = self.best.validation if self.best else None
+        validation = self.closest.validation
         return len(validation.losses) if validation else 0
 
     @override
@@ -191,7 +240,8 @@ class RecordVerdict(Verdict):
         return {
             **self._head(),
             "best": self.best.name if self.best else None,
-            "ranked": self.best is not None,
+            "closest": self.closest.name,
+            "ranked": True,
             "purpose": self.purpose.name,
             "seed": self.settings.seed,
             "scored": self.purpose.scored,
@@ -202,43 +252,10 @@ class RecordVerdict(Verdict):
             "gap": self.plan.gap,
             "horizon": self.plan.horizon,
             "picks_of_other_criteria": dict(self.picks),
+            "second_record": asdict(self.on_second) if self.on_second else None,
             "candidates": [candidate.to_dict() for candidate in self.candidates],
             "control": self.control.to_dict() if self.control else None,
             "checks": self.checks.to_dict(),
             "next_measurements": [one.to_dict() for one in self.experiments],
             "halves": {path: list(pair) for path, pair in self.half_estimates.items()},
         }
-
-
-class Judged(Protocol):
-    """What a choice among candidates looks at."""
-
-    @property
-    def name(self) -> str:
-        """Key of the candidate."""
-
-    @property
-    def parameters(self) -> int:
-        """Number of unknowns that were fitted."""
-
-    @property
-    def dropped(self) -> str:
-        """Objection to it, in words."""
-
-    @property
-    def score(self) -> float:
-        """Held-out error."""
-
-    @property
-    def validation(self) -> CrossValidation | None:
-        """Held-out errors by block."""
-
-
-def as_good(other: Judged, best: Judged, *, share: float = NEAR) -> bool:
-    """Whether another's loss is within one paired standard error and a share of the best's."""
-    if other.validation is None or best.validation is None:
-        return False
-    gaps = np.subtract(other.validation.losses, best.validation.losses)
-    error = float(np.std(gaps, ddof=1)) / math.sqrt(len(gaps)) if len(gaps) > 1 else 0.0
-    same = SAME * best.score**2
-    return bool(gaps.mean() <= max(error, same) and other.score <= (1.0 + share) * best.score)

@@ -9,15 +9,16 @@ from stickslip.experiments import QUANTITIES, Checks
 from stickslip.experiments.units import turned
 from stickslip.experiments.wording import number
 from stickslip.identification import Estimate
+from stickslip.selection.choice import as_good
 from stickslip.selection.experiments import Experiment
-from stickslip.selection.record_verdict import RecordCandidate, as_good
-from stickslip.selection.scoring import FLOOR
+from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
 from stickslip.selection.settled import settled_estimates
 from stickslip.selection.specifications import REFERENCE
 from stickslip.selection.verdict import Wording
 
 __all__ = [
     "error_text",
+    "error_with_doubt",
     "friction_of",
     "in_sentence",
     "outcomes",
@@ -32,6 +33,8 @@ PLAIN = 1e-4
 """Size below which numbers are written with a power of ten."""
 DIGITS = 6
 """Digits of a number at most, however sure it is."""
+SEVERAL = 2.0
+"""Error on a second record over the held-out one from which the second is what to expect."""
 NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
 """How titles begin that are names."""
 
@@ -59,11 +62,31 @@ def error_text(
     return _score_text(value, quantity, unit, 0)
 
 
-def _score_text(value: float, quantity: str, unit: str, more: int) -> str:
-    """Return a score with more digits than usual."""
+def error_with_doubt(value: float, doubt: float, quantity: str, *, turning: bool = False) -> str:
+    """Return a score and its standard error to the digits that this allows, with their unit.
+
+    Examples
+    --------
+    >>> error_with_doubt(0.00043, 0.000079, "position"), error_with_doubt(1.234, 0.05, "friction")
+    ('0.43 ± 0.08 mm', '1.23 ± 0.05 N')
+    """
+    factor, unit = _scale_of(value, quantity, turned(QUANTITIES[quantity].unit, turning))
+    text = with_doubt(factor * value, factor * doubt if math.isfinite(doubt) else 0.0)
+    return f"{text} {unit}"
+
+
+def _scale_of(value: float, quantity: str, unit: str) -> tuple[float, str]:
+    """Return factor and unit that a score is shown with, thousandths where it is small."""
     least = 0.1 if unit.startswith("rad") else 1.0
     if quantity in {"position", "velocity"} and abs(value) < least:
-        value, unit = 1e3 * value, "m" + unit
+        return 1e3, f"m{unit}"
+    return 1.0, unit
+
+
+def _score_text(value: float, quantity: str, unit: str, more: int) -> str:
+    """Return a score with more digits than usual."""
+    factor, unit = _scale_of(value, quantity, unit)
+    value *= factor
     size = abs(value)
     digits = 2 if size < 10.0 else 1
     if size >= 0.1:
@@ -109,14 +132,18 @@ def with_doubt(value: float, half: float) -> str:
     return f"{value:.{digits}f} ± {half:.{digits}f}"
 
 
-def outcomes(candidates: Sequence[RecordCandidate], best: RecordCandidate) -> list[RecordCandidate]:
+def outcomes(
+    candidates: Sequence[RecordCandidate], best: RecordCandidate, *, recommended: bool = True
+) -> list[RecordCandidate]:
     """Add to each candidate what became of it."""
-    return [replace(c, outcome=_outcome(c, best)) for c in candidates]
+    return [replace(c, outcome=_outcome(c, best, recommended=recommended)) for c in candidates]
 
 
-def _outcome(c: RecordCandidate, best: RecordCandidate) -> str:
+def _outcome(c: RecordCandidate, best: RecordCandidate, *, recommended: bool) -> str:
     if c.name == best.name:
-        return "chosen"
+        if recommended:
+            return "chosen"
+        return f"closest, not recommended{f': {c.dropped}' if c.dropped else ''}"
     if c.fit is None:
         return f"not fitted: {c.dropped}"
     if c.dropped:
@@ -125,12 +152,12 @@ def _outcome(c: RecordCandidate, best: RecordCandidate) -> str:
     if as_good(c, best):
         if more > 0:
             return f"{more} more parameter{'s' if more > 1 else ''}, no gain beyond doubt"
-        return "as good within doubt"
+        return "not distinguished"
     told = _told_apart(c, best)
     if c.name == REFERENCE:
-        return "reference" if told else "reference, not told apart"
+        return "reference" if told else "reference, not distinguished"
     if best.score <= 0.0:  # numbers that a law made, without noise
-        return "errs where the chosen law does not"
+        return "non-zero error, while the chosen law fits exactly"
     return f"{c.score / best.score:.1f} × the error" + ("" if told else ", within doubt")
 
 
@@ -148,36 +175,81 @@ def record_wording(
     experiments: Sequence[Experiment],
     *,
     scored: str,
+    fault: str = "",
+    on_second: SecondRecord | None = None,
 ) -> Wording:
-    """Put a selection on records into words."""
+    """Put a selection on records into words.
+
+    Parameters
+    ----------
+    candidates : sequence of RecordCandidate
+        All laws tried, with their outcome.
+    best : RecordCandidate
+        The law that the rule of choice takes, recommended or not.
+    without : RecordCandidate, optional
+        No friction at all.
+    picks : mapping of str to str
+        What other criteria would pick.
+    checks : Checks
+        What was checked of the record.
+    experiments : sequence of Experiment
+        Proposed measurements, the most telling first.
+    scored : str
+        What held-out errors are of.
+    fault : str
+        Why no law explains the record; empty if one does.
+    on_second : SecondRecord, optional
+        What a second record says of the choice.
+    """
     assert best.fit is not None
-    rivals = [c for c in candidates if c.name != best.name and c.fit and not c.dropped]
+    rivals = [
+        c
+        for c in candidates
+        if c.name != best.name and c.fit and not c.dropped and best.name not in c.is_simpler
+    ]
     equal = [c for c in rivals if as_good(c, best)]
     return Wording(
-        verdict=_verdict(best, equal, without),
-        lede=_lede(candidates, best, without, scored),
-        settles=_settles(best),
+        verdict=_verdict(best, equal, candidates, fault, on_second),
+        lede=_lede(candidates, best, equal, without, scored, on_second),
+        settles=() if fault else _settles(best),
         cannot_tell=_cannot_tell(best, candidates, picks),
-        measure_next=_measure_next(experiments, candidates, checks),
+        measure_next=_measure_next(experiments, candidates, checks, fault, on_second),
         no_score="",
     )
 
 
 def _verdict(
-    best: RecordCandidate, equal: Sequence[RecordCandidate], without: RecordCandidate | None
+    best: RecordCandidate,
+    equal: Sequence[RecordCandidate],
+    candidates: Sequence[RecordCandidate],
+    fault: str,
+    on_second: SecondRecord | None,
 ) -> str:
-    if without is not None and without.score <= (1.0 + FLOOR) * best.score:
-        return "No candidate explains this record better than no friction at all."
     name = friction_of(best.title)
+    if fault:
+        return f"No law explains this record: {fault}."
     if best.dropped:
-        return f"No candidate is beyond objection; the closest is {name}."
+        return f"No candidate passes all checks; {name} fits best."
+    if on_second is not None and not on_second.holds:
+        other = next(c for c in candidates if c.name == on_second.rival)
+        return (
+            f"No law predicts both records best: {name} does on the first,"
+            f" {friction_of(other.title)} on the second."
+        )
     if best.doubt:
-        return f"Use {name} to predict; not all of it is known: {best.doubt}."
+        return f"Use {name} to predict, but not all of its parameters are identified: {best.doubt}."
     if equal:
-        names = " and ".join(in_sentence(c.title) for c in equal[:2])
-        verb = "is" if len(equal) == 1 else "are"
-        return f"Use {name}; {names} {verb} as good on this record."
+        return f"Use {name}; {_listed(equal)} not distinguished from it by this record."
     return f"Use {name}."
+
+
+def _listed(candidates: Sequence[RecordCandidate]) -> str:
+    """Return the titles of candidates with their verb, three at most."""
+    names = [in_sentence(c.title) for c in candidates]
+    if len(names) > MOST:
+        names = [*names[: MOST - 1], f"{len(names) - MOST + 1} more"]
+    text = f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
+    return f"{text} {'are' if len(names) > 1 else 'is'}"
 
 
 def friction_of(title: str) -> str:
@@ -207,8 +279,10 @@ def in_sentence(title: str) -> str:
 def _lede(
     candidates: Sequence[RecordCandidate],
     best: RecordCandidate,
+    equal: Sequence[RecordCandidate],
     without: RecordCandidate | None,
     scored: str,
+    on_second: SecondRecord | None,
 ) -> str:
     assert best.fit is not None
     assert best.validation is not None
@@ -219,24 +293,56 @@ def _lede(
         turning=fit.measurement.turning,
         among=[c.score for c in candidates if c.name in {best.name, REFERENCE}],
     )
-    text = (
-        f"It misses what it has not seen by {told(best.score)} ({scored};"
-        f" standard error {told(best.validation.error)})."
-    )
+    quantity, turning = fit.problem.quantity, fit.measurement.turning
+    held = error_with_doubt(best.score, best.validation.error, quantity, turning=turning)
+    text = f"Held-out error: {held} ({scored})."
+    if on_second is not None:
+        text += f" {_second_text(candidates, best, on_second)}"
+    if equal and best.doubt:
+        text += f" {_capital(_listed(equal))} not distinguished from it by this record."
     usual = next((c for c in candidates if c.name == REFERENCE), None)
     if usual is not None and usual.name != best.name and usual.fit:
         text += (
-            f" Coulomb + viscous friction, the usual choice, reaches"
-            f" {told(usual.score)} on the same blocks"
-            f"{'.' if _told_apart(usual, best) else ', which do not tell the two apart.'}"
+            f" Coulomb + viscous friction, the usual choice: {told(usual.score)} on the same blocks"
+            f"{'.' if _told_apart(usual, best) else ', not distinguished by them.'}"
         )
     elif without is not None and math.isfinite(without.score):
-        text += f" Without friction it would be {told(without.score)}."
-    closer = [c for c in candidates if c.dropped and c.fit and c.score < best.score]
+        text += f" Without friction: {told(without.score)}."
+    closer = [
+        c
+        for c in candidates
+        if c.dropped and c.fit and best.name not in c.is_simpler and not as_good(best, c)
+    ]
     if closer and not best.dropped:
         first = closer[0]
-        text += f" {first.title} misses by {told(first.score)}, but {first.dropped}."
+        text += f" {first.title}: {told(first.score)}, but {first.dropped}."
     return text
+
+
+def _capital(text: str) -> str:
+    return text[0].upper() + text[1:]
+
+
+def _second_text(
+    candidates: Sequence[RecordCandidate], best: RecordCandidate, on_second: SecondRecord
+) -> str:
+    """Return the error on the second record, and whether the choice holds there."""
+    assert best.fit is not None
+    told = partial(
+        error_text,
+        quantity=best.fit.problem.quantity,
+        turning=best.fit.measurement.turning,
+        among=[on_second.error, on_second.rival_error],
+    )
+    text = f"On the second record: {told(on_second.error)}"
+    if SEVERAL <= on_second.ratio < math.inf:
+        text += (
+            f", {number(on_second.ratio, 2)} times the held-out error and what to expect of a new"
+            " record"
+        )
+    text += f"; the choice {'holds' if on_second.holds else 'does not hold'} there"
+    rival = next((c for c in candidates if c.name == on_second.rival), None)
+    return text + (f" ({rival.title}: {told(on_second.rival_error)})." if rival else ".")
 
 
 def _settles(best: RecordCandidate) -> tuple[str, ...]:
@@ -252,7 +358,7 @@ def _cannot_tell(
     others = _other_picks(best, candidates, picks)
     lines = list(best.fit.sentences)
     for c in candidates:
-        for line in c.fit.sentences if c.fit and c.dropped else ():
+        for line in c.fit.sentences if c.fit and c.dropped and c.name != best.name else ():
             if "step" in line or "undetermined" in line:
                 lines.append(f"{c.title}: {line}")
                 break
@@ -278,9 +384,16 @@ def _measure_next(
     experiments: Sequence[Experiment],
     candidates: Sequence[RecordCandidate],
     checks: Checks,
+    fault: str,
+    on_second: SecondRecord | None,
 ) -> tuple[str, ...]:
     titles = {c.name: c.title for c in candidates}
     lines = []
+    if fault:
+        lines.append(
+            "Before any further measurement, check the units, gains and signs of each column, the"
+            " mass, and that all trials are of one machine in one condition."
+        )
     for one in experiments[:2]:
         said = ", ".join(
             f"{titles.get(name, name)} {with_doubt(value, one.doubts.get(name, 0.0))}"
@@ -288,9 +401,22 @@ def _measure_next(
         )
         lines.append(f"{one.what} Predicted {one.observed}: {said}.")
     warned = [f.sentence for f in checks.findings if f.severity == "warning"]
-    lines += [f"First mend the record: {line}" for line in warned[:1]]
-    if not lines:
+    lines += [f"First correct the record: {line}" for line in warned[:1]]
+    if any(f.kind == "drift" for f in checks.findings):
         lines.append(
-            "The same record once more, after an hour of running: what changes is not in the law."
+            "Repeat this record after an hour of running, to separate warm-up effects from the"
+            " friction law."
         )
+    if on_second is not None and SEVERAL <= on_second.ratio < math.inf:
+        lines.append(
+            "Find what differs between the two records (load, temperature, lubrication, gains): the"
+            " law of the first does not carry over to the second."
+        )
+    if not lines and on_second is None:
+        lines.append(
+            "A second record of another motion: given for validation, it tests the choice on data"
+            " that no fit has used."
+        )
+    elif not lines:
+        lines.append("A record at other speeds, loads or temperatures, where the law extrapolates.")
     return tuple(lines[:MOST])

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
-from typing import TypeAlias, TypeVar
+from typing import TypeAlias
 
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Measurement, check
@@ -20,30 +20,40 @@ from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.route_choice import choose_route
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
+from stickslip.selection.choice import (
+    NEAR,
+    beyond_doubt,
+    choose,
+    effective_aic,
+    established,
+)
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
 from stickslip.selection.next_measurements import experiments_after
-from stickslip.selection.record_admissibility import objection
+from stickslip.selection.record_admissibility import (
+    objection,
+    standard_uncertainty,
+    unexplained,
+    variation_of,
+)
 from stickslip.selection.record_verdict import (
-    LIKELY,
-    Judged,
     Purpose,
     RecordCandidate,
     RecordVerdict,
-    as_good,
+    SecondRecord,
 )
 from stickslip.selection.record_words import outcomes, record_wording
+from stickslip.selection.scoring import FLOOR
 from stickslip.selection.side_by_side import fitted_side_by_side, takes_long
 from stickslip.selection.specifications import (
     REFERENCE,
     Specification,
+    contains,
     control,
     specifications,
 )
 from stickslip.selection.suited import one_way, unsuited_by
 
-__all__ = ["LEFT_OUT", "PURPOSES", "RecordWatch", "checked", "choose", "select_records"]
-
-C = TypeVar("C", bound=Judged)
+__all__ = ["LEFT_OUT", "PURPOSES", "RecordWatch", "checked", "select_records"]
 
 RecordWatch: TypeAlias = Callable[[str, float], object]
 """Called with a candidate and the least residual so far, not a number before it begins.
@@ -57,6 +67,8 @@ SPARE = ("viscous_coefficient",)
 """Fields that stand beside what makes a law that law; one that goes to 0 is left out."""
 PURPOSES = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
+ROUNDING = 1e-9
+"""Error over the variation of what is predicted below which a law is exact: no noise, digits."""
 LEFT_OUT = "the search was ended before its turn"
 
 
@@ -87,7 +99,7 @@ def select_records(
     fitted = partial(
         _candidate,
         mechanism=mechanism,
-        measurement=measurement,
+        measurement=_without_stated(measurement, route),
         unknown=unknown,
         route=route,
         reason=reason,
@@ -100,8 +112,9 @@ def select_records(
     work = partial(_judged, plan=plan, validate=validate)
     controlled = partial(_control, fitted, work) if _has_control(fits[0]) else None
     judged, without = _all_judged(work, tried, controlled, watch, executor)
-    found = _verdict(mechanism, measurement, judged, without, plan, purpose, checks)
-    return replace(found, second=validate, settings=settings or RecordSettings())
+    judged = _with_contained(judged, chosen)
+    found = _verdict(mechanism, measurement, judged, without, plan, purpose, checks, validate)
+    return replace(found, settings=settings or RecordSettings())
 
 
 def _aim(purpose: str, horizon: float | None) -> float:
@@ -123,6 +136,21 @@ def _laws(
     if laws is None and one_way(measurement):
         return tuple(one for one in chosen if one.name != "direction-dependent")
     return chosen
+
+
+def _without_stated(measurement: Measurement, route: str | None) -> Measurement:
+    """Return a measurement without the stated uncertainty of what is compared.
+
+    Fits refuse it, as their intervals come from what they leave; the verdict alone uses it.
+    """
+    compared = "friction" if "friction" in measurement.quantities() else "position"
+    if route == "inverse-dynamics" and compared == "position":
+        return measurement
+    bare = [
+        replace(one, uncertainty={k: u for k, u in one.uncertainty.items() if k != compared})
+        for one in measurement.records()
+    ]
+    return replace(measurement, trials=tuple(bare)) if measurement.trials else bare[0]
 
 
 def _has_control(fit: RecordFit) -> bool:
@@ -207,17 +235,9 @@ def _candidate(
 
 
 def _fitted(one: Specification, fit: RecordFit, left_out: Sequence[str]) -> RecordCandidate:
-    """Return a candidate with its fit and the criteria that take residuals as independent."""
-    rows, count = len(fit.residual), len(fit.unknowns)
-    likelihood = rows * math.log(max(fit.rms**2, 1e-300))
+    """Return a candidate with its fit."""
     return RecordCandidate(
-        name=one.name,
-        title=one.title,
-        fit=fit,
-        validation=None,
-        left_out=tuple(left_out),
-        aic=likelihood + 2.0 * count,
-        bic=likelihood + math.log(rows) * count,
+        name=one.name, title=one.title, fit=fit, validation=None, left_out=tuple(left_out)
     )
 
 
@@ -304,6 +324,19 @@ def _judgeable(judged: Sequence[RecordCandidate]) -> list[RecordCandidate]:
     return scored
 
 
+def _with_contained(
+    judged: Sequence[RecordCandidate], chosen: Sequence[Specification]
+) -> list[RecordCandidate]:
+    """Add to each candidate which of the others its law contains."""
+    simpler = {
+        rich.name: {
+            one.name: one.law.name for one in chosen if one is not rich and contains(rich, one)
+        }
+        for rich in chosen
+    }
+    return [replace(c, simpler=simpler.get(c.name, {})) for c in judged]
+
+
 def _verdict(
     mechanism: Mechanism,
     measurement: Measurement,
@@ -312,62 +345,128 @@ def _verdict(
     plan: Plan,
     purpose: str,
     checks: Checks,
+    validate: Measurement | None,
 ) -> RecordVerdict:
-    ordered = sorted(judged, key=lambda c: c.score)
+    ordered = _with_criteria(sorted(judged, key=lambda c: c.score))
     scored = _judgeable(ordered)
     picks = _picks(scored)
-    best = _doubted(choose(scored, picks["AIC"]), scored)
-    ordered = [best if c.name == best.name else c for c in ordered]
-    ordered = outcomes(ordered, best)
-    best = next(c for c in ordered if c.name == best.name)
-    assert best.fit is not None
-    what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(best, plan))
-    pair = halves(best.fit)
-    experiments = experiments_after(best, ordered, plan)
+    variation = variation_of(scored[0], plan.horizon)
+    stated = standard_uncertainty(measurement, _quantity_of(scored))
+    closest = choose(scored, uncertainty=max(stated, ROUNDING * variation))
+    closest = _doubted(closest, scored)
+    ordered = [closest if c.name == closest.name else c for c in ordered]
+    what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(closest, plan))
+    fault = unexplained(closest, variation, uncertainty=stated)
+    if without is not None and not _better_than(closest, without):
+        fault = fault or "no candidate predicts it better than no friction at all"
+    on_second = _on_second(closest, scored)
+    recommended = not fault and not closest.dropped and (on_second is None or on_second.holds)
+    ordered = outcomes(ordered, closest, recommended=recommended)
+    closest = next(c for c in ordered if c.name == closest.name)
+    assert closest.fit is not None
+    # What no law explains, laws cannot be told apart by.
+    experiments = () if fault else experiments_after(closest, ordered, plan)
     return RecordVerdict(
         mechanism=mechanism,
         measurement=measurement,
         words=record_wording(
-            ordered, best, without, picks, checks, experiments, scored=what.scored
+            ordered,
+            closest,
+            without,
+            picks,
+            checks,
+            experiments,
+            scored=what.scored,
+            fault=fault,
+            on_second=on_second,
         ),
         candidates=tuple(ordered),
-        best=best,
+        best=closest if recommended else None,
+        not_recommended=None if recommended else closest,
         reference=next((c for c in ordered if c.name == REFERENCE), None),
         control=without,
         plan=plan,
         purpose=what,
         picks=picks,
         checks=checks,
+        second=validate,
+        on_second=on_second,
         experiments=experiments,
-        half_estimates=pair,
+        half_estimates=halves(closest.fit),
     )
 
 
-def choose(scored: Sequence[C], likeliest: str) -> C:
-    """Return the least error, or one that the blocks do not tell from it.
+def _quantity_of(scored: Sequence[RecordCandidate]) -> str:
+    """Return what is predicted, as in `QUANTITIES`."""
+    return next(c.fit.problem.quantity for c in scored if c.fit)
 
-    Of these that of the whole record, the likeliest for its number of unknowns; if the blocks speak
-    against that, of those next to the least error one that nothing speaks against, the simplest.
 
-    Objections do not outweigh errors: a law whose every parameter is known but that predicts worse
-    is not taken for one that predicts better.
-    """
-    least = min(scored, key=lambda c: c.score)
-    likely = [c for c in scored if c.name == likeliest and as_good(c, least, share=LIKELY)]
-    near = likely or [c for c in scored if as_good(c, least)]
-    return min(near, key=lambda c: (bool(c.dropped), c.parameters, c.score))
+def _with_criteria(candidates: Sequence[RecordCandidate]) -> list[RecordCandidate]:
+    """Add AIC and BIC, whose rows are counted by the effective number of the best fit."""
+    fitted = [c for c in candidates if c.fit]
+    size = min(fitted, key=lambda c: c.residual).effective
+    aic = effective_aic(fitted)
+    extra = math.log(max(size, 1.0)) - 2.0
+    return [
+        replace(c, aic=aic[c.name], bic=aic[c.name] + extra * c.parameters) if c.fit else c
+        for c in candidates
+    ]
+
+
+def _better_than(best: RecordCandidate, without: RecordCandidate) -> bool:
+    """Whether a law is shown to predict better than no friction, and by more than 5 %."""
+    if not math.isfinite(without.score) or without.validation is None:
+        return True
+    return without.score > (1.0 + FLOOR) * best.score and established(best, without)
+
+
+def _on_second(closest: RecordCandidate, scored: Sequence[RecordCandidate]) -> SecondRecord | None:
+    """Return what the second record says of the choice; None without one."""
+    if closest.second is None:
+        return None
+    own = closest.second
+    others = [
+        c
+        for c in scored
+        if c.second is not None
+        and math.isfinite(c.second.rms)
+        and c.name != closest.name
+        and closest.name not in c.is_simpler
+    ]
+    losses = {c.name: [one**2 for one in c.second.blocks] for c in others if c.second}
+    mine = [one**2 for one in own.blocks]
+    better = [
+        c
+        for c in others
+        if c.second and own.rms > (1.0 + NEAR) * c.second.rms and beyond_doubt(mine, losses[c.name])
+    ]
+    rival = min(
+        better or others, key=lambda c: c.second.rms if c.second else math.inf, default=None
+    )
+    return SecondRecord(
+        error=own.rms,
+        ratio=own.rms / closest.score if closest.score > 0.0 else math.inf,
+        holds=not better,
+        rival=rival.name if rival else "",
+        rival_error=rival.second.rms if rival and rival.second else math.nan,
+    )
 
 
 def _doubted(best: RecordCandidate, scored: Sequence[RecordCandidate]) -> RecordCandidate:
-    """Return what is taken with what spoke against it as its doubt, if something is beyond that."""
-    if best.dropped and not all(c.dropped for c in scored):
+    """Return what is taken with what spoke against it as its doubt.
+
+    Where something speaks against every law, parameters that are not identified are a doubt too; a
+    law at a bound, or whose parameters cannot be separated at all, stays without recommendation.
+    """
+    if best.dropped and not (best.weak and all(c.dropped for c in scored)):
         return replace(best, dropped="", doubt=best.dropped)
     return best
 
 
 def _picks(scored: Sequence[RecordCandidate]) -> Mapping[str, str]:
     def least(key: Callable[[RecordCandidate], float]) -> str:
-        known = [c for c in scored if math.isfinite(key(c))]
+        # A law that is a simpler candidate at its fitted values is no pick of its own.
+        known = [c for c in scored if math.isfinite(key(c)) and not c.is_simpler]
         return min(known, key=key).name if known else ""
 
     return {

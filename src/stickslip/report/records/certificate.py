@@ -25,8 +25,8 @@ TWICE: Final = 2.0
 
 def certificate_section(verdict: RecordVerdict) -> Section | None:
     """Return the section on the computation behind the verdict."""
-    best = verdict.best
-    if best is None or best.fit is None:
+    best = verdict.closest
+    if best.fit is None:
         return None
     items = [*_search(best.fit), *_runs(best.fit), *_information(best.fit)]
     settings = verdict.settings

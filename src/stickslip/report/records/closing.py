@@ -86,7 +86,7 @@ def _said(c: RecordCandidate, symbols: frozenset[str]) -> str:
 def record_section(verdict: RecordVerdict) -> Section | None:
     """Return the section on the record and what was checked of it."""
     blocks: list[Block] = []
-    fit = verdict.best.fit if verdict.best else None
+    fit = verdict.closest.fit
     figure = _record_figure(verdict, fit) if fit else None
     if figure is not None:
         blocks.append(figure)

@@ -226,9 +226,8 @@ def _shifts(spans: Array) -> dict[int, float]:
 
 def block_edges(verdict: RecordVerdict) -> Array:
     """Return the ends (folds + 1,) of the held-out blocks, on the axis of `rows_of`."""
-    assert verdict.best is not None
-    assert verdict.best.fit is not None
-    spans = verdict.best.fit.problem.spans
+    assert verdict.closest.fit is not None
+    spans = verdict.closest.fit.problem.spans
     shift = _shifts(spans)
     moved = np.array([shift[int(record)] for record in spans[:, 0]])
     first, last = float((spans[:, 1] + moved).min()), float((spans[:, 2] + moved).max())

@@ -28,9 +28,9 @@ MIXED: Final = 0.05
 
 def map_section(verdict: RecordVerdict) -> Section | None:
     """Return the section with the friction map, None where friction cannot be read off."""
-    best, rival = verdict.best, rival_of(verdict)
-    points = map_points(best.fit) if best and best.fit else None
-    if best is None or best.fit is None or points is None or not np.any(points.velocity):
+    best, rival = verdict.closest, rival_of(verdict)
+    points = map_points(best.fit) if best.fit else None
+    if best.fit is None or points is None or not np.any(points.velocity):
         return None
     laws = {best.title: MapLaw(best.fit.law, offset_of(best.fit))}
     if rival is not None and rival.fit is not None:

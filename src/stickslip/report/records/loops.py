@@ -31,8 +31,8 @@ REACH: Final = 0.2
 
 def loops_section(verdict: RecordVerdict) -> Section | None:
     """Return the section on friction against displacement, None where both were not measured."""
-    best, rival = verdict.best, rival_of(verdict)
-    if best is None or best.fit is None or not _has_loops(best.fit):
+    best, rival = verdict.closest, rival_of(verdict)
+    if best.fit is None or not _has_loops(best.fit):
         return None
     laws = [one for one in (best, rival) if one is not None and one.fit is not None]
     loops, count = _loops(laws)
@@ -127,8 +127,7 @@ def _heading(laws: list[RecordCandidate]) -> str:
 
 
 def _caption(verdict: RecordVerdict, shown: int, count: int) -> str:
-    best, rival = verdict.best, rival_of(verdict)
-    assert best is not None
+    best, rival = verdict.closest, rival_of(verdict)
     some = "the one" if count == 1 else f"{counted(shown)} of {count:,}"
     spread = " spread over the record" if 1 < shown < count else ""
     names = [in_sentence(c.title) for c in (best, rival) if c is not None and c.fit]

@@ -56,12 +56,12 @@ FEW: Final = 0.05
 def opening_section(verdict: RecordVerdict, kicker: str, remark: str = "") -> Section:
     """Return the section that a reader may stop after."""
     words, symbols = verdict.words, symbols_of(verdict.candidates)
-    fit = verdict.best.fit if verdict.best else None
+    fit = verdict.closest.fit if verdict.best else None
     opening = Opening(
         kicker=kicker,
         verdict=words.verdict,
         lede=f"{typeset(words.lede, symbols)} {remark}".strip(),
-        law=law_lines(fit, verdict.best.left_out) if fit and verdict.best else (),
+        law=law_lines(fit, verdict.closest.left_out) if fit else (),
         facts=_facts(verdict),
         settles=_settles(fit) if fit else words.settles[:3],
         cannot_tell=tuple(typeset(line, symbols) for line in words.cannot_tell[:3]),
@@ -222,17 +222,22 @@ def _digits(fit: RecordFit, name: str, factor: float) -> str:
 
 
 def _facts(verdict: RecordVerdict) -> tuple[Fact, ...]:
-    makers: tuple[Callable[[RecordVerdict], Fact | None], ...] = (_error, _factor, _telling)
-    return tuple(fact for make in makers if (fact := make(verdict)) is not None)
+    makers: tuple[Callable[[RecordVerdict], Fact | None], ...] = (
+        _error,
+        _second,
+        _factor,
+        _telling,
+    )
+    return tuple(fact for make in makers if (fact := make(verdict)) is not None)[:3]
 
 
 def _error(verdict: RecordVerdict) -> Fact | None:
-    best = verdict.best
-    if best is None or best.validation is None:
+    best = verdict.closest
+    if best.validation is None:
         return None
     scale = scale_for(verdict)
     value, doubt = scale.pair(best.score, best.validation.error)
-    what = f"error on what no fit has seen: {verdict.purpose.scored}"
+    what = f"held-out error: {verdict.purpose.scored}"
     if doubt:
         return Fact(
             value=value,
@@ -240,6 +245,18 @@ def _error(verdict: RecordVerdict) -> Fact | None:
             what=f"{what}, ± 1 standard error",
         )
     return Fact(value=numbers.with_unit(value, scale.unit), what=what)
+
+
+def _second(verdict: RecordVerdict) -> Fact | None:
+    """Return the error on the second record, and whether the choice holds there."""
+    on_second = verdict.on_second
+    if on_second is None:
+        return None
+    held = "holds" if on_second.holds else "does not hold"
+    return Fact(
+        value=scale_for(verdict).with_unit(on_second.error),
+        what=f"error on the second record, where the choice {held}",
+    )
 
 
 def _factor(verdict: RecordVerdict) -> Fact | None:

@@ -37,8 +37,8 @@ STRONG: Final = 0.9
 
 def parameters_section(verdict: RecordVerdict) -> Section | None:
     """Return the section on the parameters of the chosen law."""
-    best = verdict.best
-    if best is None or best.fit is None or not best.fit.estimates:
+    best = verdict.closest
+    if best.fit is None or not best.fit.estimates:
         return None
     fit = best.fit
     blocks: list[Block] = [Math(latex=fit.law.formula), _table(verdict, fit)]

@@ -43,7 +43,7 @@ def reproduce_section(
             " file, are given instead of their names."
         )
     )
-    fit = verdict.best.fit if verdict.best else None
+    fit = verdict.closest.fit
     if fit is not None:
         blocks.append(Code(text=_as_code(fit.law)))
         blocks.append(Code(text=fit.to_toml().strip()))
@@ -114,7 +114,7 @@ def _laws(verdict: RecordVerdict) -> list[str]:
 
 def _asked(verdict: RecordVerdict) -> list[str]:
     """Return the arguments on what was looked for and what was scored."""
-    fit = verdict.best.fit if verdict.best else None
+    fit = verdict.closest.fit
     paths = [e.path for e in fit.estimates] if fit else []
     unknown = [
         f'"{path.removeprefix("mechanism.")}"'

@@ -39,8 +39,8 @@ TREND = 0.25
 
 def residuals_section(verdict: RecordVerdict) -> Section | None:
     """Return the section on what the chosen law does not explain."""
-    best = verdict.best
-    if best is None or best.fit is None or not np.all(np.isfinite(best.fit.residual)):
+    best = verdict.closest
+    if best.fit is None or not np.all(np.isfinite(best.fit.residual)):
         return None
     panels = _panels(best.fit, scale_for(verdict).factor)
     blocks: list[Block] = []
@@ -134,8 +134,8 @@ def _share(fit: RecordFit) -> str:
 
 def _error_figure(verdict: RecordVerdict) -> Figure | None:
     """Return errors over time and by block, None where there is no time or a block is missing."""
-    best, rival = verdict.best, rival_of(verdict)
-    if best is None or best.fit is None or not is_timed(best.fit):
+    best, rival = verdict.closest, rival_of(verdict)
+    if best.fit is None or not is_timed(best.fit):
         return None
     scale, edges = scale_for(verdict), block_edges(verdict)
     series = {}

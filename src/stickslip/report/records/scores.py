@@ -11,7 +11,7 @@ from stickslip.report.rowplots import Axis, Colour, Mark, RowPlot
 from stickslip.report.selection.texts import counted, joined, quantity_value
 from stickslip.report.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.selection import RecordCandidate, RecordVerdict
-from stickslip.selection.record_verdict import LIKELY, NEAR
+from stickslip.selection.choice import LEVEL, LIKELY, MATERIAL, NEAR
 from stickslip.selection.record_words import in_sentence
 
 __all__ = ["picks_text", "scores_section"]
@@ -66,7 +66,7 @@ def _second_column(scale: Scale) -> Column:
 def _row(
     verdict: RecordVerdict, c: RecordCandidate, scale: Scale, *, axis: Axis | None, second: bool
 ) -> Row:
-    is_best = verdict.best is not None and c.name == verdict.best.name
+    is_best = c.name == verdict.closest.name
     error = c.validation.error if c.validation else math.inf
     value, doubt = scale.pair(c.score, error)
     last = c.validation.extrapolation if c.validation else math.nan
@@ -83,7 +83,8 @@ def _row(
         cells.append(scale.text(c.second.rms) if c.second else "—")
     outcome = c.outcome or c.dropped or "how much friction matters"
     cells.append(typeset(outcome, symbols_of([c])))
-    return Row(cells=tuple(cells), chosen=is_best, muted=bool(c.dropped))
+    chosen = verdict.best is not None and is_best
+    return Row(cells=tuple(cells), chosen=chosen, muted=bool(c.dropped))
 
 
 def _aside(verdict: RecordVerdict, c: RecordCandidate) -> str:
@@ -156,21 +157,22 @@ def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
     if verdict.plan.length:
         text += "Last third: fitted to what comes before, judged on the last third. "
     text += (
-        "The rule: the law that AIC picks is taken if its error is within one paired standard error"
-        f" and {numbers.percent(LIKELY)} of the least. If not, laws within that and"
-        f" {numbers.percent(NEAR)} are as good as the least; of these one to which there is no"
-        " objection is taken, and then the one with the fewest parameters. An objection does not"
-        " outweigh a larger error. "
+        "The rule: (1) A law counts only if it is established over every simpler law that it"
+        " contains: an F test with the effective sample size is significant at"
+        f" {numbers.percent(LEVEL)}, and held-out blocks agree, or they are undecided and the"
+        f" residual falls by {numbers.percent(MATERIAL)}. (2) Of these laws, the one with the least"
+        f" AIC is taken if its error is within one paired standard error and"
+        f" {numbers.percent(LIKELY)} of the least. (3) If not, of the laws within one paired"
+        f" standard error and {numbers.percent(NEAR)} of the least, one without an objection, then"
+        " the one with the fewest parameters. "
     )
     return text + picks_text(verdict)
 
 
 def picks_text(verdict: RecordVerdict) -> str:
     """Return what other criteria would pick, for information."""
-    if verdict.best is None:
-        return ""
     titles = {c.name: c.title for c in verdict.candidates}
-    best = verdict.best.name
+    best = verdict.closest.name
     # A table has no last third to extrapolate to.
     picks = {k: n for k, n in verdict.picks.items() if verdict.plan.length or k != "extrapolation"}
     agree = [NAMES.get(k, k) for k, name in picks.items() if name == best]
@@ -185,6 +187,6 @@ def picks_text(verdict: RecordVerdict) -> str:
     for name, who in against.items():
         parts.append(f"{joined(who)} would pick {in_sentence(titles.get(name, name))}")
     text = "; ".join(parts)
-    note = " (AIC and BIC take residuals as independent, which they are not)"
+    note = " (AIC and BIC count rows by their effective sample size)"
     tail = note if "AIC" in verdict.picks or "BIC" in verdict.picks else ""
     return f"{text[0].upper()}{text[1:]}{tail}." if text else ""

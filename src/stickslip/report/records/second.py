@@ -16,6 +16,7 @@ from stickslip.report.records.texts import Scale, rival_of, scale_for
 from stickslip.report.selection.texts import joined, quantity_value
 from stickslip.report.tables import Column, Name, Number, Row, Table
 from stickslip.selection import RecordCandidate, RecordVerdict
+from stickslip.selection.record_verdict import SecondRecord
 from stickslip.selection.record_words import in_sentence
 
 __all__ = ["second_section"]
@@ -28,12 +29,14 @@ ALIKE: Final = 2.0
 
 def second_section(verdict: RecordVerdict) -> Section | None:
     """Return the section on the second record, None without one."""
-    best, rival, record = verdict.best, rival_of(verdict), verdict.second
-    if best is None or best.fit is None or best.second is None or record is None:
+    best, on_second, record = verdict.closest, verdict.on_second, verdict.second
+    if best.fit is None or on_second is None or record is None:
         return None
-    laws = [best, *([rival] if rival is not None and rival.fit and rival.second else [])]
+    names = {on_second.rival, getattr(rival_of(verdict), "name", "")}
+    laws = [best, *(c for c in verdict.candidates if c.name in names and c.fit and c.second)]
     scale = scale_for(verdict)
-    blocks: list[Block] = [Paragraph(text=_sentence(record, laws, scale)), _table(laws, scale)]
+    text = _sentence(record, laws, on_second, scale)
+    blocks: list[Block] = [Paragraph(text=text), _table(laws, scale)]
     if all(one.time is not None for one in record.records()):
         blocks.append(_figure(verdict, record, laws))
     return Section(
@@ -56,12 +59,14 @@ def _heading(best: RecordCandidate, scale: Scale) -> str:
     said = scale.with_unit(best.second.rms)
     far = _standard(best)
     if far > ALIKE:
-        return f"On the second record the chosen law misses by {said}, more than held out"
-    than = "no more than held out" if far >= -ALIKE else "less than held out"
-    return f"On the second record the chosen law misses by {said}, {than}"
+        return f"Error on the second record: {said}, larger than the held-out error"
+    than = "like" if far >= -ALIKE else "smaller than"
+    return f"Error on the second record: {said}, {than} the held-out error"
 
 
-def _sentence(record: Measurement, laws: list[RecordCandidate], scale: Scale) -> str:
+def _sentence(
+    record: Measurement, laws: list[RecordCandidate], on_second: SecondRecord, scale: Scale
+) -> str:
     """Return what the second record is, and how its errors compare with those of blocks."""
     best = laws[0]
     assert best.second is not None
@@ -71,18 +76,15 @@ def _sentence(record: Measurement, laws: list[RecordCandidate], scale: Scale) ->
     held = numbers.with_unit(f"{value} {doubt}".strip(), scale.unit)
     times = numbers.ratio(best.second.rms / best.score) if best.score > 0.0 else ""
     text += (
-        f" {best.title} misses it by {scale.with_unit(best.second.rms)}, against {held} on held-out"
-        f" blocks of the first{f': {times} that' if times else ''}."
+        f" {best.title} has an error of {scale.with_unit(best.second.rms)} there, and {held} on"
+        f" held-out blocks of the first{f': {times} that' if times else ''}."
     )
-    if len(laws) > 1:
-        other = laws[1]
+    for other in laws[1:]:
         assert other.second is not None
-        text += f" {other.title} misses it by {scale.with_unit(other.second.rms)}"
-        behind = other.second.rms > best.second.rms
-        text += ", so that the order is the same." if behind == (other.score > best.score) else (
-            ", so that the order is the other one: the choice does not carry over to this record."
-        )  # fmt: skip
-    return text
+        text += f" {other.title}: {scale.with_unit(other.second.rms)}."
+    if on_second.holds:
+        return f"{text} The choice holds: no law has a smaller error there beyond doubt."
+    return f"{text} The choice does not hold: a law has a smaller error there beyond doubt."
 
 
 def _source(record: Measurement) -> str:

@@ -76,9 +76,7 @@ def scale_for(verdict: RecordVerdict) -> Scale:
 
 def rival_of(verdict: RecordVerdict) -> RecordCandidate | None:
     """Return what the chosen law is compared with: the reference, or the next best law."""
-    best, usual = verdict.best, verdict.reference
-    if best is None:
-        return None
+    best, usual = verdict.closest, verdict.reference
     if usual is not None and usual.fit and usual.validation and usual.name != best.name:
         return usual
     others = [c for c in verdict.candidates if c.name != best.name and c.fit and c.validation]

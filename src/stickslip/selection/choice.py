@@ -1,0 +1,266 @@
+"""Which of the fitted laws is named: what a richer law has to show, and the choice.
+
+A richer law fits and often predicts a little better by chance. It is *established* over a simpler
+law that it contains by two witnesses: an F test on the residuals of the whole record, with their
+effective sample size, and held-out blocks in pairs (decision 0024 has the measured error rates).
+"""
+
+import math
+from collections import defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from typing import Protocol, TypeVar
+
+import numpy as np
+
+from stickslip.friction import containment_of
+from stickslip.identification import RecordFit
+from stickslip.selection.cross_validation import CrossValidation
+
+__all__ = [
+    "LEVEL",
+    "LIKELY",
+    "MATERIAL",
+    "MOST_CONDITION",
+    "NEAR",
+    "Judged",
+    "as_good",
+    "beyond_doubt",
+    "choose",
+    "effective_aic",
+    "established",
+    "paired",
+    "reduces_to",
+]
+
+NEAR = 0.02
+"""Share by which an error may be larger and count as the same, if blocks do not contradict."""
+LIKELY = 0.30
+"""Share by which the error of the law with the least AIC may be larger than the least error."""
+SAME = 1e-3
+"""Share of a mean square below which a difference is one of the search, not of the laws."""
+LEVEL = 0.99
+"""Confidence of the F test: several richer laws are tried at once."""
+MATERIAL = 0.05
+"""Share of the residual that a richer law must take off where held-out blocks are undecided."""
+MOST_CONDITION = 1000.0
+"""Condition of the scaled slopes beyond which a gain of the fit itself counts for nothing."""
+LEAST = 1e-300
+"""Stands for 0 in logarithms and ratios."""
+
+
+class Judged(Protocol):
+    """What a choice among candidates looks at."""
+
+    @property
+    def name(self) -> str:
+        """Key of the candidate."""
+
+    @property
+    def parameters(self) -> int:
+        """Number of unknowns that were fitted, whether or not the record identifies them."""
+
+    @property
+    def dropped(self) -> str:
+        """Objection to it, in words."""
+
+    @property
+    def score(self) -> float:
+        """Held-out error."""
+
+    @property
+    def validation(self) -> CrossValidation | None:
+        """Held-out errors by block."""
+
+    @property
+    def residual(self) -> float:
+        """Root mean square of the residuals of the fit to the whole record."""
+
+    @property
+    def effective(self) -> float:
+        """Effective number of independent residuals."""
+
+    @property
+    def simpler(self) -> Collection[str]:
+        """Names of the candidates that it contains."""
+
+    @property
+    def is_simpler(self) -> Collection[str]:
+        """Names of those of these that it is at its fitted values."""
+
+    @property
+    def weak(self) -> bool:
+        """Whether a parameter of the law ended at a bound, or the condition is too large."""
+
+
+C = TypeVar("C", bound=Judged)
+
+
+def paired(other: Sequence[float], best: Sequence[float]) -> tuple[float, float]:
+    """Return the mean difference of two laws' losses and its standard error, from blocks in pairs.
+
+    Parameters
+    ----------
+    other, best : sequence of float (blocks,)
+        Mean squares on the same blocks.
+
+    Returns
+    -------
+    tuple of float
+        Mean of `other` less `best`, and its standard error; 0 for a single block.
+
+    Examples
+    --------
+    >>> paired([2.0, 4.0], [1.0, 1.0])
+    (2.0, 1.0)
+    """
+    gaps = np.subtract(other, best)
+    error = float(np.std(gaps, ddof=1)) / math.sqrt(len(gaps)) if len(gaps) > 1 else 0.0
+    return float(gaps.mean()), error
+
+
+def as_good(other: Judged, best: Judged, *, share: float = NEAR) -> bool:
+    """Whether another's loss is within one paired standard error and a share of the best's."""
+    if other.validation is None or best.validation is None:
+        return False
+    gap, error = paired(other.validation.losses, best.validation.losses)
+    same = SAME * best.score**2
+    return bool(gap <= max(error, same) and other.score <= (1.0 + share) * best.score)
+
+
+def established(rich: Judged, simple: Judged, *, uncertainty: float = 0.0) -> bool:
+    """Whether a richer law is shown to hold where a simpler one that it contains does not.
+
+    Parameters
+    ----------
+    rich, simple : Judged
+        Two candidates on one record, judged on the same blocks.
+    uncertainty : float
+        Of what is compared, as stated, or of its rounding: a simpler law whose held-out error is
+        within it needs no richer one.
+    """
+    assert rich.validation is not None
+    assert simple.validation is not None
+    if simple.name in rich.is_simpler or simple.score <= uncertainty:
+        return False
+    own, other = rich.validation.losses, simple.validation.losses
+    if _chance(rich, simple) >= 1.0 - LEVEL:
+        return False
+    if rich.weak:  # a fit at a bound is no evidence for the law, only its predictions may be
+        return beyond_doubt(other, own)
+    # Ratios weigh blocks alike: squares of one bad block would outweigh all others.
+    gain, error = paired(*(np.log(np.maximum(one, LEAST)).tolist() for one in (other, own)))
+    material = rich.residual < (1.0 - MATERIAL) * simple.residual
+    return gain > error or (gain >= -error and material)
+
+
+def _chance(rich: Judged, simple: Judged) -> float:
+    """Return how likely the richer law's gain on the whole record is if the simpler one holds.
+
+    The F test of nested regressions. Residuals are counted by the effective number of the richer
+    fit: what a wrong simpler law leaves is correlated because it is wrong.
+    """
+    from scipy import stats
+
+    extra = max(rich.parameters - simple.parameters, 1)
+    freedom = max(rich.effective - rich.parameters, 1.0)
+    ratio = min(simple.residual / max(rich.residual, LEAST), 1e100)
+    return float(stats.f.sf((ratio**2 - 1.0) * freedom / extra, extra, freedom))
+
+
+def beyond_doubt(worse: Sequence[float], better: Sequence[float]) -> bool:
+    """Whether a law's losses are above another's by more than a 95 % interval of the difference.
+
+    Parameters
+    ----------
+    worse, better : sequence of float (blocks,)
+        Mean squares on the same blocks; a single one leaves any difference in doubt.
+
+    Examples
+    --------
+    >>> beyond_doubt([2.0, 2.1, 1.9], [1.0, 1.0, 1.0]), beyond_doubt([2.0], [1.0])
+    (True, False)
+    """
+    from scipy import stats
+
+    gap, error = paired(worse, better)
+    return len(worse) > 1 and gap > float(stats.t.ppf(0.975, len(worse) - 1)) * error
+
+
+def effective_aic(candidates: Sequence[Judged]) -> Mapping[str, float]:
+    """Return Akaike's criterion by name, residuals counted by their effective number.
+
+    That of the best fit counts for all: criteria of different sample sizes cannot be compared.
+    """
+    size = min(candidates, key=lambda c: c.residual).effective
+    return {
+        c.name: size * math.log(max(c.residual**2, 1e-300)) + 2.0 * c.parameters for c in candidates
+    }
+
+
+def choose(scored: Sequence[C], *, uncertainty: float = 0.0) -> C:
+    """Return the law to name: the best of those established over every simpler one they contain.
+
+    Of the established laws, the one with the least AIC (effective sample size) where held-out
+    blocks do not speak against it: within one paired standard error and 30 % of the least error.
+    If they do, those within one paired standard error and 2 % of the least error count as equal,
+    and one without an objection, then the one with the fewest parameters, is taken.
+
+    Parameters
+    ----------
+    scored : sequence of Judged
+        Candidates with held-out errors, at least one.
+    uncertainty : float
+        Of what is compared, as stated, or of its rounding.
+    """
+    by_name = {c.name: c for c in scored}
+    shown = [
+        c
+        for c in scored
+        if all(
+            established(c, by_name[name], uncertainty=uncertainty)
+            for name in c.simpler
+            if name in by_name
+        )
+    ]
+    least = min(shown, key=lambda c: c.score)
+    criteria = effective_aic(shown)
+    likely = min(shown, key=lambda c: criteria[c.name])
+    if as_good(likely, least, share=LIKELY):
+        return likely
+    near = [c for c in shown if as_good(c, least)]
+    return min(near, key=lambda c: (bool(c.dropped), c.parameters, c.score))
+
+
+def reduces_to(fit: RecordFit, simpler: str) -> bool:
+    """Whether a fitted law is, at its values, the simpler law of a name that it contains.
+
+    Parameters
+    ----------
+    fit : RecordFit
+        The fit of the richer law.
+    simpler : str
+        Registry name of the simpler law.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Measurement, QuadraticDrag, fit
+    >>> v = np.linspace(0.1, 1.0, 40)
+    >>> table = Measurement(velocity=v, friction=2.0 + 3.0 * np.sqrt(v))
+    >>> found = fit(Axis(inertia=1.0), QuadraticDrag, table)
+    >>> reduces_to(found, "coulomb-viscous")  # no drag that falls off: it went to 0
+    True
+    """
+    one = containment_of(type(fit.law), simpler)
+    if one is None:
+        return False
+    if any(fit.at_bounds.get(f"friction.{name}") != "upper" for name in one.limits):
+        return False
+    alike: dict[str, list[float]] = defaultdict(list)
+    for name, source in one.values.items():
+        value = float(getattr(fit.law, name))
+        alike[source if isinstance(source, str) else name].append(value)
+        if not isinstance(source, str):
+            alike[name].append(float(source))
+    sizes = [max(abs(x) for x in values) for values in alike.values()]
+    spread = [max(values) - min(values) for values in alike.values()]
+    return all(gap <= 1e-6 * size for gap, size in zip(spread, sizes, strict=True))
