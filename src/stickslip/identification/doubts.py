@@ -66,7 +66,7 @@ def estimates_of(
             low, high = -math.inf, math.inf
             reason = _bound_reason(item, at_bounds[item.path], value)
         elif not math.isfinite(half):
-            low, high, reason = -math.inf, math.inf, "the record does not depend on it"
+            low, high, reason = -math.inf, math.inf, inference.reasons[i]
         elif item.log:
             spread = half / value
             low, high = value * math.exp(-min(spread, 700.0)), value * math.exp(min(spread, 700.0))
