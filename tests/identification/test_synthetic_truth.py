@@ -118,7 +118,7 @@ def test_a_killed_run_goes_on_where_it_was(tmp_path, monkeypatch):
 
     called = []
 
-    def quick(seed, number, *, candidates, route):
+    def quick(seed, number, *, candidates, route, violation):
         called.append(number)
         row = {"seed": seed, "rig": number, "truth": "dahl", "failed": "no", "seconds": 0.0}
         return {**row, "route": route}

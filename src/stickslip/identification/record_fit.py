@@ -15,6 +15,7 @@ from stickslip.errors import ParameterError
 from stickslip.experiments import QUANTITIES, Measurement
 from stickslip.experiments.refusals import refuse_lack, refuse_unused
 from stickslip.experiments.units import turned
+from stickslip.identification.halves import Halves
 from stickslip.identification.inference import Inference, bootstrap
 from stickslip.identification.optimise import Found, improve
 from stickslip.identification.problem import Held, Linearised, Problem, RecordProblem
@@ -127,6 +128,8 @@ class RecordFit(Fit):
     """Which parameters ended at a bound, by path: ``"lower"`` or ``"upper"``."""
     sentences: tuple[str, ...]
     """What the record cannot tell, in words."""
+    halves: Halves | None = None
+    """Estimates from either half of a record in time; None if a half alone cannot be fitted."""
 
     @override
     def __str__(self) -> str:

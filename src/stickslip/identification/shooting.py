@@ -123,7 +123,8 @@ class _Local:
     def _damped(self) -> Array:
         """Inverse of the singular values (m,), damped."""
         bottom = self.singular**2 + self.damping * self.singular[0] ** 2
-        return self.singular / np.maximum(bottom, np.finfo(float).tiny)
+        found: Array = self.singular / np.maximum(bottom, np.finfo(float).tiny)
+        return found
 
     def near(self, change: Array) -> Array:
         """Return the initial state that fits better where the unknowns have changed by (p,)."""
