@@ -271,8 +271,9 @@ class Shooting(RecordProblem):
         Times of a run count from the start of its segment.
         """
         law, mechanisms = self._changed(seen.values)
+        same = np.zeros(len(self.unknowns))
         found = [
-            _run(one, mechanisms[id(one.mechanism)], law, seen.memory[k].state)
+            _run(one, mechanisms[id(one.mechanism)], law, seen.memory[k].near(same))
             for k, one in enumerate(self.segments)
             if k in seen.memory
         ]
