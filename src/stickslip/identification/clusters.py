@@ -5,7 +5,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.identification.inference import Directions
+from stickslip.identification.directions import Directions
 from stickslip.identification.problem import Linearised
 
 __all__ = ["sandwich"]

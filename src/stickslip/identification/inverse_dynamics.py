@@ -12,7 +12,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.experiments.cutting import between_gaps
 from stickslip.identification.applied import applied_force
-from stickslip.identification.inference import Directions
+from stickslip.identification.directions import Directions
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 

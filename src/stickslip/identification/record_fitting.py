@@ -29,6 +29,7 @@ from stickslip.identification.record_problems import Prepared, Route, Wanted, pr
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.refits import halves_of
 from stickslip.identification.shooting import Shooting
+from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
@@ -214,7 +215,6 @@ def _finished(
     unknowns, best = ready.problem.unknowns, found.best
     at_bounds = bounds_met(unknowns, best.values)
     inference = infer(best, scale_of(unknowns, best.values, at_bounds))
-    told = turned_as(measurement, in_forces(unknowns, ready.mechanism, measurement))
     values = dict(zip(unknowns.paths, best.values.tolist(), strict=True))
     law, own = (
         {path: value for path, value in values.items() if path.startswith(f"{room}.")}
@@ -236,10 +236,17 @@ def _finished(
         at_bounds=at_bounds,
         sentences=(),
     )
-    halves = None if found.cancelled else halves_of(fit)
-    if halves is not None:
-        inference = widened(inference, best.values, halves)
-    estimates = estimates_of(told, best, inference, at_bounds)
+    sentences = (*offset_left_out(ready.start, ready.mechanism, unknowns), *_doubtful(searched))
+    told = turned_as(measurement, in_forces(unknowns, ready.mechanism, measurement))
+    return _with_estimates(fit, told, sentences)
+
+
+def _with_estimates(fit: RecordFit, told: Unknowns, sentences: Sequence[str]) -> RecordFit:
+    """Return a fit with its estimates and their intervals, and what is to be said of both."""
+    best = fit.found.best
+    halves = None if fit.found.cancelled else halves_of(fit)
+    inference = fit.inference if halves is None else widened(fit.inference, best.values, halves)
+    estimates = estimates_of(told, best, inference, fit.at_bounds)
     return replace(
         fit,
         estimates=estimates,
@@ -247,9 +254,8 @@ def _finished(
         halves=halves,
         sentences=(
             *(() if halves is None else contradiction(told, halves)),
-            *sentences_of(told, best, inference, at_bounds, estimates),
-            *offset_left_out(ready.start, ready.mechanism, unknowns),
-            *_doubtful(searched),
+            *sentences_of(told, best, inference, fit.at_bounds, estimates),
+            *sentences,
         ),
     )
 

@@ -4,7 +4,7 @@ The initial states of segments are eliminated to first order: their part of the 
 projected out, and they follow the other unknowns from one linearisation to the next.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import final
@@ -15,6 +15,13 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.identification.initial_states import (
+    SETTLING,
+    LocalState,
+    followed,
+    settled,
+    worse,
+)
 from stickslip.identification.problem import STEEPEST, Linearised, RecordProblem
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
@@ -26,30 +33,15 @@ __all__ = ["Segment", "Shooting"]
 
 Array = NDArray[np.float64]
 
-NEGLIGIBLE = 1e-7
-"""Singular values of the local states' slopes, over the largest, that are not told from 0."""
 SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_steps=5_000)
 """Six digits below the noise of any record. A segment takes a few hundred steps; where it takes
 thousands, parameters have gone where nothing moves as measured."""
 
 
-ROUNDS = 12
-"""Steps at most in which a first initial state is fitted."""
-SETTLING = 0.01
-"""It is fitted when a step promises to lower the misfit by less than this share."""
 FIRST = 20
 """First rows of a segment from whose slope it is seen whether the body may be at rest ..."""
 UNSEEN = 3.0
 """... if that is less than so many standard errors."""
-WORSE = 1.3
-"""Segments are looked at again whose mean square is so many times the median of all: that of a
-hundred rows of noise scatters by a seventh."""
-EXACT = 1e-6
-"""Root mean square, over the size of the motion, that no step need take off: the solver's own."""
-DAMPING = 1e-6
-"""First damping of these steps, over the largest eigenvalue of the normal equations."""
-LEAST_DAMPING, MOST_DAMPING = 1e-12, 1e4
-"""Its bounds: at the upper one, nothing moves any more."""
 SETTLED = 0.02
 """Bristles are settled that the first velocity bends within this share of a segment."""
 
@@ -70,75 +62,6 @@ class Segment:
     """What was measured there (n,)."""
     guess: Array
     """First guess of coordinates and rates (m,)."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Local:
-    """One segment, linearised: what is needed to carry its initial state on.
-
-    Steps of initial states are damped (Levenberg) in units of the motion: a velocity counts as the
-    way that it makes in the length of the segment. In the units of its own effect, the initial
-    velocity of a body that stays at rest would be moved without end: all it does is to shift where
-    the body stops, by next to nothing, as the initial position does too.
-    """
-
-    state: Array
-    """Initial coordinates and rates (m,)."""
-    residual: Array
-    """Measured less what is simulated from this very state (n,)."""
-    size: float
-    """Largest change of what was measured."""
-    slopes: Array
-    """By the unknowns (n, p)."""
-    units: Array
-    """What initial coordinates and rates are counted in (m,)."""
-    columns: Array
-    """Orthonormal (n, m): left singular vectors of the slopes by initial states in these units."""
-    singular: Array
-    """Singular values (m,)."""
-    directions: Array
-    """Right singular vectors, in rows (m, m)."""
-    damping: float = DAMPING
-    """Over the largest singular value squared."""
-
-    @property
-    def misfit(self) -> float:
-        """Sum of squares from this very state."""
-        return float(self.residual @ self.residual)
-
-    @property
-    def basis(self) -> Array:
-        """Orthonormal columns of what initial states can do (n, r)."""
-        return self.columns[:, self.singular > NEGLIGIBLE * self.singular[0]]
-
-    @property
-    def settled(self) -> bool:
-        """Whether another step promises next to nothing, or less than the solver is exact to."""
-        kept = 1.0 - self._damped * self.singular
-        promised = float(np.sum((self.columns.T @ self.residual) ** 2 * (1.0 - kept**2)))
-        exact = len(self.residual) * (EXACT * self.size) ** 2
-        return promised <= max(SETTLING * self.misfit, exact)
-
-    @property
-    def _damped(self) -> Array:
-        """Inverse of the singular values (m,), damped."""
-        bottom = self.singular**2 + self.damping * self.singular[0] ** 2
-        found: Array = self.singular / np.maximum(bottom, np.finfo(float).tiny)
-        return found
-
-    def near(self, change: Array) -> Array:
-        """Return the initial state that fits better where the unknowns have changed by (p,)."""
-        wanted = self.columns.T @ (self.residual - self.slopes @ change)
-        return self.state + self.units * (self.directions.T @ (self._damped * wanted))
-
-    def stepped(self, *, well: bool) -> "_Local":
-        """Return the segment with less damping if its last step went well, else with more."""
-        damping = self.damping / 10.0 if well else self.damping * 100.0
-        return replace(self, damping=min(max(damping, LEAST_DAMPING), MOST_DAMPING))
-
-    def projected(self, columns: Array) -> Array:
-        """Return columns less what initial states can do."""
-        return columns - self.basis @ (self.basis.T @ columns)
 
 
 @final
@@ -188,21 +111,21 @@ class Shooting(RecordProblem):
         slopes: bool = True,
     ) -> Linearised:
         chosen = range(len(self.segments)) if only is None else only
-        known: Mapping[int, _Local] = near.memory if near is not None else {}
+        known: Mapping[int, LocalState] = near.memory if near is not None else {}
         change = np.zeros(len(values)) if near is None else values - near.values
         try:
             law, mechanisms = self._changed(values)
         except ParameterError:
             return _failed(values, [self.segments[k] for k in chosen], chosen)
 
-        def one(k: int, before: _Local | None) -> _Local | None:
+        def one(k: int, before: LocalState | None) -> LocalState | None:
             segment, mechanism = self.segments[k], mechanisms[id(self.segments[k].mechanism)]
             shoot = partial(self._shot, segment, mechanism, law)
             at_rest = _may_rest(segment, self.quantity)
             if before is not None:
                 shot = partial(shoot, slopes=slopes)
-                return _followed(before, change, segment.guess, shot, at_rest=at_rest)
-            best = _settled(segment.guess, partial(shoot, slopes=False), at_rest=at_rest)
+                return followed(before, change, segment.guess, shot, at_rest=at_rest)
+            best = settled(segment.guess, partial(shoot, slopes=False), at_rest=at_rest)
             if best is None or not slopes:
                 return best
             again = shoot(best.state, slopes=True)
@@ -212,7 +135,7 @@ class Shooting(RecordProblem):
         if slopes and known and not change.any():
             # at the end of a descent: states carried on from poor values may be those of a side
             # valley, which shows in segments that fit worse than most
-            for k, poor in _worse(found).items():
+            for k, poor in worse(found).items():
                 again = one(k, None)
                 if again is not None and again.misfit < (1.0 - SETTLING) * poor.misfit:
                     found[k] = again
@@ -236,7 +159,7 @@ class Shooting(RecordProblem):
         state: Array,
         *,
         slopes: bool,
-    ) -> _Local | None:
+    ) -> LocalState | None:
         """Return a segment simulated from a state; None if the run fails or leaves all bounds."""
         run = _run(segment, mechanism, law, state)
         if run is None:
@@ -254,7 +177,7 @@ class Shooting(RecordProblem):
         units = np.ones(len(inner))
         units[len(mechanism.coordinates) :] = 1.0 / float(segment.times[-1])
         columns, singular, directions = np.linalg.svd(local * units, full_matrices=False)
-        return _Local(
+        return LocalState(
             state=state,
             residual=segment.measured - _seen(run, segment.times, column),
             size=float(np.ptp(segment.measured)),
@@ -280,7 +203,7 @@ class Shooting(RecordProblem):
         return tuple(run for run in found if run is not None)
 
     def _joined(
-        self, values: Array, chosen: Sequence[int], shots: Sequence[_Local | None]
+        self, values: Array, chosen: Sequence[int], shots: Sequence[LocalState | None]
     ) -> Linearised:
         done = [shot for shot in shots if shot is not None]
         if len(done) < len(shots):
@@ -294,66 +217,6 @@ class Shooting(RecordProblem):
         )
 
 
-def _settled(
-    guess: Array, shoot: Callable[[Array], _Local | None], *, at_rest: bool
-) -> _Local | None:
-    """Return a segment from the initial state that fits it best; None if no run succeeds."""
-    first = shoot(guess)
-    best = None if first is None else _descended(first, shoot)
-    return _or_at_rest(best, guess, shoot) if at_rest or best is None else best
-
-
-def _followed(
-    before: _Local,
-    change: Array,
-    guess: Array,
-    shoot: Callable[[Array], _Local | None],
-    *,
-    at_rest: bool,
-) -> _Local | None:
-    """Return a segment where the unknowns have changed by (p,): from a state carried on.
-
-    Where that fits worse than the old state was promised to, the old state is tried as well.
-    """
-    moved = shoot(before.near(change))
-    best = None if moved is None else replace(moved, damping=before.damping).stepped(well=True)
-    expected = before.residual - before.slopes @ change
-    if best is None or best.misfit > float(expected @ expected):
-        stayed = shoot(before.state)
-        if stayed is not None and (best is None or stayed.misfit < best.misfit):
-            best = replace(stayed, damping=before.damping).stepped(well=False)
-    if best is not None:
-        best = _descended(best, shoot)
-    return _or_at_rest(best, guess, shoot) if at_rest or best is None else best
-
-
-def _or_at_rest(
-    best: _Local | None, guess: Array, shoot: Callable[[Array], _Local | None]
-) -> _Local | None:
-    """Return a segment from rest, unless an initial velocity fits it clearly better.
-
-    Rest is not found downhill: a body that moves at first slides to where it is just stuck, and all
-    that its velocity does is to shift that place.
-    """
-    half = len(guess) // 2
-    if best is not None and not best.state[half:].any():
-        return best
-    first = shoot(np.where(np.arange(len(guess)) < half, guess, 0.0))
-    if first is None:
-        return best
-    rested = _descended(first, shoot)
-    clearly = best is not None and best.misfit < (1.0 - SETTLING) * rested.misfit
-    return best if clearly else rested
-
-
-def _worse(found: Mapping[int, _Local | None]) -> Mapping[int, _Local]:
-    """Return the segments whose mean square is above that of most."""
-    done = {k: one for k, one in found.items() if one is not None}
-    squares = {k: one.misfit / len(one.residual) for k, one in done.items()}
-    usual = float(np.median(list(squares.values()))) if squares else 0.0
-    return {k: one for k, one in done.items() if squares[k] > WORSE * usual}
-
-
 def _may_rest(segment: Segment, quantity: str) -> bool:
     """Whether the first samples of a segment are those of a body at rest, as far as one can see."""
     count = min(len(segment.times), FIRST)
@@ -363,24 +226,6 @@ def _may_rest(segment: Segment, quantity: str) -> bool:
     left = x - columns @ found
     error = np.sqrt(left @ left / (count - columns.shape[1]) / np.sum(columns[:, 0] ** 2))
     return bool(abs(found[0]) <= UNSEEN * error)
-
-
-def _descended(best: _Local, shoot: Callable[[Array], _Local | None]) -> _Local:
-    """Return a segment from the best state met on the way down.
-
-    What is projected out of residuals is what a state can do to first order: it is true only of a
-    state from which there is next to nothing left to do.
-    """
-    nothing = np.zeros(best.slopes.shape[1])
-    for _ in range(ROUNDS):
-        if best.settled:
-            break
-        there = shoot(best.near(nothing))
-        if there is None or there.misfit >= best.misfit:
-            best = best.stepped(well=False)
-        else:
-            best = replace(there, damping=best.damping).stepped(well=True)
-    return best
 
 
 def _run(
