@@ -22,7 +22,7 @@ import numpy as np
 
 from benchmarks.rigs import SOLVER, Array, Random, between
 from benchmarks.synthetic_truth import share
-from stickslip import Axis, CoulombViscous, Dahl, FrictionLaw, LuGre, Measurement, Stribeck, select
+from stickslip import Axis, FrictionLaw, LuGre, Measurement, Stribeck, select
 from stickslip.control import closed_loop
 from stickslip.errors import StickslipError
 from stickslip.identification import RecordFit
@@ -171,8 +171,8 @@ def judge(
 
 def friction_error(rig: ControlledAxis, fit: RecordFit, fresh: Measurement) -> float:
     """Return the root mean square error [N] of friction along a fresh motion, without its noise."""
-    from stickslip.identification.bristle_paths import Path, follow
     from stickslip.friction import BristleLaw
+    from stickslip.identification.bristle_paths import Path, follow
 
     t, x = np.asarray(fresh.time), np.asarray(fresh.values("position"))
     v = np.gradient(x, t)
@@ -257,9 +257,9 @@ def run(path: Path, rigs: int, seed: int, jobs: int, route: str | None) -> Itera
 def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return the table: laws named, coverage by parameter."""
     done = [row for row in rows if "failed" not in row]
+    median = float(np.median([row["seconds"] for row in rows]))
     lines = [
-        f"{len(done)} axes, {len(rows) - len(done)} failed; {np.median([r['seconds'] for r in rows]):.0f} s"
-        " a selection (median)",
+        f"{len(done)} axes, {len(rows) - len(done)} failed; {median:.0f} s a selection (median)",
         f"right or equal law (target {100 * RIGHT:.0f} %): {share([right(row) for row in done])}",
         f"true law named: {share([row['named'] == row['truth'] for row in done])}",
     ]

@@ -28,6 +28,15 @@ from stickslip.friction import BristleLaw
 Array: TypeAlias = NDArray[np.float64]
 Random: TypeAlias = np.random.Generator
 
+LEVELS = (
+    "kinetic_coefficient",
+    "static_coefficient",
+    "forward_kinetic_coefficient",
+    "backward_kinetic_coefficient",
+)
+"""Fields of laws that drift together."""
+PIECES = 20
+"""Pieces of a record in each of which levels that drift are constant."""
 REVERSALS = 6
 """Least number of reversals of a record."""
 FREE: Mapping[str, tuple[str, ...]] = {
@@ -69,6 +78,8 @@ class Rig:
     """Of that force [s]."""
     ramps: bool
     """Whether speeds are ramped up and down, as point-to-point motions do; else sums of sines."""
+    drift: float = 0.0
+    """Growth of friction levels over a record, over their mean, which is that of the law."""
 
 
 def between(random: Random, low: float, high: float) -> float:
@@ -178,18 +189,42 @@ def record(rig: Rig, random: Random) -> tuple[Measurement, Array]:
         wandering = rig.disturbance * float(np.std(force)) * _autocorrelated(rig, len(t), random)
         pushed = Sampled(times=t.tolist(), values=(force + wandering).tolist())
         try:
-            run = simulate(
-                replace(rig.axis, drive=pushed), rig.law, t_end=float(t[-1]), solver=SOLVER
-            )
+            x, v = _moved(rig, pushed, t)
         except SimulationError:
             continue
-        states = run.at(t)
-        x, v = np.asarray(states["x"]), np.asarray(states["v"])
         moving = np.sign(v[np.abs(v) > 0.02 * rig.speed])
         if np.count_nonzero(np.diff(moving)) >= REVERSALS:
             x = x + rig.noise * random.standard_normal(len(t))
             return Measurement(time=t, position=x, force=force), wandering
     raise SimulationError(f"no record of {rig.law.name} reverses {REVERSALS} times.")
+
+
+def _moved(rig: Rig, pushed: Sampled, t: Array) -> tuple[Array, Array]:
+    """Return positions and velocities (n,); levels that drift are constant in each piece."""
+    pieces = PIECES if rig.drift else 1
+    parts = np.array_split(np.arange(len(t)), pieces)
+    x, v = np.empty_like(t), np.empty_like(t)
+    start: list[float] | None = None
+    for number, rows in enumerate(parts):
+        growth = 1.0 + rig.drift * ((number + 0.5) / pieces - 0.5)
+        known = {field: getattr(rig.law, field, None) for field in LEVELS}
+        levels = {field: growth * level for field, level in known.items() if level is not None}
+        first, last = int(rows[0]), min(int(rows[-1]) + 1, len(t) - 1)
+        drive = Sampled(
+            times=[u - float(t[first]) for u in pushed.times[first:]], values=pushed.values[first:]
+        )
+        run = simulate(
+            replace(rig.axis, drive=drive),
+            replace(rig.law, **levels),  # type: ignore[arg-type]  # fields that it has, as was seen
+            t_end=float(t[last] - t[first]),
+            y0=start,
+            solver=SOLVER,
+        )
+        states = run.at(t[rows] - t[first])
+        x[rows], v[rows] = states["x"], states["v"]
+        ends = run.at(np.array([float(t[last] - t[first])]))
+        start = [float(ends[name][0]) for name in run.states]
+    return x, v
 
 
 def _pushing(rig: Rig, t: Array, random: Random) -> Array:

@@ -2,8 +2,10 @@
 
 ``python -m benchmarks.synthetic_truth --rigs 200 --seed 1 --jobs 2``; results are appended to a
 file line by line, and a run that was killed goes on where it was. ``--route inverse-dynamics`` asks
-the same of friction that is derived from filtered motion and force; ``--clean`` of axes with
-Coulomb and viscous friction whose records have the noise of an encoder and nothing else.
+the same of friction that is derived from filtered motion and force. ``--variant clean`` asks it of
+axes with Coulomb and viscous friction whose records have the noise of an encoder and nothing else;
+``--variant drag`` leaves a drag term out of the law that is fitted, and ``--variant drift`` lets
+friction levels grow by 5 % over a record: what do intervals cover then?
 """
 
 import argparse
@@ -18,10 +20,19 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.rigs import FREE, TRUTHS, Array, Rig, draw, record
-from stickslip import Axis, Measurement, fit, select
+from benchmarks.rigs import FREE, TRUTHS, Array, Random, Rig, draw, record
+from stickslip import (
+    Axis,
+    CoulombViscous,
+    FrictionLaw,
+    Measurement,
+    QuadraticDrag,
+    fit,
+    select,
+)
 from stickslip.errors import StickslipError
 from stickslip.identification import RecordFit
+from stickslip.identification.inference import infer
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.selection.choice import choose
 from stickslip.selection.cross_validation import CrossValidation
@@ -41,14 +52,36 @@ FRESH = 5
 """Fresh records of each rig: on a single one, luck decides between laws that are equally right."""
 ROUTES = ("shooting", "inverse-dynamics")
 KINDS = ("jackknife", "bootstrap", "naive")
+FURTHER = ("not widened", "limit", "limit, not widened")
+"""Intervals without what halves add; and whether either holds what the law comes to in the end."""
+VIOLATIONS = ("drag", "drift")
+DRAG = (0.05, 0.5)
+"""Drag at the largest speed over the kinetic level, where the law that is fitted has none."""
+DRIFT = 0.05
+"""Growth of levels over a record, over their mean."""
+TOGETHER = 6
+"""Fresh records whose fit stands for what a law comes to with data without end."""
 COVERAGE = (0.90, 0.99)
 """Targets for nominal 95 %."""
 REGRET = 0.10
 RESULTS = "synthetic_truth.jsonl"
 
 
-def coverage(found: RecordFit, rig: Rig) -> list[dict[str, Any]]:
-    """Return for every bounded estimate which intervals hold the true value."""
+def coverage(
+    found: RecordFit, rig: Rig, limits: Mapping[str, float] | None = None
+) -> list[dict[str, Any]]:
+    """Return for every bounded estimate which intervals hold the true value.
+
+    Parameters
+    ----------
+    found : RecordFit
+        A fit to a record of the rig.
+    rig : Rig
+        The truth.
+    limits : mapping of str to float, optional
+        By path what the law comes to with more data, where it does not hold.
+    """
+    plain = infer(found.found.best, found.scale).half_widths
     naive = 1.96 * np.sqrt(np.maximum(np.diag(found.inference.naive), 0.0))
     drawn = np.percentile(found.bootstrap(seed=0), [2.5, 97.5], axis=0)
     rows = []
@@ -59,11 +92,18 @@ def coverage(found: RecordFit, rig: Rig) -> list[dict[str, Any]]:
             rows.append({"path": estimate.path, "bounded": False})
             continue
         error = estimate.value - true
+        limit = {}
+        if limits is not None:
+            off = estimate.value - limits[estimate.path]
+            held = estimate.low <= limits[estimate.path] <= estimate.high
+            limit = {"limit": bool(held), "limit, not widened": bool(abs(off) <= plain[i])}
         rows.append(
-            {
+            limit
+            | {
                 "path": estimate.path,
                 "bounded": True,
                 "jackknife": bool(estimate.low <= true <= estimate.high),
+                "not widened": bool(abs(error) <= plain[i]),
                 "naive": bool(abs(error) <= naive[i]),
                 "bootstrap": bool(drawn[0, i] <= true <= drawn[1, i]),
                 "errors": float(error / found.inference.errors[i]),
@@ -74,15 +114,21 @@ def coverage(found: RecordFit, rig: Rig) -> list[dict[str, Any]]:
 
 
 def fitted(
-    rig: Rig, measurement: Measurement, *, starts: int = 4, route: str = ROUTES[0]
+    rig: Rig,
+    measurement: Measurement,
+    *,
+    law: type[FrictionLaw] | None = None,
+    starts: int = 4,
+    route: str = ROUTES[0],
 ) -> RecordFit:
-    """Return a fit of the true law, the inertia looked for too."""
+    """Return a fit of a law, the true one if none is given, the inertia looked for too."""
+    law = type(rig.law) if law is None else law
     found = fit(
         Axis(inertia=1.0),
-        type(rig.law),
+        law,
         measurement,
         unknown=("inertia",),
-        free=FREE.get(rig.law.name),
+        free=FREE.get(law.name),
         route=route,
         settings=RecordSettings(starts=starts),
     )
@@ -138,33 +184,53 @@ def _error(candidate: RecordCandidate, fresh: Measurement) -> float:
     return candidate.fit.score(fresh, horizon=HORIZON).rms
 
 
+def violated(rig: Rig, violation: str, random: Random) -> Rig:
+    """Return a rig that the law that is fitted to it does not hold for."""
+    if violation == "drift":
+        return replace(rig, drift=DRIFT)
+    assert isinstance(rig.law, QuadraticDrag)
+    drag = rig.law.kinetic_coefficient / rig.speed**2 * float(random.uniform(*DRAG))
+    return replace(rig, law=replace(rig.law, quadratic_coefficient=drag))
+
+
 def judge(
     seed: int,
     number: int,
     *,
     candidates: Sequence[str] = CANDIDATES,
     route: str = ROUTES[0],
-    clean: bool = False,
+    variant: str = "",
 ) -> dict[str, Any]:
     """Return what fits, and selection if there are candidates, make of one random rig."""
     random = np.random.default_rng([seed, number])
-    truth = ALWAYS if clean else list(TRUTHS)[number % len(TRUTHS)]
+    own = {"drag": "quadratic-drag", "clean": ALWAYS}
+    truth = own.get(variant) or list(TRUTHS)[number % len(TRUTHS)]
     began = time.perf_counter()
     row: dict[str, Any] = {"seed": seed, "rig": number, "truth": truth, "route": route}
-    row["clean"] = clean
+    row |= {"variant": variant}
     try:
-        rig = draw(random, truth)
-        if clean:
+        rig, law, limits = draw(random, truth), None, None
+        if variant == "clean":
             rig = replace(rig, disturbance=0.0)
+        violation = variant in VIOLATIONS
+        if violation:
+            rig = violated(rig, variant, random)
+            law = CoulombViscous if variant == "drag" else None
         measurement, _ = record(rig, random)
         fresh = [record(rig, random)[0] for _ in range(FRESH if candidates else 0)]
-        found = fitted(rig, measurement, route=route)
+        found = fitted(rig, measurement, law=law, route=route)
+        if violation:
+            more = Measurement(trials=tuple(record(rig, random)[0] for _ in range(TOGETHER)))
+            long = fitted(rig, more, law=law, starts=1, route=route)
+            limits = dict(zip(long.unknowns.paths, long.values.tolist(), strict=True))
         row |= {
             "correlation_time": rig.correlation_time,
             "over_noise": found.rms / rig.noise if route == ROUTES[0] else None,
             "effective": found.inference.effective,
             "rows": len(found.residual),
-            "intervals": coverage(found, rig),
+            "intervals": coverage(found, rig, limits),
+            "contradicting": bool(found.halves and found.halves.contradicting),
+            "chance": float(min(found.halves.chances)) if found.halves else None,
         }
         if candidates:
             row |= regrets(measurement, fresh, candidates=candidates, route=route)
@@ -174,7 +240,7 @@ def judge(
 
 
 def judged(
-    path: Path, seed: int, route: str = ROUTES[0], *, clean: bool = False
+    path: Path, seed: int, route: str = ROUTES[0], variant: str = ""
 ) -> list[dict[str, Any]]:
     """Return the results of a route in a file; a last line that was cut off does not count."""
     rows = []
@@ -183,8 +249,8 @@ def judged(
             row = json.loads(line)
         except json.JSONDecodeError:
             continue
-        asked = (seed, route, clean)
-        if (row["seed"], row.get("route", ROUTES[0]), row.get("clean", False)) == asked:
+        same = row.get("route", ROUTES[0]) == route and row.get("variant", "") == variant
+        if row["seed"] == seed and same:
             rows.append(repicked(row))
     return rows
 
@@ -238,17 +304,17 @@ def run(
     jobs: int,
     candidates: Sequence[str],
     route: str = ROUTES[0],
-    clean: bool = False,
+    variant: str = "",
 ) -> Iterator[str]:
     """Judge the rigs that a file does not hold yet, and append them; yield progress."""
-    done = {row["rig"] for row in judged(path, seed, route, clean=clean)}
+    done = {row["rig"] for row in judged(path, seed, route, variant)}
     left = [number for number in range(rigs) if number not in done]
     cut = path.exists() and not path.read_bytes().endswith(b"\n")
     with path.open("a", encoding="utf-8") as file, ProcessPoolExecutor(jobs) as pool:
         if cut and path.stat().st_size:
             file.write("\n")
         tasks = [
-            pool.submit(judge, seed, number, candidates=candidates, route=route, clean=clean)
+            pool.submit(judge, seed, number, candidates=candidates, route=route, variant=variant)
             for number in left
         ]
         for count, task in enumerate(as_completed(tasks), start=len(done) + 1):
@@ -300,7 +366,13 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         f"{len(rows)} rigs ({len(failed)} failed); {len(bounded)} of {len(intervals)} estimates"
         " have a bounded interval",
         f"coverage of nominal 95 % (target {100 * COVERAGE[0]:.0f} to {100 * COVERAGE[1]:.0f} %):",
-        *(f"  {kind:22}{share([one[kind] for one in bounded])}" for kind in KINDS),
+        *(
+            f"  {kind:22}{share([one[kind] for one in bounded])}"
+            for kind in (*KINDS, *FURTHER)
+            if all(kind in one for one in bounded)
+        ),
+        "halves of the record contradict each other in "
+        + share([row.get("contradicting", False) for row in rows]),
         "by parameter, jackknife:",
     ]
     for path in dict.fromkeys(one["path"] for one in bounded):
@@ -355,7 +427,10 @@ def main() -> None:
     )
     parser.add_argument("--route", choices=ROUTES, default=ROUTES[0], help="how records are fitted")
     parser.add_argument(
-        "--clean", action="store_true", help="Coulomb + viscous truth, noise of the encoder alone"
+        "--variant",
+        choices=("clean", *VIOLATIONS),
+        default="",
+        help="clean: encoder noise alone; drag: left out of the law; drift: of the levels",
     )
     given = parser.parse_args()
     candidates = {"all": CANDIDATES, "fast": FAST, "none": ()}[given.candidates]
@@ -366,11 +441,10 @@ def main() -> None:
         jobs=given.jobs,
         candidates=candidates,
         route=given.route,
-        clean=given.clean,
+        variant=given.variant,
     ):
         print(line, flush=True)
-    rows = judged(given.results, given.seed, given.route, clean=given.clean)
-    print("\n".join(summary(rows)))
+    print("\n".join(summary(judged(given.results, given.seed, given.route, given.variant))))
 
 
 if __name__ == "__main__":

@@ -6,7 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, Dahl, Measurement, Sampled, fit, simulate
+from stickslip import (
+    Axis,
+    CoulombViscous,
+    Dahl,
+    Measurement,
+    Pendulum,
+    Sampled,
+    fit,
+    simulate,
+)
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.identification.optimise import improve
 from stickslip.identification.record_fitting import fit_record
@@ -23,6 +32,8 @@ from stickslip.identification.shooting import Shooting
 TRUE = CoulombViscous(kinetic_coefficient=3.0, viscous_coefficient=8.0)
 RIG = Axis(inertia=4.0, offset=-0.4)
 RATE = 200.0
+CLOCK = Pendulum(mass=0.2, length=0.5)
+TRUE_DECAY = CoulombViscous(kinetic_coefficient=0.02, viscous_coefficient=0.003)
 
 
 def record_of(rig, law, *, end=6.0):
@@ -183,3 +194,70 @@ def test_bristles_are_found_from_positions_of_an_exact_record():
     # they have slid their length of 1 cm: in six segments, one begins where that takes long
     assert found.law.kinetic_coefficient == pytest.approx(3.0, rel=0.02)
     assert found.law.bristle_stiffness == pytest.approx(300.0, rel=0.15)
+
+
+def decay_of(law, start, *, end=30.0, noise=1e-3, seed=0):
+    """Return the decay of a pendulum that comes to rest after a third of the record."""
+    run = simulate(CLOCK, law, t_end=end, y0={"theta": start})
+    t = np.arange(0.0, end, 0.01)
+    angle = np.asarray(run.at(np.minimum(t, run.t[-1]))["theta"])
+    angle = angle + noise * np.random.default_rng(seed).normal(size=len(t))
+    return Measurement(time=t, position=angle)
+
+
+@pytest.mark.parametrize(
+    ("level", "start", "other"), [(0.02, 0.5, 0.4), (0.02, 0.8, 0.6), (0.03, 0.7, 0.55)]
+)
+def test_a_decay_that_ends_at_rest_is_fitted_and_predicted_to_its_noise(level, start, other):
+    law = CoulombViscous(kinetic_coefficient=level, viscous_coefficient=0.003)
+    found = fit(CLOCK, CoulombViscous, decay_of(law, start, seed=1))
+    assert found.rms == pytest.approx(1e-3, rel=0.05)  # 3000 rows know it to 1.3 %
+    assert found.law.kinetic_coefficient == pytest.approx(level, rel=0.02)
+    fresh = decay_of(law, other, seed=2)
+    for horizon in (1.0, 4.0):
+        score = found.score(fresh, horizon=horizon)
+        assert score.rms == pytest.approx(1e-3, rel=0.1), horizon
+        assert max(score.blocks) < 1.5e-3, horizon  # a hundred rows scatter by 7 %
+
+
+def dwelling(seed, *, noise=1e-5, end=16.0):
+    """Return a record of an axis that is pushed in bursts, and held by stiction between them."""
+    random = np.random.default_rng(seed)
+    t = np.arange(0.0, end, 1.0 / RATE)
+    force, at = np.zeros_like(t), 0.0
+    while at < end:
+        burst, dwell = random.uniform(0.3, 1.0), random.uniform(1.0, 3.0)
+        force[(t >= at) & (t < at + burst)] = random.choice((-1.0, 1.0)) * random.uniform(5, 10)
+        dwelt = (t >= at + burst) & (t < at + burst + dwell)
+        force[dwelt] = random.uniform(-1.5, 1.5)
+        at += burst + dwell
+    drive = Sampled(times=t.tolist(), values=force.tolist())
+    run = simulate(replace(RIG, drive=drive), TRUE, t_end=float(t[-1]))
+    return Measurement(time=t, position=run.at(t)["x"] + noise * random.normal(size=len(t)),
+                       force=force)  # fmt: skip
+
+
+def test_an_axis_that_dwells_under_stiction_is_fitted_and_predicted_to_its_noise():
+    settings = RecordSettings(resolution=200, starts=1)
+    found = fit(Axis(inertia=1.0), CoulombViscous, dwelling(1), unknown=("inertia",),
+                settings=settings)  # fmt: skip
+    assert found.rms == pytest.approx(1e-5, rel=0.05)
+    for horizon in (0.5, 1.0, 2.0):
+        score = found.score(dwelling(11), horizon=horizon)
+        assert score.rms == pytest.approx(1e-5, rel=0.1), horizon
+        assert max(score.blocks) < 2e-5, horizon
+
+
+@pytest.mark.parametrize("speed", [1e-12, 1e-9, 1e-6, 1e-4])
+def test_an_initial_velocity_of_next_to_nothing_stays_within_what_the_motion_can_be(speed):
+    found = fit(CLOCK, CoulombViscous, decay_of(TRUE_DECAY, 0.5), settings=RecordSettings(starts=1))
+    problem = found.build(decay_of(TRUE_DECAY, 0.4, seed=3), 1.0)
+    slow = [replace(s, guess=np.array([s.guess[0], speed])) for s in problem.segments[15:]]
+    resting = replace(problem, segments=tuple(slow))
+    # all that such a velocity does at rest is to shift where the body stops, by next to nothing
+    seen = resting.linearise(np.array([0.02, 0.003]))
+    for _ in range(3):
+        seen = resting.linearise(np.array([0.02, 0.003]), seen)
+        states = np.array([one.state for one in seen.memory.values()])
+        assert np.max(np.abs(states[:, 1])) < 0.1
+        assert np.max(np.abs(states[:, 0])) < 0.03

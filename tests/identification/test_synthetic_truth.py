@@ -118,10 +118,10 @@ def test_a_killed_run_goes_on_where_it_was(tmp_path, monkeypatch):
 
     called = []
 
-    def quick(seed, number, *, candidates, route, clean):
+    def quick(seed, number, *, candidates, route, variant):
         called.append(number)
         row = {"seed": seed, "rig": number, "truth": "dahl", "failed": "no", "seconds": 0.0}
-        return {**row, "route": route, "clean": clean}
+        return {**row, "route": route, "variant": variant}
 
     monkeypatch.setattr(synthetic_truth, "ProcessPoolExecutor", Here)
     monkeypatch.setattr(synthetic_truth, "judge", quick)
@@ -142,9 +142,9 @@ def test_a_killed_run_goes_on_where_it_was(tmp_path, monkeypatch):
     assert len(synthetic_truth.judged(path, 1)) == 4
 
     # and so are clean axes
-    assert synthetic_truth.judged(path, 1, clean=True) == []
-    list(run(path, rigs=1, seed=1, jobs=1, candidates=(), clean=True))
-    assert len(synthetic_truth.judged(path, 1, clean=True)) == 1
+    assert synthetic_truth.judged(path, 1, variant="clean") == []
+    list(run(path, rigs=1, seed=1, jobs=1, candidates=(), variant="clean"))
+    assert len(synthetic_truth.judged(path, 1, variant="clean")) == 1
     assert len(synthetic_truth.judged(path, 1)) == 4
 
 

@@ -24,10 +24,10 @@ from stickslip import (
 from stickslip.cli.output import document, json_text
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments.wording import quantity
+from stickslip.identification import refits
 from stickslip.identification.optimise import improve
 from stickslip.identification.record_fit import settled
 from stickslip.identification.record_fitting import fit_record
-from stickslip.selection import cross_validation
 from stickslip.selection.cross_validation import Plan, cross_validate, plan_of
 from stickslip.selection.record_admissibility import objection
 from stickslip.selection.record_words import (
@@ -255,7 +255,7 @@ def failing_without_a_block(*kinds):
 
 
 def test_a_candidate_that_cannot_be_refitted_is_dropped_and_says_why(monkeypatch):
-    monkeypatch.setattr(cross_validation, "improve", failing_without_a_block(Viscous))
+    monkeypatch.setattr(refits, "improve", failing_without_a_block(Viscous))
     short = recorded(CoulombViscous(kinetic_coefficient=4.0, viscous_coefficient=6.0), length=6.0)
     found = select(AXIS, short, [Viscous, CoulombViscous], horizon=0.5, settings=QUICK)
     assert found.best.name == "coulomb-viscous"
@@ -265,7 +265,7 @@ def test_a_candidate_that_cannot_be_refitted_is_dropped_and_says_why(monkeypatch
         "not judged: without a held-out block, the record cannot be predicted from this start."
     )
     assert json_text(document("select", found.to_dict()))
-    monkeypatch.setattr(cross_validation, "improve", failing_without_a_block(CoulombViscous))
+    monkeypatch.setattr(refits, "improve", failing_without_a_block(CoulombViscous))
     with pytest.raises(ConvergenceError, match="no candidate can be judged"):
         select(AXIS, short, [CoulombViscous], horizon=0.5, settings=QUICK)
 

@@ -5,18 +5,16 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.identification.directions import Directions
 from stickslip.identification.problem import Linearised
 
 __all__ = ["sandwich"]
 
 Array: TypeAlias = NDArray[np.float64]
 
-SINGULAR = 1e-9
-"""Directions whose scaled singular value is below this share of the largest are not told."""
-
 
 def sandwich(at: Linearised, free: NDArray[np.bool_]) -> Array:
-    """Return the covariance (p, p) of the values; infinite variances where not free.
+    """Return the covariance (p, p) of the values; infinite variances where not free or not seen.
 
     Residuals may be correlated in any way within a segment, and not between segments. Where few
     segments carry all the information that comes out too small by chance, so variances are at least
@@ -34,20 +32,21 @@ def sandwich(at: Linearised, free: NDArray[np.bool_]) -> Array:
     >>> 0.008 < float(np.sqrt(sandwich(many, np.array([True]))[0, 0])) < 0.012
     True
     """
-    table = at.slopes[:, free]
-    scale = np.linalg.norm(table, axis=0)
-    scale[scale == 0.0] = 1.0
-    inverse = np.linalg.pinv((table / scale).T @ (table / scale), rcond=SINGULAR, hermitian=True)
+    known = Directions.of(at.slopes[:, free])
     kinds, which = np.unique(at.segment, return_inverse=True)
-    scores = np.zeros((len(kinds), table.shape[1]))
-    np.add.at(scores, which, table / scale * at.residual[:, None])
+    scores = np.zeros((len(kinds), known.columns.shape[1]))
+    np.add.at(scores, which, known.columns * at.residual[:, None])
     count = len(kinds)
-    inner = inverse @ (scores.T @ scores) @ inverse * (count / max(count - 1, 1))
-    spare = max(len(at.residual) - table.shape[1], 1)
-    white = np.diag(inverse) * at.cost / spare
+    moved = scores @ known.inverse.T
+    inner = moved.T @ moved * (count / max(count - 1, 1))
+    spare = max(len(at.residual) - len(known.size), 1)
+    white = np.sum(known.inverse**2, axis=1) * at.cost / spare
     narrow = np.sqrt(np.maximum(1.0, white / np.maximum(np.diag(inner), 1e-300)))
     inner = np.where(np.diag(inner) > 0.0, inner * np.outer(narrow, narrow), np.diag(white))
+    for i, reason in enumerate(known.reasons(np.eye(len(known.size)))):
+        if reason:
+            inner[i, i] = np.inf
     covariance = np.zeros((len(free), len(free)))
-    covariance[np.ix_(free, free)] = inner / np.outer(scale, scale)
+    covariance[np.ix_(free, free)] = inner
     covariance[~free, ~free] = np.inf
     return covariance

@@ -21,6 +21,7 @@ __all__ = [
     "offset_left_out",
     "sentences_of",
     "step_intervals",
+    "with_unit",
 ]
 
 Array = NDArray[np.float64]
@@ -66,7 +67,7 @@ def estimates_of(
             low, high = -math.inf, math.inf
             reason = _bound_reason(item, at_bounds[item.path], value)
         elif not math.isfinite(half):
-            low, high, reason = -math.inf, math.inf, "the record does not depend on it"
+            low, high, reason = -math.inf, math.inf, inference.reasons[i]
         elif item.log:
             spread = half / value
             low, high = value * math.exp(-min(spread, 700.0)), value * math.exp(min(spread, 700.0))
@@ -75,7 +76,7 @@ def estimates_of(
                 reason = "the record leaves its order of magnitude open"
         elif half > max(MANY * abs(value), OF_BOUNDS * (item.high - item.low)):
             low, high = -math.inf, math.inf
-            reason = f"the record leaves its size open, ± {_with_unit(half, item, 2)}"
+            reason = f"the record leaves its size open, ± {with_unit(half, item, 2)}"
         found.append(
             Estimate(
                 path=item.path,
@@ -93,10 +94,11 @@ def estimates_of(
 def _bound_reason(item: Unknown, side: str, value: float) -> str:
     if item.above and side == "lower":
         return f"it went down to the {in_words(item.above)}: no surplus is seen"
-    return f"it ran to its {side} bound, {_with_unit(value, item)}"
+    return f"it ran to its {side} bound, {with_unit(value, item)}"
 
 
-def _with_unit(value: float, item: Unknown, digits: int = 3) -> str:
+def with_unit(value: float, item: Unknown, digits: int = 3) -> str:
+    """Return a value of an unknown with its unit."""
     unit = "" if item.quantity.unit == "1" else f" {item.quantity.unit}"
     return number(value, digits) + unit
 
@@ -153,7 +155,7 @@ def sentences_of(
             )
             lines.append(
                 f"No step from {item.quantity.symbol} to sliding can be told from 0:"
-                f" {_with_unit(step, item)}{bounds}."
+                f" {with_unit(step, item)}{bounds}."
             )
     lines += _together(unknowns, inference, at_bounds)
     if inference.condition > MOST_CONDITION:

@@ -6,14 +6,16 @@ said. Leaving a block out shows its error whole. Few of the blocks tell a parame
 their number are the degrees of freedom of its error (`benchmarks.synthetic_truth`, decision 0016).
 """
 
-import itertools
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from stickslip.identification.directions import Directions, takes_part
 from stickslip.identification.problem import Linearised
 
 __all__ = [
@@ -31,14 +33,11 @@ Array = NDArray[np.float64]
 
 BLOCKS = 8
 """Blocks of a record between which residuals count as independent."""
-INDEPENDENT = 0.5
-"""Effective rows, over all rows, from which those of a table count as independent."""
-HOPELESS = 1e7
-"""Condition beyond which a direction of the parameters is not seen at all."""
-TAKES_PART = 0.01
-"""Share of such a direction from which a parameter counts as part of it."""
-NO_SLOPE = 1e-12
-"""Slope of a parameter, over the largest of all on their scales, below which it has no effect."""
+DEPENDENT = 0.05
+"""Chance with which independent rows pass for dependent ones."""
+ALONE = 1e-12
+"""Share of what all blocks see of a direction, squared, below which the others see nothing."""
+ONCE = "only one part of the record depends on it"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,6 +54,8 @@ class Inference:
     """Of the slopes, their columns scaled to 1."""
     effective: float
     """Effective number of independent residuals."""
+    reasons: tuple[str, ...] = ()
+    """Why a standard error is infinite, for each of the parameters; empty where it is not."""
 
     @property
     def errors(self) -> Array:
@@ -78,24 +79,53 @@ class Inference:
 
 
 def block_sums(seen: Linearised, table: Array, *, blocks: int = BLOCKS) -> tuple[Array, Array]:
-    """Return the Gauss-Newton matrices (b, p, p) and gradients (b, p) of contiguous blocks.
-
-    The rows of a table, whose segments lie within each other, are dealt out as these are: blocks
-    of a table that is sorted would each see other speeds. Rows that follow from each other stay
-    together all the same.
-    """
-    edges = np.linspace(0, len(seen.residual), blocks + 1).astype(int)
-    order = np.arange(len(seen.residual))
-    within = bool(np.any(np.diff(seen.segment) < 0))
-    if within and effective_size(seen) >= INDEPENDENT * len(order):
-        order = np.argsort(seen.segment, kind="stable")
+    """Return the Gauss-Newton matrices (b, p, p) and gradients (b, p) of contiguous blocks."""
     squares, slopes = [], []
-    for first, last in itertools.pairwise(edges.tolist()):
-        rows = order[first:last]
+    for rows in np.array_split(np.arange(len(seen.residual)), blocks):
         part = table[rows]
         squares.append(part.T @ part)
         slopes.append(part.T @ seen.residual[rows])
     return np.array(squares), np.array(slopes)
+
+
+def _independent(seen: Linearised, known: Directions) -> bool:
+    """Whether rows are those of a table, dealt out to segments in turn, and do not go together."""
+    table = bool(np.any(np.diff(seen.segment) < 0))
+    return table and not _dependent(seen.residual, known.columns)
+
+
+def _dependent(residual: Array, columns: Array) -> bool:
+    """Whether neighbouring residuals of a least-squares fit go together: a one-sided test.
+
+    The first autocorrelation against its mean and variance where errors are independent, which
+    follow from the orthonormal regressors (n, r) exactly: a fit makes neighbours differ.
+
+    Source: J. Durbin, G. S. Watson, "Testing for serial correlation in least squares regression",
+    1950-1971; the distribution is taken as normal.
+    """
+    n, size = len(residual), float(residual @ residual)
+    if size == 0.0:
+        return False
+    shifted = _neighbours(columns)
+    seen = columns.T @ shifted
+    # of the quadratic form r A r / r r, A with halves beside the diagonal
+    freedom = n - columns.shape[1]
+    if freedom < 2:
+        return False
+    trace = -float(np.trace(seen))
+    square = 0.5 * (n - 1) - 2.0 * float(np.sum(shifted**2)) + float(np.sum(seen**2))
+    mean = trace / freedom
+    variance = 2.0 * (square - trace * mean) / (freedom * (freedom + 2.0))
+    found = float(residual[1:] @ residual[:-1]) / size
+    return bool(found - mean > stats.norm.ppf(1.0 - DEPENDENT) * math.sqrt(max(variance, 0.0)))
+
+
+def _neighbours(columns: Array) -> Array:
+    """Return half the sum of the rows before and after each row (n, p)."""
+    found = np.zeros_like(columns)
+    found[1:] += 0.5 * columns[:-1]
+    found[:-1] += 0.5 * columns[1:]
+    return found
 
 
 def infer(seen: Linearised, scale: Array, *, blocks: int = BLOCKS) -> Inference:
@@ -104,6 +134,15 @@ def infer(seen: Linearised, scale: Array, *, blocks: int = BLOCKS) -> Inference:
     One Gauss-Newton step from the optimum for each block that is left out; no run is made. Where a
     bound keeps the optimum from where it wants to go, what all blocks ask for is no error.
 
+    Where the rows are those of a table, and a test finds no serial dependence (`DEPENDENT`), each
+    row's own residual is its variance (HC2), with degrees of freedom of its own: blocks of a few
+    rows would throw most of ten rows away, and a common variance is too small where friction
+    scatters more at some speeds than at others.
+
+    Standard errors are infinite of what the record does not depend on, of what it shows only in a
+    sum with others, and of what one block alone shows: without that block nothing is known of it,
+    and how far the estimate would go cannot be said.
+
     Parameters
     ----------
     seen : Linearised
@@ -111,42 +150,124 @@ def infer(seen: Linearised, scale: Array, *, blocks: int = BLOCKS) -> Inference:
     scale : array (p, p)
         Derivatives of the values by what the optimiser sees; rows that are free of bounds.
     blocks : int
-        Number of blocks of equal length.
+        Number of blocks of equal length, of records in time.
 
     Source: J. G. MacKinnon, M. O. Nielsen, M. D. Webb, "Fast and reliable jackknife and bootstrap
-    methods for cluster-robust inference", 2023 (CV3).
+    methods for cluster-robust inference", 2023 (CV3); G. W. Imbens, M. Kolesar, "Robust standard
+    errors in small samples: some practical advice", 2016 (HC2).
+
+    Examples
+    --------
+    >>> v = np.linspace(0.1, 1.0, 10)
+    >>> columns = np.column_stack([np.ones(10), 1e9 * v])
+    >>> noise = np.random.default_rng(1).normal(size=10)
+    >>> noise -= columns @ np.linalg.lstsq(columns, noise)[0]
+    >>> line = Linearised(
+    ...     values=np.array([2.0, 1e-9]),
+    ...     residual=noise,
+    ...     slopes=columns,
+    ...     segment=np.zeros(10, dtype=int),
+    ... )
+    >>> infer(line, np.eye(2), blocks=5).condition < 10.0
+    True
     """
-    table = seen.slopes @ scale
-    size = np.linalg.norm(table, axis=0)
-    effective = size > NO_SLOPE * max(float(size.max(initial=0.0)), 1e-300)
-    blocks = max(2, min(blocks, len(seen.residual) // 4))
-    count = int(effective.sum())
-    part = table[:, effective]
-    squares, slopes = block_sums(seen, part, blocks=blocks)
-    inverse = np.linalg.pinv(squares.sum(axis=0), hermitian=True)
-    changes = _left_out(squares, slopes)
-    jackknife = (blocks - 1) / blocks * (changes.T @ changes)
-    naive = inverse * seen.cost / max(len(seen.residual) - count, 1)
-    singular, lost = _singular(part / size[effective])
-    told = effective.copy()
-    told[effective] = ~lost
+    known = Directions.of(seen.slopes @ scale)
+    spread = _spread(seen, known, blocks)
+    by_seen = scale @ known.inverse
+    moved = spread.changes @ by_seen.T
+    once = takes_part(by_seen, spread.alone)
+    reasons = [
+        why or (ONCE if one else "") for why, one in zip(known.reasons(scale), once, strict=True)
+    ]
+    spare = max(len(seen.residual) - known.columns.shape[1], 1)
+    naive = by_seen @ by_seen.T * (seen.cost / spare)
     return Inference(
-        covariance=_spread(jackknife, effective, told, scale),
-        naive=_spread(naive, effective, told, scale),
-        freedom=np.array([freedom_of(squares, row) for row in scale[:, effective]]),
-        condition=float(singular[0] / max(singular[-1], 1e-300)),
+        covariance=_unbounded(moved.T @ moved, reasons),
+        naive=_unbounded(naive, reasons),
+        freedom=np.array([spread.freedom(row) for row in by_seen]),
+        condition=known.condition,
         effective=effective_size(seen),
+        reasons=tuple(reasons),
     )
 
 
-def _left_out(squares: Array, slopes: Array) -> Array:
-    """Return what leaving each block out changes (b, p), from matrices and gradients of blocks."""
-    whole, wanted = squares.sum(axis=0), slopes.mean(axis=0)
-    changes = [
-        np.linalg.lstsq(whole - square, wanted - slope, rcond=1e-12)[0]
-        for square, slope in zip(squares, slopes, strict=True)
-    ]
-    return np.array(changes)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Spread:
+    """How orthonormal coordinates scatter: as independent changes would."""
+
+    changes: Array
+    """Whose squares add up to the covariance (b, r)."""
+    alone: Array
+    """Directions that only one block or row sees (r, k)."""
+    freedom: Callable[[Array], float]
+    """Degrees of freedom of the variance along a direction (r,)."""
+
+
+def _spread(seen: Linearised, known: Directions, blocks: int) -> _Spread:
+    """Return how the coordinates scatter, by blocks or by independent rows."""
+    if _independent(seen, known):
+        return _by_rows(seen.residual, known.columns)
+    blocks = max(2, min(blocks, len(seen.residual) // 2))
+    squares, slopes = block_sums(seen, known.columns, blocks=blocks)
+    changes, alone = _left_out(squares, slopes)
+    return _Spread(
+        changes=math.sqrt((blocks - 1) / blocks) * changes,
+        alone=alone,
+        freedom=partial(freedom_of, squares),
+    )
+
+
+def _by_rows(residual: Array, columns: Array) -> _Spread:
+    """Return the scatter by each row's residual, over what the fit leaves of its variance."""
+    left = 1.0 - np.sum(columns**2, axis=1)
+    alone = left <= ALONE
+    spare = np.where(alone, 1.0, left)
+    changes = columns * (np.where(alone, 0.0, residual) / np.sqrt(spare))[:, None]
+
+    def freedom(direction: Array) -> float:
+        weights = np.where(alone, 0.0, (columns @ direction) ** 2 / spare)
+        # trace of the quadratic form in independent residuals, and of its square (Satterthwaite)
+        trace = float(weights @ left)
+        cross = columns.T @ (weights[:, None] * columns)
+        square = float(weights**2 @ (2.0 * left - 1.0)) + float(np.sum(cross**2))
+        return max(trace * trace / square, 1.0) if trace > 0.0 else 1.0
+
+    return _Spread(changes=changes, alone=columns[alone].T, freedom=freedom)
+
+
+def _unbounded(covariance: Array, reasons: Sequence[str]) -> Array:
+    """Return a covariance that is infinite where there is a reason."""
+    found = covariance.copy()
+    for i, reason in enumerate(reasons):
+        if reason:
+            found[i, i] = np.inf
+    return found
+
+
+def _left_out(squares: Array, slopes: Array) -> tuple[Array, Array]:
+    """Return what leaving each block out changes (b, r), and what only one block sees (r, k).
+
+    Coordinates are orthonormal: the matrices of all blocks add up to 1. Along a direction that only
+    one block sees, nothing says how far leaving it out would lead; the change is 0 there.
+    """
+    wanted = slopes.mean(axis=0)
+    changes, alone = [], [np.zeros((squares.shape[1], 0))]
+    for rest, slope in zip(_rests(squares), slopes, strict=True):
+        share, directions = np.linalg.eigh(rest)
+        kept = share > ALONE
+        solved = directions[:, kept].T @ (wanted - slope) / share[kept]
+        changes.append(directions[:, kept] @ solved)
+        alone.append(directions[:, ~kept])
+    return np.array(changes), np.concatenate(alone, axis=1)
+
+
+def _rests(squares: Array) -> Array:
+    """Return the sums of all matrices but each one (b, p, p), without a difference."""
+    zero = np.zeros((1, *squares.shape[1:]))
+    before = np.concatenate([zero, np.cumsum(squares, axis=0)[:-1]])
+    after = np.concatenate([np.cumsum(squares[::-1], axis=0)[::-1][1:], zero])
+    found: Array = before + after
+    return found
 
 
 def freedom_of(squares: Array, direction: Array) -> float:
@@ -169,44 +290,27 @@ def freedom_of(squares: Array, direction: Array) -> float:
     >>> freedom_of(one_tells_most, np.ones(1)) < 2.0
     True
     """
-    whole = squares.sum(axis=0)
-    known = np.linalg.lstsq(whole, direction, rcond=1e-12)[0]
-    rest = [np.linalg.lstsq(whole - one, direction, rcond=1e-12)[0] for one in squares]
+    size = np.sqrt(np.maximum(np.diagonal(squares.sum(axis=0)), 0.0))
+    size = np.where(size > 0.0, size, 1.0)
+    squares, direction = squares / np.outer(size, size), direction / size
+    known = _solved(squares.sum(axis=0), direction)
+    rest = [_solved(one, direction) for one in _rests(squares)]
     others = 1.0 - np.eye(len(squares))
     # how leaving out block g answers to the gradient of block h
     answers = others[:, :, None] * np.array(rest)[:, None, :] - known
-    spread = np.einsum("ghp,hpq,khq->gk", answers, squares, answers)
+    spread = np.einsum("ghp,hpq,khq->gk", answers, squares, answers, optimize=True)
     total = float(np.trace(spread))
     return max(total * total / float(np.sum(spread * spread)), 1.0) if total > 0.0 else 1.0
+
+
+def _solved(square: Array, wanted: Array) -> Array:
+    """Return the least solution (p,) of scaled normal equations."""
+    return np.asarray(np.linalg.lstsq(square, wanted, rcond=ALONE)[0])
 
 
 def quantile_of(freedom: Array) -> Array:
     """Return half widths of 95 % intervals in standard errors: of Student's t."""
     return np.asarray(stats.t.ppf(0.975, freedom))
-
-
-def _singular(table: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Return singular values of scaled columns, and which of these only a sum of several tells."""
-    if not table.shape[1]:
-        return np.ones(1), np.zeros(0, dtype=bool)
-    _, singular, directions = np.linalg.svd(table, full_matrices=False)
-    flat = directions[singular < singular[0] / HOPELESS]
-    return singular, np.any(np.abs(flat) > TAKES_PART, axis=0)
-
-
-def _spread(
-    covariance: Array, effective: NDArray[np.bool_], told: NDArray[np.bool_], scale: Array
-) -> Array:
-    """Return a covariance of values from that of the effective coordinates.
-
-    It is infinite for those that the record does not tell.
-    """
-    whole = np.zeros((len(effective), len(effective)))
-    whole[np.ix_(effective, effective)] = covariance
-    values = scale @ whole @ scale.T
-    for i in np.flatnonzero(~told):
-        values[i, i] = np.inf
-    return values
 
 
 def effective_size(seen: Linearised) -> float:
@@ -237,8 +341,9 @@ def bootstrap(
     """Return draws (draws, p) of the change of what the optimiser sees when blocks weigh otherwise.
 
     What leaving each block out changes, with random weights: Gauss-Newton steps, no run is made.
-    Weights are normal, over the root of a chi square of as many degrees as each parameter has;
-    blocks drawn with replacement vary too little where there are so few, and covered 83 % for 95 %.
+    Of a table with independent rows, it is what each row changes. Weights are normal, over the root
+    of a chi square of as many degrees as each parameter has; blocks drawn with replacement vary too
+    little where there are so few, and covered 83 % for 95 %.
 
     Examples
     --------
@@ -253,13 +358,12 @@ def bootstrap(
     >>> bool(abs(draws.std() - rows.std() / 200**0.5) < 0.04)
     True
     """
-    table = seen.slopes @ scale
-    blocks = max(2, min(blocks, len(seen.residual) // 4))
-    squares, slopes = block_sums(seen, table, blocks=blocks)
-    changes = _left_out(squares, slopes)
+    known = Directions.of(seen.slopes @ scale)
+    spread = _spread(seen, known, blocks)
+    _, singular, axes = np.linalg.svd(spread.changes, full_matrices=False)
     random = np.random.default_rng(seed)
-    weights = random.standard_normal((draws, blocks))
-    degrees = np.array([freedom_of(squares, row) for row in np.eye(table.shape[1])])
-    spread = np.sqrt(stats.chi2.ppf(random.uniform(size=(draws, 1)), degrees) / degrees)
-    found: Array = math.sqrt((blocks - 1) / blocks) * (weights @ changes) / spread
+    weights = random.standard_normal((draws, len(singular)))
+    degrees = np.array([spread.freedom(row) for row in known.inverse])
+    shrunk = np.sqrt(stats.chi2.ppf(random.uniform(size=(draws, 1)), degrees) / degrees)
+    found: Array = weights @ (singular[:, None] * axes) @ known.inverse.T / shrunk
     return found

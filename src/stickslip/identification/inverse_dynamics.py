@@ -12,6 +12,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.experiments.cutting import between_gaps
 from stickslip.identification.applied import applied_force
+from stickslip.identification.directions import Directions
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
@@ -347,6 +348,7 @@ def _least(square: Array, wanted: Array) -> Array:
 def _deviations(table: Array, residual: Array, weights: Array) -> Array:
     root = np.sqrt(weights)[:, None]
     variance = float((weights * residual) @ residual) / len(residual)
-    inverse = np.linalg.pinv((root * table).T @ (root * table), hermitian=True)
-    deviations: Array = np.sqrt(variance * np.diag(inverse))
+    known = Directions.of(root * table)
+    deviations: Array = np.sqrt(variance * np.sum(known.inverse**2, axis=1))
+    deviations[[bool(why) for why in known.reasons(np.eye(len(known.size)))]] = np.inf
     return deviations

@@ -175,7 +175,9 @@ class _Target:
         self.runs, self.cancelled = 0, False
         self.best = fit.unknowns.coordinates(fit.values)
         self.free = [i for i, path in enumerate(fit.unknowns.paths) if path not in fit.at_bounds]
-        scale = np.linalg.pinv(fit.scale)
+        size = np.linalg.norm(fit.scale, axis=0)
+        size[size == 0.0] = 1.0  # a logarithm that ran to a bound
+        scale = np.linalg.pinv(fit.scale / size) / size[:, None]
         known = np.where(np.isfinite(fit.inference.covariance), fit.inference.covariance, 0.0)
         spread = np.sqrt(np.maximum(np.diag(scale @ known @ scale.T), 0.0))[self.free]
         low, high = (edge[self.free] for edge in fit.unknowns.limits())

@@ -16,6 +16,7 @@ from stickslip.experiments import QUANTITIES, Measurement
 from stickslip.experiments.refusals import refuse_lack, refuse_unused
 from stickslip.experiments.units import turned
 from stickslip.identification.containment import FittedLaw
+from stickslip.identification.halves import Halves
 from stickslip.identification.inference import Inference, bootstrap
 from stickslip.identification.optimise import Found, improve
 from stickslip.identification.problem import Held, Linearised, Problem, RecordProblem
@@ -132,6 +133,8 @@ class RecordFit(Fit):
     """Which contained law leaves less than this fit, in words; empty if none does."""
     route_reason: str = ""
     """Why the route was chosen, in words; empty if it was asked for or is the usual one."""
+    halves: Halves | None = None
+    """Estimates from either half of a record in time; None if a half alone cannot be fitted."""
 
     @override
     def __str__(self) -> str:

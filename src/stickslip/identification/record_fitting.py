@@ -21,14 +21,17 @@ from stickslip.identification.doubts import (
 from stickslip.identification.features import ROUTE as FEATURES
 from stickslip.identification.force_balance import Balanced
 from stickslip.identification.force_units import in_forces, turned_as
+from stickslip.identification.halves import contradiction, widened
 from stickslip.identification.inference import infer
 from stickslip.identification.loads import as_loaded
 from stickslip.identification.optimise import Found, Watch, search
 from stickslip.identification.record_fit import RecordFit, scale_of
 from stickslip.identification.record_problems import Prepared, Route, Wanted, prepared
 from stickslip.identification.record_settings import RecordSettings
+from stickslip.identification.refits import halves_of
 from stickslip.identification.route_choice import choose_route
 from stickslip.identification.shooting import Shooting
+from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
 
@@ -299,8 +302,6 @@ def _finished(
     unknowns, best = ready.problem.unknowns, found.best
     at_bounds = bounds_met(unknowns, best.values)
     inference = infer(best, scale_of(unknowns, best.values, at_bounds))
-    told = turned_as(measurement, in_forces(unknowns, ready.mechanism, measurement))
-    estimates = estimates_of(told, best, inference, at_bounds)
     values = dict(zip(unknowns.paths, best.values.tolist(), strict=True))
     law, own = (
         {path: value for path, value in values.items() if path.startswith(f"{room}.")}
@@ -308,10 +309,10 @@ def _finished(
     )
     mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
     mechanism, said = as_loaded(mechanism, measurement)
-    return RecordFit(
+    fit = RecordFit(
         law=vary(ready.start, "friction", law),
         mechanism=mechanism,
-        estimates=estimates,
+        estimates=(),
         remarks=(said,) if said else (),
         route=route,
         measurement=measurement,
@@ -320,10 +321,28 @@ def _finished(
         found=found,
         inference=inference,
         at_bounds=at_bounds,
+        sentences=(),
+    )
+    sentences = (*offset_left_out(ready.start, ready.mechanism, unknowns), *_doubtful(searched))
+    told = turned_as(measurement, in_forces(unknowns, ready.mechanism, measurement))
+    return _with_estimates(fit, told, sentences)
+
+
+def _with_estimates(fit: RecordFit, told: Unknowns, sentences: Sequence[str]) -> RecordFit:
+    """Return a fit with its estimates and their intervals, and what is to be said of both."""
+    best = fit.found.best
+    halves = None if fit.found.cancelled else halves_of(fit)
+    inference = fit.inference if halves is None else widened(fit.inference, best.values, halves)
+    estimates = estimates_of(told, best, inference, fit.at_bounds)
+    return replace(
+        fit,
+        estimates=estimates,
+        inference=inference,
+        halves=halves,
         sentences=(
-            *sentences_of(told, best, inference, at_bounds, estimates),
-            *offset_left_out(ready.start, ready.mechanism, unknowns),
-            *_doubtful(searched),
+            *(() if halves is None else contradiction(told, halves)),
+            *sentences_of(told, best, inference, fit.at_bounds, estimates),
+            *sentences,
         ),
     )
 

@@ -5,7 +5,8 @@ projected out, and they follow the other unknowns from one linearisation to the 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import final
 
 import numpy as np
@@ -14,6 +15,13 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.identification.initial_states import (
+    SETTLING,
+    LocalState,
+    followed,
+    settled,
+    worse,
+)
 from stickslip.identification.problem import STEEPEST, Linearised, RecordProblem
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
@@ -25,17 +33,15 @@ __all__ = ["Segment", "Shooting"]
 
 Array = NDArray[np.float64]
 
-NEGLIGIBLE = 1e-7
-"""Singular values of the local states' slopes, over the largest, that are not told from 0."""
 SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_steps=5_000)
 """Six digits below the noise of any record. A segment takes a few hundred steps; where it takes
 thousands, parameters have gone where nothing moves as measured."""
 
 
-ROUNDS = 5
-"""Rounds at most in which a first initial state is fitted."""
-SETTLING = 0.01
-"""It is fitted when a round lowers the misfit by less than this share."""
+FIRST = 20
+"""First rows of a segment from whose slope it is seen whether the body may be at rest ..."""
+UNSEEN = 3.0
+"""... if that is less than so many standard errors."""
 SETTLED = 0.02
 """Bristles are settled that the first velocity bends within this share of a segment."""
 
@@ -56,29 +62,6 @@ class Segment:
     """What was measured there (n,)."""
     guess: Array
     """First guess of coordinates and rates (m,)."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Local:
-    """One segment, linearised: what is needed to carry its initial state on."""
-
-    state: Array
-    """Initial coordinates and rates (m,)."""
-    residual: Array
-    slopes: Array
-    """By the unknowns (n, p)."""
-    basis: Array
-    """Orthonormal columns of what initial states can do (n, r)."""
-    inverse: Array
-    """Initial state by residual (m, n)."""
-
-    def near(self, change: Array) -> Array:
-        """Return the initial state that fits best where the unknowns have changed by (p,)."""
-        return self.state + self.inverse @ (self.residual - self.slopes @ change)
-
-    def projected(self, columns: Array) -> Array:
-        """Return columns less what initial states can do."""
-        return columns - self.basis @ (self.basis.T @ columns)
 
 
 @final
@@ -128,37 +111,35 @@ class Shooting(RecordProblem):
         slopes: bool = True,
     ) -> Linearised:
         chosen = range(len(self.segments)) if only is None else only
-        known: Mapping[int, _Local] = near.memory if near is not None else {}
+        known: Mapping[int, LocalState] = near.memory if near is not None else {}
         change = np.zeros(len(values)) if near is None else values - near.values
         try:
             law, mechanisms = self._changed(values)
         except ParameterError:
             return _failed(values, [self.segments[k] for k in chosen], chosen)
 
-        def one(k: int) -> _Local | None:
+        def one(k: int, before: LocalState | None) -> LocalState | None:
             segment, mechanism = self.segments[k], mechanisms[id(self.segments[k].mechanism)]
-            before = known.get(k)
+            shoot = partial(self._shot, segment, mechanism, law)
+            at_rest = _may_rest(segment, self.quantity)
             if before is not None:
-                return self._shot(segment, mechanism, law, before.near(change), slopes=slopes)
-            state = self._settled(segment, mechanism, law)
-            return (
-                None if state is None else self._shot(segment, mechanism, law, state, slopes=slopes)
-            )
+                shot = partial(shoot, slopes=slopes)
+                return followed(before, change, segment.guess, shot, at_rest=at_rest)
+            best = settled(segment.guess, partial(shoot, slopes=False), at_rest=at_rest)
+            if best is None or not slopes:
+                return best
+            again = shoot(best.state, slopes=True)
+            return None if again is None else replace(again, damping=best.damping)
 
-        return self._joined(values, chosen, [one(k) for k in chosen])
-
-    def _settled(self, segment: Segment, mechanism: Mechanism, law: FrictionLaw) -> Array | None:
-        """Return the initial state that fits a segment, from the guess; None if no run succeeds."""
-        state, least = segment.guess, np.inf
-        for _ in range(ROUNDS):
-            shot = self._shot(segment, mechanism, law, state, slopes=False)
-            if shot is None:
-                return None
-            misfit = float(np.sum(shot.projected(shot.residual) ** 2))
-            if misfit > (1.0 - SETTLING) * least:
-                break
-            least, state = misfit, shot.near(np.zeros(len(self.unknowns)))
-        return state
+        found = {k: one(k, known.get(k)) for k in chosen}
+        if slopes and known and not change.any():
+            # at the end of a descent: states carried on from poor values may be those of a side
+            # valley, which shows in segments that fit worse than most
+            for k, poor in worse(found).items():
+                again = one(k, None)
+                if again is not None and again.misfit < (1.0 - SETTLING) * poor.misfit:
+                    found[k] = again
+        return self._joined(values, chosen, list(found.values()))
 
     def _changed(self, values: Array) -> tuple[FrictionLaw, Mapping[int, Mechanism]]:
         """Return the law and, by identity, the segments' mechanisms with other values."""
@@ -178,7 +159,7 @@ class Shooting(RecordProblem):
         state: Array,
         *,
         slopes: bool,
-    ) -> _Local | None:
+    ) -> LocalState | None:
         """Return a segment simulated from a state; None if the run fails or leaves all bounds."""
         run = _run(segment, mechanism, law, state)
         if run is None:
@@ -193,13 +174,18 @@ class Shooting(RecordProblem):
             return None
         count = len(paths) - len(inner)
         own, local = table[:, :count], table[:, count:]
-        basis, inverse = _inverted(local)
-        return _Local(
+        units = np.ones(len(inner))
+        units[len(mechanism.coordinates) :] = 1.0 / float(segment.times[-1])
+        columns, singular, directions = np.linalg.svd(local * units, full_matrices=False)
+        return LocalState(
             state=state,
             residual=segment.measured - _seen(run, segment.times, column),
+            size=float(np.ptp(segment.measured)),
             slopes=own if slopes else np.zeros((len(segment.times), len(self.unknowns))),
-            basis=basis,
-            inverse=inverse,
+            units=units,
+            columns=columns,
+            singular=singular,
+            directions=directions,
         )
 
     def runs(self, seen: Linearised) -> tuple[Trajectory, ...]:
@@ -217,7 +203,7 @@ class Shooting(RecordProblem):
         return tuple(run for run in found if run is not None)
 
     def _joined(
-        self, values: Array, chosen: Sequence[int], shots: Sequence[_Local | None]
+        self, values: Array, chosen: Sequence[int], shots: Sequence[LocalState | None]
     ) -> Linearised:
         done = [shot for shot in shots if shot is not None]
         if len(done) < len(shots):
@@ -231,6 +217,17 @@ class Shooting(RecordProblem):
         )
 
 
+def _may_rest(segment: Segment, quantity: str) -> bool:
+    """Whether the first samples of a segment are those of a body at rest, as far as one can see."""
+    count = min(len(segment.times), FIRST)
+    t, x = segment.times[:count], segment.measured[:count]
+    columns = np.vander(t - t.mean(), 2 if quantity == "position" else 1)
+    found = np.linalg.lstsq(columns, x, rcond=None)[0]
+    left = x - columns @ found
+    error = np.sqrt(left @ left / (count - columns.shape[1]) / np.sum(columns[:, 0] ** 2))
+    return bool(abs(found[0]) <= UNSEEN * error)
+
+
 def _run(
     segment: Segment, mechanism: Mechanism, law: FrictionLaw, state: Array
 ) -> Trajectory | None:
@@ -238,12 +235,12 @@ def _run(
     if not np.all(np.isfinite(state)):
         return None
     end = float(segment.times[-1])
-    start = [*state.tolist(), *_settled(mechanism, law, state, end)]
+    start = [*state.tolist(), *_bristles(mechanism, law, state, end)]
     run = SOLVER.run(mechanism, law, y0=start, t_end=end)
     return run if run.status.complete else None
 
 
-def _settled(mechanism: Mechanism, law: FrictionLaw, state: Array, end: float) -> list[float]:
+def _bristles(mechanism: Mechanism, law: FrictionLaw, state: Array, end: float) -> list[float]:
     """Return bristles that slip has settled before the segment, or 0 where slip is too slow.
 
     They are not free like the other initial states: what they do in the first micrometres, an
@@ -270,16 +267,6 @@ def _state_of(mechanism: Mechanism, quantity: str) -> str:
 
 def _seen(run: Trajectory, times: Array, column: int) -> Array:
     return run.at(times)[run.states[column]]
-
-
-def _inverted(local: Array) -> tuple[Array, Array]:
-    """Return the space of the columns (n, r), and what gives initial states by residuals (m, n)."""
-    scale = np.linalg.norm(local, axis=0)
-    scale[scale == 0.0] = 1.0
-    u, s, v = np.linalg.svd(local / scale, full_matrices=False)
-    kept = s > NEGLIGIBLE * s[0]
-    inverse = (v[kept].T / s[kept]) @ u[:, kept].T
-    return u[:, kept], inverse / scale[:, None]
 
 
 def _failed(values: Array, segments: Sequence[Segment], chosen: Sequence[int]) -> Linearised:

@@ -2,21 +2,18 @@
 
 import itertools
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ConvergenceError, InputError, SimulationError
+from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.experiments.cutting import rows_of
 from stickslip.experiments.signals import interval_of
-from stickslip.identification.applied import driven
-from stickslip.identification.optimise import improve
-from stickslip.identification.problem import Part, Problem
+from stickslip.identification.problem import Problem
 from stickslip.identification.record_fit import RecordFit, settled
+from stickslip.identification.refits import interleaved, positions_of, refitted
 from stickslip.identification.segmenting import LEAST
 
 __all__ = ["FOLDS", "CrossValidation", "Plan", "cross_validate", "halves", "plan_of"]
@@ -27,10 +24,6 @@ FOLDS = 8
 """Blocks of time, each predicted by a fit to the others."""
 EXTRAPOLATED = 1.0 / 3.0
 """Last share of the record that a fit to the rest extrapolates to."""
-FEWEST = 30
-"""Rows beside a held-out block from which they are worth a segment of their own."""
-ROUNDS = 8
-"""Steps at most from the estimates of the whole record to those without a block."""
 
 
 @final
@@ -74,7 +67,7 @@ class CrossValidation:
 def plan_of(fit: RecordFit, *, horizon: float, folds: int = FOLDS) -> Plan:
     """Return a plan: gaps as long as residuals of a fit are correlated, a horizon that fits in."""
     spans = fit.problem.spans
-    if _interleaved(spans):
+    if interleaved(spans):
         return Plan(folds=min(folds, len(spans)), gap=0.0, horizon=horizon, length=0.0)
     length = float(np.sum(spans[:, 2] - spans[:, 1]))
     block = length / folds
@@ -111,8 +104,7 @@ def _check_block(measurement: Measurement, block: float, length: float, folds: i
 def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
     """Return held-out errors of a fit, its unknowns fitted anew without each block."""
     judged = fit.build(fit.measurement, plan.horizon)
-    trained, tested = _positions(fit.problem), _positions(judged)
-    refitted = _refitting(fit)
+    trained, tested = positions_of(fit.problem), positions_of(judged)
     edges = np.linspace(0.0, max(trained[-1, 1], tested[-1, 1]), plan.folds + 1)
     losses = []
     for first, last in itertools.pairwise(edges.tolist()):
@@ -122,9 +114,9 @@ def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
             continue
         # segments may stick out of their block: what they reach is not trained on
         begin, end = min(first, tested[held, 0].min()), max(last, tested[held, 1].max())
-        values = refitted(fit, begin - plan.gap, end + plan.gap)
-        if values is not None:
-            losses.append(_loss(judged, values, held))
+        without = refitted(fit, begin - plan.gap, end + plan.gap)
+        if without is not None:
+            losses.append(_loss(judged, without.values, held))
     if not losses:
         raise InputError(
             f"the record of {plan.length:.3g} s has nothing left to fit to when a block of it is"
@@ -134,44 +126,8 @@ def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
     border = (1.0 - EXTRAPOLATED) * edges[-1]
     after = tested[:, 0] >= border
     before = refitted(fit, border - plan.gap, math.inf) if after.any() else None
-    ahead = math.nan if before is None else _loss(judged, before, after)
+    ahead = math.nan if before is None else _loss(judged, before.values, after)
     return CrossValidation(losses=tuple(losses), extrapolation=math.sqrt(ahead))
-
-
-def _refitting(fit: RecordFit) -> Callable[[RecordFit, float, float], Array | None]:
-    """Return how a fit is made again without a stretch of its record."""
-    decay = fit.route == "shooting" and not driven(fit.measurement)
-    return _refitted_decay if decay else _refitted
-
-
-def _positions(problem: Problem) -> Array:
-    """Return first and last time of each segment (segments, 2), records laid end to end.
-
-    The segments of a table have no times; they take one place each.
-    """
-    spans = problem.spans
-    if _interleaved(spans):
-        numbers = np.arange(len(spans), dtype=float)
-        return np.column_stack([numbers, numbers + 1.0])
-    shifts = _shifts(spans)
-    placed: Array = spans[:, 1:] + np.array([[shifts[int(record)]] for record in spans[:, 0]])
-    return placed
-
-
-def _shifts(spans: Array) -> dict[int, float]:
-    """Return by record what its times are shifted by, so that records lie end to end."""
-    shifts, at = {}, 0.0
-    for record in np.unique(spans[:, 0]):
-        own = spans[spans[:, 0] == record]
-        shifts[int(record)] = at - float(own[:, 1].min())
-        at += float(own[:, 2].max() - own[:, 1].min())
-    return shifts
-
-
-def _interleaved(spans: Array) -> bool:
-    """Whether segments lie within each other: those of a table, its rows dealt out in turn."""
-    same = spans[1:, 0] == spans[:-1, 0]
-    return bool(np.any(same & (spans[1:, 1] < 0.5 * (spans[:-1, 1] + spans[:-1, 2]))))
 
 
 def _loss(judged: Problem, values: Array, held: NDArray[np.bool_]) -> float:
@@ -180,63 +136,13 @@ def _loss(judged: Problem, values: Array, held: NDArray[np.bool_]) -> float:
     return found.cost / len(found.residual)
 
 
-def _refitted(fit: RecordFit, first: float, last: float) -> Array | None:
-    """Return the values that fit the segments outside a stretch, from those that fit all.
-
-    None if no segment is outside.
-    """
-    placed = _positions(fit.problem)
-    seen = (placed[:, 1] <= first) | (placed[:, 0] >= last)
-    if not seen.any():
-        return None
-    part = Part(fit.problem, np.flatnonzero(seen).tolist(), fit.found.best)
-    end, _ = improve(part, fit.values, rounds=ROUNDS)
-    return end.values
-
-
-def _refitted_decay(fit: RecordFit, first: float, last: float) -> Array | None:
-    """Return the same for a free decay, which was fitted in segments longer than a block.
-
-    What comes before a stretch and what comes after it are segments of their own, as long as they
-    are, as the whole decay was in the fit that is judged.
-    """
-    spans = fit.problem.spans
-    parts = _outside(fit.measurement, _shifts(spans), first, last)
-    if not parts:
-        return None
-    longest = float(np.max(spans[:, 2] - spans[:, 1]))
-    problem = fit.build(Measurement(trials=parts), longest)
-    end, _ = improve(problem, fit.values, rounds=ROUNDS)
-    return end.values
-
-
-def _outside(
-    measurement: Measurement, shifts: Mapping[int, float], first: float, last: float
-) -> tuple[Measurement, ...]:
-    """Return what records have outside a stretch, where it is more than a few samples."""
-    parts = []
-    for number, record in enumerate(measurement.records()):
-        if number not in shifts:
-            continue
-        time = np.asarray(record.time) + shifts[number]
-        end = int(np.searchsorted(time, first, side="right"))
-        begin = int(np.searchsorted(time, last))
-        # A stretch that is elsewhere leaves the record as it is.
-        pairs = [(0, end), (begin, len(time))] if begin > end else [(0, len(time))]
-        parts += [rows_of(record, a, b) for a, b in pairs if b - a >= FEWEST]
-    return tuple(replace(part, name="") for part in parts)
-
-
 def halves(fit: RecordFit) -> dict[str, tuple[float, float]]:
     """Return the estimates from the first and from the second half of a record, by path.
 
     Nothing where a half is too short, or alone cannot be fitted.
     """
-    middle, refitted = 0.5 * float(_positions(fit.problem)[-1, 1]), _refitting(fit)
-    try:
-        first, second = refitted(fit, middle, math.inf), refitted(fit, -math.inf, middle)
-    except (ConvergenceError, SimulationError):
+    found = fit.halves
+    if found is None:
         return {}
-    if first is None or second is None:
-        return {}
+    first, second = found.values
     return {path: (float(first[i]), float(second[i])) for i, path in enumerate(fit.unknowns.paths)}

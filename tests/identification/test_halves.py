@@ -1,0 +1,115 @@
+"""Halves of a record that contradict each other, and what becomes of intervals then."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from stickslip import (
+    Axis,
+    CoulombViscous,
+    Measurement,
+    Pendulum,
+    QuadraticDrag,
+    fit,
+    simulate,
+)
+from stickslip.identification.halves import Halves, blocks_of_half, widened
+from stickslip.identification.inference import Inference, infer
+from stickslip.identification.problem import Linearised
+from stickslip.selection.cross_validation import halves
+
+CLOCK = Pendulum(mass=0.2, length=0.5)
+
+
+def decay_of(law, seed, *, noise=1e-3):
+    run = simulate(CLOCK, law, t_end=30.0, y0={"theta": 0.8})
+    t = np.arange(0.0, 30.0, 0.01)
+    angle = np.asarray(run.at(np.minimum(t, run.t[-1]))["theta"])
+    return Measurement(
+        time=t, position=angle + noise * np.random.default_rng(seed).normal(size=len(t))
+    )
+
+
+@pytest.mark.parametrize("drag", [1e-4, 3e-4])
+def test_a_law_that_does_not_hold_is_said_first_and_intervals_cover_both_halves(drag):
+    law = QuadraticDrag(
+        kinetic_coefficient=0.005, viscous_coefficient=0.002, quadratic_coefficient=drag
+    )
+    found = fit(CLOCK, CoulombViscous, decay_of(law, 1))
+    assert found.sentences[0].startswith("The two halves of the record give ")
+    assert "the law does not hold over the whole record" in found.sentences[0]
+    pairs = halves(found)
+    for estimate in found.estimates:
+        if estimate.bounded:
+            first, second = pairs[estimate.path]
+            assert estimate.low <= min(first, second) <= max(first, second) <= estimate.high
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_law_that_holds_is_not_doubted(seed):
+    law = CoulombViscous(kinetic_coefficient=0.005, viscous_coefficient=0.002)
+    found = fit(CLOCK, CoulombViscous, decay_of(law, seed))
+    assert found.halves is not None
+    assert not found.halves.contradicting
+    plain = infer(found.found.best, found.scale)
+    np.testing.assert_array_equal(found.inference.half_widths, plain.half_widths)
+
+
+def test_halves_of_a_table_are_its_rows_dealt_out_and_contradict_nothing():
+    v = np.linspace(0.1, 1.0, 40)
+    table = Measurement(velocity=v, friction=2.0 + v + 0.5 * v**3)
+    found = fit(Axis(inertia=1.0), CoulombViscous, table)
+    assert found.halves is None or not found.halves.contradicting
+    assert not any("halves" in line for line in found.sentences)
+
+
+def halves_of_a_mean(rows):
+    """Return the halves of a record of which a mean and a slope are looked for."""
+    columns = np.column_stack([np.ones(len(rows)), np.sin(np.arange(len(rows)))])
+    values, known = [], []
+    for part in np.array_split(np.arange(len(rows)), 2):
+        own = np.linalg.lstsq(columns[part], rows[part], rcond=None)[0]
+        seen = Linearised(
+            values=own,
+            residual=rows[part] - columns[part] @ own,
+            slopes=columns[part],
+            segment=np.zeros(len(part), dtype=int),
+        )
+        values.append(own)
+        known.append(infer(seen, np.eye(2), blocks=blocks_of_half(seen)))
+    return Halves.of(tuple(values), tuple(known))
+
+
+def test_halves_contradict_each_other_seldom_where_the_law_holds_and_residuals_are_correlated():
+    random, alarms, seen = np.random.default_rng(3), 0, 0
+    for _ in range(500):
+        rows = lfilter([1.0], [1.0, -0.9], random.normal(size=800))
+        alarms += bool(halves_of_a_mean(rows).contradicting)
+        # the mean shifts by 4 standard deviations of the noise, 9 standard errors of either half
+        shifted = rows + np.where(np.arange(800) < 400, 0.0, 9.2)
+        seen += bool(halves_of_a_mean(shifted).contradicting)
+    # 1 % is asked for; blocks of 100 rows, five correlation lengths, are nearly independent
+    assert alarms / 500 <= 0.025
+    assert seen / 500 >= 0.5
+
+
+def test_what_a_half_does_not_show_contradicts_nothing_and_widens_nothing():
+    own = Inference(
+        covariance=np.diag([1.0, 4.0]),
+        naive=np.eye(2),
+        freedom=np.array([7.0, 7.0]),
+        condition=1.0,
+        effective=100.0,
+    )
+    apart = Halves(
+        values=(np.array([30.0, 5.0]), np.array([-40.0, 1e6])),
+        errors=np.array([2.0, math.inf]),
+        freedom=np.array([6.0, 1.0]),
+    )
+    assert list(apart.contradicting) == [0]
+    wide = widened(own, np.zeros(2), apart)
+    assert wide.half_widths[0] >= 40.0
+    assert wide.half_widths[1] == own.half_widths[1]
+    assert np.all(np.linalg.eigvalsh(wide.covariance) > 0.0)
