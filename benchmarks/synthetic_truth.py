@@ -9,7 +9,7 @@ import argparse
 import json
 import math
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
@@ -211,6 +211,7 @@ def run(
     jobs: int,
     candidates: Sequence[str],
     route: str = ROUTES[0],
+    judge: Callable[..., dict[str, Any]] = judge,
 ) -> Iterator[str]:
     """Judge the rigs that a file does not hold yet, and append them; yield progress."""
     done = {row["rig"] for row in judged(path, seed, route)}

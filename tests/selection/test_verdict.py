@@ -6,8 +6,8 @@ import pytest
 
 from stickslip import Coulomb, CoulombViscous, Measurement, SpringBlock, Stribeck, load_rig, select
 from stickslip.identification.travel import trials_of
-from stickslip.selection.admissibility import doubts, mark_passed_over
-from stickslip.selection.separation import proposals, separations
+from stickslip.selection.admissibility import doubts
+from stickslip.selection.separation import separations
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 COULOMB = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
@@ -53,21 +53,6 @@ def test_a_law_whose_viscous_part_may_be_zero_stays_in_the_ranking_with_the_reas
     assert any(line.startswith("$sigma_2$ of Coulomb") for line in verdict.words.cannot_tell)
 
 
-def test_a_law_in_doubt_is_passed_over_only_where_another_is_as_good_within_the_standard_errors(
-    verdict,
-):
-    coulomb, viscous = (
-        next(c for c in verdict.candidates if c.name == name)
-        for name in ("coulomb", "coulomb-viscous")
-    )
-    clearly = dataclasses.replace(
-        viscous, score=0.4 * coulomb.score, score_error=0.0, passed_over=""
-    )
-    hardly = dataclasses.replace(clearly, score_error=coulomb.score)
-    assert [c.passed_over != "" for c in mark_passed_over([coulomb, clearly])] == [False, False]
-    assert [c.passed_over != "" for c in mark_passed_over([coulomb, hardly])] == [False, True]
-
-
 def test_an_interval_that_reaches_zero_is_a_doubt(verdict):
     viscous = next(c for c in verdict.candidates if c.name == "coulomb-viscous")
     estimates = list(viscous.fit.estimates)
@@ -93,7 +78,7 @@ def test_the_mechanism_of_a_verdict_is_the_one_passed_in(verdict):
 def test_settings_already_measured_are_not_proposed_again(verdict):
     measured = [row.value for row in verdict.separations if row.measured]
     assert measured == [0.04, 0.1, 0.15]
-    new = [row.value for row in proposals(verdict.separations, "coulomb")]
+    new = [row.value for row in verdict.proposal.tried]
     assert all(abs(a - b) > 0.02 * b for a in new for b in measured)
     # between the measured ones, and beyond them: they span all that would be tried
     assert 0.04 < new[0] < 0.1

@@ -44,6 +44,8 @@ def models_section(verdict: TravelVerdict) -> Section:
 def _heading(verdict: TravelVerdict) -> str:
     best = verdict.best
     target = f"{travels(verdict)[0]:.3f} m"
+    if best is None and verdict.closest is not None:
+        return f"The closest model, {verdict.closest.title}, does not explain the readings"
     if best is None:
         return "No model reaches the measured travel"
     if verdict.ranked and best.score is not None:
@@ -155,6 +157,8 @@ def _cells(verdict: TravelVerdict, candidate: Candidate) -> list[Cell]:
     fitted, ranges = ", ".join(values) or "nothing", ", ".join(map(estimate_range, estimates))
     assumed = f"dropped: {candidate.dropped}" if candidate.dropped else assumed
     assumed += f"; not taken: {candidate.passed_over}" if candidate.passed_over else ""
+    if not candidate.distinguished:
+        assumed += "; not distinguished"
     if verdict.ranked:
         return [name, Name(text=fitted, aside=ranges), assumed]
     cells = [name, fitted, ranges or NONE, assumed]
@@ -212,7 +216,9 @@ def _caption(verdict: TravelVerdict) -> str:
         return verdict.words.no_score + tail
     count = len(verdict.measurement.records())
     return (
-        f"Score: each of the {count} travels predicted from a fit to the others, root mean square,"
-        " mm. Below each fitted number stands its interval. Among models whose scores differ by"
-        " less than their doubt the one with the fewest parameters is taken."
+        f"Score: each of the {count} travels predicted from a fit to the other settings, root mean"
+        " square, mm. Below each fitted number stands its interval. The simplest model is taken that"
+        " no richer one improves on beyond the uncertainty of the readings (likelihood-ratio test,"
+        " 5 %); parameters that were neither measured, given nor fitted count, and models that have"
+        " them are not scored."
     )
