@@ -23,7 +23,7 @@ STEP = 1e-4
 and the error of a one-sided difference is then about as small as it can be."""
 POLISHED = 3
 """Starting points that least squares goes on from, at most."""
-STEPS, REFINED = 20, 8
+STEPS, REFINED = 15, 4
 """Steps of least squares, at most: of a search, and from a single start that is already near."""
 NEAR = 100.0
 """Cost of a starting point over that of the best one beyond which no search begins there."""

@@ -41,8 +41,8 @@ rubber."""
 SLOPES = (1e-2, 1e5)
 """The same for a law whose first parameter is no level but a slope with speed, which grows with the
 size of a rig."""
-COUNT = 24
-"""Values of the first parameter that are scanned."""
+COUNTS = {LEVELS: 24, SLOPES: 15}
+"""How many values of the first parameter are scanned."""
 SHARES = (0.9, 0.6, 0.3)
 """Shares of the level that fits alone, beside which further parameters are scanned; a viscous part
 takes the rest."""
@@ -79,7 +79,7 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     span = SLOPES if names[first] == "viscous_coefficient" else LEVELS
     ends = span[0] * centre[first], span[1] * centre[first]
     low, high = room_for(model.law, names[first], model.free)
-    levels = np.unique(np.clip(np.geomspace(*ends, COUNT), max(low, ends[0]), high))
+    levels = np.unique(np.clip(np.geomspace(*ends, COUNTS[span]), max(low, ends[0]), high))
     idle = [_least(model, path, centre[path]) for path in others]
     rows = [[level, *idle] for level in levels.tolist()]
     table = np.array([_travels(model, trials, row) for row in rows])

@@ -1,6 +1,7 @@
 """The route of scarce data: travels of a body that comes to rest."""
 
 import math
+from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
@@ -79,10 +80,11 @@ def trials_of(mechanism: Mechanism, measurement: Measurement) -> tuple[Trial, ..
 def standard_errors(trials: Sequence[Trial]) -> tuple[Array, bool]:
     """Return a standard error of each travel [m], and whether any uncertainty was stated.
 
-    That of a rounding range is that of a uniform distribution. Readings without a stated
-    uncertainty beside others with one have the largest stated one. Where none is stated the errors
-    are lower bounds, for the true ones to be estimated from the residuals: nobody reads better
-    than the last digit that is written down.
+    That of a rounding range is that of a uniform distribution; repeats of a setting that were all
+    rounded to one number share one error, and so tell no more than one of them. Readings without a
+    stated uncertainty beside others with one have the largest stated one. Where none is stated the
+    errors are lower bounds, for the true ones to be estimated from the residuals: nobody reads
+    better than the last digit that is written down.
 
     Parameters
     ----------
@@ -106,6 +108,11 @@ def standard_errors(trials: Sequence[Trial]) -> tuple[Array, bool]:
     rounded = 1.0 / math.sqrt(3.0)
     widths = np.array([t.half_width * (rounded if t.kind == "rounding" else 1.0) for t in trials])
     least = LEAST_ERROR * float(np.mean([abs(trial.travel) for trial in trials])) or LEAST_ERROR
+    groups = Counter((t.setting, t.travel) for t in trials if t.kind == "rounding")
+    settings = Counter(trial.setting for trial in trials)
+    for i, t in enumerate(trials):
+        if groups[t.setting, t.travel] == settings[t.setting]:
+            widths[i] *= math.sqrt(settings[t.setting])
     if np.any(widths > 0.0):
         return np.maximum(np.where(widths > 0.0, widths, widths.max()), 1e-3 * least), True
     exponents = [Decimal(repr(trial.travel)).normalize().as_tuple().exponent for trial in trials]

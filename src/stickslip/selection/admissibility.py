@@ -10,9 +10,9 @@ from stickslip.selection.verdict import Candidate
 
 __all__ = ["chosen", "doubts", "improves", "mark_passed_over", "told_apart"]
 
-LEVEL = 0.95
-"""Of the test: a parameter that is not there is taken for real in 5 of 100 sets of readings; in 2.5
-where it has a bound at 0, such as a viscous part, since half of the fits then end there."""
+LEVEL = 0.975
+"""Of the test. A viscous part that is not there is taken for real in 1.25 of 100 sets of readings:
+it has a bound at 0, where half of such fits end."""
 
 
 def doubts(candidate: Candidate) -> dict[str, str]:
@@ -47,7 +47,7 @@ def _at(limit: float, estimate: Estimate) -> str:
 def improves(richer: TravelFit, simpler: TravelFit, extra: int) -> bool:
     """Whether a fit leaves significantly less than that of a simpler law.
 
-    The drop of chi-square is compared with the 95 % quantile of its distribution if the extra
+    The drop of chi-square is compared with the 97.5 % quantile of its distribution if the extra
     parameters are not there: chi-square with as many degrees of freedom where the uncertainty of
     the readings is known, and F where it is estimated from what the richer law leaves.
 
@@ -122,8 +122,9 @@ def _reason(candidate: Candidate, best: Candidate) -> str:
         return f"{names} {verb} neither measured, given nor fitted"
     if told_apart(candidate, best):
         return ""
+    needed = {e.path.rpartition(".")[2] for e in best.fit.estimates} if best.fit else set()
     for name, doubt in doubts(candidate).items():
-        if name not in {e.path.rpartition(".")[2] for e in best.fit.estimates if best.fit}:
+        if name not in needed:
             symbol = fields_of(type(candidate.law))[name].symbol
             return f"${symbol}$ is {doubt}, and {best.title} does without it"
     return f"it is no better than {best.title} within the uncertainty of the readings"

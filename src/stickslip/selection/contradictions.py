@@ -100,10 +100,10 @@ def _repeats(trials: Sequence[Trial]) -> Contradiction | None:
     _, i, j = worst
     one, other = sorted((trials[i].travel, trials[j].travel))
     where = setting_of(trials, trials[i])
-    doubt = f"; the standard error of a reading is {_mm(float(errors[i]))}" if stated else ""
+    known = f"; the standard error of a reading is {_mm(float(errors[i]))}" if stated else ""
     return Contradiction(
         reason=f"Repeats of one setting{where} contradict each other: {_mm(one)} and"
-        f" {_mm(other)}{doubt}.",
+        f" {_mm(other)}{known}.",
         check=(
             f"Which of the readings {_mm(one)} and {_mm(other)} is wrong: repeat them.",
             *_usual(),

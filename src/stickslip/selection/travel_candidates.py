@@ -116,7 +116,8 @@ def _scaled(law: FrictionLaw, invented: Sequence[str], simpler: Sequence[Candida
     level = fitted.get("friction.kinetic_coefficient", 0.0)
     if level <= 0.0 or "static_coefficient" not in invented:
         return law
-    over = float(law.static_coefficient) / float(law.kinetic_coefficient)
+    values = {path: value for path, _, value in parameters(law, "friction")}
+    over = values["friction.static_coefficient"] / values["friction.kinetic_coefficient"]
     changes = {"kinetic_coefficient": level, "static_coefficient": over * level}
     return vary(law, "friction", {f"friction.{name}": one for name, one in changes.items()})
 

@@ -49,7 +49,8 @@ def select_travels(
         One travel or several trials.
     laws : mapping or sequence, optional
         The candidates; instances bring start values and assumptions, types take ordinary ones.
-        If not given, the six that the source paper compares.
+        If not given, or an empty mapping, the six that the source paper compares. Parameters that
+        a type cannot do without, and that are not fitted, count as invented.
     t_end : float
         Time after which a body counts as stopped [s].
     watch : callable, optional
@@ -77,6 +78,8 @@ def select_travels(
     ('coulomb', False)
     """
     trials = trials_of(mechanism, measurement)
+    if isinstance(laws, Mapping) and not laws:
+        laws = None  # a rig file without friction values: the command tries the usual laws too
     named = _named(laws)
     if not named:
         raise InputError("there is no friction law to try: give at least one in `laws`.")

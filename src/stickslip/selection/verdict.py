@@ -209,9 +209,8 @@ class TravelVerdict(Verdict):
 
     @property
     def closest(self) -> Candidate | None:
-        """The best law, or else the one that comes closest to the readings."""
-        fitted = [c for c in self.explained if c.fit is not None]
-        return self.best or min(fitted, key=lambda c: (bool(c.invented), misfit(c)), default=None)
+        """The best law, or the one that would be taken if the readings did not contradict it."""
+        return self.best or next((c for c in self.explained if c.fit is not None), None)
 
     @override
     def __repr__(self) -> str:

@@ -245,7 +245,7 @@ def _range_line(estimate: Estimate, best: Candidate) -> str:
     symbol = f"${estimate.quantity.symbol}$"
     if not estimate.bounded:
         return f"{symbol} only to one side: {estimate.reason}."
-    lies = f"{symbol} lies between {_three(estimate.low)} and {_three(estimate.high)}"
+    lies = f"{symbol} lies between {estimate.range.replace(' to ', ' and ')}"
     if best.ordinary:
         return f"{lies}."
     inside = estimate.low <= given <= estimate.high
@@ -287,7 +287,7 @@ def _given_lines(explained: Sequence[Candidate], reading: float) -> list[str]:
     if busy:
         widest = 1e3 * max(moved.values())
         lines.append(
-            f"{busy}: taken as given. Half as much again moves the travel by up to"
+            f"{busy}: not fitted. Half as much again moves the travel by up to"
             f" {_short(widest)} mm, which the fitted level takes up."
         )
     return lines
