@@ -139,7 +139,9 @@ class _Problem:
         """Return where least squares ends that begins at `start`, on a bound if that is as good."""
         from scipy.optimize import least_squares
 
-        inside = np.clip(start, self.low + 1e-6 * self.scale, self.high - 1e-6 * self.scale)
+        # steps shrink with the distance from a bound: a start on one would hardly move
+        off = np.minimum(1e-2 * self.scale, 0.25 * (self.high - self.low))
+        inside = np.clip(start, self.low + off, self.high - off)
         found = least_squares(
             self.residuals,
             inside,

@@ -234,8 +234,9 @@ def _settles(trials: Sequence[Trial], best: Candidate | None) -> tuple[str, ...]
             f"Mean friction over the travel: {_three(work)} J / {_three(travel)} m"
             f" = {_three(_mean_force(best))} N."
         )
-    several = len(trials) > 1
-    lines += [_range_line(e, best) for e in best.fit.estimates if e.bounded or not several]
+    open_ = doubts(best) if len(trials) > 1 else {}
+    settled = [e for e in best.fit.estimates if e.path.rpartition(".")[2] not in open_]
+    lines += [_range_line(estimate, best) for estimate in settled]
     return tuple(lines[:3])
 
 
