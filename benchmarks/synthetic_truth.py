@@ -12,9 +12,10 @@ import argparse
 import json
 import math
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -305,17 +306,18 @@ def run(
     candidates: Sequence[str],
     route: str = ROUTES[0],
     variant: str = "",
+    rated: Callable[..., dict[str, Any]] | None = None,
 ) -> Iterator[str]:
     """Judge the rigs that a file does not hold yet, and append them; yield progress."""
     done = {row["rig"] for row in judged(path, seed, route, variant)}
     left = [number for number in range(rigs) if number not in done]
+    rate = partial(judge, variant=variant) if rated is None else rated
     cut = path.exists() and not path.read_bytes().endswith(b"\n")
     with path.open("a", encoding="utf-8") as file, ProcessPoolExecutor(jobs) as pool:
         if cut and path.stat().st_size:
             file.write("\n")
         tasks = [
-            pool.submit(judge, seed, number, candidates=candidates, route=route, variant=variant)
-            for number in left
+            pool.submit(rate, seed, number, candidates=candidates, route=route) for number in left
         ]
         for count, task in enumerate(as_completed(tasks), start=len(done) + 1):
             row = task.result()

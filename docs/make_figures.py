@@ -53,6 +53,7 @@ def separation() -> None:
         verdict.separations,
         "coulomb",
         [(rig.mechanism.compression, rig.measurement.travel)],
+        proposed=[row.value for row in verdict.proposal.settings],
         titles={candidate.name: candidate.title for candidate in verdict.candidates},
     )
     card(

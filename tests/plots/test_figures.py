@@ -1,6 +1,5 @@
 """Figures of runs and laws say what they show, and are the same each time."""
 
-import dataclasses
 import re
 from xml.etree import ElementTree
 
@@ -113,7 +112,7 @@ def figures(runs):
             ["measured", "Viscous", "Stribeck", "difference from Coulomb, mm"],
         ),
         "separation": (
-            draw_separation(ROWS, "coulomb", [(0.1, 0.2)], titles=titles),
+            draw_separation(ROWS, "coulomb", [(0.1, 0.2)], proposed=[0.06], titles=titles),
             SEPARATION_SIZES,
             ["0.450 m Coulomb, Dahl", "0.300 m Viscous", "measured", "measure here"],
         ),
@@ -210,12 +209,14 @@ def test_every_drawing_is_named_by_its_room():
     assert drawn <= set(plots.__all__)
 
 
-def test_measured_settings_are_not_where_to_measure():
-    rows = [dataclasses.replace(row, measured=row.value != 0.06) for row in ROWS]
-    draw = draw_separation(rows, "coulomb", [(0.1, 0.2)])
+def test_only_the_proposed_settings_are_marked():
+    draw = draw_separation(ROWS, "coulomb", [(0.1, 0.2)], proposed=[0.06])
     words = texts_of(inline_svg(draw, alt="Next", prefix="s", **SEPARATION_SIZES), "fw")
     assert "measure here" in words
     assert "and here" not in words
+    none = draw_separation(ROWS, "coulomb", [(0.1, 0.2)])
+    words = texts_of(inline_svg(none, alt="Next", prefix="s", **SEPARATION_SIZES), "fw")
+    assert "measure here" not in words
 
 
 def test_stick_slip_that_goes_on_is_shown_to_its_end():

@@ -6,8 +6,8 @@ import pytest
 
 from stickslip import Coulomb, CoulombViscous, Measurement, SpringBlock, Stribeck, load_rig, select
 from stickslip.identification.travel import trials_of
-from stickslip.selection.admissibility import doubts, mark_passed_over
-from stickslip.selection.separation import proposals, separations
+from stickslip.selection.admissibility import doubts
+from stickslip.selection.separation import separations
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 COULOMB = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
@@ -30,7 +30,8 @@ def trials(**travels):
     )
 
 
-READINGS = trials(mm40=29, mm100=200, mm150=452)
+# of mu_k = 0.2538: 30.2 (it stops on the spring), 200.8 and 451.9 mm
+READINGS = trials(mm40=30, mm100=201, mm150=452)
 
 
 @pytest.fixture(scope="module")
@@ -51,21 +52,6 @@ def test_a_law_whose_viscous_part_may_be_zero_stays_in_the_ranking_with_the_reas
     assert viscous.passed_over.endswith("and Coulomb does without it")
     assert "$" not in viscous.to_dict()["passed_over"]
     assert any(line.startswith("$sigma_2$ of Coulomb") for line in verdict.words.cannot_tell)
-
-
-def test_a_law_in_doubt_is_passed_over_only_where_another_is_as_good_within_the_standard_errors(
-    verdict,
-):
-    coulomb, viscous = (
-        next(c for c in verdict.candidates if c.name == name)
-        for name in ("coulomb", "coulomb-viscous")
-    )
-    clearly = dataclasses.replace(
-        viscous, score=0.4 * coulomb.score, score_error=0.0, passed_over=""
-    )
-    hardly = dataclasses.replace(clearly, score_error=coulomb.score)
-    assert [c.passed_over != "" for c in mark_passed_over([coulomb, clearly])] == [False, False]
-    assert [c.passed_over != "" for c in mark_passed_over([coulomb, hardly])] == [False, True]
 
 
 def test_an_interval_that_reaches_zero_is_a_doubt(verdict):
@@ -93,14 +79,15 @@ def test_the_mechanism_of_a_verdict_is_the_one_passed_in(verdict):
 def test_settings_already_measured_are_not_proposed_again(verdict):
     measured = [row.value for row in verdict.separations if row.measured]
     assert measured == [0.04, 0.1, 0.15]
-    new = [row.value for row in proposals(verdict.separations, "coulomb")]
+    new = [row.value for row in verdict.proposal.tried]
     assert all(abs(a - b) > 0.02 * b for a in new for b in measured)
     # between the measured ones, and beyond them: they span all that would be tried
     assert 0.04 < new[0] < 0.1
     assert new[-1] > 0.15
 
 
-def test_that_no_setting_would_tell_the_models_apart_is_said_plainly(verdict):
+def test_that_no_setting_would_tell_the_models_apart_is_said_plainly():
+    verdict = select(RIG, READINGS, [COULOMB, VISCOUS])
     # Coulomb and Coulomb + viscous without its viscous part are one law
     assert verdict.words.measure_next[0].startswith("No setting of $x_0$ from 60 mm to 225 mm")
 
@@ -138,7 +125,7 @@ def test_a_verdict_and_its_parts_print_as_a_few_lines(verdict):
         assert part._repr_html_().startswith("<p>")
         assert "$" not in repr(part)
     assert verdict.sentence in repr(verdict)
-    assert str(verdict.best.fit.estimates[0]) == "mu_k = 0.2540 (0.2517 to 0.2562)"
+    assert str(verdict.best.fit.estimates[0]) == "mu_k = 0.25370 (0.25341 to 0.25399)"
 
 
 def test_a_table_of_a_verdict_has_a_row_for_each_law(verdict):
@@ -146,4 +133,4 @@ def test_a_table_of_a_verdict_has_a_row_for_each_law(verdict):
     assert list(table.columns) == ["law", "parameters", "range", "travel", "score"]
     assert list(table["law"]) == [candidate.name for candidate in verdict.candidates]
     assert table["score"].tolist() == [candidate.score for candidate in verdict.candidates]
-    assert table["range"][0] == "0.2517 to 0.2562"
+    assert table["range"][0] == "0.25341 to 0.25399"

@@ -21,16 +21,15 @@ from stickslip.cli.output import (
 )
 from stickslip.cli.progress import Watching
 from stickslip.cli.select_records import select_on_records
-from stickslip.cli.selected import NO_LAW
+from stickslip.cli.selected import NO_LAW, laws_of
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig
-from stickslip.friction import FrictionLaw, law_type
-from stickslip.friction import laws as known_laws
-from stickslip.identification import starting_law
+from stickslip.friction import FrictionLaw
 from stickslip.paper import rig_report
 from stickslip.report.numbers import interval, length, significant
 from stickslip.report.verdicts import PAGE, write_verdict
 from stickslip.selection import Candidate, TravelVerdict, select
+from stickslip.selection.travels import PLAIN
 
 __all__ = ["run"]
 
@@ -71,7 +70,7 @@ def run(
 def _travels(
     rig: Rig, found: Measured, laws: str | None, output: Path, *, as_json: bool, enforce: bool
 ) -> None:
-    verdict = _selected(rig, found, _chosen(rig, laws))
+    verdict = _selected(rig, found, laws_of(rig, laws))
     content = document("select", {"rig": rig.title, "digest": found.digest, **verdict.to_dict()})
     if as_json:
         print_json(content)
@@ -90,9 +89,12 @@ def _travels(
         raise typer.Exit(CRITERIA_FAILED)
 
 
-def _selected(rig: Rig, found: Measured, laws: Mapping[str, FrictionLaw]) -> TravelVerdict:
+def _selected(
+    rig: Rig, found: Measured, laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | str] | None
+) -> TravelVerdict:
     """Select with a bar for what is compiled and one for what is fitted."""
-    with Watching(list(laws), "Fitting") as watch:
+    names = [one if isinstance(one, str) else one.name for one in laws or PLAIN]
+    with Watching(names, "Fitting") as watch:
         verdict = select(
             rig.mechanism,
             found.measurement,
@@ -105,18 +107,6 @@ def _selected(rig: Rig, found: Measured, laws: Mapping[str, FrictionLaw]) -> Tra
         )
     assert isinstance(verdict, TravelVerdict)
     return verdict
-
-
-def _chosen(rig: Rig, names: str | None) -> Mapping[str, FrictionLaw]:
-    """Return the laws to try: those of the rig, and ordinary values for others asked for."""
-    if names is None:
-        return rig.laws or {
-            name: starting_law(law) for name, law in known_laws().items() if not law.on_request
-        }
-    chosen = {}
-    for name in (part.strip() for part in names.split(",")):
-        chosen[name] = rig.laws.get(name) or starting_law(law_type(name))
-    return chosen
 
 
 def _criteria_hold(best: Candidate | None) -> bool:
@@ -150,4 +140,5 @@ def _row(candidate: Candidate, *, ranked: bool) -> list[str]:
         plain(length(candidate.criteria.travel)),
         "yes" if candidate.criteria.velocity_never_negative else "no",
     ]
-    return cells + ([significant(1e3 * (candidate.score or 0.0), 3)] if ranked else [])
+    score = "" if candidate.score is None else significant(1e3 * candidate.score, 3)
+    return cells + ([score] if ranked else [])

@@ -1,7 +1,7 @@
 """One travel fixes one number: the value that gives exactly that travel, and its range."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from stickslip.errors import ConvergenceError
 from stickslip.friction import FrictionLaw
@@ -73,14 +73,16 @@ def _estimate(
     )
 
 
-def room_for(law: FrictionLaw, name: str) -> tuple[float, float]:
-    """Return the values a parameter may take while the others stay as they are."""
+def room_for(law: FrictionLaw, name: str, free: Collection[str] = ()) -> tuple[float, float]:
+    """Return the values a parameter may take while all that are not free stay as they are."""
     quantities = fields_of(type(law))
     quantity = quantities[name]
     low, high = max(quantity.low, quantity.above or 0.0, 0.0), quantity.high
     if quantity.at_least is not None:
         low = max(low, getattr(law, quantity.at_least))
     for other, bound in quantities.items():
+        if f"friction.{other}" in free:
+            continue
         if bound.at_least == name and getattr(law, other) is not None:
             high = min(high, getattr(law, other))
     return low, high

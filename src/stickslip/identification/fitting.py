@@ -15,7 +15,7 @@ from stickslip.identification.least_squares import fit_several
 from stickslip.identification.record_fitting import fit_record
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.results import Fit, TravelFit
-from stickslip.identification.starts import check_known, starting_law, with_known
+from stickslip.identification.starts import Start, check_known, starting_law, with_known
 from stickslip.identification.travel import TravelModel, Trial, trials_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
@@ -145,10 +145,15 @@ def fit_trials(
     trials: Sequence[Trial],
     *,
     free: Sequence[str] | None = None,
+    starts: Sequence[Start] | None = None,
     t_end: float = 10.0,
     watch: Callable[[int], object] | None = None,
 ) -> TravelFit:
-    """Fit to trials as `fit` does to a measurement."""
+    """Fit to trials as `fit` does to a measurement.
+
+    Where there are several, searches begin at `starts`, or at points found by a scan of the
+    parameters if none are given.
+    """
     names = payable(law, trials) if free is None else [_path(law, name) for name in free]
     if len(names) > len(trials):
         raise InputError(
@@ -159,7 +164,7 @@ def fit_trials(
     if len(trials) == 1:
         return fit_one(model, trials[0])
     compile_for(trials, [law])
-    return fit_several(model, trials)
+    return fit_several(model, trials, starts)
 
 
 def payable(law: FrictionLaw, trials: Sequence[Trial]) -> list[str]:

@@ -1,94 +1,220 @@
-"""Several travels: weighted least squares, errors from the stated uncertainty and the residuals."""
+"""Several travels: weighted least squares, with intervals from the readings' standard errors."""
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ConvergenceError
+from stickslip.errors import ConvergenceError, ParameterError, SimulationError
 from stickslip.identification.exact import room_for
-from stickslip.identification.results import Estimate, TravelFit
-from stickslip.identification.travel import TravelModel, Trial
+from stickslip.identification.results import Estimate, TravelFit, variance_of
+from stickslip.identification.starts import Start, starting_points
+from stickslip.identification.travel import TravelModel, Trial, standard_errors
 from stickslip.quantities import Quantity, parameters
-
-if TYPE_CHECKING:
-    import lmfit
 
 __all__ = ["fit_several"]
 
-ROUNDING_VARIANCE = 1.0 / 3.0
-"""Of a uniform distribution, over the square of its half width."""
-LEAST_UNCERTAINTY = 1e-3
-"""Share of the mean travel taken as standard error where none is stated."""
+Array: TypeAlias = NDArray[np.float64]
+
+STEP = 1e-4
+"""Step of finite differences over the scale of a parameter: runs with bristles are exact to 1e-8,
+and the error of a one-sided difference is then about as small as it can be."""
+POLISHED = 3
+"""Starting points that least squares goes on from, at most."""
+STEPS, REFINED = 15, 4
+"""Steps of least squares, at most: of a search, and from a single start that is already near."""
+NEAR = 100.0
+"""Cost of a starting point over that of the best one beyond which no search begins there."""
+FAILED = 1e6
+"""Standardised residual of a run that cannot be made."""
+FLAT = 1e-8
+"""Singular value over the largest, columns scaled, below which a direction is not identified."""
 
 
-def fit_several(model: TravelModel, trials: Sequence[Trial]) -> TravelFit:
-    """Fit the free parameters to all trials."""
-    import lmfit
+def fit_several(
+    model: TravelModel, trials: Sequence[Trial], starts: Sequence[Start] | None = None
+) -> TravelFit:
+    """Fit the free parameters to all trials, and return the best point of all searches.
 
-    measured = np.array([trial.travel for trial in trials])
-    errors = _standard_errors(trials)
-    known = {path: (quantity, value) for path, quantity, value in parameters(model.law, "friction")}
-    unknowns = lmfit.Parameters()
-    for i, path in enumerate(model.free):
-        low, high = room_for(model.law, path.rpartition(".")[2])
-        value = min(max(known[path][1] or 0.1, low * 1.001), high * 0.999)
-        unknowns.add(f"u{i}", value=value, min=low, max=high)
+    Intervals are those of Student's t distribution. With stated uncertainties that the residuals
+    bear out, the standard errors are known, which is the limit of infinitely many degrees of
+    freedom. Where no uncertainty is stated, or the residuals exceed it significantly, the variance
+    is estimated from the residuals, and t has as many degrees of freedom as there are readings more
+    than parameters; see `TravelFit.variance`.
 
-    def residual(values: "lmfit.Parameters") -> NDArray[np.float64]:
-        point = [values[f"u{i}"].value for i in range(len(model.free))]
-        predicted = np.array([model.travel(trial, point) for trial in trials])
-        weighted: NDArray[np.float64] = (measured - predicted) / errors
-        return weighted
-
-    result = lmfit.minimize(residual, unknowns, method="least_squares", scale_covar=False)
-    if not result.success:
-        raise ConvergenceError(f"the fit of {', '.join(model.free)} ended: {result.message}")
-    best = [float(result.params[f"u{i}"].value) for i in range(len(model.free))]
-    freedom = len(trials) - len(best)
-    excess = max(1.0, float(np.sum(np.square(result.residual))) / freedom) if freedom else 1.0
-    return TravelFit(
-        law=model.with_values(best),
-        mechanism=trials[0].mechanism,
-        estimates=tuple(
-            _estimate(path, known[path][0], result.params[f"u{i}"], excess, freedom)
-            for i, path in enumerate(model.free)
-        ),
-        measured=tuple(measured.tolist()),
-        predicted=tuple((measured - result.residual * errors).tolist()),
-        runs=model.runs,
+    Parameters
+    ----------
+    model : TravelModel
+        The law, and which of its parameters are free.
+    trials : sequence of Trial
+        The readings; repeats of one setting are simulated once.
+    starts : sequence of sequence of float, optional
+        Where searches begin; a scan of the parameters if not given.
+    """
+    problem = _Problem(model, trials)
+    points = starting_points(model, trials) if starts is None else list(starts)
+    tried = sorted(
+        (problem.cost(problem.unknowns(point)), index, problem.unknowns(point))
+        for index, point in enumerate(points)
     )
+    cost, _, best = tried[0]
+    for first, _, start in tried[:POLISHED]:
+        if first > NEAR * tried[0][0]:
+            break
+        found = problem.polished(start, STEPS if len(points) > 1 else REFINED)
+        if problem.cost(found) < cost:
+            cost, best = problem.cost(found), found
+    if cost >= FAILED**2:
+        raise ConvergenceError(
+            f"no values of {', '.join(model.free)} were found with which every trial can be run."
+        )
+    return problem.fit(best)
 
 
-def _standard_errors(trials: Sequence[Trial]) -> NDArray[np.float64]:
-    """Return a standard error for each travel [m]."""
-    rounded = math.sqrt(ROUNDING_VARIANCE)
-    widths = np.array([t.half_width * (rounded if t.kind == "rounding" else 1.0) for t in trials])
-    least = LEAST_UNCERTAINTY * float(np.mean([abs(trial.travel) for trial in trials]))
-    return np.where(widths > 0, widths, least)
+class _Problem:
+    """Residuals over standard errors, as a function of unknowns that keep a law's inequalities.
 
+    An unknown is the parameter itself, or how much it lies above another free parameter that it
+    must not fall below.
+    """
 
-def _estimate(
-    path: str, quantity: Quantity, found: "lmfit.Parameter", excess: float, freedom: int
-) -> Estimate:
-    """Return an estimate with a 95 % interval, widened where the residuals exceed their errors."""
-    from scipy import stats
+    def __init__(self, model: TravelModel, trials: Sequence[Trial]) -> None:
+        self.model, self.trials = model, trials
+        self.measured = np.array([trial.travel for trial in trials])
+        self.errors, self.stated = standard_errors(trials)
+        known = parameters(model.law, "friction")
+        self.known: dict[str, tuple[Quantity, float]] = {p: (q, v) for p, q, v in known}
+        self.scale = np.array([self.known[path][1] or 0.1 for path in model.free])
+        self.matrix = np.eye(len(model.free))
+        """Values from unknowns."""
+        room = []
+        for i, path in enumerate(model.free):
+            prefix, _, name = path.rpartition(".")
+            base = f"{prefix}.{self.known[path][0].at_least}"
+            if base in model.free:
+                self.matrix[i, list(model.free).index(base)] = 1.0
+                room.append((0.0, math.inf))
+            else:
+                room.append(room_for(model.law, name, model.free))
+        self.low, self.high = (np.array(side) for side in zip(*room, strict=True))
+        above = np.array([self.known[p][0].above is not None for p in model.free])
+        self.least = self.low + np.where(above, 1e-3 * self.scale, 0.0)
+        self._seen: dict[tuple[float, ...], Array] = {}
 
-    value, error = float(found.value), found.stderr
-    reason = ""
-    if error is None or not math.isfinite(error) or error > 1e6 * abs(value) + 1e-300:
-        spread, reason = math.inf, "the trials do not depend on it enough"
-    else:
-        quantile = stats.t.ppf(0.975, freedom) if excess > 1.0 else stats.norm.ppf(0.975)
-        spread = float(quantile * error * math.sqrt(excess))
-    return Estimate(
-        path=path,
-        quantity=quantity,
-        value=value,
-        low=max(value - spread, found.min) if math.isfinite(spread) else -math.inf,
-        high=value + spread,
-        interval="95 %",
-        reason=reason,
-    )
+    def unknowns(self, values: Sequence[float]) -> Array:
+        """Return the unknowns for values of the parameters, just inside their bounds."""
+        found = np.linalg.solve(self.matrix, np.asarray(values, dtype=float))
+        clipped: Array = np.clip(found, self.least, self.high)
+        return clipped
+
+    def residuals(self, unknowns: Array) -> Array:
+        """Return measured less predicted travels over their standard errors (n,)."""
+        key = tuple(unknowns.tolist())
+        if key not in self._seen:
+            values = (self.matrix @ unknowns).tolist()
+            try:
+                predicted = self.model.travels(self.trials, values)
+            except (SimulationError, ParameterError):
+                return np.full(len(self.trials), FAILED)
+            self._seen[key] = (self.measured - predicted) / self.errors
+        return self._seen[key]
+
+    def cost(self, unknowns: Array) -> float:
+        return float(np.sum(self.residuals(unknowns) ** 2))
+
+    def jacobian(self, unknowns: Array) -> Array:
+        """Return derivatives of the residuals (n, p) by one-sided differences within bounds."""
+        base = self.residuals(unknowns)
+        columns = []
+        for i, scale in enumerate(np.maximum(np.abs(unknowns), 0.1 * self.scale)):
+            moved = unknowns.copy()
+            side = 1.0 if unknowns[i] + STEP * scale <= self.high[i] else -1.0
+            moved[i] += side * STEP * scale
+            columns.append((self.residuals(moved) - base) / (moved[i] - unknowns[i]))
+        return np.stack(columns, axis=1)
+
+    def polished(self, start: Array, steps: int) -> Array:
+        """Return where least squares ends that begins at `start`, on a bound if that is as good."""
+        from scipy.optimize import least_squares
+
+        # steps shrink with the distance from a bound: a start on one would hardly move
+        off = np.minimum(1e-2 * self.scale, 0.25 * (self.high - self.low))
+        inside = np.clip(start, self.low + off, self.high - off)
+        found = least_squares(
+            self.residuals,
+            inside,
+            jac=self.jacobian,
+            bounds=(self.low, self.high),
+            x_scale=np.maximum(np.abs(inside), 0.1 * self.scale),
+            xtol=1e-8,
+            ftol=1e-4,  # of chi-square, which decides where it is of the order of 10
+            gtol=1e-10,
+            max_nfev=steps,
+        )
+        ends: Array = np.asarray(found.x)
+        bound = np.where(ends - self.low < 1e-3 * self.scale, self.least, ends)
+        return bound if self.cost(bound) <= (1.0 + 1e-3) * self.cost(ends) + 1e-6 else ends
+
+    def fit(self, best: Array) -> TravelFit:
+        """Return what the best unknowns are, with intervals."""
+        residuals = self.residuals(best)
+        values = (self.matrix @ best).tolist()
+        errors, condition = self._errors(best)
+        freedom = len(residuals) - len(values)
+        variance = variance_of(float(np.sum(residuals**2)), freedom, stated=self.stated)
+        found = zip(self.model.free, values, errors.tolist(), self.scale.tolist(), strict=True)
+        return TravelFit(
+            law=self.model.with_values(values),
+            mechanism=self.trials[0].mechanism,
+            estimates=tuple(self._estimate(*one, variance) for one in found),
+            measured=tuple(self.measured.tolist()),
+            predicted=tuple((self.measured - residuals * self.errors).tolist()),
+            standard_errors=tuple(self.errors.tolist()),
+            stated=self.stated,
+            condition=condition,
+            runs=self.model.runs,
+        )
+
+    def _errors(self, best: Array) -> tuple[Array, float]:
+        """Return standard errors of the values (p,), and the condition of the scaled Jacobian.
+
+        A direction that the travels do not determine has an infinite error, not none.
+        """
+        jacobian = self.jacobian(best) @ np.linalg.inv(self.matrix)
+        sizes = np.linalg.norm(jacobian, axis=0)
+        if not np.all(np.isfinite(jacobian)) or not np.all(sizes > 0.0):
+            return np.full(len(best), np.inf), math.inf
+        _, singular, rows = np.linalg.svd(jacobian / sizes, full_matrices=False)
+        condition = float(singular[0] / max(singular[-1], 1e-300))
+        inverse = np.where(singular > FLAT * singular[0], 1.0 / np.maximum(singular, 1e-300), 0.0)
+        cut = np.abs(rows[inverse == 0.0]).max(axis=0, initial=0.0) > FLAT
+        errors = np.linalg.norm(rows * inverse[:, None], axis=0) / sizes
+        return np.where(cut, np.inf, errors), condition
+
+    def _estimate(
+        self, path: str, value: float, error: float, scale: float, variance: tuple[float, float]
+    ) -> Estimate:
+        """Return an estimate with its interval by Student's t; see `fit_several`."""
+        from scipy import stats
+
+        factor, freedom = variance
+        reason = ""
+        if freedom == 0:
+            spread, reason = math.inf, "no reading is left over to estimate the uncertainty from"
+        elif not math.isfinite(error) or error > 1e6 * max(abs(value), scale):
+            spread, reason = math.inf, "the trials do not depend on it enough"
+        else:
+            spread = float(stats.t.ppf(0.975, freedom)) * error * math.sqrt(factor)
+        quantity = self.known[path][0]
+        least = max(quantity.low, quantity.above or 0.0, 0.0)
+        return Estimate(
+            path=path,
+            quantity=quantity,
+            value=value,
+            low=max(value - spread, least) if math.isfinite(spread) else -math.inf,
+            high=value + spread,
+            interval="95 %",
+            reason=reason,
+        )

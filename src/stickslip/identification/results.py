@@ -16,7 +16,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path
 
-__all__ = ["Estimate", "Fit", "TravelFit"]
+__all__ = ["Estimate", "Fit", "TravelFit", "variance_of"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,6 +134,27 @@ class Fit(ABC):
         """Return the fit as plain numbers and strings."""
 
 
+SIGNIFICANT = 0.99
+"""Quantile of chi-square above which residuals contradict the stated uncertainty."""
+
+
+def variance_of(chi_square: float, freedom: int, *, stated: bool) -> tuple[float, float]:
+    """Return the variance of standardised residuals and its degrees of freedom.
+
+    Examples
+    --------
+    >>> variance_of(3.0, 2, stated=True), variance_of(30.0, 2, stated=True)
+    ((1.0, inf), (15.0, 2.0))
+    >>> variance_of(3.0, 2, stated=False)
+    (1.5, 2.0)
+    """
+    from scipy.stats import chi2
+
+    if stated and (freedom <= 0 or chi_square <= chi2.ppf(SIGNIFICANT, freedom)):
+        return 1.0, math.inf
+    return max(1.0, chi_square / freedom) if freedom > 0 else 1.0, float(max(freedom, 0))
+
+
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
 class TravelFit(Fit):
@@ -157,6 +178,12 @@ class TravelFit(Fit):
     """Simulations spent."""
     others: tuple[float, ...] = ()
     """Further values of a single free parameter that give the same travel."""
+    standard_errors: tuple[float, ...] = ()
+    """Standard errors of several travels [m]: as stated, or else lower bounds."""
+    stated: bool = True
+    """Whether an uncertainty of the travels was stated."""
+    condition: float = 1.0
+    """Condition number of the Jacobian with scaled columns."""
 
     @override
     def __str__(self) -> str:
@@ -173,6 +200,31 @@ class TravelFit(Fit):
         """Measured less predicted travel [m], one a trial."""
         return tuple(m - p for m, p in zip(self.measured, self.predicted, strict=True))
 
+    @property
+    def freedom(self) -> int:
+        """Number of readings less number of fitted parameters."""
+        return len(self.measured) - len(self.estimates)
+
+    @property
+    def standardised(self) -> tuple[float, ...]:
+        """Residuals over the standard errors of several travels, one a trial."""
+        return tuple(r / e for r, e in zip(self.residuals, self.standard_errors, strict=True))
+
+    @property
+    def chi_square(self) -> float:
+        """Sum of squares of `standardised`."""
+        return sum(one * one for one in self.standardised)
+
+    @property
+    def variance(self) -> tuple[float, float]:
+        """Variance of a reading over the square of its standard error, and degrees of freedom.
+
+        It is 1 and known, with infinitely many degrees of freedom, where uncertainties were stated
+        and chi-square does not exceed the 99 % quantile of its distribution. Else it is estimated
+        from the residuals.
+        """
+        return variance_of(self.chi_square, self.freedom, stated=self.stated)
+
     @override
     def to_dict(self) -> Mapping[str, Any]:
         return {
@@ -180,6 +232,8 @@ class TravelFit(Fit):
             "estimates": [estimate.to_dict() for estimate in self.estimates],
             "measured_travel": list(self.measured),
             "predicted_travel": list(self.predicted),
+            "chi_square": self.chi_square if self.standard_errors and self.stated else None,
+            "degrees_of_freedom": self.freedom,
             "runs": self.runs,
             "other_values": list(self.others),
         }

@@ -1,7 +1,14 @@
 """The route of scarce data: travels of a body that comes to rest."""
 
+import math
+from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
+from decimal import Decimal
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
@@ -10,7 +17,13 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.simulation import simulate
 
-__all__ = ["TravelModel", "Trial", "trials_of"]
+__all__ = ["TravelModel", "Trial", "standard_errors", "trials_of"]
+
+Array: TypeAlias = NDArray[np.float64]
+
+LEAST_ERROR = 1e-5
+"""Share of the mean travel below which readings are not told apart: runs are exact to 1e-8, and no
+travel was ever measured to this."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,6 +77,49 @@ def trials_of(mechanism: Mechanism, measurement: Measurement) -> tuple[Trial, ..
     return tuple(trials)
 
 
+def standard_errors(trials: Sequence[Trial]) -> tuple[Array, bool]:
+    """Return a standard error of each travel [m], and whether any uncertainty was stated.
+
+    That of a rounding range is that of a uniform distribution; repeats of a setting that were all
+    rounded to one number share one error, and so tell no more than one of them. Readings without a
+    stated uncertainty beside others with one have the largest stated one. Where none is stated the
+    errors are lower bounds, for the true ones to be estimated from the residuals: nobody reads
+    better than the last digit that is written down.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        The readings.
+
+    Returns
+    -------
+    array (n,), bool
+        Standard errors [m], and whether they are more than lower bounds.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> one = Trial(mechanism=rig, initial={}, travel=0.204, half_width=0.0)
+    >>> errors, stated = standard_errors([one])
+    >>> f"{1e3 * errors[0]:.2f} mm", stated
+    ('0.29 mm', False)
+    """
+    rounded = 1.0 / math.sqrt(3.0)
+    widths = np.array([t.half_width * (rounded if t.kind == "rounding" else 1.0) for t in trials])
+    least = LEAST_ERROR * float(np.mean([abs(trial.travel) for trial in trials])) or LEAST_ERROR
+    groups = Counter((t.setting, t.travel) for t in trials if t.kind == "rounding")
+    settings = Counter(trial.setting for trial in trials)
+    for i, t in enumerate(trials):
+        if groups[t.setting, t.travel] == settings[t.setting]:
+            widths[i] *= math.sqrt(settings[t.setting])
+    if np.any(widths > 0.0):
+        return np.maximum(np.where(widths > 0.0, widths, widths.max()), 1e-3 * least), True
+    exponents = [Decimal(repr(trial.travel)).normalize().as_tuple().exponent for trial in trials]
+    digit = 10.0 ** min(int(one) for one in exponents)
+    return np.full(len(trials), max(min(digit, 0.01) / math.sqrt(12.0), least)), False
+
+
 @dataclass
 class TravelModel:
     """Travel as a function of the free parameters of a law."""
@@ -89,3 +145,11 @@ class TravelModel:
         (coordinate,) = (contact.slip for contact in trial.mechanism.contacts())
         ends = run.at(run.span)[coordinate]
         return float(ends[1] - ends[0])
+
+    def travels(self, trials: Sequence[Trial], values: Sequence[float]) -> Array:
+        """Return the travel of each trial [m] (n,); trials of one setting are one run."""
+        found: dict[Hashable, float] = {}
+        for trial in trials:
+            if trial.setting not in found:
+                found[trial.setting] = self.travel(trial, values)
+        return np.array([found[trial.setting] for trial in trials])

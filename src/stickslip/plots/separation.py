@@ -11,7 +11,7 @@ from stickslip.plots.labels import Curve, label_curves, label_ends
 from stickslip.plots.series import Array, Look, Sizes, grouped, looks, wrapped
 from stickslip.plots.svg import Draw
 from stickslip.plots.theme import INK, MUTED, STICK, SURFACE, label_at
-from stickslip.selection.separation import Separation, proposals
+from stickslip.selection.separation import Separation
 
 __all__ = ["SEPARATION_SIZES", "draw_separation"]
 
@@ -23,6 +23,7 @@ def draw_separation(
     chosen: str,
     measured: Sequence[tuple[float, float]] = (),
     *,
+    proposed: Sequence[float] = (),
     titles: Mapping[str, str] | None = None,
 ) -> Draw:
     """Return a drawing of the travel that each law predicts against the setting of the rig.
@@ -35,13 +36,15 @@ def draw_separation(
         Key of the law that stands out.
     measured : sequence of tuple of float
         Setting and travel of what was measured.
+    proposed : sequence of float
+        Settings to measure next, such as those of `stickslip.selection.separation.Proposal`.
     titles : mapping of str to str, optional
         Names of the laws by key.
 
     Returns
     -------
     callable
-        Draws it, with a band at the outermost settings not measured yet.
+        Draws it, with a band at each proposed setting.
     """
     rows = sorted(separations, key=lambda row: row.value)
     names = list(rows[0].predicted)
@@ -66,8 +69,7 @@ def draw_separation(
         axes.set_xticks(settings)
         axes.margins(x=0.03)
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-        new = [row.value * (1e3 if in_mm else 1.0) for row in proposals(rows, chosen)]
-        _where_to_measure(axes, new[:1] + new[1:][-1:])
+        _where_to_measure(axes, [value * (1e3 if in_mm else 1.0) for value in proposed])
         shown = [(x * (1e3 if in_mm else 1.0), y) for x, y in measured]
         _measured(axes, [(x, y) for x, y in shown if settings[0] <= x <= settings[-1]])
         _name_laws(axes, settings, paths, look, titles, narrow)

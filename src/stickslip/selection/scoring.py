@@ -1,13 +1,14 @@
-"""Held-out scores of travels: each trial predicted from the others."""
+"""Held-out errors of travels: each setting predicted from the others."""
 
 import math
 from collections.abc import Callable, Sequence
 
 from stickslip.friction import FrictionLaw
 from stickslip.identification.fitting import fit_trials
+from stickslip.identification.results import TravelFit
 from stickslip.identification.travel import TravelModel, Trial
 
-__all__ = ["held_out_errors", "root_mean_square", "simpler_within_doubt"]
+__all__ = ["held_out_errors", "root_mean_square"]
 
 FLOOR = 0.05
 """A simpler law may be worse by this share, if that is also within one standard error."""
@@ -17,17 +18,37 @@ def held_out_errors(
     law: FrictionLaw,
     trials: Sequence[Trial],
     *,
-    free: Sequence[str],
+    fit: TravelFit,
     t_end: float,
     watch: Callable[[int], object] | None = None,
 ) -> tuple[float, ...]:
-    """Return measured less predicted travel [m] of each trial, fitted to the others."""
-    errors = []
-    for left_out, trial in enumerate(trials):
-        others = [other for i, other in enumerate(trials) if i != left_out]
-        fitted = fit_trials(law, others, free=free, t_end=t_end, watch=watch).law
-        errors.append(trial.travel - TravelModel(fitted, (), t_end, watch).travel(trial, ()))
-    return tuple(errors)
+    """Return measured less predicted travel [m] of each trial, fitted to the other settings.
+
+    Repeats of a setting are left out together: one would tell the others.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law, with the values of parameters that are not fitted.
+    trials : sequence of Trial
+        Of at least two settings.
+    fit : TravelFit
+        The fit to all trials; its values are where searches begin.
+    t_end : float
+        Time after which a body counts as stopped [s].
+    watch : callable, optional
+        Called with the number of runs of the fit at hand.
+    """
+    free = [estimate.path for estimate in fit.estimates]
+    start = [estimate.value for estimate in fit.estimates]
+    errors: dict[int, float] = {}
+    for setting in dict.fromkeys(trial.setting for trial in trials):
+        others = [trial for trial in trials if trial.setting != setting]
+        fitted = fit_trials(law, others, free=free, starts=[start], t_end=t_end, watch=watch).law
+        left_out = [i for i, trial in enumerate(trials) if trial.setting == setting]
+        predicted = TravelModel(fitted, (), t_end, watch).travel(trials[left_out[0]], ())
+        errors |= {i: trials[i].travel - predicted for i in left_out}
+    return tuple(errors[i] for i in range(len(trials)))
 
 
 def root_mean_square(errors: Sequence[float]) -> tuple[float, float]:
@@ -44,13 +65,3 @@ def root_mean_square(errors: Sequence[float]) -> tuple[float, float]:
         return math.sqrt(mean), math.inf if len(squares) < 2 else 0.0
     variance = sum((square - mean) ** 2 for square in squares) / (len(squares) - 1)
     return math.sqrt(mean), math.sqrt(variance / len(squares)) / (2.0 * math.sqrt(mean))
-
-
-def simpler_within_doubt(simple: Sequence[float], best: Sequence[float]) -> bool:
-    """Whether the simpler law's loss is within one paired standard error and within the floor."""
-    losses = [s * s - b * b for s, b in zip(simple, best, strict=True)]
-    mean = sum(losses) / len(losses)
-    variance = sum((loss - mean) ** 2 for loss in losses) / max(len(losses) - 1, 1)
-    paired = math.sqrt(variance / len(losses))
-    near = root_mean_square(simple)[0] <= (1.0 + FLOOR) * root_mean_square(best)[0]
-    return mean <= paired and near

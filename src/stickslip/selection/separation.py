@@ -5,12 +5,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.errors import StickslipError
+from stickslip.experiments.wording import number
 from stickslip.friction import FrictionLaw
 from stickslip.identification.travel import TravelModel, Trial
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, vary
 
-__all__ = ["Separation", "knob_of", "proposals", "separations"]
+__all__ = ["Proposal", "Separation", "knob_of", "propose", "separations", "setting_text"]
 
 FACTORS = (0.4, 0.6, 0.8, 1.0, 1.25, 1.5)
 """Settings tried, over the present one: what a rig can usually be set to."""
@@ -57,15 +58,134 @@ class Separation:
         }
 
 
-def knob_of(mechanism: Mechanism) -> tuple[str, str, str, float] | None:
-    """Return path, symbol, unit and value of the parameter that is easiest to turn."""
+@dataclass(frozen=True, kw_only=True)
+class Proposal:
+    """Which settings to measure next to tell the best law from others, and what to expect."""
+
+    what: str
+    """Parameter to set, in words."""
+    best: str
+    """Key of the best law."""
+    rival: str
+    """Key of the law that differs most from it at these settings."""
+    rivals: tuple[str, ...]
+    """Keys of all laws that are to be told from the best."""
+    settings: tuple[Separation, ...]
+    """Settings to measure, one or two; empty if none separates the laws."""
+    tried: tuple[Separation, ...]
+    """New settings that were simulated and at which the body moves."""
+    apart: tuple[str, ...]
+    """Keys of the laws that these settings separate from the best."""
+    widest: float
+    """Largest difference of any of these laws from the best at a new setting [m]."""
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the proposal as plain numbers and strings."""
+        return {
+            "set": [{row.path: row.value} for row in self.settings],
+            "rivals": list(self.rivals),
+            "separates": list(self.apart),
+            "largest_difference": self.widest,
+        }
+
+    def line(self, titles: Mapping[str, str]) -> str:
+        """Return the proposal as a sentence, with the titles of the laws by key."""
+        if not self.tried:
+            return f"No new setting of the {self.what} was found at which the body moves."
+        symbol = f"${self.tried[0].symbol}$"
+        others = [titles[name] for name in self.rivals]
+        names = others[0] if len(others) == 1 else ", ".join(others[:-1]) + f" and {others[-1]}"
+        if not self.settings:
+            first, last = setting_text(self.tried[0]), setting_text(self.tried[-1])
+            ends = f"from {first} to {last}" if len(self.tried) > 1 else f"such as {first}"
+            return (
+                f"No setting of {symbol} {ends} would separate {titles[self.best]} from {names}:"
+                f" they differ by at most {number(1e3 * self.widest, 2)} mm."
+            )
+        one, other = (
+            " and ".join(f"{row.predicted[name]:#.3g}".rstrip(".") for row in self.settings)
+            for name in (self.best, self.rival)
+        )
+        return (
+            f"Set {symbol} to {' and '.join(map(setting_text, self.settings))}, three runs each."
+            f" {titles[self.best]} predicts {one} m, {titles[self.rival]} {other} m."
+        )
+
+
+def propose(
+    rows: Sequence[Separation], best: str, rivals: Sequence[str], doubt: float
+) -> Proposal | None:
+    """Propose the settings that separate the best law from its rivals; None without any to try.
+
+    These are the outermost two settings that were not measured if a rival differs there by more
+    than the doubt, since they tell how travel grows; else the one where one differs most.
+
+    Parameters
+    ----------
+    rows : sequence of Separation
+        In the order of the setting.
+    best : str
+        Key of the best law.
+    rivals : sequence of str
+        Keys of the others.
+    doubt : float
+        Difference of two travels that readings can show [m].
+    """
+    if not rows or not rivals:
+        return None
+    farthest = max(abs(row.predicted[best]) for row in rows)
+    least = max(MOVES * farthest, doubt)
+    tried = tuple(r for r in rows if not r.measured and abs(r.predicted[best]) > least)
+    outer = tried[:1] + tried[1:][-1:]
+    inner = tuple(sorted(tried, key=lambda row: _gap([row], best, rivals)[0])[-1:])
+    settings = next((s for s in (outer, inner) if s and _gap(s, best, rivals)[0] > doubt), ())
+    return Proposal(
+        what=rows[0].path.rpartition(".")[2].replace("_", " "),
+        best=best,
+        rival=_gap(settings or tried, best, rivals)[1],
+        rivals=tuple(rivals),
+        settings=settings,
+        tried=tried,
+        apart=tuple(name for name in rivals if _gap(settings, best, [name])[0] > doubt),
+        widest=_gap(tried, best, rivals)[0],
+    )
+
+
+def _gap(rows: Sequence[Separation], best: str, names: Sequence[str]) -> tuple[float, str]:
+    """Return the largest difference from the best law [m], and whose it is."""
+    gaps = {name: max((row.gap(best, name) for row in rows), default=0.0) for name in names}
+    name = max(gaps, key=lambda one: gaps[one])
+    return gaps[name], name
+
+
+def setting_text(separation: Separation) -> str:
+    """Return a setting with its unit, lengths below a metre in millimetres."""
+    if separation.unit == "m" and abs(separation.value) < 1.0:
+        return f"{1e3 * separation.value:g} mm"
+    return f"{separation.value:g} {separation.unit}"
+
+
+def knob_of(
+    mechanism: Mechanism, trials: Sequence[Trial] = ()
+) -> tuple[str, str, str, float] | None:
+    """Return path, symbol, unit and value of the parameter that is set to get other travels.
+
+    What the trials vary, if that is one parameter, can be set; else it is the one that is easiest
+    to turn.
+    """
     known = {
         path: (q.symbol, q.unit, value) for path, q, value in parameters(mechanism, "mechanism")
     }
-    for path in KNOBS:
+    varied = [path for path in known if len({_value(trial, path) for trial in trials}) > 1]
+    for path in varied if len(varied) == 1 else KNOBS:
         if path in known and known[path][2] != 0:
             return path, *known[path]
     return None
+
+
+def _value(trial: Trial, path: str) -> float | None:
+    found = {name: value for name, _, value in parameters(trial.mechanism, "mechanism")}
+    return found.get(path)
 
 
 def separations(
@@ -92,7 +212,7 @@ def separations(
     factors : sequence of float
         Settings over the present one.
     """
-    knob = knob_of(mechanism)
+    knob = knob_of(mechanism, trials)
     if knob is None or not laws:
         return ()
     path, symbol, unit, value = knob
@@ -148,17 +268,3 @@ def _share(mechanism: Mechanism, path: str, value: float, trial: Trial) -> float
     )
     same = {**as_set, path: value} == as_it_stands and not trial.initial
     return as_set[path] / value if same else 0.0
-
-
-def proposals(rows: Sequence[Separation], name: str) -> tuple[Separation, ...]:
-    """Return the settings that are not measured yet and at which a law still moves the body.
-
-    Parameters
-    ----------
-    rows : sequence of Separation
-        In the order of the setting.
-    name : str
-        The law.
-    """
-    farthest = max((abs(row.predicted[name]) for row in rows), default=0.0)
-    return tuple(r for r in rows if not r.measured and abs(r.predicted[name]) > MOVES * farthest)

@@ -5,17 +5,18 @@ from collections.abc import Callable, Mapping, Sequence
 
 from stickslip.errors import ConvergenceError, ParameterError, SimulationError
 from stickslip.friction import FrictionLaw
-from stickslip.identification.fitting import fit_trials
+from stickslip.identification.fitting import fit_trials, payable
 from stickslip.identification.results import TravelFit
+from stickslip.identification.starts import Start, required_of, starting_points
 from stickslip.identification.travel import TravelModel, Trial
-from stickslip.quantities import parameters, vary
+from stickslip.quantities import fields_of, parameters, vary
 from stickslip.selection.criteria import Criteria, criteria_of
 from stickslip.selection.scoring import held_out_errors, root_mean_square
 from stickslip.selection.verdict import Candidate
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Watch", "try_law"]
+__all__ = ["Watch", "try_law", "with_held_out"]
 
 Watch = Callable[[str, int], object]
 CHANGES = (1.5, 1.0 / 1.5)
@@ -29,34 +30,121 @@ def try_law(
     *,
     t_end: float,
     ordinary: bool,
-    watch: Watch | None,
+    simpler: Sequence[Candidate] = (),
+    free: Sequence[str] | None = None,
+    watch: Watch | None = None,
 ) -> Candidate:
-    """Try one law; a law that cannot be fitted or run is kept with the reason."""
+    """Fit one law; a law that cannot be fitted or run is kept with the reason.
+
+    Parameters
+    ----------
+    name : str
+        Key of the candidate.
+    law : FrictionLaw
+        Start values, and the values of what is not fitted.
+    trials : sequence of Trial
+        The readings.
+    t_end : float
+        Time after which a body counts as stopped [s].
+    ordinary : bool
+        Whether nobody gave the values of the law.
+    simpler : sequence of Candidate
+        Laws that were fitted before: a law that contains one also starts from its fit, and so
+        never leaves more than it.
+    free : sequence of str, optional
+        Paths of the parameters to fit, if not those that trials pay for.
+    watch : callable, optional
+        Called with the name and the number of runs so far.
+    """
     report = None if watch is None else (lambda runs: watch(name, runs))
     _, given = _seen(trials[0], law, t_end)
     candidate = Candidate(
         name=name, law=law, given=given, fit=None, run=None, criteria=None, dropped="",
         score=None, score_error=None, ordinary=ordinary,
     )  # fmt: skip
+    names = payable(law, trials) if free is None else free
+    needed = [f"friction.{one}" for one in required_of(type(law))] if ordinary else []
+    invented = tuple(path.rpartition(".")[2] for path in needed if path not in names)
+    if invented and simpler:
+        law = _scaled(law, invented, simpler)
     try:
-        fit = fit_trials(law, trials, t_end=t_end, watch=report)
+        starts = _starts(law, names, trials, simpler, t_end, scanned=not (invented and simpler))
+        fit = fit_trials(law, trials, free=names, starts=starts, t_end=t_end, watch=report)
         run, criteria = _seen(trials[0], fit.law, t_end, throw=True)
-        errors = _held_out(law, trials, fit, t_end, report)
     except (ConvergenceError, SimulationError) as reason:
         return dataclasses.replace(candidate, dropped=str(reason))
-    score, score_error = root_mean_square(errors) if errors else (None, None)
     assumed = _assumed(law, fit)
     return dataclasses.replace(
         candidate,
         fit=fit,
         run=run,
         criteria=criteria,
-        score=score,
-        score_error=score_error,
-        held_out=errors,
         assumed=assumed,
+        invented=invented,
         influence=_influence(fit, trials[0], assumed, t_end),
     )
+
+
+def _starts(
+    law: FrictionLaw,
+    names: Sequence[str],
+    trials: Sequence[Trial],
+    simpler: Sequence[Candidate],
+    t_end: float,
+    *,
+    scanned: bool,
+) -> list[Start] | None:
+    """Return where searches on several trials begin: at simpler laws' fits, and where scans lead.
+
+    A law with invented values is only shown beside the others: it begins at the richest fit.
+    """
+    if len(trials) < 2:
+        return None
+    found: list[Start] = []
+    for other in simpler:
+        values = {e.path: e.value for e in other.fit.estimates} if other.fit else {}
+        if values and set(values) <= set(names):
+            found.append([values.get(path, _absent(law, path)) for path in names])
+    if found and not scanned:
+        return found[-1:]
+    return [*found, *starting_points(TravelModel(law, names, t_end), trials)]
+
+
+def _scaled(law: FrictionLaw, invented: Sequence[str], simpler: Sequence[Candidate]) -> FrictionLaw:
+    """Return a law whose ordinary level at rest is as far above sliding as it is by default."""
+    fitted = {e.path: e.value for c in reversed(simpler) if c.fit for e in c.fit.estimates}
+    level = fitted.get("friction.kinetic_coefficient", 0.0)
+    if level <= 0.0 or "static_coefficient" not in invented:
+        return law
+    values = {path: value for path, _, value in parameters(law, "friction")}
+    over = values["friction.static_coefficient"] / values["friction.kinetic_coefficient"]
+    changes = {"kinetic_coefficient": level, "static_coefficient": over * level}
+    return vary(law, "friction", {f"friction.{name}": one for name, one in changes.items()})
+
+
+def _absent(law: FrictionLaw, path: str) -> float:
+    """Return the value of a parameter with which a law is nearest to one without it."""
+    name = path.rpartition(".")[2]
+    quantity = fields_of(type(law))[name]
+    stiff = quantity.above is not None or quantity.at_least is not None
+    return float(getattr(law, name)) if stiff else 0.0
+
+
+def with_held_out(
+    candidate: Candidate, trials: Sequence[Trial], *, t_end: float, watch: Watch | None = None
+) -> Candidate:
+    """Return a candidate with its held-out errors; the same where trials repeat one setting."""
+    if candidate.fit is None or len({trial.setting for trial in trials}) < 2:
+        return candidate
+    report = None if watch is None else (lambda runs: watch(candidate.name, runs))
+    try:
+        errors = held_out_errors(
+            candidate.law, trials, fit=candidate.fit, t_end=t_end, watch=report
+        )
+    except (ConvergenceError, SimulationError) as reason:
+        return dataclasses.replace(candidate, dropped=str(reason))
+    score, score_error = root_mean_square(errors)
+    return dataclasses.replace(candidate, held_out=errors, score=score, score_error=score_error)
 
 
 def _seen(
@@ -64,20 +152,6 @@ def _seen(
 ) -> tuple[Trajectory, Criteria]:
     run = simulate(trial.mechanism, law, t_end=t_end, y0=trial.start(law), throw=throw)
     return run, criteria_of(run, trial.mechanism, trial.travel)
-
-
-def _held_out(
-    law: FrictionLaw,
-    trials: Sequence[Trial],
-    fit: TravelFit,
-    t_end: float,
-    report: Callable[[int], object] | None,
-) -> tuple[float, ...]:
-    """Return the held-out errors, none where the trials repeat one setting."""
-    if len({trial.setting for trial in trials}) < 2:
-        return ()
-    free = [estimate.path for estimate in fit.estimates]
-    return held_out_errors(law, trials, free=free, t_end=t_end, watch=report)
 
 
 def _assumed(law: FrictionLaw, fit: TravelFit) -> tuple[str, ...]:

@@ -1,5 +1,6 @@
 """The verb `select` for travels."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 from stickslip.errors import InputError
@@ -7,14 +8,16 @@ from stickslip.experiments import Measurement
 from stickslip.friction import LAWS, FrictionLaw
 from stickslip.identification import starting_law
 from stickslip.identification.compiling import compile_for
-from stickslip.identification.travel import trials_of
+from stickslip.identification.results import TravelFit
+from stickslip.identification.starts import required_of
+from stickslip.identification.travel import Trial, standard_errors, trials_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
-from stickslip.selection.admissibility import mark_passed_over
-from stickslip.selection.scoring import simpler_within_doubt
-from stickslip.selection.separation import separations
+from stickslip.selection.admissibility import chosen, mark_passed_over
+from stickslip.selection.contradictions import Contradiction, contradiction
+from stickslip.selection.separation import Proposal, Separation, propose, separations
 from stickslip.selection.specifications import check_apart
-from stickslip.selection.travel_candidates import Watch, try_law
+from stickslip.selection.travel_candidates import Watch, try_law, with_held_out
 from stickslip.selection.verdict import Candidate, TravelVerdict
 from stickslip.selection.words import wording
 from stickslip.solver import Progress
@@ -23,6 +26,8 @@ __all__ = ["select_travels"]
 
 PLAIN = tuple(name for name, law in LAWS.items() if not law.on_request)
 """What a few travels can be compared with: they have no direction and no more than a slope."""
+UNSTATED = 0.02
+"""Share of the travels up to which residuals count as small where no uncertainty was stated."""
 
 
 def select_travels(
@@ -44,7 +49,8 @@ def select_travels(
         One travel or several trials.
     laws : mapping or sequence, optional
         The candidates; instances bring start values and assumptions, types take ordinary ones.
-        If not given, the six that the source paper compares.
+        If not given, or an empty mapping, the six that the source paper compares. Parameters that
+        a type cannot do without, and that are not fitted, count as invented.
     t_end : float
         Time after which a body counts as stopped [s].
     watch : callable, optional
@@ -72,20 +78,34 @@ def select_travels(
     ('coulomb', False)
     """
     trials = trials_of(mechanism, measurement)
+    if isinstance(laws, Mapping) and not laws:
+        laws = None  # a rig file without friction values: the command tries the usual laws too
     named = _named(laws)
     if not named:
         raise InputError("there is no friction law to try: give at least one in `laws`.")
     scored = len({trial.setting for trial in trials}) > 1
     ordinary = _ordinary(laws)
     compile_for(trials, named.values(), progress=compiling)
-    candidates = [
-        try_law(name, law, trials, t_end=t_end, ordinary=name in ordinary, watch=watch)
-        for name, law in named.items()
-    ]
-    candidates, best = _ranked(candidates) if scored else (candidates, _plainest(candidates))
+    candidates: list[Candidate] = []
+    for name in sorted(named, key=lambda one: len(required_of(type(named[one])))):
+        law, usual = named[name], name in ordinary
+        candidates.append(
+            try_law(name, law, trials, t_end=t_end, ordinary=usual, simpler=candidates, watch=watch)
+        )
+    candidates.sort(key=lambda c: list(named).index(c.name))
+    if scored:
+        candidates = _freed(candidates, trials, t_end, watch)
+    candidates, best, against = (
+        _ranked(candidates, trials, t_end, watch)
+        if scored
+        else (candidates, _plainest(candidates), _repeats_of(candidates, trials))
+    )
+    if against is not None:
+        best = None
     fitted = {c.name: c.fit.law for c in candidates if c.fit and not c.dropped}
     predictions = separations(mechanism, fitted, t_end=t_end, trials=trials)
-    words = wording(trials, candidates, best, predictions, ranked=scored)
+    proposal = None if best is None else _proposal(trials, candidates, best, predictions)
+    words = wording(trials, candidates, best, proposal, against, ranked=scored)
     return TravelVerdict(
         mechanism=mechanism,
         measurement=measurement,
@@ -93,6 +113,7 @@ def select_travels(
         best=best,
         ranked=scored and best is not None,
         separations=predictions,
+        proposal=proposal,
         words=words,
         t_end=t_end,
     )
@@ -133,20 +154,83 @@ def _size(candidate: Candidate) -> int:
     return len(list(parameters(candidate.law, "friction")))
 
 
-def _ranked(candidates: Sequence[Candidate]) -> tuple[list[Candidate], Candidate | None]:
-    """Order by held-out score; take a simpler law that is no worse within doubt."""
-    scored = mark_passed_over([c for c in candidates if c.score is not None])
-    scored.sort(key=lambda c: c.score or 0.0)
-    rest = [c for c in candidates if c.score is None]
-    if not scored:
-        return rest, None
-    admissible = [c for c in scored if not c.passed_over]
-    best = admissible[0]
-    for other in sorted(admissible, key=_size):
-        if other is best:
-            break
-        if simpler_within_doubt(other.held_out, best.held_out):
-            best = other
-            break
-    ordered = [best, *[c for c in scored if c is not best], *rest]
-    return ordered, best
+def _repeats_of(candidates: Sequence[Candidate], trials: Sequence[Trial]) -> Contradiction | None:
+    """Return what speaks against repeats of one setting."""
+    plainest = _plainest(candidates)
+    return None if plainest is None else contradiction(trials, plainest)
+
+
+def _freed(
+    candidates: Sequence[Candidate],
+    trials: Sequence[Trial],
+    t_end: float,
+    watch: Watch | None,
+) -> list[Candidate]:
+    """Fit what was invented too, where the readings call for more and pay for it.
+
+    That is where the law that they call for so far leaves more than their uncertainty, and there
+    are more settings than parameters.
+    """
+    best = chosen(candidates)
+    if best is None or best.fit is None or not _leaves_much(best.fit):
+        return list(candidates)
+    settings = len({trial.setting for trial in trials})
+    found = []
+    for c in candidates:
+        free = [f"friction.{name}" for name in required_of(type(c.law))]
+        if c.invented and c.fit is not None and len(free) < settings:
+            simpler = [other for other in candidates if not other.invented]
+            freed = try_law(
+                c.name, c.law, trials, t_end=t_end, ordinary=c.ordinary, simpler=simpler,
+                free=free, watch=watch,
+            )  # fmt: skip
+            found.append(c if freed.dropped else freed)
+        else:
+            found.append(c)
+    return found
+
+
+def _leaves_much(fit: TravelFit) -> bool:
+    """Whether residuals exceed the stated uncertainty, or else a fiftieth of the travels."""
+    if fit.stated:
+        return fit.variance != (1.0, math.inf)
+    left = sum(r * r for r in fit.residuals) / max(fit.freedom, 1)
+    return left > UNSTATED**2 * sum(m * m for m in fit.measured) / len(fit.measured)
+
+
+def _ranked(
+    candidates: Sequence[Candidate],
+    trials: Sequence[Trial],
+    t_end: float,
+    watch: Watch | None,
+) -> tuple[list[Candidate], Candidate | None, Contradiction | None]:
+    """Choose, order the others by held-out error, and return what speaks against the choice.
+
+    Laws with invented parameters are not scored, unless there is no other.
+    """
+    plain = any(c.fit is not None and not c.invented for c in candidates)
+    scored = [
+        c if plain and c.invented else with_held_out(c, trials, t_end=t_end, watch=watch)
+        for c in candidates
+    ]
+    best = chosen(scored)
+    if best is None:
+        return scored, None, None
+    marked = mark_passed_over(scored, best)
+    others = [c for c in marked if c is not best]
+    others.sort(key=lambda c: (bool(c.dropped), math.inf if c.score is None else c.score))
+    return [best, *others], best, contradiction(trials, best)
+
+
+def _proposal(
+    trials: Sequence[Trial],
+    candidates: Sequence[Candidate],
+    best: Candidate,
+    predictions: Sequence[Separation],
+) -> Proposal | None:
+    """Propose what tells the best law from those not distinguished from it, or else from others."""
+    others = [c for c in candidates if c is not best and c.fit is not None and not c.dropped]
+    rivals = [c for c in others if not c.distinguished] or others
+    errors, _ = standard_errors(trials)
+    doubt = max(2.0 * float(errors.max()), best.score or 0.0)
+    return propose(predictions, best.name, [c.name for c in rivals], doubt)

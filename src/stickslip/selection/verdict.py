@@ -1,6 +1,7 @@
 """What a selection gives back."""
 
 import html
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
@@ -15,13 +16,13 @@ from stickslip.identification import TravelFit
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.selection.criteria import Criteria
-from stickslip.selection.separation import Separation
+from stickslip.selection.separation import Proposal, Separation
 from stickslip.trajectory import Trajectory
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Candidate", "TravelVerdict", "Verdict", "Wording", "plain"]
+__all__ = ["Candidate", "TravelVerdict", "Verdict", "Wording", "misfit", "plain"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,13 +55,23 @@ class Candidate:
     """How far each parameter taken as given moves the travel [m] when changed by half."""
     assumed: tuple[str, ...] = ()
     """Names of the parameters that were neither measured nor fitted."""
+    invented: tuple[str, ...] = ()
+    """Names of the parameters that the law cannot do without and that were neither measured, given
+    nor fitted."""
     passed_over: str = ""
     """Why the law is not taken whatever its score; empty if it may be."""
+    distinguished: bool = True
+    """Whether the readings tell the law from the best one beyond their uncertainty."""
 
     @property
     def title(self) -> str:
         """Name of the law in running text."""
         return self.law.title
+
+    @property
+    def parameters(self) -> int:
+        """Number of parameters that were fitted or invented."""
+        return (len(self.fit.estimates) if self.fit else 0) + len(self.invented)
 
     @override
     def __str__(self) -> str:
@@ -100,6 +111,8 @@ class Candidate:
             "held_out": list(self.held_out),
             "parameters": {path: value for path, _, value in parameters(law, "friction")},
             "taken_as_given": list(self.assumed),
+            "invented": list(self.invented),
+            "distinguished": self.distinguished,
             "influence_on_travel": dict(self.influence),
             "fit": self.fit.to_dict() if self.fit else None,
             "criteria_as_given": asdict(self.given),
@@ -184,6 +197,8 @@ class TravelVerdict(Verdict):
     """Whether scores decided."""
     separations: tuple[Separation, ...]
     """Predictions for measurements not yet made, in the order of the setting."""
+    proposal: Proposal | None
+    """The settings to measure next; None where there is no law to name or no other to tell from."""
     t_end: float
     """Time after which a body counts as stopped [s]."""
 
@@ -191,6 +206,11 @@ class TravelVerdict(Verdict):
     def explained(self) -> tuple[Candidate, ...]:
         """The candidates that reproduce the measurement."""
         return tuple(candidate for candidate in self.candidates if not candidate.dropped)
+
+    @property
+    def closest(self) -> Candidate | None:
+        """The best law, or the one that would be taken if the readings did not contradict it."""
+        return self.best or next((c for c in self.explained if c.fit is not None), None)
 
     @override
     def __repr__(self) -> str:
@@ -221,8 +241,21 @@ class TravelVerdict(Verdict):
             "best": self.best.name if self.best else None,
             "ranked": self.ranked,
             "candidates": [candidate.to_dict() for candidate in self.candidates],
+            "proposal": self.proposal.to_dict() if self.proposal else None,
             "next_measurements": [separation.to_dict() for separation in self.separations],
         }
+
+
+def misfit(candidate: Candidate) -> float:
+    """Return the root mean square of the residuals of a fit [m].
+
+    Parameters
+    ----------
+    candidate : Candidate
+        A candidate with a fit.
+    """
+    residuals = candidate.fit.residuals if candidate.fit else ()
+    return math.sqrt(sum(r * r for r in residuals) / max(len(residuals), 1))
 
 
 def plain(text: str) -> str:

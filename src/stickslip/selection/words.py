@@ -3,15 +3,17 @@
 Symbols stand between dollar signs, which reports typeset.
 """
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 
 from stickslip.experiments.wording import number
 from stickslip.identification import Estimate
 from stickslip.identification.travel import Trial
 from stickslip.quantities import fields_of
-from stickslip.selection.admissibility import doubts, within_errors
-from stickslip.selection.separation import Separation, proposals
-from stickslip.selection.verdict import Candidate, Wording
+from stickslip.selection.admissibility import doubts
+from stickslip.selection.contradictions import Contradiction
+from stickslip.selection.separation import Proposal
+from stickslip.selection.verdict import Candidate, Wording, misfit
 
 __all__ = ["estimate_text", "wording"]
 
@@ -44,14 +46,17 @@ def wording(
     trials: Sequence[Trial],
     candidates: Sequence[Candidate],
     best: Candidate | None,
-    predictions: Sequence[Separation],
+    proposal: Proposal | None,
+    against: Contradiction | None,
     *,
     ranked: bool,
 ) -> Wording:
     """Put a selection into words."""
     explained = [c for c in candidates if not c.dropped]
     unsettled = _unsettled(explained, best) if ranked else {}
-    if best is None:
+    if against is not None:
+        verdict, lede = "No law explains these readings.", against.reason
+    elif best is None:
         verdict, lede = _nothing_fits(candidates)
     elif ranked:
         verdict, lede = _ranked(trials, explained, best)
@@ -64,8 +69,12 @@ def wording(
         cannot_tell=_cannot_tell(
             explained, best, unsettled, max(t.half_width for t in trials), ranked=ranked
         ),
-        measure_next=_measure_next(trials, explained, best, predictions),
-        no_score=_no_score(trials, ranked=ranked),
+        measure_next=(
+            tuple(f"Check: {_lower(line)}" for line in against.check[:3])
+            if against
+            else _measure_next(explained, best, proposal)
+        ),
+        no_score="" if against else _no_score(trials, ranked=ranked),
     )
 
 
@@ -143,20 +152,59 @@ def _tie(
 def _ranked(
     trials: Sequence[Trial], explained: Sequence[Candidate], best: Candidate
 ) -> tuple[str, str]:
-    equals = [c.title for c in explained if c is not best and within_errors(c, best)]
+    equals = [c.title for c in explained if c is not best and not c.distinguished]
     doubt = ""
     if equals:
-        names = equals[0] if len(equals) == 1 else ", ".join(equals[:-1]) + f" and {equals[-1]}"
-        doubt = f"; {names} {'is' if len(equals) == 1 else 'are'} as good on these trials"
+        verb = "is" if len(equals) == 1 else "are"
+        doubt = f"; {_listed(equals)} {verb} not distinguished from it by these readings"
     score, error = best.score or 0.0, best.score_error or 0.0
-    closer = [c for c in explained if c.passed_over and (c.score or 0.0) < score]
-    remark = f" {closer[0].title} misses by less, but {closer[0].passed_over}." if closer else ""
+    settings = len({trial.setting for trial in trials})
     return (
         f"Use {_with_estimates(best, doubts(best))}{doubt}.",
-        f"Each of the {len(trials)} trials was predicted from the others. {best.title} misses by"
-        f" {number(1e3 * score, 2)} mm (root mean square, standard error"
-        f" {number(1e3 * error, 2)} mm).{remark}",
+        f"Each of the {settings} settings was predicted from the others. {best.title} friction has"
+        f" a held-out error of {number(1e3 * score, 2)} mm (root mean square, standard error"
+        f" {number(1e3 * error, 2)} mm).{_fit_quality(best)}{_remarks(explained, best)}",
     )
+
+
+def _listed(names: Sequence[str]) -> str:
+    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + f" and {names[-1]}"
+
+
+def _lower(line: str) -> str:
+    return line[:1].lower() + line[1:]
+
+
+def _fit_quality(best: Candidate) -> str:
+    """Say how residuals compare with the uncertainty of the readings."""
+    if best.fit is None:
+        return ""
+    factor, freedom = best.fit.variance
+    if not best.fit.stated:
+        return (
+            " No uncertainty of the readings was stated: it is estimated from the residuals, with"
+            f" {freedom:g} degree{'s' if freedom != 1 else ''} of freedom."
+        )
+    if math.isfinite(freedom):
+        return (
+            f" Residuals are {number(math.sqrt(factor), 2)} times the stated uncertainty: intervals"
+            " are widened accordingly."
+        )
+    return ""
+
+
+def _remarks(explained: Sequence[Candidate], best: Candidate) -> str:
+    """Say of the closest law that is passed over why it is, and of the best what is invented."""
+    said = ""
+    if best.invented:
+        names = _symbols([best], set(best.invented))
+        verb = "was" if len(best.invented) == 1 else "were"
+        said = f" {names} {verb} neither measured, given nor fitted: an ordinary value was assumed."
+    closer = [c for c in explained if c.passed_over and misfit(c) < misfit(best)]
+    if closer:
+        one = min(closer, key=lambda c: (bool(c.invented), misfit(c)))
+        said += f" {one.title} leaves less, but {one.passed_over}."
+    return said
 
 
 def _unsettled(explained: Sequence[Candidate], best: Candidate | None) -> dict[str, str]:
@@ -186,8 +234,9 @@ def _settles(trials: Sequence[Trial], best: Candidate | None) -> tuple[str, ...]
             f"Mean friction over the travel: {_three(work)} J / {_three(travel)} m"
             f" = {_three(_mean_force(best))} N."
         )
-    several = len(trials) > 1
-    lines += [_range_line(e, best) for e in best.fit.estimates if e.bounded or not several]
+    open_ = doubts(best) if len(trials) > 1 else {}
+    settled = [e for e in best.fit.estimates if e.path.rpartition(".")[2] not in open_]
+    lines += [_range_line(estimate, best) for estimate in settled]
     return tuple(lines[:3])
 
 
@@ -197,7 +246,7 @@ def _range_line(estimate: Estimate, best: Candidate) -> str:
     symbol = f"${estimate.quantity.symbol}$"
     if not estimate.bounded:
         return f"{symbol} only to one side: {estimate.reason}."
-    lies = f"{symbol} lies between {_three(estimate.low)} and {_three(estimate.high)}"
+    lies = f"{symbol} lies between {estimate.range.replace(' to ', ' and ')}"
     if best.ordinary:
         return f"{lies}."
     inside = estimate.low <= given <= estimate.high
@@ -239,7 +288,7 @@ def _given_lines(explained: Sequence[Candidate], reading: float) -> list[str]:
     if busy:
         widest = 1e3 * max(moved.values())
         lines.append(
-            f"{busy}: taken as given. Half as much again moves the travel by up to"
+            f"{busy}: not fitted. Half as much again moves the travel by up to"
             f" {_short(widest)} mm, which the fitted level takes up."
         )
     return lines
@@ -256,66 +305,17 @@ def _symbols(explained: Sequence[Candidate], names: set[str]) -> str:
 
 
 def _measure_next(
-    trials: Sequence[Trial],
-    explained: Sequence[Candidate],
-    best: Candidate | None,
-    predictions: Sequence[Separation],
+    explained: Sequence[Candidate], best: Candidate | None, proposal: Proposal | None
 ) -> tuple[str, ...]:
-    lines = []
-    if best is not None and len(explained) > 1 and predictions:
-        lines.append(_settings_line(trials, explained, best, predictions))
+    lines = [] if proposal is None else [proposal.line({c.name: c.title for c in explained})]
     assumed = {name for c in explained for name in c.assumed}
     if best is not None and best.score is None:
         lines += [advice for name, advice in ADVICE.items() if name in assumed]
+    elif proposal is not None and not proposal.settings:
+        rivals = [c for c in explained if c.name in proposal.rivals]
+        wanted = {name for c in rivals for name in c.invented}
+        lines += [advice for name, advice in ADVICE.items() if name in wanted]
     return tuple(lines[:3])
-
-
-def _settings_line(
-    trials: Sequence[Trial],
-    explained: Sequence[Candidate],
-    best: Candidate,
-    predictions: Sequence[Separation],
-) -> str:
-    """Name new settings and what the most different law predicts there, or that none tells."""
-    rows = proposals(predictions, best.name)
-    if not rows:
-        return f"No new setting of ${predictions[0].symbol}$ was found at which the body moves."
-    others = [c for c in explained if c is not best]
-    rivals = [c for c in others if within_errors(c, best)] or others
-    doubt = max(2.0 * max(trial.half_width for trial in trials), best.score or 0.0)
-    outer = rows[:1] + rows[1:][-1:]
-    inner = tuple(sorted(rows, key=lambda row: _gap([row], best, rivals)[0])[-1:])
-    told = [chosen for chosen in (outer, inner) if _gap(chosen, best, rivals)[0] > doubt]
-    if not told:
-        widest = 1e3 * _gap(rows, best, rivals)[0]
-        return (
-            f"No setting of ${rows[0].symbol}$ from {_setting(rows[0])} to {_setting(rows[-1])}"
-            f" would tell the models apart: they differ by at most {number(widest, 2)} mm."
-        )
-    _, rival = _gap(told[0], best, rivals)
-    set_to = " and ".join(_setting(row) for row in told[0])
-    one, other = (
-        " and ".join(_three(row.predicted[c.name]) for row in told[0]) for c in (best, rival)
-    )
-    return (
-        f"Set ${rows[0].symbol}$ to {set_to}, three runs each. {best.title} predicts {one} m,"
-        f" {rival.title} {other} m."
-    )
-
-
-def _gap(
-    rows: Sequence[Separation], best: Candidate, rivals: Sequence[Candidate]
-) -> tuple[float, Candidate]:
-    """Return the largest difference from the best law [m], and whose it is."""
-    gaps = [max(row.gap(best.name, c.name) for row in rows) for c in rivals]
-    return max(gaps), rivals[gaps.index(max(gaps))]
-
-
-def _setting(separation: Separation) -> str:
-    """Return a setting with its unit, lengths below a metre in millimetres."""
-    if separation.unit == "m" and abs(separation.value) < 1.0:
-        return f"{1e3 * separation.value:g} mm"
-    return f"{separation.value:g} {separation.unit}"
 
 
 def _no_score(trials: Sequence[Trial], *, ranked: bool) -> str:

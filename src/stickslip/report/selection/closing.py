@@ -2,12 +2,14 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Final, Literal
 
 from stickslip.friction import SOURCES, FrictionLaw
+from stickslip.identification.travel import trials_of
 from stickslip.plots.separation import SEPARATION_SIZES, draw_separation
 from stickslip.plots.svg import inline_svg
-from stickslip.quantities import fields_of
+from stickslip.quantities import fields_of, parameters
 from stickslip.report import numbers
 from stickslip.report.blocks import (
     Block,
@@ -26,10 +28,10 @@ from stickslip.report.selection.texts import (
     estimate_value,
     joined,
     quantity_value,
-    travels,
 )
 from stickslip.report.tables import Column, Row, Table
-from stickslip.selection import Candidate, TravelVerdict
+from stickslip.selection import TravelVerdict
+from stickslip.selection.separation import Proposal
 from stickslip.trajectory import Trajectory
 
 __all__ = [
@@ -40,31 +42,33 @@ __all__ = [
     "reproduce_section",
 ]
 
-TELLING: Final = 0.05
-"""Share of the travel by which a prediction must differ to be measured with ease."""
 AUTHORS: Final = re.compile(r"(?<=[^\W\d_]{3})\. ")
 """The end of the authors: a full stop after a surname, not after an initial."""
 
 
 def next_section(verdict: TravelVerdict) -> Section | None:
-    """Return the section on further measurements, None if none would tell more."""
-    best = verdict.best
-    if best is None or not verdict.separations or len(verdict.explained) < 2:
+    """Return the section on further measurements, None if none would tell more.
+
+    Heading, table and figure show the proposal of the verdict, and no other.
+    """
+    best, proposal = verdict.best, verdict.proposal
+    if best is None or proposal is None or not proposal.tried:
         return None
-    rows = sorted(verdict.separations, key=lambda row: row.value)
-    what = rows[0].path.rpartition(".")[2].replace("_", " ")
+    names = (best.name, *proposal.rivals)
+    rows = verdict.separations
     titles = {c.name: c.title for c in verdict.candidates}
-    apart = _told_apart(verdict, best)
-    if apart:
-        heading = f"Two more settings of the {what} would separate {joined(apart)} friction"
+    if proposal.settings:
+        count = "One more setting" if len(proposal.settings) == 1 else "Two more settings"
+        apart = joined([titles[name] for name in proposal.apart])
+        heading = f"{count} of the {proposal.what} would separate {apart} friction"
     else:
-        heading = f"No setting of the {what} separates the models by much"
+        apart = joined([titles[name] for name in proposal.rivals])
+        heading = f"No setting of the {proposal.what} separates {best.title} from {apart} friction"
     in_mm = rows[0].unit == "m"
     settings = [f"{row.value * (1e3 if in_mm else 1):g}" for row in rows]
     unit = "mm" if in_mm else rows[0].unit
-    columns = [Column(head=f"travel predicted, m\n{what}, {unit}")]
+    columns = [Column(head=f"travel predicted, m\n{proposal.what}, {unit}")]
     columns += [Column(head=s, numeric=True, phone="label", label=f"{s} {unit}") for s in settings]
-    names = sorted(rows[0].predicted, key=lambda name: name != best.name)
     table = Table(
         columns=tuple(columns),
         rows=tuple(
@@ -75,55 +79,47 @@ def next_section(verdict: TravelVerdict) -> Section | None:
             for n in names
         ),
     )
-    figure = _separation_figure(verdict, best, what, unit, titles)
+    figure = _separation_figure(verdict, proposal, unit, titles)
     return Section(id="next", nav="Measure next", heading=heading, blocks=(figure, table))
 
 
 def _separation_figure(
-    verdict: TravelVerdict, best: Candidate, what: str, unit: str, titles: Mapping[str, str]
+    verdict: TravelVerdict, proposal: Proposal, unit: str, titles: Mapping[str, str]
 ) -> Figure:
-    rows = sorted(verdict.separations, key=lambda row: row.value)
+    names = (proposal.best, *proposal.rivals)
+    rows = [
+        replace(row, predicted={name: row.predicted[name] for name in names})
+        for row in verdict.separations
+    ]
     path = rows[0].path
-    present = getattr(verdict.mechanism, path.rpartition(".")[2], None)
-    records = verdict.measurement.records()
-    settings = [record.overrides.get(path, present) for record in records]
+    trials = trials_of(verdict.mechanism, verdict.measurement)
+    settings = [
+        next((v for p, _, v in parameters(t.mechanism, "mechanism") if p == path), None)
+        for t in trials
+    ]
     measured = [
-        (float(s), t) for s, t in zip(settings, travels(verdict), strict=True) if s is not None
+        (float(s), t.travel) for s, t in zip(settings, trials, strict=True) if s is not None
     ]
-    still = [
-        c
-        for c in verdict.explained
-        if c is not best
-        and all(row.gap(best.name, c.name) <= TELLING * travels(verdict)[0] for row in rows)
-    ]
-    caption = f"**Predicted travel** of each law as fitted, against the {what}."
-    if still:
-        widest = max(row.gap(best.name, c.name) for row in rows for c in still)
-        caption += (
-            f" {joined([c.title for c in still])} stay{'s' if len(still) == 1 else ''} within"
-            f" {numbers.length(widest, 2)} of {best.title}: to separate"
-            f" {'that' if len(still) == 1 else 'those'}, measure slow motion, not travel."
-        )
+    still = [titles[name] for name in proposal.rivals if name not in proposal.apart]
+    caption = f"**Predicted travel** of each law as fitted, against the {proposal.what}."
+    if still and proposal.settings:
+        caption += f" The proposed settings do not separate {joined(still)} from"
+        caption += f" {titles[proposal.best]}."
+    elif still:
+        caption += f" They differ by at most {numbers.length(proposal.widest, 2)} at new settings."
     svg = inline_svg(
-        draw_separation(rows, best.name, measured, titles=titles),
-        alt=f"Travel predicted by each law against the {what} in {unit}",
+        draw_separation(
+            rows,
+            proposal.best,
+            measured,
+            proposed=[row.value for row in proposal.settings],
+            titles=titles,
+        ),
+        alt=f"Travel predicted by each law against the {proposal.what} in {unit}",
         prefix="separation",
         **SEPARATION_SIZES,
     )
     return Figure(svg=svg, caption=caption)
-
-
-def _told_apart(verdict: TravelVerdict, best: Candidate) -> list[str]:
-    """Return the laws whose predictions differ enough to be measured with ease."""
-    limit = TELLING * abs(travels(verdict)[0])
-    return [
-        c.title
-        for c in verdict.explained
-        if c is not best
-        and any(
-            row.gap(best.name, c.name) > limit for row in verdict.separations if not row.measured
-        )
-    ]
 
 
 def parameters_section(verdict: TravelVerdict) -> Section | None:
@@ -145,6 +141,7 @@ def parameters_section(verdict: TravelVerdict) -> Section | None:
             cells = (label, "not given", unit, "—", "taken from the level of sliding")
         else:
             how = "fixed form" if quantity.structural else "taken as given"
+            how = "assumed, not measured" if name in best.invented else how
             cells = (label, quantity_value(value, "1"), unit, "—", how)
         rows.append(Row(cells=cells, chosen=name in estimates))
     kinds = joined(sorted({e.interval for e in estimates.values()}))

@@ -18,7 +18,11 @@ def criteria_section(verdict: TravelVerdict) -> Section:
     given = [(c, c.given) for c in verdict.candidates]
     fitted = [(c, c.criteria) for c in verdict.explained if c.criteria is not None]
     blocks: list[Block] = [
-        Subheading(text="With the values as given"),
+        Subheading(
+            text="With ordinary values, which nobody gave"
+            if all(c.ordinary for c in verdict.candidates)
+            else "With the values as given"
+        ),
         _table(verdict, given, with_error=True),
     ]
     if fitted:

@@ -44,6 +44,8 @@ def models_section(verdict: TravelVerdict) -> Section:
 def _heading(verdict: TravelVerdict) -> str:
     best = verdict.best
     target = f"{travels(verdict)[0]:.3f} m"
+    if best is None and verdict.closest is not None:
+        return f"The closest model, {verdict.closest.title}, does not explain the readings"
     if best is None:
         return "No model reaches the measured travel"
     if verdict.ranked and best.score is not None:
@@ -121,7 +123,7 @@ def _columns(verdict: TravelVerdict, axis: Axis | None) -> tuple[Column, ...]:
     others = (
         Column(head="fitted", numeric=True),
         Column(head=of, numeric=True, phone="label", label="range"),
-        Column(head="given, not fitted", phone="label", label="given:"),
+        Column(head="not fitted", phone="label", label="not fitted:"),
         Column(head="travel\nm", numeric=True, phone="hide"),
         Column(
             head=f"largest difference\nfrom {title}, mm",
@@ -155,12 +157,17 @@ def _cells(verdict: TravelVerdict, candidate: Candidate) -> list[Cell]:
     fitted, ranges = ", ".join(values) or "nothing", ", ".join(map(estimate_range, estimates))
     assumed = f"dropped: {candidate.dropped}" if candidate.dropped else assumed
     assumed += f"; not taken: {candidate.passed_over}" if candidate.passed_over else ""
+    if not candidate.distinguished:
+        assumed += "; not distinguished"
     if verdict.ranked:
         return [name, Name(text=fitted, aside=ranges), assumed]
     cells = [name, fitted, ranges or NONE, assumed]
+    cells.append(numbers.fixed(candidate.criteria.travel, 3))
+    if verdict.best is None:
+        return cells
     gap = largest_difference(verdict, candidate)
     apart = NONE if gap is None or candidate is verdict.best else numbers.score(1e3 * gap)
-    return [*cells, numbers.fixed(candidate.criteria.travel, 3), apart]
+    return [*cells, apart]
 
 
 def _unit(unit: str) -> str:
@@ -212,7 +219,9 @@ def _caption(verdict: TravelVerdict) -> str:
         return verdict.words.no_score + tail
     count = len(verdict.measurement.records())
     return (
-        f"Score: each of the {count} travels predicted from a fit to the others, root mean square,"
-        " mm. Below each fitted number stands its interval. Among models whose scores differ by"
-        " less than their doubt the one with the fewest parameters is taken."
+        f"Score: each of the {count} travels predicted from a fit to the other settings, root"
+        " mean square, mm. Below each fitted number stands its interval. The simplest model is"
+        " taken that no richer one improves on beyond the uncertainty of the readings"
+        " (likelihood-ratio test at 2.5 %). Parameters that were neither measured, given nor fitted"
+        " count, and models that have them are not scored."
     )

@@ -10,6 +10,7 @@ from stickslip.report.selection.texts import (
     travels,
 )
 from stickslip.selection import Candidate, TravelVerdict
+from stickslip.selection.verdict import misfit
 
 __all__ = ["opening_section"]
 
@@ -61,8 +62,8 @@ def _estimate(best: Candidate) -> Fact | None:
 
 def _as_given(best: Candidate) -> Fact | None:
     error = best.given.relative_error
-    if error is None or best.fit is None or not best.fit.estimates:
-        return None
+    if error is None or best.fit is None or not best.fit.estimates or best.ordinary:
+        return None  # nobody gave the values of an ordinary law
     estimate = best.fit.estimates[0]
     name = estimate.path.rpartition(".")[2]
     given = quantity_value(getattr(best.law, name), estimate.quantity.unit)
@@ -97,6 +98,15 @@ def _tie(verdict: TravelVerdict) -> Fact:
 
 
 def _facts_of_failure(verdict: TravelVerdict) -> tuple[Fact, ...]:
+    one = verdict.closest
+    if one is not None and one.fit is not None:
+        return (
+            Fact(
+                value=numbers.with_unit(numbers.score(1e3 * misfit(one)), "mm"),
+                what=f"root mean square residual of {one.title}, the closest of"
+                f" {len(verdict.candidates)} models",
+            ),
+        )
     closest = min(verdict.candidates, key=lambda c: abs(c.given.relative_error or 0.0))
     error = closest.given.relative_error
     facts = [

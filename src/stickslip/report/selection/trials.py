@@ -14,7 +14,7 @@ __all__ = ["trials_section"]
 
 def trials_section(verdict: TravelVerdict) -> Section | None:
     """Return the section that compares measured and predicted travels, None with one trial."""
-    best = verdict.best
+    best = verdict.closest
     records = verdict.measurement.records()
     if best is None or best.fit is None or len(records) < 2:
         return None
@@ -43,7 +43,7 @@ def trials_section(verdict: TravelVerdict) -> Section | None:
         )
     table = Table(columns=tuple(columns), rows=tuple(rows))
     worst = max(abs(residual) for residual in best.fit.residuals)
-    heading = f"{best.title} meets every travel to {numbers.length(worst, 2)}"
+    heading = f"Largest residual of {best.title} friction: {numbers.length(worst, 2)}"
     return Section(id="trials", nav="Trials", heading=heading, blocks=(table,))
 
 

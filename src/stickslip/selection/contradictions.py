@@ -1,0 +1,163 @@
+"""Readings that no law explains: said so, with the reason and what to check."""
+
+import math
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+from stickslip.experiments.wording import number
+from stickslip.identification.travel import Trial, standard_errors
+from stickslip.quantities import parameters
+from stickslip.selection.verdict import Candidate, misfit
+
+__all__ = ["Contradiction", "contradiction"]
+
+MANY = 5.0
+"""Root mean square of standardised residuals beyond which a law does not explain the readings. An
+uncertainty that was stated three times too small is common, and only widens intervals."""
+WORST = 10.0
+"""A single standardised residual beyond which the same holds, however many others are small."""
+SHARE = 0.15
+"""The same as a share of the travels where no uncertainty was stated: repeats of dry friction
+scatter by up to a tenth."""
+FACTORS = {10.0: "cm read as mm, or mm as cm", 1000.0: "m read as mm, or mm as m"}
+"""Ratios of a reading to its prediction that a wrong unit gives."""
+NEAR_FACTOR = 0.2
+"""Share within which such a ratio is met."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contradiction:
+    """Why no law is named."""
+
+    reason: str
+    """What is wrong, as a sentence."""
+    check: tuple[str, ...]
+    """What to check, in sentences."""
+
+
+def contradiction(trials: Sequence[Trial], closest: Candidate) -> Contradiction | None:
+    """Return why several readings are explained by no law, None if the closest explains them.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        The readings.
+    closest : Candidate
+        The law that the readings call for, with its fit.
+    """
+    if closest.fit is None or len(trials) < 2:
+        return None
+    repeats = _repeats(trials)
+    if repeats is not None:
+        return repeats
+    errors, stated = standard_errors(trials)
+    residuals, freedom = closest.fit.residuals, closest.fit.freedom
+    if freedom <= 0:
+        return None
+    size = math.sqrt(sum(t.travel**2 for t in trials) / len(trials))
+    left = math.sqrt(sum(r * r for r in residuals) / freedom)
+    standardised = [r / e for r, e in zip(residuals, errors.tolist(), strict=True)]
+    many = math.sqrt(sum(s * s for s in standardised) / freedom) > MANY
+    if stated and not many and max(map(abs, standardised)) <= WORST:
+        return None
+    if not stated and left <= SHARE * size:
+        return None
+    rms = number(1e3 * misfit(closest), 2)
+    times = number(misfit(closest) / math.sqrt(float((errors**2).mean())), 2)
+    compared = f"{times} times their standard error" if stated else f"travels of {_mm(size)}"
+    against = compared if stated else f"for {compared}"
+    reason = (
+        f"The closest, {closest.title} friction, leaves {rms} mm (root mean square), {against}."
+    )
+    return Contradiction(reason=reason, check=(*_found(trials, closest), *_usual()))
+
+
+def _mm(metres: float) -> str:
+    return f"{number(1e3 * metres, 3)} mm"
+
+
+def _repeats(trials: Sequence[Trial]) -> Contradiction | None:
+    """Return the repeats of one setting that contradict each other most, None if none do."""
+    errors, stated = standard_errors(trials)
+    groups: dict[Hashable, list[int]] = {}
+    for i, trial in enumerate(trials):
+        groups.setdefault(trial.setting, []).append(i)
+    worst: tuple[float, int, int] | None = None
+    for group in groups.values():
+        for i, j in combinations(group, 2):
+            one, other = trials[i].travel, trials[j].travel
+            doubt = (
+                WORST * math.hypot(errors[i], errors[j])
+                if stated
+                else 2.0 * SHARE * max(abs(one), abs(other))
+            )
+            ratio = abs(one - other) / doubt
+            if ratio > max(1.0, worst[0] if worst else 0.0):
+                worst = ratio, i, j
+    if worst is None:
+        return None
+    _, i, j = worst
+    one, other = sorted((trials[i].travel, trials[j].travel))
+    where = setting_of(trials, trials[i])
+    known = f"; the standard error of a reading is {_mm(float(errors[i]))}" if stated else ""
+    return Contradiction(
+        reason=f"Repeats of one setting{where} contradict each other: {_mm(one)} and"
+        f" {_mm(other)}{known}.",
+        check=(
+            f"Which of the readings {_mm(one)} and {_mm(other)} is wrong: repeat them.",
+            *_usual(),
+        ),
+    )
+
+
+def _found(trials: Sequence[Trial], closest: Candidate) -> tuple[str, ...]:
+    """Return what is suspicious about single readings, the most telling first."""
+    assert closest.fit is not None
+    predicted = closest.fit.predicted
+    held = [t.travel - e for t, e in zip(trials, closest.held_out, strict=False)]
+    found = []
+    for trial, others in zip(trials, held, strict=False):
+        ratio = abs(trial.travel / others) if others else 0.0
+        for factor, units in FACTORS.items():
+            for about in (factor, 1.0 / factor):
+                if abs(ratio / about - 1.0) < NEAR_FACTOR:
+                    found.append(
+                        f"The unit of {_mm(trial.travel)}{setting_of(trials, trial)}: the other"
+                        f" readings predict {_mm(others)} ({units}?)."
+                    )
+    for i, j in combinations(range(len(trials)), 2):
+        measured, expected = trials[i].travel - trials[j].travel, predicted[i] - predicted[j]
+        size = SHARE * max(abs(trials[i].travel), abs(trials[j].travel))
+        if measured * expected < 0.0 and min(abs(measured), abs(expected)) > size:
+            found.append(
+                f"Whether {_mm(trials[i].travel)}{setting_of(trials, trials[i])} and"
+                f" {_mm(trials[j].travel)}{setting_of(trials, trials[j])} are swapped: every law"
+                " has them the other way round."
+            )
+    worst = max(range(len(trials)), key=lambda i: abs(trials[i].travel - predicted[i]))
+    found.append(
+        f"The reading {_mm(trials[worst].travel)}{setting_of(trials, trials[worst])}, which"
+        f" {closest.title} friction misses by {_mm(abs(trials[worst].travel - predicted[worst]))}."
+    )
+    return tuple(found[:2])
+
+
+def _usual() -> tuple[str, ...]:
+    return (
+        "The rig: mass, stiffness, the unit of its settings, whether the body leaves the spring.",
+    )
+
+
+def setting_of(trials: Sequence[Trial], trial: Trial) -> str:
+    """Return how the rig was set in a trial, where trials differ, such as ``" at x_0 = 60 mm"``."""
+    tables = [{p: (q, v) for p, q, v in parameters(t.mechanism, "mechanism")} for t in trials]
+    own = {p: (q, v) for p, q, v in parameters(trial.mechanism, "mechanism")}
+    varied = [p for p in own if len({t[p][1] if p in t else None for t in tables}) > 1]
+    parts = []
+    for path in varied:
+        quantity, value = own[path]
+        short = quantity.unit == "m" and abs(value) < 1.0
+        unit = "mm" if short else "" if quantity.unit == "1" else quantity.unit
+        parts.append(f"${quantity.symbol}$ = {(1e3 if short else 1.0) * value:.4g} {unit}".rstrip())
+    return f" at {', '.join(parts)}" if parts else ""

@@ -1,0 +1,242 @@
+"""Several travels: the simplest law that the readings' uncertainty allows, or no law at all."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Coulomb,
+    CoulombViscous,
+    Measurement,
+    Pulse,
+    SpringBlock,
+    Stribeck,
+    fit,
+    select,
+    simulate,
+)
+
+RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+SET_VALUED = ["coulomb", "viscous", "coulomb-viscous", "stribeck"]
+PLAIN = ["coulomb", "coulomb-viscous"]
+COMPRESSIONS = (0.06, 0.08, 0.10, 0.13, 0.15)
+THREE = (0.06, 0.10, 0.15)
+
+
+def travel(rig, law):
+    return float(simulate(rig, law, t_end=10.0).at(10.0)["x"][0])
+
+
+def readings(law, settings=COMPRESSIONS, *, rig=RIG, errors=None, uncertainty=None, scale=None):
+    """Return travels to 1 mm, or with errors [m]; `scale` multiplies readings by index."""
+    trials = []
+    for i, setting in enumerate(settings):
+        true = travel(dataclasses.replace(rig, compression=setting), law)
+        read = round(true, 3) if errors is None else true + errors[i]
+        read *= (scale or {}).get(i, 1.0)
+        given = 0.0005 if errors is None else uncertainty
+        trials.append(
+            Measurement(
+                travel=read,
+                uncertainty={} if given is None else {"travel": given},
+                uncertainty_kind="rounding" if errors is None else "standard",
+                overrides={"mechanism.compression": setting},
+            )
+        )
+    return Measurement(trials=tuple(trials))
+
+
+COULOMB = Coulomb(kinetic_coefficient=0.25)
+VISCOUS = CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=0.6)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_coulomb_friction_read_to_a_millimetre_is_named_with_defaults(seed):
+    random = np.random.default_rng(seed)
+    law = Coulomb(kinetic_coefficient=float(random.uniform(0.1, 0.5)))
+    settings = np.sort(random.uniform(0.07, 0.16, 3)).round(3)
+    errors = random.normal(0.0, 0.0005, 3)
+    verdict = select(RIG, readings(law, settings, errors=errors, uncertainty=0.0005), PLAIN)
+    assert verdict.best.name == "coulomb"
+    assert not verdict.best.invented
+
+
+def test_a_viscous_part_that_is_there_is_found():
+    verdict = select(RIG, readings(VISCOUS, THREE), SET_VALUED)
+    assert verdict.best.name == "coulomb-viscous"
+    assert verdict.best.fit.law.viscous_coefficient == pytest.approx(0.6, rel=0.05)
+
+
+def test_a_law_with_values_that_nobody_gave_is_shown_and_never_taken():
+    verdict = select(RIG, readings(VISCOUS, THREE), ["coulomb", "coulomb-viscous", "stribeck"])
+    stribeck = next(c for c in verdict.candidates if c.name == "stribeck")
+    assert stribeck.invented == ("static_coefficient", "stribeck_velocity")
+    assert stribeck.score is None
+    assert "neither measured, given nor fitted" in stribeck.passed_over
+    assert verdict.to_dict()["candidates"][-1]["invented"]
+
+
+def test_laws_that_are_not_told_apart_are_listed_in_the_first_sentence():
+    verdict = select(RIG, readings(COULOMB, THREE), SET_VALUED)
+    assert verdict.best.name == "coulomb"
+    assert "Coulomb + viscous" in verdict.sentence
+    assert "not distinguished" in verdict.sentence
+    viscous = next(c for c in verdict.candidates if c.name == "viscous")
+    assert viscous.distinguished
+    assert "Viscous" not in verdict.sentence.replace("Coulomb + viscous", "")
+
+
+def test_a_law_never_leaves_more_than_one_that_it_contains():
+    attached = dataclasses.replace(RIG, attached=True)
+    truth = Coulomb(kinetic_coefficient=0.09)  # five half swings: travels rise and fall with it
+    measured = readings(truth, (0.08, 0.1, 0.12, 0.14), rig=attached)
+    verdict = select(attached, measured, ["coulomb", "coulomb-viscous"])
+    coulomb, viscous = (
+        next(c for c in verdict.candidates if c.name == name)
+        for name in ("coulomb", "coulomb-viscous")
+    )
+    assert verdict.best.name == "coulomb"
+    assert coulomb.fit.law.kinetic_coefficient == pytest.approx(0.09, rel=0.01)
+    assert viscous.fit.chi_square <= coulomb.fit.chi_square * (1.0 + 1e-6)
+
+
+def test_a_stribeck_step_that_matters_is_fitted_where_the_settings_pay_for_it():
+    truth = Stribeck(kinetic_coefficient=0.15, static_coefficient=0.3, stribeck_velocity=0.4)
+    settings = (0.05, 0.065, 0.08, 0.10, 0.12, 0.15)
+    verdict = select(RIG, readings(truth, settings), ["coulomb", "coulomb-viscous", "stribeck"])
+    assert verdict.best.name == "stribeck"
+    assert verdict.best.invented == ()
+    assert len(verdict.best.fit.estimates) == 3
+
+
+def test_without_a_stated_uncertainty_it_is_estimated_with_its_degrees_of_freedom():
+    errors = np.random.default_rng(3).normal(0.0, 0.002, 5)
+    stated = fit(RIG, Coulomb, readings(COULOMB, errors=errors, uncertainty=0.002))
+    open_ = fit(RIG, Coulomb, readings(COULOMB, errors=errors))
+    (known,), (estimated,) = stated.estimates, open_.estimates
+    scatter = np.sqrt(np.sum(np.square(open_.residuals)) / 4)
+    # t(4) is 2.776 where the normal distribution has 1.960
+    wanted = scatter / 0.002 * 2.776445 / 1.959964
+    ratio = (estimated.high - estimated.low) / (known.high - known.low)
+    assert ratio == pytest.approx(wanted, rel=1e-3)  # one-sided differences of step 1e-4
+    verdict = select(RIG, readings(COULOMB, errors=errors), PLAIN)
+    assert verdict.best.name == "coulomb"
+    assert "4 degrees of freedom" in verdict.words.lede
+
+
+def test_repeats_of_a_setting_are_left_out_together():
+    once = readings(VISCOUS, (0.06, 0.1, 0.15)).records()
+    twice = Measurement(trials=tuple(one for one in once for _ in range(2)))
+    alone = select(RIG, Measurement(trials=once), ["coulomb"])
+    verdict = select(RIG, twice, ["coulomb"])
+    assert alone.candidates[0].held_out[0] == pytest.approx(
+        verdict.candidates[0].held_out[0], abs=1e-6
+    )
+
+
+def contradicted(verdict):
+    said = verdict.to_dict()
+    assert said["best"] is None
+    assert said["ranked"] is False
+    assert verdict.sentence == "No law explains these readings."
+    assert verdict.words.cannot_tell
+    return " ".join((verdict.words.lede, *verdict.words.measure_next)).replace("$", "")
+
+
+def test_swapped_readings_are_explained_by_no_law():
+    records = list(readings(VISCOUS).records())
+    one, other = records[1], records[3]
+    records[1] = dataclasses.replace(one, overrides=other.overrides)
+    records[3] = dataclasses.replace(other, overrides=one.overrides)
+    said = contradicted(select(RIG, Measurement(trials=tuple(records)), PLAIN))
+    assert "swapped" in said
+    assert "x_0 = 80 mm" in said
+    assert "x_0 = 130 mm" in said
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_a_reading_in_another_unit_is_explained_by_no_law(stated):
+    errors = np.zeros(5)
+    wrong = readings(COULOMB, errors=errors, uncertainty=0.001 if stated else None, scale={2: 10.0})
+    said = contradicted(select(RIG, wrong, PLAIN))
+    assert "cm read as mm" in said
+    assert "x_0 = 100 mm" in said
+
+
+def test_repeats_that_contradict_each_other_are_explained_by_no_law():
+    records = readings(COULOMB).records()
+    again = dataclasses.replace(records[1], travel=records[1].travel + 0.08)
+    verdict = select(RIG, Measurement(trials=(*records, again)), PLAIN)
+    said = contradicted(verdict)
+    assert "contradict each other" in said
+    assert "130 mm" in said
+    assert "210 mm" in said
+
+
+def test_repeats_of_one_setting_alone_are_contradicted_too():
+    both = tuple(Measurement(travel=one, uncertainty=0.001) for one in (0.2, 0.3))
+    contradicted(select(RIG, Measurement(trials=both), PLAIN))
+
+
+def test_an_uncertainty_stated_too_small_widens_intervals_and_is_said():
+    errors = np.array([1.0, -1.0, 1.0, -1.0, 1.0]) * 0.002
+    verdict = select(RIG, readings(COULOMB, errors=errors, uncertainty=0.0005), PLAIN)
+    assert verdict.best.name == "coulomb"
+    assert "times the stated uncertainty" in verdict.words.lede
+
+
+def test_text_heading_and_marks_of_what_to_measure_next_are_one_proposal():
+    verdict = select(RIG, readings(COULOMB, (0.06, 0.1, 0.15)), SET_VALUED)
+    proposal = verdict.proposal
+    said = verdict.words.measure_next[0]
+    assert set(proposal.rivals) == {c.name for c in verdict.candidates if not c.distinguished}
+    if proposal.settings:
+        assert said.startswith("Set $x_0$ to")
+        assert proposal.apart
+    else:
+        assert said.startswith("No setting of $x_0$")
+        assert proposal.apart == ()
+        assert proposal.widest <= 2.0 * 0.0005
+    assert verdict.to_dict()["proposal"]["separates"] == list(proposal.apart)
+
+
+def test_a_proposed_setting_moves_the_body_and_is_of_what_the_trials_set():
+    rig = SpringBlock(mass=1.0, drive=Pulse(level=8.0, duration=0.2))
+    trials = tuple(
+        Measurement(
+            travel=round(
+                travel(SpringBlock(mass=1.0, drive=Pulse(level=8.0, duration=d)), COULOMB), 3
+            ),
+            uncertainty=0.0005,
+            uncertainty_kind="rounding",
+            overrides={"mechanism.drive.duration": d},
+        )
+        for d in (0.1, 0.2, 0.3)
+    )
+    verdict = select(rig, Measurement(trials=trials), PLAIN)
+    assert {row.path for row in verdict.separations} == {"mechanism.drive.duration"}
+    assert all(row.predicted[verdict.best.name] > 1e-3 for row in verdict.proposal.tried)
+
+
+def test_values_are_called_given_only_where_somebody_gave_them():
+    measured = readings(COULOMB, (0.06, 0.1, 0.15))
+    assert not any("given" in line for line in select(RIG, measured, ["coulomb"]).words.settles)
+    assert any("the given 0.25" in line for line in select(RIG, measured, [COULOMB]).words.settles)
+
+
+def test_repeats_rounded_to_one_number_tell_no_more_than_one_of_them():
+    once = readings(VISCOUS, THREE).records()
+    thrice = Measurement(trials=tuple(one for one in once for _ in range(3)))
+    alone, repeated = (
+        fit(RIG, CoulombViscous, measured).estimates[1]
+        for measured in (Measurement(trials=once), thrice)
+    )
+    assert repeated.high - repeated.low == pytest.approx(alone.high - alone.low, rel=1e-2)
+
+
+def test_a_rig_without_friction_values_tries_the_usual_laws_and_calls_nothing_given():
+    reading = Measurement(travel=0.2, uncertainty=0.005, uncertainty_kind="rounding")
+    verdict = select(RIG, reading, {})
+    assert [c.name for c in verdict.candidates][:3] == ["coulomb", "viscous", "coulomb-viscous"]
+    assert not any("given" in line for line in verdict.words.settles)
