@@ -35,7 +35,8 @@ class Dahl(BristleLaw):
     title: ClassVar[str] = "Dahl"
     formula: ClassVar[str] = (
         r"F = \sigma_0 z N + \sigma_2 |v|^p \operatorname{sgn} v, \quad"
-        r" \dot z = v\, \operatorname{sgn}(r)\, |r|^n, \quad r = 1 - \frac{\sigma_0 z}{\mu_k} \operatorname{sgn} v"
+        r" \dot z = v\, \operatorname{sgn}(r)\, |r|^n, \quad"
+        r" r = 1 - \frac{\sigma_0 z}{\mu_k} \operatorname{sgn} v"
     )
     sources: ClassVar[tuple[str, ...]] = ("dahl1968",)
     fit_order: ClassVar[tuple[str, ...]] = (

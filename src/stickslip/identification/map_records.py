@@ -55,6 +55,12 @@ class Stretch:
     """Whether the samples are a motion in time; those of a table are not."""
     acceleration: Array | None = None
     """Accelerations (n,) [m/s^2] that derived friction came from, filtered as it is."""
+    resting: NDArray[np.bool_] | None = None
+    """Samples (n,) at which the sensor resolves no motion; None where this is not known."""
+    held: Array | None = None
+    """Friction (n,) [N] that would balance all other forces on a body at rest."""
+    resolution: float = 0.0
+    """Displacement [m] that the sensor may not resolve."""
     passed: float = 0.0
     """What the filter of derived friction passes, over half the sampling frequency; 0 if none."""
     weighed: bool = False
@@ -89,6 +95,8 @@ class Stretch:
             friction=self.friction[:count],
             segment=self.segment[:count],
             acceleration=None if self.acceleration is None else self.acceleration[:count],
+            resting=None if self.resting is None else self.resting[:count],
+            held=None if self.held is None else self.held[:count],
         )
 
 
