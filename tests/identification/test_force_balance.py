@@ -11,6 +11,7 @@ from stickslip import (
     Axis,
     Coulomb,
     CoulombViscous,
+    Dahl,
     Measurement,
     RecordSettings,
     Sampled,
@@ -21,6 +22,7 @@ from stickslip import (
 from stickslip.errors import InputError
 from stickslip.identification.force_balance import balanced, mean_force
 from stickslip.identification.force_map import map_along
+from stickslip.selection.cross_validation import cross_validate, plan_of
 
 J, LEVEL, VISCOUS = 5.0, 10.0, 30.0
 TRUTH = CoulombViscous(kinetic_coefficient=LEVEL, viscous_coefficient=VISCOUS)
@@ -232,6 +234,57 @@ def test_slopes_are_those_of_residuals_where_a_body_rests(weighed):
         # a level is met at some samples between the two steps
         wrong = np.abs(slope - slopes[:, k]) > 1e-3 * np.max(np.abs(slope))
         assert np.mean(wrong) < 0.01, path
+
+
+def swayed(law, seed, *, step=2e-6):
+    """Return a record by encoder of strokes, and of slow forces below the level between them."""
+    t = np.arange(0.0, 12.0, 2e-3)
+    random = np.random.default_rng(seed)
+    stroke = 44.0 * np.sin(2 * math.pi * 0.7 * t) + 16.0 * np.sin(2 * math.pi * 1.9 * t + seed)
+    force = np.where(np.mod(t, 4.0) < 2.0, stroke, 9.0 * np.sin(2 * math.pi * t))
+    drive = Sampled(times=t.tolist(), values=force.tolist())
+    run = simulate(Axis(inertia=J, drive=drive), law, t_end=float(t[-1]))
+    position = step * np.round(run.at(t)["x"] / step)
+    return Measurement(time=t, position=position, force=force + random.normal(0.0, 0.2, len(t)))
+
+
+PLAIN = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
+BRISTLES = Dahl(kinetic_coefficient=LEVEL, bristle_stiffness=LEVEL / 8e-5, viscous_coefficient=30.0)
+
+
+def held_out(record, kind, free=None):
+    found = derived(Axis(inertia=J), kind, record, unknown=(), settings=HELD, free=free)
+    return found, cross_validate(found, plan_of(found, horizon=1.0))
+
+
+def test_presliding_that_an_encoder_resolves_tells_bristles_from_a_cone():
+    record = swayed(BRISTLES, 1)
+    (one,) = balanced(Axis(inertia=J), record, hold="zero")
+    assert np.mean(one.segment >= 0) > 0.9
+    cone, bristles = held_out(record, CoulombViscous), held_out(record, Dahl, PLAIN)
+    assert bristles[1].score < 0.2 * cone[1].score
+    found = bristles[0]
+    assert found.law.bristle_stiffness == pytest.approx(BRISTLES.bristle_stiffness, rel=0.1)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_where_a_body_rests_bristles_predict_no_better_than_a_cone(seed):
+    record = swayed(TRUTH, seed)
+    found, cone = held_out(record, CoulombViscous)
+    _, bristles = held_out(record, Dahl, PLAIN)
+    assert found.law.kinetic_coefficient == pytest.approx(LEVEL, rel=0.01)
+    assert found.law.viscous_coefficient == pytest.approx(VISCOUS, rel=0.01)
+    # what an encoder cannot resolve gives bristles no more than what tells two seeds apart
+    assert bristles.score > 0.9 * cone.score
+
+
+def test_an_encoder_that_stands_still_most_of_the_time_can_be_differentiated():
+    record, _ = dwelling()
+    step = 2.0**-14  # in steps whose differences have no rounding
+    coarse = replace(record, position=step * np.round(record.position / step))
+    assert np.median(np.abs(np.diff(coarse.position, 3))) == 0.0
+    found = derived(Axis(inertia=2.0), Coulomb, coarse, unknown=(), settings=HELD)
+    assert found.law.kinetic_coefficient == pytest.approx(LEVEL, rel=0.05)
 
 
 def test_segments_are_numbered_on_across_gaps_and_trials():

@@ -1,8 +1,8 @@
 """Friction from motion and force: what a force leaves when inertia and springs are taken off.
 
 Force, acceleration and the friction that a law predicts pass the same filter, forward and backward:
-what it smears at reversals, it smears in all of them, and no estimate shifts. Rows at rest count: there
-friction balances the other forces, as far as a law can hold it.
+what it smears at reversals, it smears in all of them, and no estimate shifts. Rows at rest count:
+friction there balances the other forces, as far as a law can hold it.
 """
 
 import math

@@ -72,7 +72,8 @@ class ForceMap(RecordProblem):
     explain. Only the state at the very first sample is not known. It begins with what the first
     force says, and is eliminated to first order from the rows that still see it.
 
-    A table knows no history: bristle laws are compared with their steady friction.
+    A table beside records in time knows no history: bristle laws are compared with their steady
+    friction there.
     """
 
     law: FrictionLaw
@@ -208,10 +209,12 @@ class ForceMap(RecordProblem):
             force = _without_memory(own.law, one)
         force, rows = np.broadcast_to(force, (last, own.count)), mask[:last]
         force = _at_rest(own.law, one, force, states, offset)
-        by_weight = _by_weight(own, one, states[..., 0]) if one.weighed and self.inertia else 0.0
+        by_weight = np.zeros(last)
+        if one.weighed and self.inertia:
+            by_weight = _by_weight(own, one, states[..., 0])
         # at rest friction makes up for a constant force, and weight moves its bounds only
         balanced = np.zeros(last, dtype=bool)
-        if one.held is not None:
+        if one.held is not None and one.resting is not None:
             balanced = one.resting & (force[:, 0] == one.held - offset)
             by_weight = np.where(one.resting, np.where(balanced, 0.0, force[:, 0]), by_weight)
         force = one.seen(force)
