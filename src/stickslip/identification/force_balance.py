@@ -113,7 +113,7 @@ def balanced(
     >>> force = 3.0 * -2.0 * np.sin(2.0 * t) + 5.0 * np.sign(v)
     >>> record = Measurement(time=t, position=np.sin(2.0 * t) / 2.0, force=force)
     >>> (one,) = balanced(Axis(inertia=3.0), record, hold="first")
-    >>> bool(np.max(np.abs(one.friction - one.seen(5.0 * np.sign(one.path.velocity)))) < 0.3)
+    >>> bool(np.max(np.abs(one.friction - one.seen(5.0 * np.sign(v)))) < 0.3)
     True
     """
     check_loads(measurement)
