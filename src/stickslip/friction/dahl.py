@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, Self, final
 from typing_extensions import override
 
 from stickslip.friction.base import BristleLaw, Containment
+from stickslip.friction.power_viscous import viscous_force
 from stickslip.maths import Scalar, power, sign
 from stickslip.quantities import Quantity
 
@@ -20,7 +21,8 @@ ROUNDED = 1e-12
 class Dahl(BristleLaw):
     """Elastic at small displacement, Coulomb friction at large: hysteresis without stiction.
 
-    A viscous part may stand beside the bristles.
+    A viscous part may stand beside the bristles; that of a lubricant that thins grows with a power
+    of the speed below 1, as in the joints of robots. Below a micrometre a second it is linear.
 
     Examples
     --------
@@ -32,7 +34,8 @@ class Dahl(BristleLaw):
     name: ClassVar[str] = "dahl"
     title: ClassVar[str] = "Dahl"
     formula: ClassVar[str] = (
-        r"F = \sigma_0 z N + \sigma_2 v, \quad \dot z = v\, \operatorname{sgn}(r)\, |r|^n, \quad"
+        r"F = \sigma_0 z N + \sigma_2 |v|^p \operatorname{sgn} v, \quad"
+        r" \dot z = v\, \operatorname{sgn}(r)\, |r|^n, \quad"
         r" r = 1 - \frac{\sigma_0 z}{\mu_k} \operatorname{sgn} v"
     )
     sources: ClassVar[tuple[str, ...]] = ("dahl1968",)
@@ -61,7 +64,10 @@ class Dahl(BristleLaw):
     exponent: Annotated[float, Quantity("n", above=0, structural=True)] = 1.0
     """Sharpness of yielding: 1 is Dahl's plain law, towards 0 elastic then perfectly plastic."""
     viscous_coefficient: Annotated[float, Quantity("sigma_2", "N s/m", low=0)] = 0.0
-    """Growth of the friction force with the slip speed."""
+    """Viscous part of the force at 1 m/s, over that speed: its growth with the slip speed where
+    it is linear."""
+    viscous_exponent: Annotated[float, Quantity("p", low=0.2, high=1.5, structural=True)] = 1.0
+    """Power of the speed in the viscous part: 1 is linear, below 1 the lubricant thins."""
 
     @classmethod
     def from_forces(
@@ -72,6 +78,7 @@ class Dahl(BristleLaw):
         bristle_stiffness: float,
         exponent: float = 1.0,
         viscous_coefficient: float = 0.0,
+        viscous_exponent: float = 1.0,
         static_switch: bool = False,
     ) -> Self:
         """Build the law from a force [N] and a stiffness [N/m] measured at a load [N]."""
@@ -81,13 +88,17 @@ class Dahl(BristleLaw):
             bristle_stiffness=bristle_stiffness / load,
             exponent=exponent,
             viscous_coefficient=viscous_coefficient,
+            viscous_exponent=viscous_exponent,
             static_switch=static_switch,
         )
+
+    def _viscous(self, velocity: Scalar) -> Scalar:
+        return viscous_force(velocity, self.viscous_coefficient, self.viscous_exponent)
 
     @override
     def force(self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar) -> Scalar:
         (z,) = bristles
-        return self.bristle_stiffness * z * load + self.viscous_coefficient * velocity
+        return self.bristle_stiffness * z * load + self._viscous(velocity)
 
     @override
     def bristle_rates(
@@ -100,9 +111,7 @@ class Dahl(BristleLaw):
 
     @override
     def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
-        return (
-            self.kinetic_coefficient * load * sign(velocity) + self.viscous_coefficient * velocity
-        )
+        return self.kinetic_coefficient * load * sign(velocity) + self._viscous(velocity)
 
     @override
     def break_away(self, load: Scalar) -> Scalar:

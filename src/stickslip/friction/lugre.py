@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, Self, final
 from typing_extensions import override
 
 from stickslip.friction.base import BristleLaw, Containment
+from stickslip.friction.power_viscous import viscous_force
 from stickslip.friction.stribeck import fade
 from stickslip.maths import Scalar, sign
 from stickslip.quantities import Quantity
@@ -17,6 +18,9 @@ __all__ = ["LuGre"]
 @dataclass(frozen=True, kw_only=True)
 class LuGre(BristleLaw):
     """Presliding, Stribeck curve, frictional lag and rate-dependent break-away in one state.
+
+    The viscous part may grow with a power of the speed, as that of a lubricant that thins; below a
+    micrometre a second it is linear.
 
     Load-normalised: stiffness and damping multiply the normal force. `from_forces` takes the
     classical parameters.
@@ -39,7 +43,7 @@ class LuGre(BristleLaw):
     name: ClassVar[str] = "lugre"
     title: ClassVar[str] = "LuGre"
     formula: ClassVar[str] = (
-        r"F = (\sigma_0 z + \sigma_1 \dot z) N + \sigma_2 v, \quad"
+        r"F = (\sigma_0 z + \sigma_1 \dot z) N + \sigma_2 |v|^p \operatorname{sgn} v, \quad"
         r" \dot z = v - \frac{\sigma_0 |v|}{g(v)} z, \quad"
         r" g = \mu_k + (\mu_s - \mu_k) e^{-|v/v_s|^n}"
     )
@@ -89,9 +93,12 @@ class LuGre(BristleLaw):
     bristle_damping: Annotated[float, Quantity("sigma_1", "s/m", low=0)]
     """Damping of the bristles over the normal force."""
     viscous_coefficient: Annotated[float, Quantity("sigma_2", "N s/m", low=0)] = 0.0
-    """Growth of the friction force with the slip speed."""
+    """Viscous part of the force at 1 m/s, over that speed: its growth with the slip speed where
+    it is linear."""
     exponent: Annotated[float, Quantity("n", above=0, structural=True)] = 2.0
     """Shape of the Stribeck fading."""
+    viscous_exponent: Annotated[float, Quantity("p", low=0.2, high=1.5, structural=True)] = 1.0
+    """Power of the speed in the viscous part: 1 is linear, below 1 the lubricant thins."""
 
     @classmethod
     def from_forces(
@@ -105,6 +112,7 @@ class LuGre(BristleLaw):
         bristle_damping: float,
         viscous_coefficient: float = 0.0,
         exponent: float = 2.0,
+        viscous_exponent: float = 1.0,
         static_switch: bool = False,
     ) -> Self:
         """Build the law from forces [N], a stiffness [N/m] and a damping [N s/m] at a load [N]."""
@@ -117,6 +125,7 @@ class LuGre(BristleLaw):
             bristle_damping=bristle_damping / load,
             viscous_coefficient=viscous_coefficient,
             exponent=exponent,
+            viscous_exponent=viscous_exponent,
             static_switch=static_switch,
         )
 
@@ -124,16 +133,15 @@ class LuGre(BristleLaw):
         mu_k, mu_s = self.kinetic_coefficient, self.static_coefficient
         return mu_k + (mu_s - mu_k) * fade(abs(velocity), self.stribeck_velocity, self.exponent)
 
+    def _viscous(self, velocity: Scalar) -> Scalar:
+        return viscous_force(velocity, self.viscous_coefficient, self.viscous_exponent)
+
     @override
     def force(self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar) -> Scalar:
         (z,) = bristles
         (z_dot,) = self.bristle_rates(velocity, bristles, load)
-        sigma_0, sigma_1, sigma_2 = (
-            self.bristle_stiffness,
-            self.bristle_damping,
-            self.viscous_coefficient,
-        )
-        return (sigma_0 * z + sigma_1 * z_dot) * load + sigma_2 * velocity
+        sigma_0, sigma_1 = self.bristle_stiffness, self.bristle_damping
+        return (sigma_0 * z + sigma_1 * z_dot) * load + self._viscous(velocity)
 
     @override
     def bristle_rates(
@@ -144,7 +152,7 @@ class LuGre(BristleLaw):
 
     @override
     def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
-        return self._g(velocity) * load * sign(velocity) + self.viscous_coefficient * velocity
+        return self._g(velocity) * load * sign(velocity) + self._viscous(velocity)
 
     @override
     def break_away(self, load: Scalar) -> Scalar:

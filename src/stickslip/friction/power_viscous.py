@@ -9,7 +9,7 @@ from stickslip.friction.base import Containment, SetValuedLaw
 from stickslip.maths import Scalar, power, where
 from stickslip.quantities import Quantity
 
-__all__ = ["PowerViscous"]
+__all__ = ["PowerViscous", "viscous_force"]
 
 PLATEAU = 1e-6
 """Speed [m/s] below which the part that depends on the speed is proportional to it.
@@ -17,6 +17,35 @@ PLATEAU = 1e-6
 The slope of a power below 1 has no bound towards v = 0: a body that creeps there would ask for ever
 shorter steps, and lubricants do not thin at such speeds either.
 """
+
+
+def viscous_force(velocity: Scalar, coefficient: Scalar, exponent: Scalar) -> Scalar:
+    """Return sigma_2 |v|^p sgn v [N], and below `PLATEAU` the straight line that meets it there.
+
+    Parameters
+    ----------
+    velocity : float or array
+        Slip velocity [m/s].
+    coefficient : float
+        Viscous coefficient sigma_2 [N s/m]: the force at 1 m/s, over that speed.
+    exponent : float
+        Power p of the speed. With 1 the equations are those of linear viscous friction.
+
+    Examples
+    --------
+    >>> viscous_force(-0.25, 4.0, 0.5), viscous_force(-0.25, 4.0, 1.0)
+    (-2.0, -1.0)
+    """
+    if isinstance(exponent, (float, int)) and exponent == 1.0:
+        return coefficient * velocity
+    return coefficient * _thinning(abs(velocity), exponent) * velocity
+
+
+def _thinning(speed: Scalar, exponent: Scalar) -> Scalar:
+    """Return the viscosity at a speed, over that at 1 m/s."""
+    # named by its switch, the end of the plateau is stepped onto and not over
+    w = where(speed < PLATEAU, PLATEAU, speed)
+    return power(w, exponent - 1.0)
 
 
 @final
@@ -70,9 +99,7 @@ class PowerViscous(SetValuedLaw):
     @override
     def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
         mu_k, sigma_2, n = self.kinetic_coefficient, self.viscous_coefficient, self.exponent
-        # named by its switch, the end of the plateau is stepped onto and not over
-        w = where(speed < PLATEAU, PLATEAU, speed)
-        return mu_k * load + sigma_2 * power(w, n - 1.0) * speed
+        return mu_k * load + sigma_2 * _thinning(speed, n) * speed
 
     @override
     def break_away(self, load: Scalar) -> Scalar:

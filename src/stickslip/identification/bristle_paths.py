@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stickslip.friction import BristleLaw
 
-__all__ = ["Path", "follow"]
+__all__ = ["Path", "displaced", "follow"]
 
 Array = NDArray[np.float64]
 Rates = Callable[[Array], Array]
@@ -34,6 +34,10 @@ JOINED = 1e-10
 what the copies of a law differ by when slopes are wanted."""
 SWEEPS = 30
 """Sweeps at most: states that do not meet by then belong to values far from any fit."""
+CREEP = 1e-9
+"""Speed [m/s] at which bristles follow displacement alone."""
+WAY_PARTS = 2
+"""Parts of such a displacement; one is exact where rates are linear in the deflection."""
 STEPS_PER_CHUNK = 0.5
 """Steps in a chunk over the number of chunks."""
 SERIES = 0.05
@@ -131,6 +135,39 @@ def follow(
     states[..., apart] = np.nan
     inside = states[1:].transpose(1, 2, 0, 3).reshape(bristles, -1, copies)
     return np.concatenate([start[:, None, :], inside], axis=1)[:, : len(path.time)]
+
+
+def displaced(law: BristleLaw, states: Array, load: Array, way: float) -> Array:
+    """Return bristle states after a small displacement, made so slowly that only its way counts.
+
+    Parameters
+    ----------
+    law : BristleLaw
+        Its parameters are numbers, or arrays (copies,) of one value for each copy of the law.
+    states : array (bristles, n, copies)
+        States before.
+    load : array (n, 1)
+        Normal forces [N].
+    way : float
+        The displacement [m].
+
+    Returns
+    -------
+    array (bristles, n, copies)
+        States after.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> law = Dahl(kinetic_coefficient=0.5, bristle_stiffness=1e3)
+    >>> z = displaced(law, np.zeros((1, 1, 1)), np.ones((1, 1)), 1e-3)
+    >>> round(float(z[0, 0, 0] / (0.5e-3 * (1 - np.exp(-2.0)))), 9)
+    1.0
+    """
+    v = np.full_like(load, math.copysign(CREEP, way))
+    size = float(np.max(np.abs(states), initial=0.0))
+    found, _, _ = _stepped(_rates(law, v, load), way / v, states, WAY_PARTS, size)
+    return found
 
 
 def _joined(starts: Array, ends: Array, slopes: Array) -> Array:

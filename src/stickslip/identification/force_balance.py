@@ -1,7 +1,8 @@
 """Friction from motion and force: what a force leaves when inertia and springs are taken off.
 
 Force, acceleration and the friction that a law predicts pass the same filter, forward and backward:
-what it smears at reversals, it smears in all of them, and no estimate shifts.
+what it smears at reversals, it smears in all of them, and no estimate shifts. Rows at rest count:
+friction there balances the other forces, as far as a law can hold it.
 """
 
 import math
@@ -47,9 +48,15 @@ Array = NDArray[np.float64]
 RIPPLES = 20.0
 """The common filter passes at least so many periods in a record, where the motion has none."""
 SLOW = 0.01
-"""Share of the largest speed below which the sign of slip is not known: at rest, friction holds."""
-UNSURE = 0.1
-"""Share of such samples, seen through the filter, from which a row is left out."""
+"""Share of the largest speed below which a body may be at rest, if positions do not change."""
+SHORT = 0.1
+"""Length of rests that are overlooked, over the memory of the filter: a row sees a tenth of it."""
+BEYOND = 4.0
+"""Standard deviations of the noise of positions from which a displacement is one: one in 16,000
+samples of normal noise lies beyond."""
+FINEST = 1e-5
+"""Least displacement over the range of positions that is resolved: what is finer may come from a
+filter before the record."""
 ROUGHLY = 0.1
 """The same share of speed where start values are looked for, and nothing that is predicted is
 filtered."""
@@ -91,7 +98,7 @@ def balanced(
         Samples of a record along which friction is predicted, unless the filter asks for more.
     rough : bool
         Whether the stretches are for start values: predictions along them are not filtered, and
-        more of what is slow is left out.
+        what is slow is left out.
 
     Raises
     ------
@@ -106,7 +113,7 @@ def balanced(
     >>> force = 3.0 * -2.0 * np.sin(2.0 * t) + 5.0 * np.sign(v)
     >>> record = Measurement(time=t, position=np.sin(2.0 * t) / 2.0, force=force)
     >>> (one,) = balanced(Axis(inertia=3.0), record, hold="first")
-    >>> bool(np.max(np.abs(one.friction - one.seen(5.0 * np.sign(one.path.velocity)))) < 0.3)
+    >>> bool(np.max(np.abs(one.friction - one.seen(5.0 * np.sign(v)))) < 0.3)
     True
     """
     check_loads(measurement)
@@ -156,19 +163,19 @@ class Balanced:
 def _stretch(
     mechanism: Mechanism, record: Measurement, hold: Hold, samples: float, *, rough: bool
 ) -> Stretch:
-    """Return friction by inverse dynamics; rows that say nothing have no segment (-1)."""
+    """Return friction by inverse dynamics; rows that are not compared have no segment (-1)."""
     time = np.asarray(record.time)
     dt = check_even(time)
     raw = positions_of(record)
     passed = _passed(raw)
-    x = smoothed(raw, _passed_of_motion(raw, passed))
-    v = np.gradient(x, dt)
+    motion = _motion(raw, dt, passed, tracked="position" in record.quantities())
+    x, v = motion.position, motion.velocity
     a = _second_differences(raw, dt)
     applied = applied_force(mechanism, record)
     joined = hold == "first" or "force" not in record.quantities()
     force = 0.0 * x if applied is None else mean_force(applied, joined=joined)
     mass, rest = known_forces(mechanism, x, v, force)
-    kept = _telling(v, passed, rough=rough)
+    kept = _compared(motion, passed, rough=rough)
     room = int(OVERSAMPLED / passed) if not rough else len(x)
     every = max(1, min(int(np.ceil(len(x) / samples)), room))
     picked = slice(None, None, every)
@@ -183,6 +190,9 @@ def _stretch(
         friction=smoothed(rest - mass * a, passed)[picked],
         segment=np.where(kept, 0, -1)[picked],
         acceleration=smoothed(a, passed)[picked],
+        resting=None if rough else motion.resting[picked],
+        held=None if rough else rest[picked],
+        resolution=motion.resolution,
         passed=0.0 if rough else passed * every,
         weighed=weighs(mechanism, record),
     )
@@ -217,7 +227,11 @@ def _second_differences(x: Array, dt: float) -> Array:
 
 
 def _noise(x: Array) -> float:
-    """Return the standard deviation of the noise of positions (n,); rounding is the least."""
+    """Return the standard deviation of white noise of positions (n,), at least that of rounding.
+
+    Half of the samples of an encoder may stand still: differences alone would say that it errs by
+    nothing.
+    """
     return noise_of(x, step_of(x))
 
 
@@ -248,18 +262,82 @@ def _passed_of_motion(x: Array, least: float) -> float:
     return float(min(max(share, least), 4.0 * HIGHEST))
 
 
-def _telling(v: Array, passed: float, *, rough: bool) -> NDArray[np.bool_]:
-    """Return which rows (n,) say something of sliding friction.
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Motion:
+    """A measured motion, filtered, and where it rests."""
 
-    Left out are those that see much of what is at rest, and the ends, which the filter does not
-    smooth.
+    position: Array
+    """Filtered positions (n,) [m]."""
+    velocity: Array
+    """Their rates (n,) [m/s], 0 at rest."""
+    resting: NDArray[np.bool_]
+    """Samples (n,) at which the sensor does not resolve any motion."""
+    resolution: float
+    """Displacement [m] that it may not resolve."""
+
+
+def _motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> _Motion:
+    """Return the motion that positions (n,) show.
+
+    A sample is at rest if it is slow and if positions stay within the sensor's resolution for
+    longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion.
+
+    Parameters
+    ----------
+    raw : array (n,)
+        Positions [m].
+    dt : float
+        Step of time [s].
+    passed : float
+        What the filter of friction passes, over half the sampling frequency.
+    tracked : bool
+        Whether positions were measured: those integrated from velocities drift at rest.
     """
-    least = (ROUGHLY if rough else SLOW) * float(np.percentile(np.abs(v), 98.0))
-    slow = np.abs(v) <= least
-    kept = ~slow if rough else smoothed(slow.astype(float), passed) < UNSURE
+    x = smoothed(raw, _passed_of_motion(raw, passed))
+    v = np.gradient(x, dt)
+    resting = np.abs(v) <= SLOW * float(np.percentile(np.abs(v), 98.0))
+    reach = FINEST * float(np.ptp(raw))
+    if tracked:
+        reach = max(BEYOND * _noise(raw), reach)
+        steps = np.diff(_followed(raw, reach), prepend=raw[0])
+        moved = np.flatnonzero(steps)
+        number = np.searchsorted(moved, np.arange(len(raw)), side="right")
+        edges = np.concatenate([[-len(raw)], moved, [2 * len(raw)]])
+        ways = np.concatenate([[0.0], np.sign(steps[moved]), [0.0]])
+        # between two displacements of one direction slow slip has that direction, too
+        known = resting & (ways[number] == ways[number + 1])
+        v = np.where(known & (ways[number] != 0.0), ways[number] * np.abs(v), v)
+        resting &= edges[number + 1] - edges[number] > SHORT / passed
+    return _Motion(
+        position=x,
+        velocity=np.where(resting, 0.0, v),
+        resting=resting,
+        resolution=2.0 * reach,
+    )
+
+
+def _followed(x: Array, reach: float) -> Array:
+    """Return positions (n,) that follow others only where these leave their reach, as play does."""
+    found, at = [], float(x[0])
+    for one in x.tolist():
+        at = min(max(at, one - reach), one + reach)
+        found.append(at)
+    return np.array(found)
+
+
+def _compared(motion: _Motion, passed: float, *, rough: bool) -> NDArray[np.bool_]:
+    """Return which rows (n,) are compared: all but the ends, which the filter does not smooth.
+
+    None are where nothing moves; where start values are looked for, those that slip fast are.
+    """
+    v = motion.velocity
+    kept = np.full(len(v), not motion.resting.all())
+    if rough:
+        kept = np.abs(v) > ROUGHLY * float(np.percentile(np.abs(v), 98.0))
     ends = int(np.ceil(2.0 / passed))
     kept[:ends] = kept[max(len(v) - ends, 0) :] = False
-    return np.asarray(kept, dtype=bool)
+    return kept
 
 
 def _cut(one: Stretch, length: float, first: int) -> Iterator[Stretch]:

@@ -10,7 +10,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw
 from stickslip.identification.map_problem import ForceMap
-from stickslip.identification.map_records import Stretch, stretches_of
+from stickslip.identification.map_records import Stretch, refuse_timeless, stretches_of
 from stickslip.identification.map_starts import Rough, looked_for
 from stickslip.identification.screening import screened_starts
 from stickslip.identification.unknowns import Unknowns
@@ -123,6 +123,7 @@ def map_along(
             f"a force map needs a law that is set-valued, directional or of bristles;"
             f" {kind.__name__} is none of them."
         )
+    refuse_timeless(law, stretches)
     own = getattr(mechanism, "offset", None)
     constant = SENSOR if own is None else MECHANISM
     told = Rough.of(stretches, offset=None)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import ParameterError
-from stickslip.friction import BristleLaw, FrictionLaw
-from stickslip.identification.bristle_paths import follow
+from stickslip.friction import BristleLaw, FrictionLaw, towards
+from stickslip.identification.bristle_paths import displaced, follow
 from stickslip.identification.law_copies import MOVED, Copies
 from stickslip.identification.map_records import Stretch
 from stickslip.identification.problem import Linearised, RecordProblem
@@ -61,16 +61,19 @@ class ForceMap(RecordProblem):
     Friction that was derived from a force came through a filter, and so does what the law predicts.
     The mass it was derived with may be one of the unknowns.
 
-    A set-valued law is not defined at rest. It is given the sign of the measured velocity, else of
-    one that parabolas through neighbouring positions have, and 0 where that is exactly 0: what such
-    a law cannot say about samples at rest counts against it as it stands.
+    A set-valued law is not defined at rest. Where friction was measured, it is given the sign of
+    the measured velocity, else of one that parabolas through neighbouring positions have, and 0
+    where that is exactly 0: what such a law cannot say about samples at rest counts against it as
+    it stands. Where friction was derived, the other forces are known, too: at rest a law has the
+    friction that balances them, as far as its break-away level allows.
 
     Bristles are integrated through each stretch between gaps from its first sample on, whichever
     segments are wanted: no segment has a state of its own that could take up what the law does not
     explain. Only the state at the very first sample is not known. It begins with what the first
     force says, and is eliminated to first order from the rows that still see it.
 
-    A table knows no history: bristle laws are compared with their steady friction.
+    A table beside records in time knows no history: bristle laws are compared with their steady
+    friction there.
     """
 
     law: FrictionLaw
@@ -199,24 +202,36 @@ class ForceMap(RecordProblem):
         one = one.until(last)
         if one.weighed and self.inertia:
             one = one.loaded(mass / self.mass)
-        states, nudge = np.zeros((0, last)), 1.0
+        states, nudge = np.zeros((0, last, own.count)), 1.0
         if isinstance(own.law, BristleLaw) and one.timed:
             force, states, nudge = _with_memory(own, one, offset, before, change)
         else:
             force = _without_memory(own.law, one)
-        force, rows = one.seen(np.broadcast_to(force, (last, own.count))), mask[:last]
+        force, rows = np.broadcast_to(force, (last, own.count)), mask[:last]
+        force = _at_rest(own.law, one, force, states, offset)
+        by_weight = np.zeros(last)
+        if one.weighed and self.inertia:
+            by_weight = _by_weight(own, one, states[..., 0])
+        # at rest friction makes up for a constant force, and weight moves its bounds only
+        balanced = np.zeros(last, dtype=bool)
+        if one.held is not None and one.resting is not None:
+            balanced = one.resting & (force[:, 0] == one.held - offset)
+            by_weight = np.where(one.resting, np.where(balanced, 0.0, force[:, 0]), by_weight)
+        force = one.seen(force)
         base = force[:, :1]
         local = (force[:, 1 + len(own.moved) :] - base)[:, : len(states)] / nudge
-        basis, inverse = _inverted(local, rows)
         residual, slopes = one.friction - offset - base[:, 0], own.slopes_of(force)
+        if own.constant is not None and balanced.any():
+            slopes[:, own.constant] -= one.seen(balanced.astype(float))
         if self.inertia and one.acceleration is not None:
             residual = residual - (mass - self.mass) * one.acceleration
             slopes[:, self.unknowns.paths.index(self.inertia)] = one.acceleration + (
-                _by_weight(own, one, states) / mass if one.weighed else 0.0
+                one.seen(by_weight) / mass if one.weighed else 0.0
             )
+        basis, inverse = _inverted(local, rows)
         return _Local(
-            start=states[:, 0] if len(states) else np.zeros(0),
-            states=states,
+            start=states[:, 0, 0],
+            states=states[..., 0],
             residual=residual[rows],
             slopes=slopes[rows],
             basis=basis,
@@ -236,7 +251,8 @@ def _by_weight(own: Copies, one: Stretch, states: Array) -> Array:
         return np.asarray(found)
 
     # friction is affine in the load, so that any difference is exact
-    return one.seen(force(2.0 * n) - force(n) + 0.0 * v)
+    growth: Array = force(2.0 * n) - force(n) + 0.0 * v
+    return growth
 
 
 def _without_memory(law: Any, one: Stretch) -> Array:
@@ -245,10 +261,34 @@ def _without_memory(law: Any, one: Stretch) -> Array:
     return np.asarray(law.steady(v, n) if isinstance(law, BristleLaw) else law.force(v, n))
 
 
+def _at_rest(law: Any, one: Stretch, force: Array, states: Array, offset: float) -> Array:
+    """Return friction (n, copies) with what holds the body at rest: what other forces ask for.
+
+    Rest is motion that the sensor does not resolve. Friction is then what balances the other
+    forces, as far as displacements within the resolution make it so: within the cone for a
+    set-valued law, within a narrow range for soft bristles. The stiffer bristles are, the nearer
+    they come to the cone.
+    """
+    if one.held is None or one.resting is None or not one.resting.any():
+        return force
+    rows = np.flatnonzero(one.resting)
+    n = one.path.load[rows, None]
+    if len(states):
+        low, high = (
+            law.force(0.0 * n, tuple(displaced(law, states[:, rows], n, way)), n)
+            for way in (-one.resolution, one.resolution)
+        )
+    else:
+        low, high = (side * towards(law, side).break_away(n) for side in (-1, 1))
+    force = force.copy()
+    force[rows] = np.clip(one.held[rows, None] - offset, low, high)
+    return force
+
+
 def _with_memory(
     own: Copies, one: Stretch, offset: float, before: _Local | None, change: Array
 ) -> tuple[Array, Array, float]:
-    """Return friction along a motion (n, copies), bristles (b, n), and by how much they moved."""
+    """Return friction along a motion (n, copies), bristles (b, n, copies), and their nudge."""
     if before is None:
         start = _first_state(own, one, offset)
         assert isinstance(own.base, BristleLaw)
@@ -261,7 +301,7 @@ def _with_memory(
         starts[k, 1 + len(own.moved) + k] += nudge
     states = follow(own.law, one.path, starts, _extended(guess, len(one.path.time)))
     v, n = one.path.velocity[:, None], one.path.load[:, None]
-    return np.asarray(own.law.force(v, tuple(states), n)), states[..., 0], nudge
+    return np.asarray(own.law.force(v, tuple(states), n)), states, nudge
 
 
 def _extended(states: Array, count: int) -> Array:

@@ -9,15 +9,18 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.bristle_paths import Path
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
 __all__ = [
     "SEGMENTS",
+    "TIMELESS",
     "Stretch",
     "check_loads",
     "load_along",
+    "refuse_timeless",
     "smoothed",
     "stretches_of",
     "weighs",
@@ -35,6 +38,8 @@ SEGMENTS = 40
 """Segments of a record where no length is given."""
 BUTTERWORTH = 4
 """Order of the filter that derived friction came through."""
+TIMELESS = "bristles show in displacements, and a table without time has none"
+"""Why laws of bristles are not fitted to tables."""
 SHARES = 8
 """Segments of a table; its rows are dealt out to them in turn, so that each has all speeds."""
 
@@ -55,6 +60,12 @@ class Stretch:
     """Whether the samples are a motion in time; those of a table are not."""
     acceleration: Array | None = None
     """Accelerations (n,) [m/s^2] that derived friction came from, filtered as it is."""
+    resting: NDArray[np.bool_] | None = None
+    """Samples (n,) at which the sensor resolves no motion; None where this is not known."""
+    held: Array | None = None
+    """Friction (n,) [N] that would balance all other forces on a body at rest."""
+    resolution: float = 0.0
+    """Displacement [m] that the sensor may not resolve."""
     passed: float = 0.0
     """What the filter of derived friction passes, over half the sampling frequency; 0 if none."""
     weighed: bool = False
@@ -89,6 +100,8 @@ class Stretch:
             friction=self.friction[:count],
             segment=self.segment[:count],
             acceleration=None if self.acceleration is None else self.acceleration[:count],
+            resting=None if self.resting is None else self.resting[:count],
+            held=None if self.held is None else self.held[:count],
         )
 
 
@@ -183,6 +196,28 @@ def check_loads(measurement: Measurement) -> None:
         raise InputError(
             "load (N) was measured in some of the trials only: give Measurement.load [N] to each of"
             " them, or to none of them to use that of the mechanism."
+        )
+
+
+def refuse_timeless(law: FrictionLaw | type[FrictionLaw], stretches: Sequence[Stretch]) -> None:
+    """Refuse a bristle law where nothing has a time: a table does not depend on its bristles.
+
+    Raises
+    ------
+    InputError
+        With what to do instead.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> table = Measurement(velocity=np.linspace(-1.0, 1.0, 20), friction=np.ones(20))
+    >>> refuse_timeless(Coulomb, stretches_of(Axis(inertia=1.0), table))
+    """
+    kind = law if isinstance(law, type) else type(law)
+    if issubclass(kind, BristleLaw) and not any(one.timed for one in stretches):
+        raise InputError(
+            f"{kind.title} cannot be fitted to friction against velocity: {TIMELESS}. Fit a law"
+            " without bristles, such as stribeck, or give friction and position in time."
         )
 
 

@@ -173,7 +173,8 @@ class Rough:
         }
         low = quantity.low if quantity.above is None else quantity.above
         if quantity.structural:
-            return Unknown(path=path, quantity=quantity, start=value, low=0.02, high=10.0, log=True)
+            low, high = max(0.02, quantity.low), min(10.0, quantity.high)
+            return Unknown(path=path, quantity=quantity, start=value, low=low, high=high, log=True)
         if quantity.unit in ("m/s", "1/m") and low >= 0.0:
             size = self.speed if quantity.unit == "m/s" else max(self.stiffness, value)
             wide = 1e3 if quantity.unit == "m/s" else 1e4

@@ -265,6 +265,7 @@ def _range(kind: type[FrictionLaw], name: str, s: Scales) -> tuple[float, float,
             1e3 * level / s.speed,
         ),
         "exponent": FADING if "stribeck_velocity" in fields_of(kind) else (0.8, 0.2, 3.0),
+        "viscous_exponent": (0.6, 0.2, 1.5),
     }
     if name not in known:
         symbol = fields_of(kind)[name].symbol

@@ -6,12 +6,12 @@ from numpy.typing import NDArray
 from stickslip.experiments import Measurement
 from stickslip.experiments.checking.motion import motion_of
 from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.identification.map_records import TIMELESS
 
 __all__ = ["one_way", "unsuited_by"]
 
 RARE = 0.01
 """Share of samples below which a direction counts as absent."""
-BRISTLES = "bristles show in displacements, and a table without time has none"
 
 
 def one_way(measurement: Measurement) -> bool:
@@ -53,4 +53,4 @@ def unsuited_by(measurement: Measurement, law: FrictionLaw | type[FrictionLaw]) 
     """
     kind = law if isinstance(law, type) else type(law)
     timeless = all(record.time is None for record in measurement.records())
-    return BRISTLES if timeless and issubclass(kind, BristleLaw) else ""
+    return TIMELESS if timeless and issubclass(kind, BristleLaw) else ""
