@@ -202,21 +202,12 @@ class ForceMap(RecordProblem):
         one = one.until(last)
         if one.weighed and self.inertia:
             one = one.loaded(mass / self.mass)
-        states, nudge = np.zeros((0, last, own.count)), 1.0
-        if isinstance(own.law, BristleLaw) and one.timed:
-            force, states, nudge = _with_memory(own, one, offset, before, change)
-        else:
-            force = _without_memory(own.law, one)
-        force, rows = np.broadcast_to(force, (last, own.count)), mask[:last]
-        force = _at_rest(own.law, one, force, states, offset)
+        force, states, nudge = _friction(own, one, offset, before, change)
+        rows = mask[:last]
+        balanced = _balanced(one, force[:, 0], offset)
         by_weight = np.zeros(last)
         if one.weighed and self.inertia:
-            by_weight = _by_weight(own, one, states[..., 0])
-        # at rest friction makes up for a constant force, and weight moves its bounds only
-        balanced = np.zeros(last, dtype=bool)
-        if one.held is not None and one.resting is not None:
-            balanced = one.resting & (force[:, 0] == one.held - offset)
-            by_weight = np.where(one.resting, np.where(balanced, 0.0, force[:, 0]), by_weight)
+            by_weight = _by_weight(own, one, states[..., 0], force[:, 0] * ~balanced)
         force = one.seen(force)
         base = force[:, :1]
         local = (force[:, 1 + len(own.moved) :] - base)[:, : len(states)] / nudge
@@ -225,9 +216,8 @@ class ForceMap(RecordProblem):
             slopes[:, own.constant] -= one.seen(balanced.astype(float))
         if self.inertia and one.acceleration is not None:
             residual = residual - (mass - self.mass) * one.acceleration
-            slopes[:, self.unknowns.paths.index(self.inertia)] = one.acceleration + (
-                one.seen(by_weight) / mass if one.weighed else 0.0
-            )
+            column = one.acceleration + one.seen(by_weight) / mass
+            slopes[:, self.unknowns.paths.index(self.inertia)] = column
         basis, inverse = _inverted(local, rows)
         return _Local(
             start=states[:, 0, 0],
@@ -239,8 +229,32 @@ class ForceMap(RecordProblem):
         )
 
 
-def _by_weight(own: Copies, one: Stretch, states: Array) -> Array:
-    """Return by how much friction (n,) [N] grows with the relative growth of the load."""
+def _friction(
+    own: Copies, one: Stretch, offset: float, before: _Local | None, change: Array
+) -> tuple[Array, Array, float]:
+    """Return friction (n, copies), bristles (b, n, copies), and by how much they were moved."""
+    count = len(one.path.time)
+    states, nudge = np.zeros((0, count, own.count)), 1.0
+    if isinstance(own.law, BristleLaw) and one.timed:
+        force, states, nudge = _with_memory(own, one, offset, before, change)
+    else:
+        force = _without_memory(own.law, one)
+    force = np.broadcast_to(force, (count, own.count))
+    return _at_rest(own.law, one, force, states, offset), states, nudge
+
+
+def _balanced(one: Stretch, force: Array, offset: float) -> NDArray[np.bool_]:
+    """Return at which samples (n,) friction balances all else, an offset included."""
+    if one.held is None or one.resting is None:
+        return np.zeros(len(force), dtype=bool)
+    return np.asarray(one.resting & (force == one.held - offset))
+
+
+def _by_weight(own: Copies, one: Stretch, states: Array, resting: Array) -> Array:
+    """Return by how much friction (n,) [N] grows with the relative growth of the load.
+
+    At rest, that is given (n,): weight moves what friction is held within.
+    """
     law: Any = own.base
     v, n = one.path.velocity, one.path.load
 
@@ -252,7 +266,7 @@ def _by_weight(own: Copies, one: Stretch, states: Array) -> Array:
 
     # friction is affine in the load, so that any difference is exact
     growth: Array = force(2.0 * n) - force(n) + 0.0 * v
-    return growth
+    return growth if one.resting is None else np.where(one.resting, resting, growth)
 
 
 def _without_memory(law: Any, one: Stretch) -> Array:
