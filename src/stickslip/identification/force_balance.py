@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.experiments.cutting import between_gaps
+from stickslip.experiments.signals import noise_of, step_of
 from stickslip.identification.applied import applied_force
 from stickslip.identification.bristle_paths import Path
 from stickslip.identification.inverse_dynamics import (
@@ -216,9 +217,11 @@ def _second_differences(x: Array, dt: float) -> Array:
 
 
 def _noise(x: Array) -> float:
-    """Return the standard deviation of white noise of positions (n,)."""
-    # third differences take the motion away and leave white noise times the root of 20
-    return 1.4826 * float(np.median(np.abs(np.diff(x, 3)))) / math.sqrt(20.0)
+    """Return the standard deviation of white noise of positions (n,); at least their rounding.
+
+    Between the steps of a coarse encoder most third differences are 0, and so would their median.
+    """
+    return max(noise_of(x, step_of(x)), 1e-12 * float(np.ptp(x)))
 
 
 def _passed(x: Array) -> float:
@@ -232,7 +235,7 @@ def _passed(x: Array) -> float:
     noise, spread = _noise(x), float(np.std(x))
     steps = float(np.var(np.diff(x))) - 2.0 * noise**2
     mean = math.sqrt(max(steps, 0.0)) / max(spread, 1e-300)
-    share = 5.0 * math.pi * LEAK * (mean**2 * spread / max(noise, 1e-300)) ** 2
+    share = 5.0 * math.pi * LEAK * (mean**2 * spread / noise) ** 2
     quiet = math.pow(share, 0.2) / math.pi
     least, most = FEWEST * mean / math.pi, HARMONICS * mean / math.pi
     return float(min(max(min(max(quiet, least), most), 2.0 * RIPPLES / len(x)), HIGHEST))
@@ -244,7 +247,7 @@ def _passed_of_motion(x: Array, least: float) -> float:
     White noise s has velocities of variance s^2 w^3 / (3 pi) up to w rad per sample.
     """
     speed = float(np.percentile(np.abs(np.diff(x)), 98.0))
-    share = (3.0 * np.pi * (QUIET * speed / max(_noise(x), 1e-300)) ** 2) ** (1.0 / 3.0) / np.pi
+    share = (3.0 * np.pi * (QUIET * speed / _noise(x)) ** 2) ** (1.0 / 3.0) / np.pi
     return float(min(max(share, least), 4.0 * HIGHEST))
 
 

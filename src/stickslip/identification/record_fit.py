@@ -18,6 +18,7 @@ from stickslip.experiments.units import turned
 from stickslip.identification.inference import Inference, bootstrap
 from stickslip.identification.optimise import Found, improve
 from stickslip.identification.problem import Held, Linearised, Problem, RecordProblem
+from stickslip.identification.residual_tests import ModelError
 from stickslip.identification.results import Fit
 from stickslip.identification.unknowns import Unknowns
 
@@ -127,6 +128,8 @@ class RecordFit(Fit):
     """Which parameters ended at a bound, by path: ``"lower"`` or ``"upper"``."""
     sentences: tuple[str, ...]
     """What the record cannot tell, in words."""
+    model_errors: tuple[ModelError, ...] = ()
+    """What the residuals show to be wrong with model, rig or record; intervals leave it out."""
 
     @override
     def __str__(self) -> str:

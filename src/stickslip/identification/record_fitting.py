@@ -27,6 +27,8 @@ from stickslip.identification.record_fit import RecordFit, scale_of
 from stickslip.identification.record_problems import Prepared, Route, Wanted, prepared
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.shooting import Shooting
+from stickslip.identification.residual_tests import model_errors
+from stickslip.identification.segmenting import Hold
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
@@ -136,7 +138,7 @@ def fit_record(
     if isinstance(ready.build, Balanced):
         build = ready.build.at(found.best.values)
         ready = replace(ready, build=build, problem=build(measurement, None))
-    return _finished(way, measurement, ready, found, searched)
+    return _finished(way, measurement, ready, found, searched, settings.hold)
 
 
 def _widened(
@@ -207,6 +209,7 @@ def _finished(
     ready: Prepared,
     found: Found,
     searched: Found,
+    hold: Hold,
 ) -> RecordFit:
     """Return a fit from the end of its search, which began with one from several starts."""
     unknowns, best = ready.problem.unknowns, found.best
@@ -221,8 +224,10 @@ def _finished(
     )
     mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
     mechanism, said = as_loaded(mechanism, measurement)
+    fitted = vary(ready.start, "friction", law)
+    errors = model_errors(mechanism, fitted, measurement, unknowns, estimates, hold=hold)
     return RecordFit(
-        law=vary(ready.start, "friction", law),
+        law=fitted,
         mechanism=mechanism,
         estimates=estimates,
         remarks=(said,) if said else (),
@@ -233,6 +238,7 @@ def _finished(
         found=found,
         inference=inference,
         at_bounds=at_bounds,
+        model_errors=() if route == "force-map" else errors,
         sentences=(
             *sentences_of(told, best, inference, at_bounds, estimates),
             *offset_left_out(ready.start, ready.mechanism, unknowns),
