@@ -232,8 +232,8 @@ FAULTS: Mapping[str, Fault] = {
     "quantisation": Fault(record=_coarse, named=("quantisation",)),
     "dropped-samples": Fault(record=_dropped, named=("dropped samples", "jump", "gap")),
     "outliers": Fault(record=_outlying, named=("jump",)),
-    "level-drift": Fault(machine=_drift, named=("drift",)),
-    "warm-up": Fault(machine=_warm, named=("drift",)),
+    "level-drift": Fault(machine=_drift, named=("drift", "drift of the level", "drift of the offset", "drift of the viscous part")),
+    "warm-up": Fault(machine=_warm, named=("drift", "drift of the level", "drift of the offset", "drift of the viscous part")),
     "place-dependence": Fault(machine=_placed, named=("position friction",)),
     "asymmetry": Fault(
         machine=_asymmetric, named=("asymmetry",), free=("mechanism.offset",)

@@ -74,6 +74,7 @@ def balanced(
     segment: float | None = None,
     samples: float = SAMPLES,
     rough: bool = False,
+    wider: float = 1.0,
 ) -> tuple[Stretch, ...]:
     """Return stretches of friction by inverse dynamics, with the acceleration they came from.
 
@@ -92,6 +93,8 @@ def balanced(
     rough : bool
         Whether the stretches are for start values: predictions along them are not filtered, and
         more of what is slow is left out.
+    wider : float
+        Factor on what the common filter passes: more noise, and more of what is fast.
 
     Raises
     ------
@@ -118,7 +121,7 @@ def balanced(
         length = float(np.ptp(record.time)) / SEGMENTS if segment is None else segment
         for piece in between_gaps(record):
             if np.asarray(piece.time).size >= LEAST:
-                one = _stretch(set_up, piece, hold, samples, rough=rough)
+                one = _stretch(set_up, piece, hold, samples, rough=rough, wider=wider)
                 first = max((int(one.segment.max()) + 1 for one in found), default=0)
                 found.extend(_cut(replace(one, record=number), length, first))
     if not found:
@@ -154,13 +157,13 @@ class Balanced:
 
 
 def _stretch(
-    mechanism: Mechanism, record: Measurement, hold: Hold, samples: float, *, rough: bool
+    mechanism: Mechanism, record: Measurement, hold: Hold, samples: float, *, rough: bool, wider: float
 ) -> Stretch:
     """Return friction by inverse dynamics; rows that say nothing have no segment (-1)."""
     time = np.asarray(record.time)
     dt = check_even(time)
     raw = positions_of(record)
-    passed = _passed(raw)
+    passed = min(wider * _passed(raw), HIGHEST)
     x = smoothed(raw, _passed_of_motion(raw, passed))
     v = np.gradient(x, dt)
     a = _second_differences(raw, dt)

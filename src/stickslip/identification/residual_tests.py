@@ -12,25 +12,31 @@ blocks are above 0 by Wilcoxon's signed-rank test, corrected for the number of c
 they add up to a good part of the residuals, and if it matters: for a parameter, by more than its
 interval, or by a share of friction.
 
+All this is done twice. Through the filter of inverse dynamics, whose residuals are what disturbs
+the friction, slow errors stand out. Through a wider one, with residuals made white by an
+autoregression, fast ones do, such as delays.
+
 Source: C. R. Rao, "Large sample tests of statistical hypotheses", 1948 (score tests); F. Wilcoxon,
-"Individual comparisons by ranking methods", 1945.
+"Individual comparisons by ranking methods", 1945; D. Cochrane, G. H. Orcutt, 1949 (whitening).
 """
 
 import itertools
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
+from typing_extensions import override
 
 from stickslip.errors import StickslipError
 from stickslip.experiments import Measurement
-from stickslip.experiments.wording import number, percent, quantity
-from stickslip.identification.force_balance import balanced
+from stickslip.experiments.wording import number, percent, quantities, quantity
 from stickslip.friction import FrictionLaw
+from stickslip.identification.force_balance import balanced
 from stickslip.identification.inverse_dynamics import mass_of, positions_of
 from stickslip.identification.map_problem import ForceMap
 from stickslip.identification.map_records import Stretch
@@ -43,10 +49,13 @@ from stickslip.quantities import parameters, vary
 __all__ = ["ModelError", "model_errors"]
 
 Array = NDArray[np.float64]
+Rows: TypeAlias = NDArray[np.bool_]
 
+BANDS = ((1.0, 0), (3.0, 4))
+"""Factor on what the filter of inverse dynamics passes, and order of the autoregression."""
 BLOCKS = 20
 """Blocks of a record that are left out in turn."""
-FEWEST = 12
+FEWEST = 6
 """Rows that a block has at least."""
 LEVEL = 0.01
 """Probability that a record without an error is said to have one, all columns together."""
@@ -57,22 +66,24 @@ MATTERS = 0.02
 NEGLIGIBLE = 0.002
 """Size of an error over that of friction below which it does not, however narrow they are."""
 CLOSE = 0.9
-"""Gain over the largest from which a column with fewer coefficients is preferred."""
+"""Share of the largest gain from which a column with fewer coefficients is preferred."""
 MOST = 3
 """Errors that are named at most."""
-ROWS = 4_000
-"""Rows of a balance at most, as far as its filter allows: these are enough."""
+SAMPLES = 4_000
+"""Samples of a record, unless its filter asks for more."""
+OVERSAMPLED = (0.25, 0.5)
+"""Most that the filter passes over half the frequency of the rows: where residuals are made white,
+rows that hardly differ would say nothing."""
+TAKEN_UP = 0.01
+"""Share of a column beside what was fitted below which the parameters take it up."""
+RIDGE = 1e-6
+"""Share of the whole record that each coefficient is drawn to 0 by, where a block has it all."""
 WAVES = 40
 """Waves over the stroke that are looked for at most."""
 SPEEDS = (0.02, 0.05, 0.1, 0.2, 0.4)
 """Speeds over the largest at which a peak of friction near rest is looked for."""
 WAYS = (0.003, 0.01, 0.03, 0.1)
 """Ways after a reversal, over the stroke, within which something else is looked for."""
-TAKEN_UP = 0.01
-"""Share of a column beside what was fitted below which this takes it up."""
-RIDGE = 1e-6
-OVERSAMPLED = 0.25
-"""Most that the filter passes over half the frequency of the rows."""
 LIMITS = (0.6, 0.75, 0.9)
 """Quantiles of the force's size from which a limit is looked for."""
 
@@ -80,18 +91,36 @@ LIMITS = (0.6, 0.75, 0.9)
 @final
 @dataclass(frozen=True, kw_only=True)
 class ModelError:
-    """One error of the model, the rig or the record that the residuals of a fit show."""
+    """One error of the model, the rig or the record that the residuals of a fit show.
+
+    Examples
+    --------
+    >>> late = ModelError(
+    ...     kind="delay",
+    ...     sentence="The motion follows the force 12 ms late.",
+    ...     effect=0.012,
+    ...     interval=(0.011, 0.013),
+    ...     share=0.9,
+    ... )
+    >>> str(late)
+    'The motion follows the force 12 ms late.'
+    """
 
     kind: str
     """What it is, such as ``"delay"`` or ``"position friction"``."""
     sentence: str
     """What it is, with its size and what it does to the estimates."""
     effect: float
-    """Its size, in the unit of the sentence, SI."""
+    """Its size, SI: a time, a force, a stiffness or a share, as the sentence says."""
     interval: tuple[float, float]
     """95 % confidence interval of the size, from leaving blocks out."""
     share: float
     """Share of the squared residuals that it predicts in blocks left out."""
+
+    @override
+    def __str__(self) -> str:
+        """Return the sentence."""
+        return self.sentence
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the error as plain numbers and strings."""
@@ -105,49 +134,135 @@ class ModelError:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Balance:
-    """The balance of forces along a record: its residuals, and what errors are made of.
+class Signals:
+    """What errors are made of, all samples of all stretches (n,) end to end."""
 
-    Rows (n,) are those where slip is sure; all forces passed the filter of the balance.
-    """
-
-    residual: Array
-    """Force less inertia, springs, friction and offset (n,) [N]."""
-    slopes: Array
-    """Derivatives of the predicted force by what was fitted (n, p)."""
-    friction: Array
-    """Friction and offset by the law (n,) [N]."""
     time: Array
-    """From the start of each record (n,) [s]."""
+    """From the start of each record [s]."""
     position: Array
     velocity: Array
-    """Slip velocity (n,) [m/s]."""
+    """Slip velocity [m/s]."""
     level: Array
-    """Sign of slip times the load (n,)."""
-    force: Array
-    """Force that inertia and friction take (n,) [N]."""
-    force_bend: Array
-    """Its second rate (n,) [N/s^2]."""
-    acceleration: Array
+    """Sign of slip times the load."""
     since: Array
-    """Way since the last reversal (n,) [m]."""
-    passed: float
-    """Highest frequency that the filter passes [Hz]."""
-    late: Callable[[float], Array]
-    """By time [s]: force less the force so much earlier, over that time (n,) [N/s]."""
-    driven: bool
-    """Whether a force was recorded."""
+    """Way since the last reversal [m]."""
+    force: Array
+    """Filtered force that inertia and friction take [N]."""
+    acceleration: Array
+    """Filtered as well."""
+    edges: tuple[int, ...]
+    """Where stretches begin, and the end."""
+
+    def each(self, of: Callable[[Array, Array], Array]) -> Array:
+        """Return a function of times and forces, stretch by stretch (n,)."""
+        spans = [slice(a, b) for a, b in itertools.pairwise(self.edges)]
+        return np.concatenate([of(self.time[own], self.force[own]) for own in spans])
+
+    @property
+    def rate(self) -> Array:
+        """Rate of the force [N/s]."""
+        return self.each(lambda t, force: np.gradient(force, t))
+
+    @property
+    def stroke(self) -> float:
+        """Range of the position [m]."""
+        return float(np.ptp(self.position))
+
+    @property
+    def middle(self) -> Array:
+        """Position from the middle of the stroke [m]."""
+        return self.position - 0.5 * float(self.position.max() + self.position.min())
+
+    @property
+    def fastest(self) -> float:
+        """Largest speed [m/s]."""
+        return float(np.max(np.abs(self.velocity)))
+
+    @property
+    def course(self) -> Array:
+        """Time over the duration, from -1/2 to 1/2."""
+        return self.time / max(float(np.ptp(self.time)), 1e-300) - 0.5
+
+    def near_reversals(self, way: float) -> Array:
+        """Return what fades with the way [m] after each reversal."""
+        return np.asarray(np.exp(-self.since / way))
+
+    def waves(self, length: float) -> tuple[Array, Array]:
+        """Return cosine and sine of the position at a wavelength [m]."""
+        phase = 2.0 * math.pi / length * self.middle
+        return np.cos(phase), np.sin(phase)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Effect:
-    """Columns that an error adds to the balance."""
+    """What an error adds to the balance of forces, but for its coefficients."""
 
     kind: str
-    columns: Array
-    """Of the balance (n, q)."""
-    scale: float = 0.0
-    """What the columns were made with: a length, a speed, a force."""
+    scale: float
+    """What its columns are made with: a length, a speed, a force, a time."""
+    columns: Callable[[Signals], tuple[Array, ...]]
+    """Columns (n,) of it."""
+    filtered: bool = False
+    """Whether they are made of what came through the filter."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Balance:
+    """The balance of forces along a record, through one filter.
+
+    Its rows (m,) are those samples where slip is sure and rows enough come before, made white.
+    """
+
+    residual: Array
+    """Force less inertia, springs, friction and offset, made white (m,)."""
+    slopes: Array
+    """Derivatives of the predicted force by what was fitted, made white (m, p)."""
+    friction: float
+    """Root mean square of friction and offset by the law [N]."""
+    passed: float
+    """Highest frequency that the filter passes [Hz]."""
+    signals: Signals
+    stretches: tuple[Stretch, ...]
+    picked: NDArray[np.intp]
+    """Which samples are looked at."""
+    rows: NDArray[np.intp]
+    """Which of these are rows (m,)."""
+    memory: Array
+    """Coefficients of the autoregression (order,)."""
+
+    def seen(self, effects: Sequence[Effect]) -> list[Array]:
+        """Return the columns of effects in the picked samples, filtered as residuals are."""
+        columns = [np.stack(one.columns(self.signals), axis=1) for one in effects]
+        raw = [k for k, one in enumerate(effects) if not one.filtered]
+        if raw:
+            # all at once: designing a filter takes longer than applying it
+            table = np.concatenate([columns[k] for k in raw], axis=1)
+            spans = itertools.pairwise(self.signals.edges)
+            table = np.concatenate(
+                [one.seen(table[a:b]) for one, (a, b) in zip(self.stretches, spans, strict=True)]
+            )
+            ends = np.cumsum([columns[k].shape[1] for k in raw])
+            for k, part in zip(raw, np.split(table, ends[:-1], axis=1), strict=True):
+                columns[k] = part
+        return [column[self.picked] for column in columns]
+
+    def white(self, columns: Array) -> Array:
+        """Return the rows (m, q) of picked samples, less what those before say of them."""
+        return whitened(columns, self.rows, self.memory)
+
+
+def whitened(columns: Array, rows: NDArray[np.intp], memory: Array) -> Array:
+    """Return rows (m, ...) less what an autoregression (order,) says of them from rows before.
+
+    Examples
+    --------
+    >>> whitened(np.array([1.0, 0.5, 0.25, 1.0]), np.array([1, 2, 3]), np.array([0.5]))
+    array([0.   , 0.   , 0.875])
+    """
+    found = columns[rows].copy()
+    for k, coefficient in enumerate(memory.tolist(), 1):
+        found -= coefficient * columns[rows - k]
+    return np.asarray(found)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -155,8 +270,8 @@ class Tested:
     """An effect with what it predicts and its coefficients."""
 
     effect: Effect
-    gain: float
-    """Squares that it takes off in blocks left out [N^2]."""
+    share: float
+    """Squares that it takes off in blocks left out, over those of the residuals."""
     chance: float
     """Probability of such gains without it."""
     values: Array
@@ -165,11 +280,8 @@ class Tested:
     """The same with each block left out (blocks, q)."""
     shift: Array
     """By how much the fitted parameters change with it (p,)."""
-
-    @property
-    def size(self) -> float:
-        """Root mean square of what it adds to the balance [N]."""
-        return float(np.sqrt(np.mean((self.effect.columns @ self.values) ** 2)))
+    size: float
+    """Root mean square of what it adds to the balance, over friction."""
 
     def interval(self, of: Callable[[Array], float]) -> tuple[float, float]:
         """Return the 95 % interval of a number that follows from the coefficients."""
@@ -207,8 +319,8 @@ def model_errors(
     Returns
     -------
     tuple of ModelError
-        None if nothing is shown, or the motion does not balance a force: friction that was
-        measured, several coordinates, too short a record.
+        None if nothing is shown, or nothing can be: friction that was measured, several
+        coordinates, too short a record.
 
     Examples
     --------
@@ -219,18 +331,21 @@ def model_errors(
     >>> x = -0.5 * np.cos(2.0 * t) - 0.5 / 5.1 * np.cos(5.1 * t)
     >>> force = 3.0 * a + 2.0 * np.sign(v) + 4.0 * x
     >>> record = Measurement(time=t, position=x, force=force)
-    >>> none = Unknowns(())
     >>> axis, law = Axis(inertia=3.0), Coulomb(kinetic_coefficient=2.0)
-    >>> [one.kind for one in model_errors(axis, law, record, none, (), hold="first")]
-    ['spring']
+    >>> (one,) = model_errors(axis, law, record, Unknowns(()), (), hold="first")
+    >>> one.kind, round(one.effect, 1)
+    ('spring', 4.0)
     """
     try:
-        balance = _balance(mechanism, law, measurement, unknowns, hold)
+        balances = [
+            _balance(mechanism, law, measurement, unknowns, hold, wider, order)
+            for wider, order in BANDS
+        ]
     except StickslipError:
         return ()
-    if len(balance.residual) < FEWEST * BLOCKS or not np.all(np.isfinite(balance.residual)):
+    if not all(len(b.rows) >= FEWEST * BLOCKS and np.isfinite(b.residual).all() for b in balances):
         return ()
-    return tuple(_shown(balance, estimates, measurement))
+    return tuple(_shown(balances, estimates, measurement))
 
 
 def _balance(
@@ -239,8 +354,13 @@ def _balance(
     measurement: Measurement,
     unknowns: Unknowns,
     hold: Hold,
+    wider: float,
+    order: int,
 ) -> Balance:
-    stretches = balanced(mechanism, measurement, hold=hold)
+    def stretched(one: Mechanism) -> tuple[Stretch, ...]:
+        return balanced(one, measurement, hold=hold, samples=SAMPLES, wider=wider)
+
+    stretches = stretched(mechanism)
     fitted = {**_numbers(law, "friction"), **_numbers(mechanism, "mechanism")}
     along = [
         i
@@ -261,35 +381,27 @@ def _balance(
     for i in set(range(len(unknowns))) - set(along):
         path = unknowns.paths[i]
         step = 1e-4 * max(abs(fitted[path]), 1e-6)
-        moved = balanced(
-            vary(mechanism, "mechanism", {path: fitted[path] + step}), measurement, hold=hold
-        )
-        slopes[:, i] = (_kept(stretches, "friction") - _kept(moved, "friction")) / step
+        moved = stretched(vary(mechanism, "mechanism", {path: fitted[path] + step}))
+        slopes[:, i] = (_kept(stretches) - _kept(moved)) / step
     widest = max(one.passed for one in stretches)
-    every = max(1, min(len(seen.residual) // ROWS, int(OVERSAMPLED / widest)))
-    own_part = [_part(one, measurement, mechanism) for one in stretches]
-    columns = {name: np.concatenate([part[name] for part in own_part]) for name in own_part[0]}
-
-    def late(delay: float) -> Array:
-        parts = []
-        for one in stretches:
-            t, force = one.path.time, _force(one, mechanism)
-            dt = float(np.mean(np.diff(t)))
-            if abs(delay) < 1e-3 * dt:
-                rate = np.gradient(force, dt)
-            else:
-                rate = (force - np.interp(t - delay, t, force)) / delay
-            parts.append(rate[one.rows_of(None)])
-        return np.asarray(np.concatenate(parts)[::every])
-
+    every = max(1, int(OVERSAMPLED[bool(order)] / widest))
+    edges = (0, *itertools.accumulate(len(one.path.time) for one in stretches))
+    kept = np.flatnonzero(np.concatenate([one.rows_of(None) for one in stretches]))
+    chosen = kept % every == 0
+    picked = kept[chosen]
+    rows = _with_rows_before(picked, edges, every, order)
+    residual, slopes = seen.residual[chosen], slopes[chosen]
+    memory = _autoregression(_beside(residual, slopes), rows, order)
     return Balance(
-        residual=seen.residual[::every],
-        slopes=slopes[::every],
-        friction=(_kept(stretches, "friction") - seen.residual)[::every],
+        residual=whitened(residual, rows, memory),
+        slopes=whitened(slopes, rows, memory),
+        friction=float(np.sqrt(np.mean((_kept(stretches) - seen.residual) ** 2))),
         passed=0.5 * widest / float(np.mean(np.diff(stretches[0].path.time))),
-        late=late,
-        driven="force" in measurement.quantities(),
-        **{name: column[::every] for name, column in columns.items()},
+        signals=_signals(stretches, measurement, mechanism, edges),
+        stretches=stretches,
+        picked=picked,
+        rows=rows,
+        memory=memory,
     )
 
 
@@ -297,90 +409,157 @@ def _numbers(model: Mechanism | FrictionLaw, room: str) -> dict[str, float]:
     return {path: float(value) for path, _, value in parameters(model, room)}
 
 
-def _kept(stretches: Sequence[Stretch], name: str) -> Array:
-    return np.concatenate([getattr(one, name)[one.rows_of(None)] for one in stretches])
+def _kept(stretches: Sequence[Stretch]) -> Array:
+    return np.concatenate([one.friction[one.rows_of(None)] for one in stretches])
 
 
-def _force(one: Stretch, mechanism: Mechanism) -> Array:
-    """Return the filtered force of a stretch (n,) [N] that inertia and friction take."""
-    assert one.acceleration is not None
-    return np.asarray(one.friction + mass_of(mechanism) * one.acceleration)
+def _with_rows_before(
+    picked: NDArray[np.intp], edges: Sequence[int], every: int, order: int
+) -> NDArray[np.intp]:
+    """Return which picked samples have `order` picked ones right before them in their stretch."""
+    stretch = np.searchsorted(edges, picked, side="right")
+    near = (np.diff(picked, prepend=-every - 1) == every) & (np.diff(stretch, prepend=-1) == 0)
+    run = np.arange(len(picked)) - np.maximum.accumulate(
+        np.where(near, 0, np.arange(len(picked)))
+    )
+    return np.flatnonzero(run >= order)
+
+
+def _autoregression(residual: Array, rows: NDArray[np.intp], order: int) -> Array:
+    """Return the coefficients (order,) that predict rows from those before them."""
+    if not order or not len(rows):
+        return np.zeros(order)
+    past = np.stack([residual[rows - k] for k in range(1, order + 1)], axis=1)
+    return np.asarray(np.linalg.lstsq(past, residual[rows], rcond=1e-8)[0])
+
+
+def _signals(
+    stretches: Sequence[Stretch],
+    measurement: Measurement,
+    mechanism: Mechanism,
+    edges: tuple[int, ...],
+) -> Signals:
+    parts = [_part(one, measurement, mechanism) for one in stretches]
+    columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    return Signals(edges=edges, **columns)
 
 
 def _part(one: Stretch, measurement: Measurement, mechanism: Mechanism) -> dict[str, Array]:
-    """Return the columns of a stretch in the rows that are compared."""
+    """Return the signals of a stretch."""
     record = measurement.records()[one.record]
-    kept, t, v = one.rows_of(None), one.path.time, one.path.velocity
+    t, v = one.path.time, one.path.velocity
     way = np.concatenate([[0.0], np.cumsum(np.abs(one.path.travel))])
-    turned = np.flatnonzero(np.diff(np.sign(v)) != 0) + 1
-    last = np.concatenate([[0], turned])[np.searchsorted(turned, np.arange(len(t)), side="right")]
+    turned = np.concatenate([[0], np.flatnonzero(np.diff(np.sign(v)) != 0) + 1])
+    last = turned[np.searchsorted(turned, np.arange(len(t)), side="right") - 1]
     assert one.acceleration is not None
-    force = _force(one, mechanism)
-    columns = {
+    return {
         "time": t - float(np.asarray(record.time)[0]),
         "position": np.interp(t, np.asarray(record.time), positions_of(record)),
         "velocity": v,
         "level": np.sign(v) * one.path.load,
-        "force": force,
-        "force_bend": np.gradient(np.gradient(force, t), t),
-        "acceleration": one.acceleration,
         "since": way - way[last],
+        "force": one.friction + mass_of(mechanism) * one.acceleration,
+        "acceleration": one.acceleration,
     }
-    return {name: column[kept] for name, column in columns.items()}
 
 
-def _effects(b: Balance) -> Iterator[Effect]:
+def _effects(s: Signals, passed: float, *, driven: bool) -> Iterator[Effect]:
     """Yield the errors that are looked for, those with fewer coefficients first."""
 
-    def one(kind: str, *columns: Array, scale: float = 0.0) -> Effect:
-        return Effect(kind=kind, columns=np.stack(columns, axis=1), scale=scale)
+    def one(
+        kind: str,
+        columns: Callable[[Signals], tuple[Array, ...]],
+        scale: float = 0.0,
+        *,
+        filtered: bool = False,
+    ) -> Effect:
+        return Effect(kind=kind, columns=columns, scale=scale, filtered=filtered)
 
-    t = b.time / max(float(np.ptp(b.time)), 1e-300) - 0.5
-    fastest = float(np.max(np.abs(b.velocity)))
-    u = b.velocity / fastest
-    stroke = float(np.ptp(b.position))
-    middle = b.position - 0.5 * float(b.position.max() + b.position.min())
-    if b.driven:
-        rate = b.late(0.0)
-        yield one("delay", rate)
-        yield one("clock", b.time * rate)
-        yield one("flexibility", b.force_bend)
-        size = np.abs(b.force)
-        for limit in np.quantile(size, LIMITS).tolist():
-            beyond = np.sign(b.force) * np.maximum(size - limit, 0.0)
-            yield one("force limit", beyond, scale=limit)
-    yield one("inertia", b.acceleration)
-    yield one("offset", np.ones_like(t))
-    yield one("drift of the level", t * b.level)
-    yield one("drift of the offset", t)
-    yield one("drift of the viscous part", t * u)
-    yield one("asymmetry", np.abs(u))
-    yield one("speed", u * np.abs(u))
+    fastest, stroke = s.fastest, s.stroke
+    if driven:
+        yield _delay(0.0)
+        yield one("clock", lambda s: (s.time * s.rate,), filtered=True)
+        bent = one(
+            "flexibility",
+            lambda s: (s.each(lambda t, f: np.gradient(np.gradient(f, t), t)),),
+            filtered=True,
+        )
+        yield bent
+        for limit in np.quantile(np.abs(s.force), LIMITS).tolist():
+            yield one("force limit", lambda s, limit=limit: (_beyond(s.force, limit),), limit)
+    yield one("inertia", lambda s: (s.acceleration,), filtered=True)
+    yield one("offset", lambda s: (np.ones_like(s.time),))
+    yield one("drift of the level", lambda s: (s.course * s.level,))
+    yield one("drift of the offset", lambda s: (s.course,))
+    yield one("drift of the viscous part", lambda s: (s.course * s.velocity / fastest,))
+    yield one("asymmetry", lambda s: (np.abs(s.velocity / fastest),))
+    yield one("speed", lambda s: (s.velocity * np.abs(s.velocity) / fastest**2,), fastest)
     for share in SPEEDS:
-        yield one("speed", b.level * np.exp(-np.abs(u) / share), scale=share * fastest)
-    yield one("spring", middle)
-    yield one("position friction", b.level * middle, scale=stroke)
-    for share in WAYS:
-        near = np.exp(-b.since / (share * stroke))
-        yield one("reversals", b.level * near, scale=share * stroke)
-        yield one("reversals", b.acceleration * near, scale=share * stroke)
+        yield one("speed", lambda s, v=share * fastest: (_peak(s, v),), share * fastest)
+    yield one("spring", lambda s: (s.middle,))
+    yield one("position friction", lambda s: (2.0 * s.level * s.middle / stroke,), 2.0 * stroke)
+    for way in (share * stroke for share in WAYS):
+        yield one("reversals", lambda s, w=way: (s.level * s.near_reversals(w),), way)
+        yield one("reversals", lambda s, w=way: (s.acceleration * s.near_reversals(w),), way)
     # of finer waves, the filter leaves nothing at the usual speed
-    usual = float(np.percentile(np.abs(b.velocity), 75.0))
-    finest = max(min(int(0.5 * b.passed * stroke / usual), WAVES), 1)
-    for k in (0.5, *range(1, finest + 1)):
-        phase = 2.0 * math.pi * k * middle / stroke
-        waves = np.cos(phase), np.sin(phase)
-        yield one("position force", *waves, scale=stroke / k)
-        yield one("position friction", *(b.level * wave for wave in waves), scale=stroke / k)
-        yield one("imbalance", *(u * u * wave for wave in waves), scale=stroke / k)
+    usual = float(np.percentile(np.abs(s.velocity), 75.0))
+    finest = max(min(int(passed * stroke / usual), WAVES), 1)
+    for length in (2.0 * stroke / k for k in range(1, 2 * finest + 1)):
+        yield one("position force", lambda s, w=length: s.waves(w), length)
+        yield one(
+            "position friction",
+            lambda s, w=length: tuple(s.level * wave for wave in s.waves(w)),
+            length,
+        )
+        yield one(
+            "imbalance",
+            lambda s, w=length: tuple((s.velocity / fastest) ** 2 * wave for wave in s.waves(w)),
+            length,
+        )
 
 
-def _tested(b: Balance, basis: Array, residual: Array, effect: Effect) -> Tested | None:
-    """Return what an effect predicts in blocks left out; None if parameters can take it up.
+def _delay(delay: float) -> Effect:
+    """Return what a force that acts late leaves: to first order, or of a known delay [s]."""
 
-    `basis` (n, p) has orthonormal columns that span the slopes, `residual` (n,) none of them.
+    def columns(s: Signals) -> tuple[Array, ...]:
+        if not delay:
+            return (s.rate,)
+        return (s.each(lambda t, force: (force - np.interp(t - delay, t, force)) / delay),)
+
+    return Effect(kind="delay", scale=delay, columns=columns, filtered=True)
+
+
+def _beyond(force: Array, limit: float) -> Array:
+    """Return what of a force (n,) [N] is beyond a limit to either side."""
+    return np.asarray(np.sign(force) * np.maximum(np.abs(force) - limit, 0.0))
+
+
+def _peak(s: Signals, speed: float) -> Array:
+    """Return friction that falls from rest with the speed [m/s]."""
+    return np.asarray(s.level * np.exp(-np.abs(s.velocity) / speed))
+
+
+def _basis(slopes: Array) -> Array:
+    """Return orthonormal columns (m, r) that span those of a table (m, p)."""
+    size = np.linalg.norm(slopes, axis=0)
+    if not np.any(size > 0.0):
+        return np.zeros((len(slopes), 0))
+    u, s, _ = np.linalg.svd(slopes[:, size > 0.0] / size[size > 0.0], full_matrices=False)
+    return np.asarray(u[:, s > 1e-7 * s[0]])
+
+
+def _beside(columns: Array, slopes: Array) -> Array:
+    """Return columns (m, ...) less what slopes (m, p) can take up."""
+    basis = _basis(slopes)
+    return np.asarray(columns - basis @ (basis.T @ columns))
+
+
+def _tested(b: Balance, basis: Array, residual: Array, effect: Effect, column: Array, total: float) -> Tested | None:
+    """Return what an effect predicts in blocks left out; None if that is little or parameters take it up.
+
+    `basis` (m, r) spans what is fitted beside it, `residual` (m,) has nothing of that.
     """
-    columns = effect.columns
+    columns = b.white(column)
     own = columns - basis @ (basis.T @ columns)
     size = np.linalg.norm(columns, axis=0)
     if np.any(np.linalg.norm(own, axis=0) <= TAKEN_UP * size) or not np.all(size > 0.0):
@@ -388,10 +567,12 @@ def _tested(b: Balance, basis: Array, residual: Array, effect: Effect) -> Tested
     directions, triangle = np.linalg.qr(own)
     if abs(triangle[-1, -1]) <= TAKEN_UP * size[-1]:
         return None
+    if float(np.sum((directions.T @ residual) ** 2)) < SHARE * total:
+        return None  # in blocks left out, it is less
     table = np.column_stack([basis, directions])
-    p, n = basis.shape[1], len(residual)
-    edges = np.linspace(0, n, BLOCKS + 1).astype(int)
-    rows = [slice(first, last) for first, last in itertools.pairwise(edges.tolist())]
+    p, m = basis.shape[1], len(residual)
+    starts = np.linspace(0, m, BLOCKS + 1).astype(int)
+    rows = [slice(first, last) for first, last in itertools.pairwise(starts.tolist())]
     squares = np.array([table[own].T @ table[own] for own in rows])
     slopes = np.array([table[own].T @ residual[own] for own in rows])
     # columns are orthonormal over all rows, so that a ridge is a share of them
@@ -402,18 +583,20 @@ def _tested(b: Balance, basis: Array, residual: Array, effect: Effect) -> Tested
     gains = _taken_off(found, squares, slopes) - _taken_off(
         without, squares[:, :p, :p], slopes[:, :p]
     )
+    share = float(gains.sum()) / total
     back = np.linalg.inv(triangle)
     values = back @ slopes.sum(axis=0)[p:]
     chance = 1.0
-    if gains.sum() > 0.0:
+    if share >= SHARE:
         chance = float(stats.wilcoxon(gains, alternative="greater").pvalue)
     return Tested(
         effect=effect,
-        gain=float(gains.sum()),
+        share=share,
         chance=chance,
         values=values,
         left_out=found[:, p:] @ back.T,
         shift=-np.linalg.lstsq(b.slopes, columns @ values, rcond=1e-10)[0],
+        size=float(np.sqrt(np.mean((column @ values) ** 2))) / b.friction,
     )
 
 
@@ -425,53 +608,53 @@ def _taken_off(values: Array, squares: Array, slopes: Array) -> Array:
     return found
 
 
-def _basis(slopes: Array) -> Array:
-    """Return orthonormal columns (n, r) that span those of a table (n, p)."""
-    size = np.linalg.norm(slopes, axis=0)
-    if not np.any(size > 0.0):
-        return np.zeros((len(slopes), 0))
-    u, s, _ = np.linalg.svd(slopes[:, size > 0.0] / size[size > 0.0], full_matrices=False)
-    return np.asarray(u[:, s > 1e-7 * s[0]])
-
-
 def _shown(
-    b: Balance, estimates: Sequence[Estimate], measurement: Measurement
+    balances: Sequence[Balance], estimates: Sequence[Estimate], measurement: Measurement
 ) -> Iterator[ModelError]:
     """Yield the errors that residuals show, each beside those before it."""
-    slopes = b.slopes
-    effects = list(_effects(b))
-    basis = _basis(slopes)
-    whole = b.residual - basis @ (basis.T @ b.residual)
-    total = float(whole @ whole)
+    driven = "force" in measurement.quantities()
+    widest = max(balances, key=lambda b: b.passed)
+    effects = list(_effects(widest.signals, widest.passed, driven=driven))
+    columns = [b.seen(effects) for b in balances]
+    totals = [float(np.sum(_beside(b.residual, b.slopes) ** 2)) for b in balances]
+    fitted = [b.slopes for b in balances]
+    kinds = Counter(one.kind for one in effects)
+    tried = {kind: len(kinds) * count * len(balances) for kind, count in kinds.items()}
     named: set[str] = set()
     for _ in range(MOST):
-        basis = _basis(slopes)
-        residual = b.residual - basis @ (basis.T @ b.residual)
-        tests = [_tested(b, basis, residual, one) for one in effects if one.kind not in named]
-        able = [one for one in tests if one is not None and _is_shown(one, b, total, estimates, len(effects))]
-        if not able:
+        shown: list[Tested] = []
+        for b, own, slopes, total in zip(balances, columns, fitted, totals, strict=True):
+            basis = _basis(slopes)
+            residual = b.residual - basis @ (basis.T @ b.residual)
+            tests = (
+                _tested(b, basis, residual, one, column, total)
+                for one, column in zip(effects, own, strict=True)
+                if one.kind not in named
+            )
+            shown += [one for one in tests if one is not None and _is_shown(one, estimates, tried[one.effect.kind])]
+        if not shown:
             return
-        most = max(one.gain for one in able)
+        most = max(one.share for one in shown)
         best = min(
-            (one for one in able if one.gain >= CLOSE * most),
-            key=lambda one: (len(one.values), -one.gain),
+            (one for one in shown if one.share >= CLOSE * most),
+            key=lambda one: (len(one.values), -one.share),
         )
         named.add(best.effect.kind)
-        yield _error(best, b, total, estimates, measurement)
-        columns = best.effect.columns
-        if best.effect.kind == "delay":  # exactly so much late, beyond first order
-            columns = b.late(float(best.values[0]))[:, None]
-        slopes = np.column_stack([slopes, columns])
+        yield _error(best, estimates, measurement)
+        known = best.effect
+        if known.kind == "delay":  # exactly so much late, beyond first order
+            known = _delay(float(best.values[0]))
+        fitted = [
+            np.column_stack([slopes, b.white(b.seen([known])[0])])
+            for b, slopes in zip(balances, fitted, strict=True)
+        ]
 
 
-def _is_shown(
-    one: Tested, b: Balance, total: float, estimates: Sequence[Estimate], tried: int
-) -> bool:
+def _is_shown(one: Tested, estimates: Sequence[Estimate], tried: int) -> bool:
     """Whether an effect is significant, predicts a good part of the residuals, and matters."""
-    if one.chance * tried > LEVEL or one.gain < SHARE * total:
+    if one.share < SHARE or one.chance * tried > LEVEL:
         return False
-    size = one.size / max(float(np.sqrt(np.mean(b.friction**2))), 1e-300)
-    return size > MATTERS or (size > NEGLIGIBLE and bool(_moved(one, estimates)))
+    return one.size > MATTERS or (one.size > NEGLIGIBLE and bool(_moved(one, estimates)))
 
 
 def _moved(one: Tested, estimates: Sequence[Estimate]) -> list[tuple[Estimate, float]]:
@@ -479,32 +662,116 @@ def _moved(one: Tested, estimates: Sequence[Estimate]) -> list[tuple[Estimate, f
     return [
         (estimate, float(shift))
         for estimate, shift in zip(estimates, one.shift, strict=True)
-        if estimate.bounded
-        and not estimate.low <= estimate.value + float(shift) <= estimate.high
+        if estimate.bounded and not estimate.low <= estimate.value + float(shift) <= estimate.high
     ]
 
 
-def _error(
-    one: Tested, b: Balance, total: float, estimates: Sequence[Estimate], measurement: Measurement
-) -> ModelError:
-    text, effect, interval = _said(one, b, measurement)
-    share = min(one.gain / total, 1.0)
-    moved = ", ".join(
+def _error(one: Tested, estimates: Sequence[Estimate], measurement: Measurement) -> ModelError:
+    size = _size_of(one)
+    low, high = one.interval(size)
+    text = _said(one, size(one.values), (low, high), measurement)
+    text += (
+        f" It predicts {percent(min(one.share, 1.0))} of the squared residuals in blocks of the"
+        " record left out."
+    )
+    moved = [
         f"{estimate.quantity.symbol} by {percent(abs(shift / estimate.value))}"
         for estimate, shift in _moved(one, estimates)
         if estimate.value
-    )
-    text += f" That is {percent(share)} of the squared residuals, on blocks of the record left out."
+    ]
     if moved:
-        text += f" It moves {moved}: the 95 % intervals do not allow for it."
+        text += f" With it, {' and '.join(moved)} would change, more than the 95 % intervals allow."
     else:
-        text += " The 95 % intervals do not allow for it."
+        text += " The 95 % intervals of the estimates do not allow for it."
     return ModelError(
-        kind=one.effect.kind, sentence=text, effect=effect, interval=interval, share=share
+        kind=one.effect.kind,
+        sentence=text,
+        effect=size(one.values),
+        interval=(low, high),
+        share=one.share,
     )
 
 
-def _said(one: Tested, b: Balance, measurement: Measurement):
-    e = one.effect
-    value = float(one.values[0])
-    return f"{e.kind} {one.values} scale {e.scale:.3g} chance {one.chance:.2g} size {one.size:.3g}", value, one.interval(lambda c: float(c[0]))
+def _size_of(one: Tested) -> Callable[[Array], float]:
+    """Return what makes one number of the coefficients (q,): the amplitude of a wave."""
+    if len(one.values) == 1:
+        return lambda values: float(values[0])
+    return lambda values: float(np.hypot(*values))
+
+
+def _said(
+    one: Tested, value: float, interval: tuple[float, float], measurement: Measurement
+) -> str:
+    """Return what an error is, with its size and interval."""
+    kind, scale = one.effect.kind, one.effect.scale
+    force, way = measurement.unit("force"), measurement.unit("position")
+
+    def sized(unit: str, sign: float = 1.0) -> str:
+        low, high = sorted(sign * end for end in interval)
+        ends = quantities([low, high], unit)
+        return f"{quantity(sign * value, unit)} (95 % interval {ends[0]} to {ends[1]})"
+
+    sign = -1.0 if value < 0.0 else 1.0
+    wave = f"wavelength {quantity(scale, way)}"
+    said = {
+        "delay": (
+            f"The motion follows the recorded force {sized('s')} late: a delay or lag of the"
+            " amplifier or of the position sensor, or two clocks."
+            if value > 0.0
+            else f"The recorded force follows the motion {sized('s', -1.0)} late: a delay or filter"
+            " of the force sensor, or two clocks."
+        ),
+        "clock": (
+            f"The delay between motion and force grows by {sized('s')} each second: two clocks that"
+            " run apart."
+        ),
+        "flexibility": (
+            "Fast forces do not move one rigid mass: the residuals follow the second rate of the"
+            f" force with {number(value)} s² ({number(interval[0])} to {number(interval[1])}), as a"
+            " flexible coupling, belt or mount makes them."
+        ),
+        "force limit": (
+            f"Of the recorded force beyond {quantity(scale, force)}, {percent(abs(value))}"
+            f" {'does not act: a limit of the amplifier' if value > 0.0 else 'is missing: a limit of the force sensor'}."
+        ),
+        "inertia": (
+            f"The motion takes {sized('kg', sign)} {'more' if value > 0.0 else 'less'} than the"
+            " mass given: a wrong mass, or a wrong gain of the force."
+        ),
+        "offset": f"A constant force of {sized(force)} acts beside friction, such as gravity.",
+        "drift of the level": (
+            f"The friction level {'rises' if value > 0.0 else 'falls'} over the record, by"
+            f" {sized(force, sign)}."
+        ),
+        "drift of the offset": (
+            f"A force beside friction {'rises' if value > 0.0 else 'falls'} over the record, by"
+            f" {sized(force, sign)}."
+        ),
+        "drift of the viscous part": (
+            f"The viscous part {'rises' if value > 0.0 else 'falls'} over the record, at the largest"
+            f" speed by {sized(force, sign)}: warm-up, for instance."
+        ),
+        "asymmetry": (
+            "The viscous part differs by direction, at the largest speed by"
+            f" {sized(force, sign)} to either side."
+        ),
+        "speed": (
+            "Friction depends on speed otherwise than this law, by"
+            f" {sized(force, sign)} {'at' if scale >= 0.5 * 0.0 else 'near'} rest or at speed."
+        ),
+        "spring": f"A force grows with position, by {sized(f'{force}/{way}')}: an unmodelled spring.",
+        "position friction": f"Friction depends on position, by ± {sized(force, sign)}, {wave}.",
+        "position force": (
+            f"A force beside friction depends on position, by ± {sized(force, sign)}, {wave}:"
+            " cogging, a cable, gravity."
+        ),
+        "imbalance": (
+            f"A force depends on position and grows with speed squared, to {sized(force, sign)} at"
+            f" the largest speed, {wave}: imbalance."
+        ),
+        "reversals": (
+            f"For {quantity(scale, way)} after a reversal the forces differ by"
+            f" {sized(force, sign)} at first: backlash, or presliding that the law lacks."
+        ),
+    }
+    return said[kind]
