@@ -40,7 +40,7 @@ from stickslip.identification.segmenting import Hold
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["Balanced", "balanced", "mean_force"]
+__all__ = ["Balanced", "balanced", "mean_force", "second_differences"]
 
 Array = NDArray[np.float64]
 
@@ -166,7 +166,7 @@ def _stretch(
     passed = min(wider * _passed(raw), HIGHEST)
     x = smoothed(raw, _passed_of_motion(raw, passed))
     v = np.gradient(x, dt)
-    a = _second_differences(raw, dt)
+    a = second_differences(raw, dt)
     applied = applied_force(mechanism, record)
     joined = hold == "first" or "force" not in record.quantities()
     force = 0.0 * x if applied is None else mean_force(applied, joined=joined)
@@ -213,7 +213,7 @@ def mean_force(force: Array, *, joined: bool) -> Array:
     return mean
 
 
-def _second_differences(x: Array, dt: float) -> Array:
+def second_differences(x: Array, dt: float) -> Array:
     """Return accelerations (n,) [m/s^2]; the outer ones are repeated."""
     inner = (x[2:] - 2.0 * x[1:-1] + x[:-2]) / dt**2
     return np.concatenate([inner[:1], inner, inner[-1:]])

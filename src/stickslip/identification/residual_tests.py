@@ -29,15 +29,17 @@ from typing import Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy import signal, stats
+from scipy.ndimage import median_filter
 from typing_extensions import override
 
 from stickslip.errors import StickslipError
 from stickslip.experiments import Measurement
 from stickslip.experiments.wording import number, percent, quantities, quantity
 from stickslip.friction import FrictionLaw
-from stickslip.identification.force_balance import balanced
-from stickslip.identification.inverse_dynamics import mass_of, positions_of
+from stickslip.identification.applied import applied_force
+from stickslip.identification.force_balance import balanced, mean_force, second_differences
+from stickslip.identification.inverse_dynamics import known_forces, mass_of, positions_of
 from stickslip.identification.map_problem import ForceMap
 from stickslip.identification.map_records import Stretch
 from stickslip.identification.results import Estimate
@@ -57,7 +59,7 @@ BLOCKS = 20
 """Blocks of a record that are left out in turn."""
 FEWEST = 6
 """Rows that a block has at least."""
-LEVEL = 0.01
+LEVEL = 0.05
 """Probability that a record without an error is said to have one, all columns together."""
 SHARE = 0.10
 """Share of the residuals' squares that an error must predict in blocks left out."""
@@ -78,6 +80,14 @@ TAKEN_UP = 0.01
 """Share of a column beside what was fitted below which the parameters take it up."""
 RIDGE = 1e-6
 """Share of the whole record that each coefficient is drawn to 0 by, where a block has it all."""
+SPECTRA = 8
+"""Parts of a record over which spectra are averaged, which overlap by half."""
+PEAK = 12.0
+"""Power of the residuals at a frequency over the median near it: by chance, less than 5."""
+NEAR = 15
+"""Frequencies on either side that this median is taken over."""
+OWN = 0.3
+"""Power of force or inertia over that of the other at a peak below which it has no part in it."""
 WAVES = 40
 """Waves over the stroke that are looked for at most."""
 SPEEDS = (0.02, 0.05, 0.1, 0.2, 0.4)
@@ -345,7 +355,88 @@ def model_errors(
         return ()
     if not all(len(b.rows) >= FEWEST * BLOCKS and np.isfinite(b.residual).all() for b in balances):
         return ()
-    return tuple(_shown(balances, estimates, measurement))
+    lines = _peaks(mechanism, law, measurement, balances[0], hold)
+    return (*_shown(balances, estimates, measurement), *lines)
+
+
+def _peaks(
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    measurement: Measurement,
+    balance: Balance,
+    hold: Hold,
+) -> Iterator[ModelError]:
+    """Yield what stands out of the spectrum of the unfiltered residuals, at any frequency.
+
+    A vibration is in the motion and not in the force, a ripple of the recorded force is not in the
+    motion; what is in both is how the rig was driven.
+    """
+    stretches = balanced(mechanism, measurement, hold=hold, samples=math.inf)
+    longest = max(stretches, key=lambda one: len(one.path.time))
+    time = longest.path.time
+    rate = 1.0 / float(np.mean(np.diff(time)))
+    force, inertial, left = _unfiltered(mechanism, law, measurement, longest, hold)
+    length = 2 ** int(math.log2(2.0 * len(time) / (SPECTRA + 1.0)))
+    if length < 4 * NEAR:
+        return
+    at, *powers = _spectra(rate, length, (left, force, inertial))
+    whole, own_force, own_motion = powers
+    floor = median_filter(whole, size=2 * NEAR + 1, mode="nearest")
+    inner = slice(NEAR // 2, len(at) - NEAR // 2)
+    peak = inner.start + int(np.argmax((whole / np.maximum(floor, 1e-300))[inner]))
+    near = slice(peak - 2, peak + 3)
+    residual, pushed, moved = (float(np.sum(one[near])) for one in (whole, own_force, own_motion))
+    size = math.sqrt(residual * float(at[1]))
+    if whole[peak] < PEAK * floor[peak] or size < MATTERS * balance.friction:
+        return
+    ripple = moved < OWN * pushed < residual < pushed / OWN
+    if not ripple and not pushed < OWN * moved < residual < moved / OWN:
+        return
+    unit, where = measurement.unit("force"), quantity(float(at[peak]), "Hz")
+    sized = f"at {where}, a root mean square of {quantity(size, unit)}"
+    text = (
+        f"The recorded force has a peak {sized}, that the motion does not: a ripple of the"
+        " amplifier or sensor, perhaps of a higher frequency that sampling folded."
+        if ripple
+        else f"The motion vibrates {sized} of inertia, that the recorded force does not have: a"
+        " flexible coupling or mount, or a disturbance."
+    )
+    step = float(at[1])
+    yield ModelError(
+        kind="ripple" if ripple else "vibration",
+        sentence=text,
+        effect=float(at[peak]),
+        interval=(float(at[peak]) - step, float(at[peak]) + step),
+        share=residual / float(np.sum(whole)),
+    )
+
+
+def _spectra(rate: float, length: int, signals: Sequence[Array]) -> tuple[Array, ...]:
+    """Return frequencies [Hz] and power densities of signals, each averaged over parts."""
+    found = [signal.welch(one, rate, nperseg=length, detrend="linear") for one in signals]
+    return (found[0][0], *(power for _, power in found))
+
+
+def _unfiltered(
+    mechanism: Mechanism, law: FrictionLaw, measurement: Measurement, one: Stretch, hold: Hold
+) -> tuple[Array, Array, Array]:
+    """Return known forces, inertia and what both leave of friction (n,) [N], none filtered."""
+    record = measurement.records()[one.record]
+    time = np.asarray(record.time)
+    first = int(np.searchsorted(time, one.path.time[0]))
+    rows = slice(first, first + len(one.path.time))
+    x, applied = positions_of(record)[rows], applied_force(mechanism, record)
+    joined = hold == "first" or "force" not in record.quantities()
+    force = np.zeros(len(time)) if applied is None else mean_force(applied, joined=joined)
+    mass, rest = known_forces(mechanism, x, one.path.velocity, force[rows])
+    problem = ForceMap(
+        law=law,
+        unknowns_=Unknowns(()),
+        stretches=(replace(one, passed=0.0, segment=np.zeros(len(x), dtype=np.intp)),),
+        offset=float(getattr(mechanism, "offset", 0.0)),
+    )
+    inertial = mass * second_differences(x, float(np.mean(np.diff(one.path.time))))
+    return rest, inertial, rest - inertial - problem.predicted(np.zeros(0))
 
 
 def _balance(
