@@ -30,7 +30,7 @@ import numpy as np
 
 from benchmarks.machines import Machine
 from benchmarks.rigs import TRUTHS, Random, draw, record
-from stickslip import Axis, Measurement, check, fit
+from stickslip import Axis, FrictionLaw, Measurement, check, fit
 from stickslip.errors import StickslipError
 from stickslip.identification import RecordFit
 from stickslip.identification.record_settings import RecordSettings
@@ -109,9 +109,7 @@ def _drift(machine: Machine, random: Random) -> Machine:
 def _warm(machine: Machine, random: Random) -> Machine:
     share, rate = random.uniform(0.6, 1.0), 3.0
     mean = (1.0 - math.exp(-rate)) / rate
-    return replace(
-        machine, viscous=lambda _x, t, _v: 1.0 + share * (math.exp(-rate * t) - mean)
-    )
+    return replace(machine, viscous=lambda _x, t, _v: 1.0 + share * (math.exp(-rate * t) - mean))
 
 
 def _asymmetric(machine: Machine, random: Random) -> Machine:
@@ -280,6 +278,20 @@ def said_of(found: RecordFit, measurement: Measurement) -> list[str]:
     return [*warned, *(one.kind for one in found.model_errors)]
 
 
+def outside(
+    found: RecordFit, law: FrictionLaw, axis: Axis, free: Sequence[str], *, times: float = 1.0
+) -> list[str]:
+    """Return which true values lie outside so many times the interval, with estimate over truth."""
+    wrong = []
+    for one in found.estimates:
+        room, _, field = one.path.partition(".")
+        true = getattr(law if room == "friction" else axis, field)
+        low, high = (one.value + times * (end - one.value) for end in (one.low, one.high))
+        if one.bounded and one.path not in free and not low <= true <= high:
+            wrong.append(f"{field} {one.value / true if true else one.value:.3g}")
+    return wrong
+
+
 def judge(name: str, seed: int, route: str) -> dict[str, Any]:
     """Return what a fit of the right law says of a record with a fault."""
     fault = FAULTS[name]
@@ -302,19 +314,18 @@ def judge(name: str, seed: int, route: str) -> dict[str, Any]:
     except StickslipError as error:
         kinds = [one.kind for one in check(measurement, mechanism=axis).findings
                  if one.severity != "info" and one.kind not in USUAL]  # fmt: skip
-        return row | {"refused": str(error), "said": kinds, "named": bool({*kinds} & {*fault.named})}
+        return row | {
+            "refused": str(error),
+            "said": kinds,
+            "named": bool({*kinds} & {*fault.named}),
+        }
     assert isinstance(found, RecordFit)
-    wrong = []
-    for one in found.estimates:
-        room, _, field = one.path.partition(".")
-        true = getattr(law if room == "friction" else axis, field)
-        if one.bounded and one.path not in fault.free and not one.low <= true <= one.high:
-            wrong.append(f"{field} {one.value / true if true else one.value:.3g}")
     kinds = said_of(found, measurement)
     return row | {
-        "wrong": wrong,
+        "wrong": outside(found, law, axis, fault.free),
+        "far": outside(found, law, axis, fault.free, times=2.0),
         "said": kinds,
-        "sentences": [one.sentence for one in found.model_errors],
+        "sentences": [str(one) for one in found.model_errors],
         "named": bool({*kinds} & {*fault.named}),
         "seconds": time.perf_counter() - began,
     }
@@ -331,11 +342,11 @@ def clean(number: int, seed: int, route: str) -> dict[str, Any]:
         while found_machine is None:
             machine = machine_of(random)
             found_machine = machine.run(random)
-        law, measurement = machine.rig.law, found_machine
+        law, axis, measurement = machine.rig.law, machine.rig.axis, found_machine
     else:
         assert truth in TRUTHS
         rig = draw(random, truth)
-        law, (measurement, _) = rig.law, record(rig, random)
+        law, axis, (measurement, _) = rig.law, rig.axis, record(rig, random)
     free = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
     try:
         found = fit(
@@ -346,8 +357,10 @@ def clean(number: int, seed: int, route: str) -> dict[str, Any]:
         return row | {"refused": str(error), "said": [], "sentences": []}
     assert isinstance(found, RecordFit)
     return row | {
+        "wrong": outside(found, law, axis, ()),
+        "far": outside(found, law, axis, (), times=2.0),
         "said": [one.kind for one in found.model_errors],
-        "sentences": [one.sentence for one in found.model_errors],
+        "sentences": [str(one) for one in found.model_errors],
     }
 
 
@@ -363,7 +376,9 @@ def stored(path: Path) -> list[dict[str, Any]]:
 
 
 def run(
-    path: Path, tasks: Sequence[tuple[Callable[..., dict[str, Any]], tuple[Any, ...], str]], jobs: int
+    path: Path,
+    tasks: Sequence[tuple[Callable[..., dict[str, Any]], tuple[Any, ...], str]],
+    jobs: int,
 ) -> Iterator[str]:
     """Do what a file does not hold yet, append it, and yield progress.
 
@@ -405,7 +420,10 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     wanted = [row for row in faults if row["fault"] in asked]
     if faults:
         lines += [
-            f"false certainty: {sum(map(certain, faults))} of {len(faults)} records",
+            f"a parameter outside its 95 % interval and nothing said:"
+            f" {sum(map(certain, faults))} of {len(faults)} records",
+            f"a parameter outside twice its interval and nothing said:"
+            f" {sum(bool(row.get('far')) and not row['said'] for row in faults)}",
             f"delays, lags, place dependence and flexibility named:"
             f" {sum(row['named'] for row in wanted)} of {len(wanted)}",
         ]
@@ -413,6 +431,11 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     if controls:
         alarms = [row for row in controls if row["said"]]
         lines.append(f"false alarms: {len(alarms)} of {len(controls)} clean records")
+        outer = sum(bool(row.get("wrong")) for row in controls)
+        far = sum(bool(row.get("far")) for row in controls)
+        lines.append(
+            f"of these, {outer} have a parameter outside its interval, {far} outside twice"
+        )
         lines += [f"  {row['fault']}, {row['truth']}: {row['sentences']}" for row in alarms]
     return lines
 

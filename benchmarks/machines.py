@@ -114,7 +114,9 @@ class Machine:
                 seen = x + float(noise[k])
                 rate = memory * rate + (1.0 - memory) * (seen - filtered) * rig.rate if k else 0.0
                 filtered = seen
-                command = kp * (asked[k] - seen) + kd * (speed[k] - rate) + level * np.sign(speed[k])
+                command = (
+                    kp * (asked[k] - seen) + kd * (speed[k] - rate) + level * np.sign(speed[k])
+                )
             else:
                 command = asked[k]
             forces[k] = command

@@ -157,7 +157,13 @@ class Balanced:
 
 
 def _stretch(
-    mechanism: Mechanism, record: Measurement, hold: Hold, samples: float, *, rough: bool, wider: float
+    mechanism: Mechanism,
+    record: Measurement,
+    hold: Hold,
+    samples: float,
+    *,
+    rough: bool,
+    wider: float,
 ) -> Stretch:
     """Return friction by inverse dynamics; rows that say nothing have no segment (-1)."""
     time = np.asarray(record.time)

@@ -138,12 +138,14 @@ class RecordFit(Fit):
         return (
             f"{self.law.title} fitted to {self.problem.quantity}:"
             f" {', '.join(map(str, self.estimates))}; residual {self.rms:.3g} {unit}"
+            f"{''.join(f'. {one.finding}' for one in self.model_errors).removesuffix('.')}"
         )
 
     @override
     def _repr_html_(self) -> str:
         rows = "".join(f"<li>{html.escape(str(estimate))}</li>" for estimate in self.estimates)
-        notes = "".join(f"<p>{html.escape(line)}</p>" for line in self.sentences)
+        said = (*map(str, self.model_errors), *self.sentences)
+        notes = "".join(f"<p>{html.escape(line)}</p>" for line in said)
         return f"<p>{html.escape(self.law.title)}</p><ul>{rows}</ul>{notes}"
 
     @property
@@ -290,6 +292,7 @@ class RecordFit(Fit):
             "restarts_agreeing": found.agreeing,
             "evaluations": found.evaluations,
             "cancelled": found.cancelled,
+            "model_errors": [one.to_dict() for one in self.model_errors],
             "cannot_tell": list(self.sentences),
             "remarks": list(self.remarks),
         }

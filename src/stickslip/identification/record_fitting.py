@@ -26,9 +26,9 @@ from stickslip.identification.optimise import Found, Watch, search
 from stickslip.identification.record_fit import RecordFit, scale_of
 from stickslip.identification.record_problems import Prepared, Route, Wanted, prepared
 from stickslip.identification.record_settings import RecordSettings
-from stickslip.identification.shooting import Shooting
 from stickslip.identification.residual_tests import model_errors
 from stickslip.identification.segmenting import Hold
+from stickslip.identification.shooting import Shooting
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 

@@ -22,6 +22,7 @@ Source: C. R. Rao, "Large sample tests of statistical hypotheses", 1948 (score t
 
 import itertools
 import math
+import operator
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -90,10 +91,12 @@ OWN = 0.3
 """Power of force or inertia over that of the other at a peak below which it has no part in it."""
 WAVES = 40
 """Waves over the stroke that are looked for at most."""
-SPEEDS = (0.02, 0.05, 0.1, 0.2, 0.4)
-"""Speeds over the largest at which a peak of friction near rest is looked for."""
+SPEEDS = (0.05, 0.1, 0.2, 0.4)
+"""Speeds over the largest at which a peak of friction near rest is looked for. Slower, rows are few
+and see what is at rest through the filter."""
 WAYS = (0.003, 0.01, 0.03, 0.1)
 """Ways after a reversal, over the stroke, within which something else is looked for."""
+UNSAID = "The 95 % intervals of the estimates do not allow"
 LIMITS = (0.6, 0.75, 0.9)
 """Quantiles of the force's size from which a limit is looked for."""
 
@@ -107,19 +110,22 @@ class ModelError:
     --------
     >>> late = ModelError(
     ...     kind="delay",
-    ...     sentence="The motion follows the force 12 ms late.",
+    ...     finding="The motion follows the force 12 ms late.",
+    ...     consequence="Intervals do not allow for it.",
     ...     effect=0.012,
     ...     interval=(0.011, 0.013),
     ...     share=0.9,
     ... )
     >>> str(late)
-    'The motion follows the force 12 ms late.'
+    'The motion follows the force 12 ms late. Intervals do not allow for it.'
     """
 
     kind: str
     """What it is, such as ``"delay"`` or ``"position friction"``."""
-    sentence: str
-    """What it is, with its size and what it does to the estimates."""
+    finding: str
+    """What it is, with its size, in a sentence."""
+    consequence: str
+    """How much of the residuals it is, and what it does to the estimates, in sentences."""
     effect: float
     """Its size, SI: a time, a force, a stiffness or a share, as the sentence says."""
     interval: tuple[float, float]
@@ -129,14 +135,14 @@ class ModelError:
 
     @override
     def __str__(self) -> str:
-        """Return the sentence."""
-        return self.sentence
+        """Return what it is and what it does."""
+        return f"{self.finding} {self.consequence}"
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the error as plain numbers and strings."""
         return {
             "kind": self.kind,
-            "sentence": self.sentence,
+            "sentence": str(self),
             "effect": self.effect,
             "interval": list(self.interval),
             "share": self.share,
@@ -293,6 +299,12 @@ class Tested:
     size: float
     """Root mean square of what it adds to the balance, over friction."""
 
+    @property
+    def sure(self) -> bool:
+        """Whether the interval of some coefficient leaves 0 out: not so where one block has all."""
+        ends = [self.interval(operator.itemgetter(k)) for k in range(len(self.values))]
+        return any(low > 0.0 or high < 0.0 for low, high in ends)
+
     def interval(self, of: Callable[[Array], float]) -> tuple[float, float]:
         """Return the 95 % interval of a number that follows from the coefficients."""
         changes = np.array([of(one) for one in self.left_out])
@@ -395,7 +407,7 @@ def _peaks(
     unit, where = measurement.unit("force"), quantity(float(at[peak]), "Hz")
     sized = f"at {where}, a root mean square of {quantity(size, unit)}"
     text = (
-        f"The recorded force has a peak {sized}, that the motion does not: a ripple of the"
+        f"The recorded force has a peak {sized}, that the motion does not have: a ripple of the"
         " amplifier or sensor, perhaps of a higher frequency that sampling folded."
         if ripple
         else f"The motion vibrates {sized} of inertia, that the recorded force does not have: a"
@@ -404,7 +416,8 @@ def _peaks(
     step = float(at[1])
     yield ModelError(
         kind="ripple" if ripple else "vibration",
-        sentence=text,
+        finding=text,
+        consequence=f"{UNSAID} for it.",
         effect=float(at[peak]),
         interval=(float(at[peak]) - step, float(at[peak]) + step),
         share=residual / float(np.sum(whole)),
@@ -510,9 +523,7 @@ def _with_rows_before(
     """Return which picked samples have `order` picked ones right before them in their stretch."""
     stretch = np.searchsorted(edges, picked, side="right")
     near = (np.diff(picked, prepend=-every - 1) == every) & (np.diff(stretch, prepend=-1) == 0)
-    run = np.arange(len(picked)) - np.maximum.accumulate(
-        np.where(near, 0, np.arange(len(picked)))
-    )
+    run = np.arange(len(picked)) - np.maximum.accumulate(np.where(near, 0, np.arange(len(picked))))
     return np.flatnonzero(run >= order)
 
 
@@ -584,7 +595,7 @@ def _effects(s: Signals, passed: float, *, driven: bool) -> Iterator[Effect]:
     yield one("drift of the offset", lambda s: (s.course,))
     yield one("drift of the viscous part", lambda s: (s.course * s.velocity / fastest,))
     yield one("asymmetry", lambda s: (np.abs(s.velocity / fastest),))
-    yield one("speed", lambda s: (s.velocity * np.abs(s.velocity) / fastest**2,), fastest)
+    yield one("speed", lambda s: (s.velocity * np.abs(s.velocity) / fastest**2,))
     for share in SPEEDS:
         yield one("speed", lambda s, v=share * fastest: (_peak(s, v),), share * fastest)
     yield one("spring", lambda s: (s.middle,))
@@ -645,7 +656,9 @@ def _beside(columns: Array, slopes: Array) -> Array:
     return np.asarray(columns - basis @ (basis.T @ columns))
 
 
-def _tested(b: Balance, basis: Array, residual: Array, effect: Effect, column: Array, total: float) -> Tested | None:
+def _tested(
+    b: Balance, basis: Array, residual: Array, effect: Effect, column: Array, total: float
+) -> Tested | None:
     """Return what an effect predicts in blocks left out; None if that is little or parameters take it up.
 
     `basis` (m, r) spans what is fitted beside it, `residual` (m,) has nothing of that.
@@ -722,7 +735,11 @@ def _shown(
                 for one, column in zip(effects, own, strict=True)
                 if one.kind not in named
             )
-            shown += [one for one in tests if one is not None and _is_shown(one, estimates, tried[one.effect.kind])]
+            shown += [
+                one
+                for one in tests
+                if one is not None and _is_shown(one, estimates, tried[one.effect.kind])
+            ]
         if not shown:
             return
         most = max(one.share for one in shown)
@@ -743,7 +760,7 @@ def _shown(
 
 def _is_shown(one: Tested, estimates: Sequence[Estimate], tried: int) -> bool:
     """Whether an effect is significant, predicts a good part of the residuals, and matters."""
-    if one.share < SHARE or one.chance * tried > LEVEL:
+    if one.share < SHARE or one.chance * tried > LEVEL or not one.sure:
         return False
     return one.size > MATTERS or (one.size > NEGLIGIBLE and bool(_moved(one, estimates)))
 
@@ -760,27 +777,29 @@ def _moved(one: Tested, estimates: Sequence[Estimate]) -> list[tuple[Estimate, f
 def _error(one: Tested, estimates: Sequence[Estimate], measurement: Measurement) -> ModelError:
     size = _size_of(one)
     low, high = one.interval(size)
-    text = _said(one, size(one.values), (low, high), measurement)
-    text += (
-        f" It predicts {percent(min(one.share, 1.0))} of the squared residuals in blocks of the"
-        " record left out."
-    )
     moved = [
         f"{estimate.quantity.symbol} by {percent(abs(shift / estimate.value))}"
         for estimate, shift in _moved(one, estimates)
         if estimate.value
     ]
+    text = (
+        f"It predicts {percent(min(one.share, 1.0))} of the squared residuals in blocks of the"
+        " record left out."
+    )
     if moved:
-        text += f" With it, {' and '.join(moved)} would change, more than the 95 % intervals allow."
-    else:
-        text += " The 95 % intervals of the estimates do not allow for it."
+        text += f" It moves {_joined(moved)}, farther than"
     return ModelError(
         kind=one.effect.kind,
-        sentence=text,
+        finding=_said(one, size(one.values), (low, high), measurement),
+        consequence=f"{text} the 95 % intervals allow." if moved else f"{text} {UNSAID} for it.",
         effect=size(one.values),
         interval=(low, high),
         share=one.share,
     )
+
+
+def _joined(items: Sequence[str]) -> str:
+    return " and ".join([", ".join(items[:-1]), items[-1]] if len(items) > 1 else items)
 
 
 def _size_of(one: Tested) -> Callable[[Array], float]:
@@ -802,7 +821,7 @@ def _said(
         ends = quantities([low, high], unit)
         return f"{quantity(sign * value, unit)} (95 % interval {ends[0]} to {ends[1]})"
 
-    sign = -1.0 if value < 0.0 else 1.0
+    sign, peaked = -1.0 if value < 0.0 else 1.0, scale > 0.0
     wave = f"wavelength {quantity(scale, way)}"
     said = {
         "delay": (
@@ -823,7 +842,11 @@ def _said(
         ),
         "force limit": (
             f"Of the recorded force beyond {quantity(scale, force)}, {percent(abs(value))}"
-            f" {'does not act: a limit of the amplifier' if value > 0.0 else 'is missing: a limit of the force sensor'}."
+            + (
+                " does not act: a limit of the amplifier."
+                if value > 0.0
+                else " is missing: a limit of the force sensor."
+            )
         ),
         "inertia": (
             f"The motion takes {sized('kg', sign)} {'more' if value > 0.0 else 'less'} than the"
@@ -847,8 +870,8 @@ def _said(
             f" {sized(force, sign)} to either side."
         ),
         "speed": (
-            "Friction depends on speed otherwise than this law, by"
-            f" {sized(force, sign)} {'at' if scale >= 0.5 * 0.0 else 'near'} rest or at speed."
+            f"Friction depends on speed otherwise than this law, by {sized(force, sign)}"
+            f" {'near rest' if peaked else 'at the largest speed'}."
         ),
         "spring": f"A force grows with position, by {sized(f'{force}/{way}')}: an unmodelled spring.",
         "position friction": f"Friction depends on position, by ± {sized(force, sign)}, {wave}.",

@@ -13,6 +13,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
 from stickslip.identification.record_fit import Score
 from stickslip.identification.record_settings import RecordSettings
+from stickslip.identification.residual_tests import ModelError
 from stickslip.selection.cross_validation import CrossValidation, Plan
 from stickslip.selection.experiments import Experiment
 from stickslip.selection.verdict import Verdict, plain
@@ -150,6 +151,11 @@ class RecordVerdict(Verdict):
     """Estimates of the best law from the first and the second half of the record, by path."""
 
     @property
+    def model_errors(self) -> tuple[ModelError, ...]:
+        """What the residuals of the best law show to be wrong with model, rig or record."""
+        return self.best.fit.model_errors if self.best and self.best.fit else ()
+
+    @property
     def quantity(self) -> str:
         """What is predicted, as in `QUANTITIES`."""
         fits = [c.fit for c in self.candidates if c.fit]
@@ -199,6 +205,7 @@ class RecordVerdict(Verdict):
             "candidates": [candidate.to_dict() for candidate in self.candidates],
             "control": self.control.to_dict() if self.control else None,
             "checks": self.checks.to_dict(),
+            "model_errors": [one.to_dict() for one in self.model_errors],
             "next_measurements": [one.to_dict() for one in self.experiments],
             "halves": {path: list(pair) for path, pair in self.half_estimates.items()},
         }

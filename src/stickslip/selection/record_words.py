@@ -169,6 +169,8 @@ def _verdict(
     if without is not None and without.score <= (1.0 + FLOOR) * best.score:
         return "No candidate explains this record better than no friction at all."
     name = friction_of(best.title)
+    if best.fit is not None and best.fit.model_errors:
+        return f"The model does not hold. {best.fit.model_errors[0].finding} Closest is {name}."
     if best.dropped:
         return f"No candidate is beyond objection; the closest is {name}."
     if best.doubt:
@@ -232,6 +234,7 @@ def _lede(
         )
     elif without is not None and math.isfinite(without.score):
         text += f" Without friction it would be {told(without.score)}."
+    text += "".join(f" {error}" for error in fit.model_errors)
     closer = [c for c in candidates if c.dropped and c.fit and c.score < best.score]
     if closer and not best.dropped:
         first = closer[0]
