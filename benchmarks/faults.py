@@ -36,6 +36,7 @@ from stickslip.identification import RecordFit
 from stickslip.identification.record_settings import RecordSettings
 
 RESULTS = "faults.jsonl"
+DRIFTS = ("drift", "drift of the level", "drift of the offset", "drift of the viscous part")
 USUAL = ("effective size",)
 """Kinds of findings of `check` that clean records have as well: they state no fault."""
 TRIED = 20
@@ -230,8 +231,8 @@ FAULTS: Mapping[str, Fault] = {
     "quantisation": Fault(record=_coarse, named=("quantisation",)),
     "dropped-samples": Fault(record=_dropped, named=("dropped samples", "jump", "gap")),
     "outliers": Fault(record=_outlying, named=("jump",)),
-    "level-drift": Fault(machine=_drift, named=("drift", "drift of the level", "drift of the offset", "drift of the viscous part")),
-    "warm-up": Fault(machine=_warm, named=("drift", "drift of the level", "drift of the offset", "drift of the viscous part")),
+    "level-drift": Fault(machine=_drift, named=DRIFTS),
+    "warm-up": Fault(machine=_warm, named=DRIFTS),
     "place-dependence": Fault(machine=_placed, named=("position friction",)),
     "asymmetry": Fault(
         machine=_asymmetric, named=("asymmetry",), free=("mechanism.offset",)

@@ -40,7 +40,7 @@ from stickslip.identification.segmenting import Hold
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["Balanced", "balanced", "mean_force", "second_differences"]
+__all__ = ["Balanced", "balanced", "mean_force", "passed_by_balance", "second_differences"]
 
 Array = NDArray[np.float64]
 
@@ -169,7 +169,7 @@ def _stretch(
     time = np.asarray(record.time)
     dt = check_even(time)
     raw = positions_of(record)
-    passed = min(wider * _passed(raw), HIGHEST)
+    passed = min(wider * passed_by_balance(raw), HIGHEST)
     x = smoothed(raw, _passed_of_motion(raw, passed))
     v = np.gradient(x, dt)
     a = second_differences(raw, dt)
@@ -233,8 +233,8 @@ def _noise(x: Array) -> float:
     return max(noise_of(x, step_of(x)), 1e-12 * float(np.ptp(x)))
 
 
-def _passed(x: Array) -> float:
-    """Return what the common filter passes, over half the sampling frequency.
+def passed_by_balance(x: Array) -> float:
+    """Return what the common filter passes along positions (n,), over half their frequency.
 
     A multiple of the mean frequency of the motion, which is that of the sine with the same mean
     squares of position, seen from its mean, and of steps; less where accelerations would be noise,

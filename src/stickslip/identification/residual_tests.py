@@ -26,6 +26,7 @@ import operator
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, TypeAlias, final
 
 import numpy as np
@@ -36,10 +37,16 @@ from typing_extensions import override
 
 from stickslip.errors import StickslipError
 from stickslip.experiments import Measurement
+from stickslip.experiments.signals import noise_of, step_of
 from stickslip.experiments.wording import number, percent, quantities, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification.applied import applied_force
-from stickslip.identification.force_balance import balanced, mean_force, second_differences
+from stickslip.identification.force_balance import (
+    balanced,
+    mean_force,
+    passed_by_balance,
+    second_differences,
+)
 from stickslip.identification.inverse_dynamics import known_forces, mass_of, positions_of
 from stickslip.identification.map_problem import ForceMap
 from stickslip.identification.map_records import Stretch
@@ -49,7 +56,7 @@ from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, vary
 
-__all__ = ["ModelError", "model_errors"]
+__all__ = ["ModelError", "has_trend", "ljung_box", "model_errors", "noise_floor"]
 
 Array = NDArray[np.float64]
 Rows: TypeAlias = NDArray[np.bool_]
@@ -89,6 +96,12 @@ NEAR = 15
 """Frequencies on either side that this median is taken over."""
 OWN = 0.3
 """Power of force or inertia over that of the other at a peak below which it has no part in it."""
+CELLS = 12
+"""Cells of a quantity in which residuals are averaged to see a trend."""
+TREND = 0.01
+"""Share of the squared residuals that a trend must predict to be one."""
+LAGS = 20
+"""Lags of the test for autocorrelation."""
 WAVES = 40
 """Waves over the stroke that are looked for at most."""
 SPEEDS = (0.05, 0.1, 0.2, 0.4)
@@ -180,6 +193,11 @@ class Signals:
         return self.each(lambda t, force: np.gradient(force, t))
 
     @property
+    def bend(self) -> Array:
+        """Second rate of the force [N/s^2]."""
+        return self.each(lambda t, force: np.gradient(np.gradient(force, t), t))
+
+    @property
     def stroke(self) -> float:
         """Range of the position [m]."""
         return float(np.ptp(self.position))
@@ -190,34 +208,25 @@ class Signals:
         return self.position - 0.5 * float(self.position.max() + self.position.min())
 
     @property
-    def fastest(self) -> float:
-        """Largest speed [m/s]."""
-        return float(np.max(np.abs(self.velocity)))
+    def pace(self) -> Array:
+        """Velocity over the largest speed."""
+        return np.asarray(self.velocity / max(float(np.max(np.abs(self.velocity))), 1e-300))
 
     @property
     def course(self) -> Array:
         """Time over the duration, from -1/2 to 1/2."""
-        return self.time / max(float(np.ptp(self.time)), 1e-300) - 0.5
-
-    def near_reversals(self, way: float) -> Array:
-        """Return what fades with the way [m] after each reversal."""
-        return np.asarray(np.exp(-self.since / way))
-
-    def waves(self, length: float) -> tuple[Array, Array]:
-        """Return cosine and sine of the position at a wavelength [m]."""
-        phase = 2.0 * math.pi / length * self.middle
-        return np.cos(phase), np.sin(phase)
+        return np.asarray(self.time / max(float(np.ptp(self.time)), 1e-300) - 0.5)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Effect:
     """What an error adds to the balance of forces, but for its coefficients."""
 
     kind: str
-    scale: float
-    """What its columns are made with: a length, a speed, a force, a time."""
     columns: Callable[[Signals], tuple[Array, ...]]
     """Columns (n,) of it."""
+    scale: float = 0.0
+    """What these are made with: a length, a force, a time, a share of the speed."""
     filtered: bool = False
     """Whether they are made of what came through the filter."""
 
@@ -282,7 +291,7 @@ def whitened(columns: Array, rows: NDArray[np.intp], memory: Array) -> Array:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Tested:
+class ScoreTest:
     """An effect with what it predicts and its coefficients."""
 
     effect: Effect
@@ -567,57 +576,72 @@ def _part(one: Stretch, measurement: Measurement, mechanism: Mechanism) -> dict[
 
 def _effects(s: Signals, passed: float, *, driven: bool) -> Iterator[Effect]:
     """Yield the errors that are looked for, those with fewer coefficients first."""
-
-    def one(
-        kind: str,
-        columns: Callable[[Signals], tuple[Array, ...]],
-        scale: float = 0.0,
-        *,
-        filtered: bool = False,
-    ) -> Effect:
-        return Effect(kind=kind, columns=columns, scale=scale, filtered=filtered)
-
-    fastest, stroke = s.fastest, s.stroke
     if driven:
         yield _delay(0.0)
-        yield one("clock", lambda s: (s.time * s.rate,), filtered=True)
-        bent = one(
-            "flexibility",
-            lambda s: (s.each(lambda t, f: np.gradient(np.gradient(f, t), t)),),
-            filtered=True,
-        )
-        yield bent
+        yield Effect("clock", lambda s: (s.time * s.rate,), filtered=True)
+        yield Effect("flexibility", lambda s: (s.bend,), filtered=True)
         for limit in np.quantile(np.abs(s.force), LIMITS).tolist():
-            yield one("force limit", lambda s, limit=limit: (_beyond(s.force, limit),), limit)
-    yield one("inertia", lambda s: (s.acceleration,), filtered=True)
-    yield one("offset", lambda s: (np.ones_like(s.time),))
-    yield one("drift of the level", lambda s: (s.course * s.level,))
-    yield one("drift of the offset", lambda s: (s.course,))
-    yield one("drift of the viscous part", lambda s: (s.course * s.velocity / fastest,))
-    yield one("asymmetry", lambda s: (np.abs(s.velocity / fastest),))
-    yield one("speed", lambda s: (s.velocity * np.abs(s.velocity) / fastest**2,))
+            yield Effect("force limit", partial(_beyond, limit), limit)
+    yield Effect("inertia", lambda s: (s.acceleration,), filtered=True)
+    yield Effect("offset", lambda s: (np.ones_like(s.time),))
+    yield Effect("drift of the level", lambda s: (s.course * s.level,))
+    yield Effect("drift of the offset", lambda s: (s.course,))
+    yield Effect("drift of the viscous part", lambda s: (s.course * s.pace,))
+    yield Effect("asymmetry", lambda s: (np.abs(s.pace),))
+    yield Effect("speed", lambda s: (s.pace * np.abs(s.pace),))
     for share in SPEEDS:
-        yield one("speed", lambda s, v=share * fastest: (_peak(s, v),), share * fastest)
-    yield one("spring", lambda s: (s.middle,))
-    yield one("position friction", lambda s: (2.0 * s.level * s.middle / stroke,), 2.0 * stroke)
-    for way in (share * stroke for share in WAYS):
-        yield one("reversals", lambda s, w=way: (s.level * s.near_reversals(w),), way)
-        yield one("reversals", lambda s, w=way: (s.acceleration * s.near_reversals(w),), way)
+        yield Effect("speed", partial(_peak, share), share)
+    yield Effect("spring", lambda s: (s.middle,))
+    yield Effect(
+        "position friction", lambda s: (2.0 * s.level * s.middle / s.stroke,), 2.0 * s.stroke
+    )
+    for way in (share * s.stroke for share in WAYS):
+        yield Effect("reversals", partial(_after_reversals, _level, way), way)
+        yield Effect("reversals", partial(_after_reversals, _acceleration, way), way)
     # of finer waves, the filter leaves nothing at the usual speed
     usual = float(np.percentile(np.abs(s.velocity), 75.0))
-    finest = max(min(int(passed * stroke / usual), WAVES), 1)
-    for length in (2.0 * stroke / k for k in range(1, 2 * finest + 1)):
-        yield one("position force", lambda s, w=length: s.waves(w), length)
-        yield one(
-            "position friction",
-            lambda s, w=length: tuple(s.level * wave for wave in s.waves(w)),
-            length,
-        )
-        yield one(
-            "imbalance",
-            lambda s, w=length: tuple((s.velocity / fastest) ** 2 * wave for wave in s.waves(w)),
-            length,
-        )
+    finest = max(min(int(passed * s.stroke / usual), WAVES), 1)
+    for length in (2.0 * s.stroke / k for k in range(1, 2 * finest + 1)):
+        yield Effect("position force", partial(_waves, _one, length), length)
+        yield Effect("position friction", partial(_waves, _level, length), length)
+        yield Effect("imbalance", partial(_waves, _squared, length), length)
+
+
+def _one(s: Signals) -> Array:
+    return np.ones_like(s.time)
+
+
+def _level(s: Signals) -> Array:
+    return s.level
+
+
+def _acceleration(s: Signals) -> Array:
+    return s.acceleration
+
+
+def _squared(s: Signals) -> Array:
+    return np.asarray(s.pace**2)
+
+
+def _waves(of: Callable[[Signals], Array], length: float, s: Signals) -> tuple[Array, ...]:
+    """Return what goes with cosine and sine of the position at a wavelength [m]."""
+    phase = 2.0 * math.pi / length * s.middle
+    return of(s) * np.cos(phase), of(s) * np.sin(phase)
+
+
+def _after_reversals(of: Callable[[Signals], Array], way: float, s: Signals) -> tuple[Array, ...]:
+    """Return what fades with the way [m] after each reversal."""
+    return (of(s) * np.exp(-s.since / way),)
+
+
+def _beyond(limit: float, s: Signals) -> tuple[Array, ...]:
+    """Return what of the force is beyond a limit [N] to either side."""
+    return (np.sign(s.force) * np.maximum(np.abs(s.force) - limit, 0.0),)
+
+
+def _peak(share: float, s: Signals) -> tuple[Array, ...]:
+    """Return friction that falls from rest within a share of the largest speed."""
+    return (s.level * np.exp(-np.abs(s.pace) / share),)
 
 
 def _delay(delay: float) -> Effect:
@@ -628,17 +652,7 @@ def _delay(delay: float) -> Effect:
             return (s.rate,)
         return (s.each(lambda t, force: (force - np.interp(t - delay, t, force)) / delay),)
 
-    return Effect(kind="delay", scale=delay, columns=columns, filtered=True)
-
-
-def _beyond(force: Array, limit: float) -> Array:
-    """Return what of a force (n,) [N] is beyond a limit to either side."""
-    return np.asarray(np.sign(force) * np.maximum(np.abs(force) - limit, 0.0))
-
-
-def _peak(s: Signals, speed: float) -> Array:
-    """Return friction that falls from rest with the speed [m/s]."""
-    return np.asarray(s.level * np.exp(-np.abs(s.velocity) / speed))
+    return Effect("delay", columns, delay, filtered=True)
 
 
 def _basis(slopes: Array) -> Array:
@@ -658,8 +672,10 @@ def _beside(columns: Array, slopes: Array) -> Array:
 
 def _tested(
     b: Balance, basis: Array, residual: Array, effect: Effect, column: Array, total: float
-) -> Tested | None:
-    """Return what an effect predicts in blocks left out; None if that is little or parameters take it up.
+) -> ScoreTest | None:
+    """Return what an effect predicts in blocks left out.
+
+    None if that is little, or parameters can take it up.
 
     `basis` (m, r) spans what is fitted beside it, `residual` (m,) has nothing of that.
     """
@@ -673,9 +689,33 @@ def _tested(
         return None
     if float(np.sum((directions.T @ residual) ** 2)) < SHARE * total:
         return None  # in blocks left out, it is less
+    gains, left_out = _gains(basis, directions, residual)
+    share = float(gains.sum()) / total
+    back = np.linalg.inv(triangle)
+    values = back @ (directions.T @ residual)
+    chance = 1.0
+    if share >= SHARE:
+        chance = float(stats.wilcoxon(gains, alternative="greater").pvalue)
+    return ScoreTest(
+        effect=effect,
+        share=share,
+        chance=chance,
+        values=values,
+        left_out=left_out @ back.T,
+        shift=np.asarray(-np.linalg.lstsq(b.slopes, columns @ values, rcond=1e-10)[0]),
+        size=float(np.sqrt(np.mean((column @ values) ** 2))) / b.friction,
+    )
+
+
+def _gains(basis: Array, directions: Array, residual: Array) -> tuple[Array, Array]:
+    """Return the squares (blocks,) that directions (m, q) take off each block when it is left out.
+
+    And their coefficients without it (blocks, q). What `basis` (m, p) takes off is no gain; all
+    columns are orthonormal.
+    """
     table = np.column_stack([basis, directions])
-    p, m = basis.shape[1], len(residual)
-    starts = np.linspace(0, m, BLOCKS + 1).astype(int)
+    p = basis.shape[1]
+    starts = np.linspace(0, len(residual), BLOCKS + 1).astype(int)
     rows = [slice(first, last) for first, last in itertools.pairwise(starts.tolist())]
     squares = np.array([table[own].T @ table[own] for own in rows])
     slopes = np.array([table[own].T @ residual[own] for own in rows])
@@ -687,21 +727,95 @@ def _tested(
     gains = _taken_off(found, squares, slopes) - _taken_off(
         without, squares[:, :p, :p], slopes[:, :p]
     )
-    share = float(gains.sum()) / total
-    back = np.linalg.inv(triangle)
-    values = back @ slopes.sum(axis=0)[p:]
-    chance = 1.0
-    if share >= SHARE:
-        chance = float(stats.wilcoxon(gains, alternative="greater").pvalue)
-    return Tested(
-        effect=effect,
-        share=share,
-        chance=chance,
-        values=values,
-        left_out=found[:, p:] @ back.T,
-        shift=-np.linalg.lstsq(b.slopes, columns @ values, rcond=1e-10)[0],
-        size=float(np.sqrt(np.mean((column @ values) ** 2))) / b.friction,
-    )
+    return gains, np.asarray(found[:, p:])
+
+
+def has_trend(residual: Array, by: Array) -> bool:
+    """Whether residuals (n,) in the order of time follow a quantity (n,), such as the velocity.
+
+    Their means in cells of the quantity, from all blocks but one, must take squares off that one:
+    in so many blocks that chance would do so in one record of 20.
+
+    Examples
+    --------
+    >>> random = np.random.default_rng(1)
+    >>> noise, v = random.normal(size=2000), np.sin(0.1 * np.arange(2000))
+    >>> has_trend(noise, v), has_trend(noise + 0.3 * np.sign(v), v)
+    (False, True)
+    """
+    if len(residual) < FEWEST * BLOCKS or np.ptp(by) == 0.0:
+        return False
+    u = 2.0 * (by - by.min()) / np.ptp(by) - 1.0
+    if np.all(np.diff(by) >= 0.0):  # time: a block left out is a cell by itself
+        columns = np.polynomial.legendre.legvander(u, 3)
+    else:
+        cell = np.minimum((0.5 * (u + 1.0) * CELLS).astype(int), CELLS - 1)
+        columns = np.eye(CELLS)[cell]
+    gains, _ = _gains(np.zeros((len(u), 0)), _basis(columns), residual)
+    share = float(gains.sum()) / max(float(residual @ residual), 1e-300)
+    chance = 1.0 if share < TREND else float(stats.wilcoxon(gains, alternative="greater").pvalue)
+    return chance < LEVEL
+
+
+def ljung_box(residual: Array, lags: int = LAGS) -> float:
+    """Return the probability of autocorrelations as large as these in white residuals (n,).
+
+    Source: G. M. Ljung, G. E. P. Box, "On a measure of lack of fit in time series models", 1978.
+
+    Examples
+    --------
+    >>> white = np.random.default_rng(1).normal(size=1000)
+    >>> ljung_box(white) > 0.05, ljung_box(white[1:] + white[:-1]) < 1e-6
+    (True, True)
+    """
+    r, n = residual - residual.mean(), len(residual)
+    power = float(r @ r)
+    if power <= 0.0 or n <= lags:
+        return 1.0
+    squares = [float(r[k:] @ r[:-k]) ** 2 / (n - k) for k in range(1, lags + 1)]
+    return float(stats.chi2.sf(n * (n + 2.0) * sum(squares) / power**2, lags))
+
+
+def noise_floor(mechanism: Mechanism, measurement: Measurement, compared: str) -> float:
+    """Return the residuals that the sensor's noise alone would leave (root mean square, SI).
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        With its mass: where friction was derived from a force, the noise of positions is one of
+        accelerations, after the filter.
+    measurement : Measurement
+        Records in time.
+    compared : str
+        What residuals are of: ``"position"``, ``"velocity"`` or ``"friction"``.
+
+    Returns
+    -------
+    float
+        From third differences, which no smooth motion has; not a number where nothing says.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> t = np.arange(0.0, 2.0, 1e-3)
+    >>> noise = 1e-6 * np.random.default_rng(1).normal(size=len(t))
+    >>> record = Measurement(time=t, position=np.sin(t) + noise)
+    >>> round(noise_floor(Axis(inertia=1.0), record, "position") * 1e6, 1)
+    1.0
+    """
+    found = []
+    for record in measurement.records():
+        known = record.quantities()
+        if record.time is None or (compared not in known and "position" not in known):
+            return math.nan
+        values = np.asarray(record.values(compared if compared in known else "position"))
+        noise = noise_of(values, step_of(values))
+        if compared not in known:  # white noise s has accelerations of variance s^2 w^5 / (5 pi)
+            w = math.pi * passed_by_balance(values)
+            step = float(np.median(np.diff(record.time)))
+            noise *= mass_of(mechanism) * math.sqrt(w**5 / (5.0 * math.pi)) / step**2
+        found.append(noise)
+    return float(np.sqrt(np.mean(np.square(found))))
 
 
 def _taken_off(values: Array, squares: Array, slopes: Array) -> Array:
@@ -726,7 +840,7 @@ def _shown(
     tried = {kind: len(kinds) * count * len(balances) for kind, count in kinds.items()}
     named: set[str] = set()
     for _ in range(MOST):
-        shown: list[Tested] = []
+        shown: list[ScoreTest] = []
         for b, own, slopes, total in zip(balances, columns, fitted, totals, strict=True):
             basis = _basis(slopes)
             residual = b.residual - basis @ (basis.T @ b.residual)
@@ -758,14 +872,14 @@ def _shown(
         ]
 
 
-def _is_shown(one: Tested, estimates: Sequence[Estimate], tried: int) -> bool:
+def _is_shown(one: ScoreTest, estimates: Sequence[Estimate], tried: int) -> bool:
     """Whether an effect is significant, predicts a good part of the residuals, and matters."""
     if one.share < SHARE or one.chance * tried > LEVEL or not one.sure:
         return False
     return one.size > MATTERS or (one.size > NEGLIGIBLE and bool(_moved(one, estimates)))
 
 
-def _moved(one: Tested, estimates: Sequence[Estimate]) -> list[tuple[Estimate, float]]:
+def _moved(one: ScoreTest, estimates: Sequence[Estimate]) -> list[tuple[Estimate, float]]:
     """Return the estimates that an effect moves out of their intervals, and by how much."""
     return [
         (estimate, float(shift))
@@ -774,7 +888,7 @@ def _moved(one: Tested, estimates: Sequence[Estimate]) -> list[tuple[Estimate, f
     ]
 
 
-def _error(one: Tested, estimates: Sequence[Estimate], measurement: Measurement) -> ModelError:
+def _error(one: ScoreTest, estimates: Sequence[Estimate], measurement: Measurement) -> ModelError:
     size = _size_of(one)
     low, high = one.interval(size)
     moved = [
@@ -802,7 +916,7 @@ def _joined(items: Sequence[str]) -> str:
     return " and ".join([", ".join(items[:-1]), items[-1]] if len(items) > 1 else items)
 
 
-def _size_of(one: Tested) -> Callable[[Array], float]:
+def _size_of(one: ScoreTest) -> Callable[[Array], float]:
     """Return what makes one number of the coefficients (q,): the amplitude of a wave."""
     if len(one.values) == 1:
         return lambda values: float(values[0])
@@ -810,7 +924,7 @@ def _size_of(one: Tested) -> Callable[[Array], float]:
 
 
 def _said(
-    one: Tested, value: float, interval: tuple[float, float], measurement: Measurement
+    one: ScoreTest, value: float, interval: tuple[float, float], measurement: Measurement
 ) -> str:
     """Return what an error is, with its size and interval."""
     kind, scale = one.effect.kind, one.effect.scale
@@ -862,8 +976,8 @@ def _said(
             f" {sized(force, sign)}."
         ),
         "drift of the viscous part": (
-            f"The viscous part {'rises' if value > 0.0 else 'falls'} over the record, at the largest"
-            f" speed by {sized(force, sign)}: warm-up, for instance."
+            f"The viscous part {'rises' if value > 0.0 else 'falls'} over the record, at the"
+            f" largest speed by {sized(force, sign)}: warm-up, for instance."
         ),
         "asymmetry": (
             "The viscous part differs by direction, at the largest speed by"
@@ -873,7 +987,10 @@ def _said(
             f"Friction depends on speed otherwise than this law, by {sized(force, sign)}"
             f" {'near rest' if peaked else 'at the largest speed'}."
         ),
-        "spring": f"A force grows with position, by {sized(f'{force}/{way}')}: an unmodelled spring.",
+        "spring": (
+            f"A force grows with position, by {sized(f'{force}/{way}')}: a spring that the"
+            " mechanism lacks."
+        ),
         "position friction": f"Friction depends on position, by ± {sized(force, sign)}, {wave}.",
         "position force": (
             f"A force beside friction depends on position, by ± {sized(force, sign)}, {wave}:"
