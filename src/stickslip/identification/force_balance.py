@@ -230,7 +230,7 @@ def _noise(x: Array) -> float:
 
     Between the steps of a coarse encoder most third differences are 0, and so would their median.
     """
-    return max(noise_of(x, step_of(x)), 1e-12 * float(np.ptp(x)))
+    return max(noise_of(x, step_of(x)), 1e-12 * float(np.ptp(x)), 1e-150)
 
 
 def passed_by_balance(x: Array) -> float:

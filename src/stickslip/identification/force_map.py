@@ -18,7 +18,7 @@ from stickslip.identification.unknowns import Unknown, Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["ForceMap", "force_map", "map_along"]
+__all__ = ["MECHANISM", "SENSOR", "ForceMap", "force_map", "map_along"]
 
 Array = NDArray[np.float64]
 

@@ -47,6 +47,7 @@ from stickslip.identification.force_balance import (
     passed_by_balance,
     second_differences,
 )
+from stickslip.identification.force_map import MECHANISM, SENSOR
 from stickslip.identification.inverse_dynamics import known_forces, mass_of, positions_of
 from stickslip.identification.map_problem import ForceMap
 from stickslip.identification.map_records import Stretch
@@ -90,8 +91,8 @@ RIDGE = 1e-6
 """Share of the whole record that each coefficient is drawn to 0 by, where a block has it all."""
 SPECTRA = 8
 """Parts of a record over which spectra are averaged, which overlap by half."""
-PEAK = 12.0
-"""Power of the residuals at a frequency over the median near it: by chance, less than 5."""
+PEAK = 6.0
+"""Power of the residuals at a frequency over the median near it: by chance, less than 4."""
 NEAR = 15
 """Frequencies on either side that this median is taken over."""
 OWN = 0.3
@@ -369,7 +370,7 @@ def model_errors(
     """
     try:
         balances = [
-            _balance(mechanism, law, measurement, unknowns, hold, wider, order)
+            _balance(mechanism, law, measurement, unknowns, estimates, hold, wider, order)
             for wider, order in BANDS
         ]
     except StickslipError:
@@ -466,6 +467,7 @@ def _balance(
     law: FrictionLaw,
     measurement: Measurement,
     unknowns: Unknowns,
+    estimates: Sequence[Estimate],
     hold: Hold,
     wider: float,
     order: int,
@@ -475,17 +477,20 @@ def _balance(
 
     stretches = stretched(mechanism)
     fitted = {**_numbers(law, "friction"), **_numbers(mechanism, "mechanism")}
+    fitted |= {estimate.path: estimate.value for estimate in estimates}
+    constant = SENSOR if SENSOR in unknowns.paths else MECHANISM
     along = [
         i
         for i, path in enumerate(unknowns.paths)
-        if path.startswith("friction.") or path == "mechanism.offset"
+        if path.startswith("friction.") or path == constant
     ]
     own = Unknowns(tuple(unknowns.items[i] for i in along), fitted)
     problem = ForceMap(
         law=law,
         unknowns_=own,
         stretches=stretches,
-        offset=fitted.get("mechanism.offset", 0.0),
+        constant=constant,
+        offset=fitted.get(constant, 0.0),
         mass=mass_of(mechanism),
     )
     seen = problem.linearise(np.array([fitted[path] for path in own.paths]))
