@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from benchmarks import faults
 
-from stickslip import Axis, CoulombViscous, Measurement, fit, select
+from stickslip import Axis, CoulombViscous, Measurement, Sine, fit, select, simulate
 from stickslip.identification.record_settings import RecordSettings
 
 QUICK = RecordSettings(starts=1)
@@ -72,6 +72,24 @@ def test_a_delay_is_found_with_its_size(fault, late):
     # to first order in the delay: a tenth of it and the interval are the error
     half = error.effect - error.interval[0]
     assert error.effect == pytest.approx(late, abs=0.1 * late + 2.0 * half)
+
+
+def test_a_force_that_is_not_held_between_samples_is_named_as_a_setting():
+    t = np.arange(0.0, 10.0, 0.01)
+    drive = Sine(amplitude=6.0, frequency=0.5) + Sine(amplitude=3.0, frequency=1.3)
+    law = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=5.0)
+    run = simulate(Axis(inertia=2.0, drive=drive), law, t_end=10.0)
+    noise = 1e-5 * np.random.default_rng(0).normal(size=len(t))
+    force = np.array([drive.value(float(at)) for at in t])
+    record = Measurement(time=t, position=run.at(t)["x"] + noise, force=force)
+    (error,) = fitted(record).model_errors
+    assert "hold would be (first" in error.finding
+    joined = replace(QUICK, hold="first")
+    right = fit(
+        Axis(inertia=1.0), CoulombViscous, record, unknown=["inertia"], route="inverse-dynamics",
+        settings=joined,
+    )  # fmt: skip
+    assert right.model_errors == ()
 
 
 @pytest.mark.parametrize("route", ["inverse-dynamics", "shooting"])

@@ -111,6 +111,8 @@ and see what is at rest through the filter."""
 WAYS = (0.003, 0.01, 0.03, 0.1)
 """Ways after a reversal, over the stroke, within which something else is looked for."""
 UNSAID = "The 95 % intervals of the estimates do not allow"
+HALF = (0.35, 0.65)
+"""Delays over the step of time which are those of a wrong setting of hold."""
 LIMITS = (0.6, 0.75, 0.9)
 """Quantiles of the force's size from which a limit is looked for."""
 
@@ -928,6 +930,15 @@ def _size_of(one: ScoreTest) -> Callable[[Array], float]:
     return lambda values: float(np.hypot(*values))
 
 
+def _half_sample(delay: float, measurement: Measurement) -> str:
+    """Return that a delay [s] may be a wrong setting: a held force is half a sample late."""
+    step = max(float(np.median(np.diff(np.asarray(r.time)))) for r in measurement.records())
+    if not HALF[0] <= abs(delay) / step <= HALF[1]:
+        return ""
+    hold = "zero, as a command that is held" if delay > 0.0 else "first, as a sensor samples it"
+    return f"half a sample, which the setting hold would be ({hold}), or "
+
+
 def _said(
     one: ScoreTest, value: float, interval: tuple[float, float], measurement: Measurement
 ) -> str:
@@ -941,14 +952,15 @@ def _said(
         return f"{quantity(sign * value, unit)} (95 % interval {ends[0]} to {ends[1]})"
 
     sign, peaked = -1.0 if value < 0.0 else 1.0, scale > 0.0
+    half = _half_sample(value, measurement) if kind == "delay" else ""
     wave = f"wavelength {quantity(scale, way)}"
     said = {
         "delay": (
-            f"The motion follows the recorded force {sized('s')} late: a delay or lag of the"
-            " amplifier or of the position sensor, or two clocks."
+            f"The motion follows the recorded force {sized('s')} late:"
+            f" {half}a delay or lag of the amplifier or of the position sensor, or two clocks."
             if value > 0.0
-            else f"The recorded force follows the motion {sized('s', -1.0)} late: a delay or filter"
-            " of the force sensor, or two clocks."
+            else f"The recorded force follows the motion {sized('s', -1.0)} late:"
+            f" {half}a delay or filter of the force sensor, or two clocks."
         ),
         "clock": (
             f"The delay between motion and force grows by {sized('s')} each second: two clocks that"
