@@ -194,7 +194,7 @@ FAULTS: Mapping[str, Fault] = {
         machine=lambda m, r: replace(
             m, split=0.5, frequency=60.0, gap=_stroke(m) * float(r.uniform(0.01, 0.03))
         ),
-        named=("reversals", "vibration", "flexibility"),
+        named=("after reversals", "vibration", "flexibility"),
     ),
     "flexible-coupling": Fault(
         machine=lambda m, r: replace(
@@ -228,7 +228,7 @@ FAULTS: Mapping[str, Fault] = {
         named=("force sign", "units", "drive"),
     ),
     "aliased-ripple": Fault(record=_rippled, named=("ripple",)),
-    "quantisation": Fault(record=_coarse, named=("quantisation",)),
+    "quantisation": Fault(record=_coarse, named=("quantisation", "reversals")),
     "dropped-samples": Fault(record=_dropped, named=("dropped samples", "jump", "gap")),
     "outliers": Fault(record=_outlying, named=("jump",)),
     "level-drift": Fault(machine=_drift, named=DRIFTS),

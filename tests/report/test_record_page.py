@@ -20,6 +20,8 @@ from stickslip import (
 )
 from stickslip.friction import DirectionDependent
 from stickslip.identification.optimise import AGREE
+from stickslip.identification.record_fitting import fit_record
+from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.residual_tests import ModelError
 from stickslip.report import Paragraph, Section, numbers
 from stickslip.report.markup import equation_parts
@@ -626,15 +628,16 @@ def test_friction_at_a_speed_is_told_only_in_a_direction_that_leaves_it_open():
 
 
 def test_no_trend_is_not_all_that_is_said_of_residuals_far_above_the_sensors_noise(verdict):
-    # the force was sampled and not held, and half a sample shows: not what is asked here
-    fit = dataclasses.replace(verdict.best.fit, model_errors=())
+    joined = RecordSettings(starts=1, hold="first")  # the force was sampled, and not held
+    fit = fit_record(
+        Axis(inertia=2.0), CoulombViscous, recorded(), unknown=["inertia"], settings=joined
+    )
+    assert fit.model_errors == ()
     quiet, _ = residual_heading(verdict, fit)
     assert quiet.startswith("No test finds a trend")
-    # the same residuals beside a position that was measured a hundred times better
-    t = fit.measurement.time
-    smooth = np.polynomial.Chebyshev.fit(t, fit.measurement.position, 60)(t)
-    exact = dataclasses.replace(fit, measurement=dataclasses.replace(recorded(), position=smooth))
-    heading, caption = residual_heading(verdict, exact)
+    best = dataclasses.replace(fit.found.best, residual=100.0 * fit.residual)
+    loud = dataclasses.replace(fit, found=dataclasses.replace(fit.found, best=best))
+    heading, caption = residual_heading(verdict, loud)
     assert re.match(r"Residuals of \d+ times the sensor's noise", heading)
     assert "does not explain the record to its noise" in caption
 

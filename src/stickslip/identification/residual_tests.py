@@ -404,14 +404,16 @@ def _peaks(
     if length < 4 * NEAR:
         return
     at, *powers = _spectra(rate, length, (left, force, inertial))
-    whole, own_force, own_motion = powers
-    floor = median_filter(whole, size=2 * NEAR + 1, mode="nearest")
+    floors = [median_filter(one, size=2 * NEAR + 1, mode="nearest") for one in powers]
     inner = slice(NEAR // 2, len(at) - NEAR // 2)
-    peak = inner.start + int(np.argmax((whole / np.maximum(floor, 1e-300))[inner]))
-    near = slice(peak - 2, peak + 3)
-    residual, pushed, moved = (float(np.sum(one[near])) for one in (whole, own_force, own_motion))
+    peak = inner.start + int(np.argmax((powers[0] / np.maximum(floors[0], 1e-300))[inner]))
+    near = slice(peak - 1, peak + 2)
+    residual, pushed, moved = (
+        float(np.sum(np.maximum(one - floor, 0.0)[near]))
+        for one, floor in zip(powers, floors, strict=True)
+    )
     size = math.sqrt(residual * float(at[1]))
-    if whole[peak] < PEAK * floor[peak] or size < MATTERS * balance.friction:
+    if powers[0][peak] < PEAK * floors[0][peak] or size < MATTERS * balance.friction:
         return
     ripple = moved < OWN * pushed < residual < pushed / OWN
     if not ripple and not pushed < OWN * moved < residual < moved / OWN:
@@ -432,7 +434,7 @@ def _peaks(
         consequence=f"{UNSAID} for it.",
         effect=float(at[peak]),
         interval=(float(at[peak]) - step, float(at[peak]) + step),
-        share=residual / float(np.sum(whole)),
+        share=residual / float(np.sum(powers[0])),
     )
 
 
@@ -603,8 +605,8 @@ def _effects(s: Signals, passed: float, *, driven: bool) -> Iterator[Effect]:
         "position friction", lambda s: (2.0 * s.level * s.middle / s.stroke,), 2.0 * s.stroke
     )
     for way in (share * s.stroke for share in WAYS):
-        yield Effect("reversals", partial(_after_reversals, _level, way), way)
-        yield Effect("reversals", partial(_after_reversals, _acceleration, way), way)
+        yield Effect("after reversals", partial(_after_reversals, _level, way), way)
+        yield Effect("after reversals", partial(_after_reversals, _acceleration, way), way)
     # of finer waves, the filter leaves nothing at the usual speed
     usual = float(np.percentile(np.abs(s.velocity), 75.0))
     finest = max(min(int(passed * s.stroke / usual), WAVES), 1)
@@ -1017,7 +1019,7 @@ def _said(
             f"A force depends on position and grows with speed squared, to {sized(force, sign)} at"
             f" the largest speed, {wave}: imbalance."
         ),
-        "reversals": (
+        "after reversals": (
             f"For {quantity(scale, way)} after a reversal the forces differ by"
             f" {sized(force, sign)} at first: backlash, or presliding that the law lacks."
         ),
