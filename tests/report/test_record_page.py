@@ -19,10 +19,10 @@ from stickslip import (
     simulate,
 )
 from stickslip.friction import DirectionDependent
+from stickslip.identification.model_error import ModelError
 from stickslip.identification.optimise import AGREE
 from stickslip.identification.record_fitting import fit_record
 from stickslip.identification.record_settings import RecordSettings
-from stickslip.identification.residual_tests import ModelError
 from stickslip.report import Paragraph, Section, numbers
 from stickslip.report.markup import equation_parts
 from stickslip.report.records import record_document, record_page

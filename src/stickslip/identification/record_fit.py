@@ -16,9 +16,9 @@ from stickslip.experiments import QUANTITIES, Measurement
 from stickslip.experiments.refusals import refuse_lack, refuse_unused
 from stickslip.experiments.units import turned
 from stickslip.identification.inference import Inference, bootstrap
+from stickslip.identification.model_error import ModelError
 from stickslip.identification.optimise import Found, improve
 from stickslip.identification.problem import Held, Linearised, Problem, RecordProblem
-from stickslip.identification.residual_tests import ModelError
 from stickslip.identification.results import Fit
 from stickslip.identification.unknowns import Unknowns
 

@@ -138,7 +138,17 @@ def fit_record(
     if isinstance(ready.build, Balanced):
         build = ready.build.at(found.best.values)
         ready = replace(ready, build=build, problem=build(measurement, None))
-    return _finished(way, measurement, ready, found, searched, settings.hold)
+    return _tested(_finished(way, measurement, ready, found, searched), settings.hold)
+
+
+def _tested(fit: RecordFit, hold: Hold) -> RecordFit:
+    """Return a fit with the errors of the model that its residuals show."""
+    if fit.route == "force-map":  # no force that inertia would balance
+        return fit
+    errors = model_errors(
+        fit.mechanism, fit.law, fit.measurement, fit.unknowns, fit.estimates, hold=hold
+    )
+    return replace(fit, model_errors=errors)
 
 
 def _widened(
@@ -209,7 +219,6 @@ def _finished(
     ready: Prepared,
     found: Found,
     searched: Found,
-    hold: Hold,
 ) -> RecordFit:
     """Return a fit from the end of its search, which began with one from several starts."""
     unknowns, best = ready.problem.unknowns, found.best
@@ -224,10 +233,8 @@ def _finished(
     )
     mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
     mechanism, said = as_loaded(mechanism, measurement)
-    fitted = vary(ready.start, "friction", law)
-    errors = model_errors(mechanism, fitted, measurement, unknowns, estimates, hold=hold)
     return RecordFit(
-        law=fitted,
+        law=vary(ready.start, "friction", law),
         mechanism=mechanism,
         estimates=estimates,
         remarks=(said,) if said else (),
@@ -238,7 +245,6 @@ def _finished(
         found=found,
         inference=inference,
         at_bounds=at_bounds,
-        model_errors=() if route == "force-map" else errors,
         sentences=(
             *sentences_of(told, best, inference, at_bounds, estimates),
             *offset_left_out(ready.start, ready.mechanism, unknowns),

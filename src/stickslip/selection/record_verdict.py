@@ -11,9 +11,9 @@ from typing_extensions import override
 from stickslip.experiments import Checks, Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
+from stickslip.identification.model_error import ModelError
 from stickslip.identification.record_fit import Score
 from stickslip.identification.record_settings import RecordSettings
-from stickslip.identification.residual_tests import ModelError
 from stickslip.selection.cross_validation import CrossValidation, Plan
 from stickslip.selection.experiments import Experiment
 from stickslip.selection.verdict import Verdict, plain

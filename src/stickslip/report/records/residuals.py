@@ -4,7 +4,7 @@ import numpy as np
 
 from stickslip.identification import RecordFit
 from stickslip.identification.force_map import ForceMap
-from stickslip.identification.residual_tests import has_trend, ljung_box, noise_floor
+from stickslip.identification.residual_trends import has_trend, ljung_box, noise_floor
 from stickslip.plots.residuals import (
     ERROR_SIZES,
     ResidualPanel,
@@ -131,21 +131,26 @@ def _residual_figure(
         f" Doubts of the means count {numbers.significant(fit.inference.effective, 2)} of"
         f" {len(fit.residual):,} rows as independent."
     )
-    caption += f" {_autocorrelation(fit)}"
+    return Figure(svg=svg, caption=f"{caption} {_tests(fit, trends)}")
+
+
+def _tests(fit: RecordFit, trends: list[str]) -> str:
+    """Return what tests say of the residuals, in sentences."""
+    text = _autocorrelation(fit)
     if trends:
-        caption += (
+        text += (
             f" Means in cells of {joined(trends)} predict residuals of blocks left out: something"
             " is missing from the law or from the mechanism."
         )
     over = _over_noise(fit)
     if over > FLOOR:
-        caption += (
+        text += (
             f" They are {numbers.significant(over, 2)} times what the sensor's noise would leave:"
             " the law does not explain the record to its noise, be it for a disturbance that was"
             " not measured or for an error of the model."
         )
-    caption += "".join(f" {one}" for one in fit.model_errors)
-    return Figure(svg=svg, caption=caption)
+    text += "".join(f" {one}" for one in fit.model_errors)
+    return text
 
 
 def _autocorrelation(fit: RecordFit) -> str:
