@@ -185,8 +185,8 @@ def record(rig: Rig, random: Random) -> tuple[Measurement, Array]:
     """
     for _ in range(20):
         t = np.arange(0.0, rig.duration, 1.0 / rig.rate)
-        force = _pushing(rig, t, random)
-        wandering = rig.disturbance * float(np.std(force)) * _autocorrelated(rig, len(t), random)
+        force = pushing(rig, t, random)
+        wandering = rig.disturbance * float(np.std(force)) * autocorrelated(rig, len(t), random)
         pushed = Sampled(times=t.tolist(), values=(force + wandering).tolist())
         try:
             x, v = _moved(rig, pushed, t)
@@ -227,9 +227,9 @@ def _moved(rig: Rig, pushed: Sampled, t: Array) -> tuple[Array, Array]:
     return x, v
 
 
-def _pushing(rig: Rig, t: Array, random: Random) -> Array:
+def pushing(rig: Rig, t: Array, random: Random) -> Array:
     """Return the force (n,) that moves the undisturbed axis on its way, held between samples."""
-    v = _ramped(rig, t, random) if rig.ramps else _waving(rig, t, random)
+    v = ramped(rig, t, random) if rig.ramps else waving(rig, t, random)
     a = np.gradient(v, t)
     if isinstance(rig.law, BristleLaw):
         friction = [float(rig.law.steady(speed, 1.0)) for speed in v.tolist()]
@@ -239,7 +239,7 @@ def _pushing(rig: Rig, t: Array, random: Random) -> Array:
     return pushed
 
 
-def _waving(rig: Rig, t: Array, random: Random) -> Array:
+def waving(rig: Rig, t: Array, random: Random) -> Array:
     """Return velocities (n,) of a sum of sines that begins at rest."""
     waves = [
         random.uniform(0.3, 1.0) * np.sin(2.0 * math.pi * f * t)
@@ -249,7 +249,7 @@ def _waving(rig: Rig, t: Array, random: Random) -> Array:
     return np.asarray(rig.speed * v / np.max(np.abs(v)))
 
 
-def _ramped(rig: Rig, t: Array, random: Random) -> Array:
+def ramped(rig: Rig, t: Array, random: Random) -> Array:
     """Return velocities (n,) that are ramped to a speed, held and ramped down, there and back."""
     corners, speeds, sign = [0.0], [0.0], 1.0
     while corners[-1] < t[-1]:
@@ -262,7 +262,7 @@ def _ramped(rig: Rig, t: Array, random: Random) -> Array:
     return np.interp(t, corners, speeds)
 
 
-def _autocorrelated(rig: Rig, count: int, random: Random) -> Array:
+def autocorrelated(rig: Rig, count: int, random: Random) -> Array:
     """Return a first-order autoregression (n,) of unit variance."""
     from scipy.signal import lfilter
 

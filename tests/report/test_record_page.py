@@ -19,15 +19,19 @@ from stickslip import (
     simulate,
 )
 from stickslip.friction import DirectionDependent
+from stickslip.identification.model_error import ModelError
 from stickslip.identification.optimise import AGREE
+from stickslip.identification.record_fitting import fit_record
+from stickslip.identification.record_settings import RecordSettings
 from stickslip.report import Paragraph, Section, numbers
 from stickslip.report.markup import equation_parts
 from stickslip.report.records import record_document, record_page
 from stickslip.report.records.certificate import certificate_section
-from stickslip.report.records.data import block_edges, panel_of, sampled, thinned
+from stickslip.report.records.data import block_edges, panel_of, rows_of, sampled, thinned
 from stickslip.report.records.loops import turns_of
 from stickslip.report.records.opening import law_lines, level_at, levels_at_speed
 from stickslip.report.records.reproduce import python_lines
+from stickslip.report.records.residuals import _panels, residuals_section
 from stickslip.report.records.texts import Scale, half_width, rival_of, scale_for, typeset
 from stickslip.selection.record_words import in_sentence
 from stickslip.selection.specifications import specifications
@@ -622,3 +626,46 @@ def test_friction_at_a_speed_is_told_only_in_a_direction_that_leaves_it_open():
     held = dataclasses.replace(found.inference, covariance=covariance)
     (line,) = levels_at_speed(dataclasses.replace(found, inference=held))
     assert line.startswith("Friction in reverse at ")
+
+
+def test_no_trend_is_not_all_that_is_said_of_residuals_far_above_the_sensors_noise(verdict):
+    joined = RecordSettings(starts=1, hold="first")  # the force was sampled, and not held
+    fit = fit_record(
+        Axis(inertia=2.0), CoulombViscous, recorded(), unknown=["inertia"], settings=joined
+    )
+    assert fit.model_errors == ()
+    quiet, _ = residual_heading(verdict, fit)
+    assert quiet.startswith("No test finds a trend")
+    best = dataclasses.replace(fit.found.best, residual=100.0 * fit.residual)
+    loud = dataclasses.replace(fit, found=dataclasses.replace(fit.found, best=best))
+    heading, caption = residual_heading(verdict, loud)
+    assert re.match(r"Residuals of \d+ times the sensor's noise", heading)
+    assert "does not explain the record to its noise" in caption
+
+
+def test_the_residuals_section_says_which_error_of_the_model_the_tests_show(verdict):
+    late = ModelError(
+        kind="delay", finding="It is late.", consequence="Much.", effect=1.0, interval=(0.5, 2.0),
+        share=0.9,
+    )  # fmt: skip
+    wrong = dataclasses.replace(verdict.best.fit, model_errors=(late,))
+    heading, caption = residual_heading(verdict, wrong)
+    assert heading == "The model does not hold: residuals show delay"
+    assert "It is late. Much." in caption
+
+
+def residual_heading(verdict, fit):
+    """Heading and caption of the section on residuals, if the best law had this fit."""
+    best = dataclasses.replace(verdict.best, fit=fit)
+    section = residuals_section(dataclasses.replace(verdict, best=best))
+    return section.heading, section.blocks[0].caption
+
+
+def test_residuals_that_follow_speed_have_a_trend(verdict):
+    fit = verdict.best.fit
+    rows = rows_of(fit)
+    sped = fit.residual + 2.0 * np.std(fit.residual) * np.sign(rows.velocity)
+    best = dataclasses.replace(fit.found.best, residual=sped)
+    moved = dataclasses.replace(fit, found=dataclasses.replace(fit.found, best=best))
+    assert "velocity" in _panels(moved, 1e3)[1]
+    assert _panels(fit, 1e3)[1] == []

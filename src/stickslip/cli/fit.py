@@ -206,6 +206,8 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
         console.print(remark, markup=False)
     if found.cancelled:
         note("The search was ended early; this is the best so far.")
+    for error in result.model_errors:
+        console.print(f"\nError of the model: {error}", markup=False)
     if result.sentences:
         console.print("\nCannot tell", markup=False, style="bold")
     for line in result.sentences:

@@ -236,6 +236,7 @@ def _signals(record: Measurement, moving: motion.Motion | None, enough: bool) ->
         return
     yield from values.jumps(record)
     yield from values.saturated(record)
+    yield from values.held(record)
     yield from values.cut_off(record)
     yield from values.quantised(record)
     yield from values.lifted(record)

@@ -41,7 +41,7 @@ from stickslip.identification.segmenting import Hold
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["Balanced", "balanced", "mean_force"]
+__all__ = ["Balanced", "balanced", "mean_force", "passed_by_balance", "second_differences"]
 
 Array = NDArray[np.float64]
 
@@ -57,9 +57,10 @@ samples of normal noise lies beyond."""
 FINEST = 1e-5
 """Least displacement over the range of positions that is resolved: what is finer may come from a
 filter before the record."""
-ROUGHLY = 0.1
-"""The same share of speed where start values are looked for, and nothing that is predicted is
-filtered."""
+UNSURE = 0.1
+"""Share of slow samples, seen through the filter, from which a row is none that slips."""
+FEW_SLIPPING = 0.05
+"""Share of rows that slip below which a record is one of presliding, and all rows are fitted."""
 SAMPLES = 10_000
 """Samples of a record along which friction is predicted, unless the filter asks for more."""
 LEAK = 1e-3
@@ -80,7 +81,8 @@ def balanced(
     hold: Hold,
     segment: float | None = None,
     samples: float = SAMPLES,
-    rough: bool = False,
+    slipping: bool = False,
+    wider: float = 1.0,
 ) -> tuple[Stretch, ...]:
     """Return stretches of friction by inverse dynamics, with the acceleration they came from.
 
@@ -96,9 +98,12 @@ def balanced(
         Length of segments [s]; a fortieth of each record if not given.
     samples : float
         Samples of a record along which friction is predicted, unless the filter asks for more.
-    rough : bool
-        Whether the stretches are for start values: predictions along them are not filtered, and
-        what is slow is left out.
+    slipping : bool
+        Whether rows that see much of what is at rest, or too slow for its direction to be sure, are
+        left out, as they are of fits: there the noise of positions moves what laws predict. Where
+        hardly any row would be left, all stay.
+    wider : float
+        Factor on what the common filter passes: more noise, and more of what is fast.
 
     Raises
     ------
@@ -125,7 +130,7 @@ def balanced(
         length = float(np.ptp(record.time)) / SEGMENTS if segment is None else segment
         for piece in between_gaps(record):
             if np.asarray(piece.time).size >= LEAST:
-                one = _stretch(set_up, piece, hold, samples, rough=rough)
+                one = _stretch(set_up, piece, hold, samples, slipping=slipping, wider=wider)
                 first = max((int(one.segment.max()) + 1 for one in found), default=0)
                 found.extend(_cut(replace(one, record=number), length, first))
     if not found:
@@ -151,6 +156,11 @@ class Balanced:
         own = balanced(self.mechanism, record, hold=self.hold, segment=length)
         return replace(self.problem, stretches=own, mass=mass_of(self.mechanism))
 
+    def fitted(self, record: Measurement) -> ForceMap:
+        """Return the problem that is fitted: rows that slip, since rests only judge a law."""
+        own = balanced(self.mechanism, record, hold=self.hold, slipping=True)
+        return replace(self.problem, stretches=own, mass=mass_of(self.mechanism))
+
     def at(self, values: Array) -> "Balanced":
         """Return what derives friction with the mass among values (p,); residuals stay the same."""
         path = self.problem.inertia
@@ -161,23 +171,28 @@ class Balanced:
 
 
 def _stretch(
-    mechanism: Mechanism, record: Measurement, hold: Hold, samples: float, *, rough: bool
+    mechanism: Mechanism,
+    record: Measurement,
+    hold: Hold,
+    samples: float,
+    *,
+    slipping: bool,
+    wider: float,
 ) -> Stretch:
     """Return friction by inverse dynamics; rows that are not compared have no segment (-1)."""
     time = np.asarray(record.time)
     dt = check_even(time)
     raw = positions_of(record)
-    passed = _passed(raw)
+    passed = min(wider * passed_by_balance(raw), HIGHEST)
     motion = _motion(raw, dt, passed, tracked="position" in record.quantities())
     x, v = motion.position, motion.velocity
-    a = _second_differences(raw, dt)
+    a = second_differences(raw, dt)
     applied = applied_force(mechanism, record)
     joined = hold == "first" or "force" not in record.quantities()
     force = 0.0 * x if applied is None else mean_force(applied, joined=joined)
     mass, rest = known_forces(mechanism, x, v, force)
-    kept = _compared(motion, passed, rough=rough)
-    room = int(OVERSAMPLED / passed) if not rough else len(x)
-    every = max(1, min(int(np.ceil(len(x) / samples)), room))
+    kept = _compared(motion, passed, slipping=slipping)
+    every = max(1, min(int(np.ceil(len(x) / samples)), int(OVERSAMPLED / passed)))
     picked = slice(None, None, every)
     return Stretch(
         record=0,
@@ -190,10 +205,10 @@ def _stretch(
         friction=smoothed(rest - mass * a, passed)[picked],
         segment=np.where(kept, 0, -1)[picked],
         acceleration=smoothed(a, passed)[picked],
-        resting=None if rough else motion.resting[picked],
-        held=None if rough else rest[picked],
+        resting=motion.resting[picked],
+        held=rest[picked],
         resolution=motion.resolution,
-        passed=0.0 if rough else passed * every,
+        passed=passed * every,
         weighed=weighs(mechanism, record),
     )
 
@@ -220,23 +235,22 @@ def mean_force(force: Array, *, joined: bool) -> Array:
     return mean
 
 
-def _second_differences(x: Array, dt: float) -> Array:
+def second_differences(x: Array, dt: float) -> Array:
     """Return accelerations (n,) [m/s^2]; the outer ones are repeated."""
     inner = (x[2:] - 2.0 * x[1:-1] + x[:-2]) / dt**2
     return np.concatenate([inner[:1], inner, inner[-1:]])
 
 
 def _noise(x: Array) -> float:
-    """Return the standard deviation of white noise of positions (n,), at least that of rounding.
+    """Return the standard deviation of white noise of positions (n,); at least their rounding.
 
-    Half of the samples of an encoder may stand still: differences alone would say that it errs by
-    nothing.
+    Between the steps of a coarse encoder most third differences are 0, and so would their median.
     """
-    return noise_of(x, step_of(x))
+    return max(noise_of(x, step_of(x)), 1e-12 * float(np.ptp(x)), 1e-150)
 
 
-def _passed(x: Array) -> float:
-    """Return what the common filter passes, over half the sampling frequency.
+def passed_by_balance(x: Array) -> float:
+    """Return what the common filter passes along positions (n,), over half their frequency.
 
     A multiple of the mean frequency of the motion, which is that of the sine with the same mean
     squares of position, seen from its mean, and of steps; less where accelerations would be noise,
@@ -246,7 +260,7 @@ def _passed(x: Array) -> float:
     noise, spread = _noise(x), float(np.std(x))
     steps = float(np.var(np.diff(x))) - 2.0 * noise**2
     mean = math.sqrt(max(steps, 0.0)) / max(spread, 1e-300)
-    share = 5.0 * math.pi * LEAK * (mean**2 * spread / max(noise, 1e-300)) ** 2
+    share = 5.0 * math.pi * LEAK * (mean**2 * spread / noise) ** 2
     quiet = math.pow(share, 0.2) / math.pi
     least, most = FEWEST * mean / math.pi, HARMONICS * mean / math.pi
     return float(min(max(min(max(quiet, least), most), 2.0 * RIPPLES / len(x)), HIGHEST))
@@ -258,7 +272,7 @@ def _passed_of_motion(x: Array, least: float) -> float:
     White noise s has velocities of variance s^2 w^3 / (3 pi) up to w rad per sample.
     """
     speed = float(np.percentile(np.abs(np.diff(x)), 98.0))
-    share = (3.0 * np.pi * (QUIET * speed / max(_noise(x), 1e-300)) ** 2) ** (1.0 / 3.0) / np.pi
+    share = (3.0 * np.pi * (QUIET * speed / _noise(x)) ** 2) ** (1.0 / 3.0) / np.pi
     return float(min(max(share, least), 4.0 * HIGHEST))
 
 
@@ -326,17 +340,19 @@ def _followed(x: Array, reach: float) -> Array:
     return np.array(found)
 
 
-def _compared(motion: _Motion, passed: float, *, rough: bool) -> NDArray[np.bool_]:
+def _compared(motion: _Motion, passed: float, *, slipping: bool) -> NDArray[np.bool_]:
     """Return which rows (n,) are compared: all but the ends, which the filter does not smooth.
 
-    None are where nothing moves; where start values are looked for, those that slip fast are.
+    None are where nothing moves.
     """
     v = motion.velocity
     kept = np.full(len(v), not motion.resting.all())
-    if rough:
-        kept = np.abs(v) > ROUGHLY * float(np.percentile(np.abs(v), 98.0))
     ends = int(np.ceil(2.0 / passed))
     kept[:ends] = kept[max(len(v) - ends, 0) :] = False
+    if slipping:
+        slow = np.abs(v) <= SLOW * float(np.percentile(np.abs(v), 98.0))
+        sure = kept & (smoothed(slow.astype(float), passed) < UNSURE)
+        kept = sure if np.sum(sure) > FEW_SLIPPING * np.sum(kept) else kept
     return kept
 
 

@@ -17,7 +17,7 @@ from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
 
-__all__ = ["ForceMap", "force_map", "map_along"]
+__all__ = ["MECHANISM", "SENSOR", "ForceMap", "force_map", "map_along"]
 
 Array = NDArray[np.float64]
 

@@ -18,6 +18,7 @@ from stickslip.experiments.units import turned
 from stickslip.identification.containment import FittedLaw
 from stickslip.identification.halves import Halves
 from stickslip.identification.inference import Inference, bootstrap
+from stickslip.identification.model_error import ModelError
 from stickslip.identification.optimise import Found, improve
 from stickslip.identification.problem import Held, Linearised, Problem, RecordProblem
 from stickslip.identification.results import Fit
@@ -135,6 +136,8 @@ class RecordFit(Fit):
     """Why the route was chosen, in words; empty if it was asked for or is the usual one."""
     halves: Halves | None = None
     """Estimates from either half of a record in time; None if a half alone cannot be fitted."""
+    model_errors: tuple[ModelError, ...] = ()
+    """What the residuals show to be wrong with model, rig or record; intervals leave it out."""
 
     @override
     def __str__(self) -> str:
@@ -143,12 +146,14 @@ class RecordFit(Fit):
         return (
             f"{self.law.title} fitted to {self.problem.quantity}:"
             f" {', '.join(map(str, self.estimates))}; residual {self.rms:.3g} {unit}"
+            f"{''.join(f'. {one.finding}' for one in self.model_errors).removesuffix('.')}"
         )
 
     @override
     def _repr_html_(self) -> str:
         rows = "".join(f"<li>{html.escape(str(estimate))}</li>" for estimate in self.estimates)
-        notes = "".join(f"<p>{html.escape(line)}</p>" for line in self.sentences)
+        said = (*map(str, self.model_errors), *self.sentences)
+        notes = "".join(f"<p>{html.escape(line)}</p>" for line in said)
         return f"<p>{html.escape(self.law.title)}</p><ul>{rows}</ul>{notes}"
 
     @property
@@ -303,6 +308,7 @@ class RecordFit(Fit):
             "restarts_agreeing": found.agreeing,
             "evaluations": found.evaluations,
             "cancelled": found.cancelled,
+            "model_errors": [one.to_dict() for one in self.model_errors],
             "cannot_tell": list(self.sentences),
             "remarks": list(self.remarks),
         }

@@ -29,7 +29,9 @@ from stickslip.identification.record_fit import RecordFit, scale_of
 from stickslip.identification.record_problems import Prepared, Route, Wanted, prepared
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.refits import halves_of
+from stickslip.identification.residual_tests import model_errors
 from stickslip.identification.route_choice import choose_route
+from stickslip.identification.segmenting import Hold
 from stickslip.identification.shooting import Shooting
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
@@ -139,23 +141,37 @@ def fit_record(
     )
     if contained is None:
         contained = _simpler_fits(way, wanted, watch)
-    kind = law if isinstance(law, type) else type(law)
-    ready = prepared(way, wanted)
-    nested = starts_from(kind, ready.problem.unknowns, contained, ready.load)
-    ready = replace(ready, tried=(*nested, *ready.tried))
-    ready, found = _widened(ready, settings, watch)
-    searched = found
-    if way == "shooting" and not driven(measurement):
-        ready, found = _lengthened(ready, found, measurement, settings, watch)
-        again = starts_from(kind, ready.problem.unknowns, contained, ready.load)
-        found = _best_of(ready, found, again, watch)
+    ready, found, first = _searched(way, wanted, contained, watch)
     if isinstance(ready.build, Balanced):
         build = ready.build.at(found.best.values)
-        ready = replace(ready, build=build, problem=build(measurement, None))
-    failure = search_failure(kind, found.best.cost, len(found.best.residual), contained)
-    fit = _finished(way, measurement, ready, found, searched)
+        ready = replace(ready, build=build, problem=build.fitted(measurement))
+    failure = search_failure(_kind_of(law), found.best.cost, len(found.best.residual), contained)
+    fit = _tested(_finished(way, measurement, ready, found, first), settings.hold)
     sentences = (failure, *fit.sentences) if failure else fit.sentences
     return replace(fit, sentences=sentences, search_failure=failure, route_reason=reason)
+
+
+def _kind_of(law: FrictionLaw | type[FrictionLaw]) -> type[FrictionLaw]:
+    return law if isinstance(law, type) else type(law)
+
+
+def _searched(
+    way: Route, wanted: Wanted, contained: Sequence[FittedLaw], watch: Watch | None
+) -> tuple[Prepared, Found, Found]:
+    """Return the problem and the end of its search, and the search that began from all starts.
+
+    They differ for a free decay only, which is fitted again in longer segments.
+    """
+    kind, ready = _kind_of(wanted.law), prepared(way, wanted)
+    nested = starts_from(kind, ready.problem.unknowns, contained, ready.load)
+    ready = replace(ready, tried=(*nested, *ready.tried))
+    ready, found = _widened(ready, wanted.settings, watch)
+    first = found
+    if way == "shooting" and not driven(wanted.measurement):
+        ready, found = _lengthened(ready, found, wanted.measurement, wanted.settings, watch)
+        again = starts_from(kind, ready.problem.unknowns, contained, ready.load)
+        found = _best_of(ready, found, again, watch)
+    return ready, found, first
 
 
 def _route(
@@ -178,34 +194,37 @@ def _simpler_fits(way: Route, wanted: Wanted, watch: Watch | None) -> tuple[Fitt
     The simplest are left out: what contains nothing, such as Coulomb friction alone, is found by
     linear regression as part of the next.
     """
-    kind = wanted.law if isinstance(wanted.law, type) else type(wanted.law)
     known = laws()
     found: dict[str, FittedLaw] = {}
 
-    def fitted(name: str) -> None:
+    def add(name: str) -> None:
         simpler = known.get(name)
         if simpler is None or not simpler.contained or name in found:
             return
         for one in simpler.contained:
-            fitted(one.law)
+            add(one.law)
+        plain = replace(
+            wanted,
+            law=simpler,
+            free=[field for field in simpler.fit_order if not _is_shape(simpler, field)],
+            known=None,
+            settings=replace(wanted.settings, starts=1),
+        )
         try:
-            fit = fit_record(
-                wanted.mechanism,
-                simpler,
-                wanted.measurement,
-                unknown=wanted.unknown,
-                free=[f for f in simpler.fit_order if not _is_shape(simpler, f)],
-                route=way,
-                settings=replace(wanted.settings, starts=1),
-                contained=tuple(found.values()),
-                watch=watch,
-            )
+            ready, end, _ = _searched(way, plain, tuple(found.values()), watch)
         except (ConvergenceError, InputError):
             return
-        found[name] = fit.fitted_law
+        values = dict(zip(ready.problem.unknowns.paths, end.best.values.tolist(), strict=True))
+        friction = {path: v for path, v in values.items() if path.startswith("friction.")}
+        found[name] = FittedLaw(
+            law=vary(ready.start, "friction", friction),
+            values=values,
+            cost=end.best.cost,
+            rows=len(end.best.residual),
+        )
 
-    for one in kind.contained:
-        fitted(one.law)
+    for one in _kind_of(wanted.law).contained:
+        add(one.law)
     return tuple(found.values())
 
 
@@ -227,6 +246,16 @@ def _best_of(ready: Prepared, found: Found, starts: Sequence[Array], watch: Watc
         better = min(found, again, key=lambda one: one.best.cost)
         found = replace(better, evaluations=found.evaluations + again.evaluations)
     return found
+
+
+def _tested(fit: RecordFit, hold: Hold) -> RecordFit:
+    """Return a fit with the errors of the model that its residuals show."""
+    if fit.route == "force-map":  # no force that inertia would balance
+        return fit
+    errors = model_errors(
+        fit.mechanism, fit.law, fit.measurement, fit.unknowns, fit.estimates, hold=hold
+    )
+    return replace(fit, model_errors=errors)
 
 
 def _widened(

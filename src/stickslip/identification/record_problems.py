@@ -236,8 +236,8 @@ def _derived(wanted: Wanted) -> Prepared:
     problem, starts = map_along(
         wanted.law,
         mechanism,
-        balanced(mechanism, measurement, hold=hold),
-        balanced(mechanism, measurement, hold=hold, samples=FEW),
+        balanced(mechanism, measurement, hold=hold, slipping=True),
+        balanced(mechanism, measurement, hold=hold, samples=FEW, slipping=True),
         free=wanted.free,
         known=wanted.known,
     )

@@ -11,6 +11,7 @@ from stickslip.experiments import Checks, Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
 from stickslip.identification.containment import FittedLaw
+from stickslip.identification.model_error import ModelError
 from stickslip.identification.record_fit import Score
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.selection.choice import MOST_CONDITION, reduces_to
@@ -205,6 +206,11 @@ class RecordVerdict(Verdict):
         return taken
 
     @property
+    def model_errors(self) -> tuple[ModelError, ...]:
+        """What the residuals of the closest law show to be wrong with model, rig or record."""
+        return self.closest.fit.model_errors if self.closest.fit else ()
+
+    @property
     def quantity(self) -> str:
         """What is predicted, as in `QUANTITIES`."""
         fits = [c.fit for c in self.candidates if c.fit]
@@ -256,6 +262,7 @@ class RecordVerdict(Verdict):
             "candidates": [candidate.to_dict() for candidate in self.candidates],
             "control": self.control.to_dict() if self.control else None,
             "checks": self.checks.to_dict(),
+            "model_errors": [one.to_dict() for one in self.model_errors],
             "next_measurements": [one.to_dict() for one in self.experiments],
             "halves": {path: list(pair) for path, pair in self.half_estimates.items()},
         }

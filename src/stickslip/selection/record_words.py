@@ -236,6 +236,9 @@ def _verdict(
             f"No law predicts both records best: {name} does on the first,"
             f" {friction_of(other.title)} on the second."
         )
+    if best.fit is not None and best.fit.model_errors:
+        finding = best.fit.model_errors[0].finding
+        return f"{_first_upper(name)} predicts best, but the model does not hold: {finding}"
     if best.doubt:
         return f"Use {name} to predict, but not all of its parameters are identified: {best.doubt}."
     if equal:
@@ -250,6 +253,10 @@ def _listed(candidates: Sequence[RecordCandidate]) -> str:
         names = [*names[: MOST - 1], f"{len(names) - MOST + 1} more"]
     text = f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
     return f"{text} {'are' if len(names) > 1 else 'is'}"
+
+
+def _first_upper(text: str) -> str:
+    return text[0].upper() + text[1:]
 
 
 def friction_of(title: str) -> str:
@@ -308,6 +315,7 @@ def _lede(
         )
     elif without is not None and math.isfinite(without.score):
         text += f" Without friction: {told(without.score)}."
+    text += "".join(f" {error}" for error in fit.model_errors)
     closer = [
         c
         for c in candidates

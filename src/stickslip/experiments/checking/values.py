@@ -14,6 +14,7 @@ from stickslip.experiments.wording import number, percent, quantity
 __all__ = [
     "constant",
     "cut_off",
+    "held",
     "jumps",
     "lifted",
     "plausible",
@@ -46,6 +47,12 @@ CLEAR: Final = 10.0
 VISIBLE: Final = 2**16
 """Steps over the whole range beyond which only those of a position are worth a word."""
 COARSE: Final = 100
+SLOWLY: Final = ("position", "velocity", "force", "load")
+"""Signals that may be logged more slowly than others; a command or a table may be so by itself."""
+REPEATED: Final = 3
+"""Times that each value is repeated at least, where a signal was logged more slowly ..."""
+ALIKE: Final = 0.8
+"""... and share of the values that are repeated just as often."""
 SHOWN: Final = 3
 
 
@@ -245,6 +252,28 @@ def _straight(short: Array, clear: float, length: int) -> bool:
     if 2 * n >= short.size:
         return False
     return bool(EVEN[0] <= short[2 * n] / short[n] <= EVEN[1]) if short[n] > 0.0 else False
+
+
+def held(record: Measurement) -> Iterator[Finding]:
+    """Name forces and positions that were logged more slowly than the rest, each value repeated."""
+    if record.time is None:
+        return
+    for name, values in arrays(record):
+        _, lengths = _runs(values)
+        usual = int(np.median(lengths))
+        if name not in SLOWLY or usual < REPEATED or np.mean(lengths == usual) < ALIKE:
+            continue
+        late = 0.5 * (usual - 1) * float(np.median(np.diff(record.time)))
+        yield Finding(
+            kind="held samples",
+            severity="warning",
+            sentence=(
+                f"{NAMES[name].capitalize()} changes every {number(usual, 7)} samples only: it was"
+                f" logged more slowly, and is {quantity(late, 's')} late on average. Leave out the"
+                " rows between."
+            ),
+            numbers={"samples": usual, "delay": late},
+        )
 
 
 def quantised(record: Measurement) -> Iterator[Finding]:

@@ -4,6 +4,7 @@ import numpy as np
 
 from stickslip.identification import RecordFit
 from stickslip.identification.force_map import ForceMap
+from stickslip.identification.residual_trends import has_trend, ljung_box, noise_floor
 from stickslip.plots.residuals import (
     ERROR_SIZES,
     ResidualPanel,
@@ -33,8 +34,8 @@ __all__ = ["residuals_section"]
 
 DOTS = 1000
 """Residuals drawn in each panel at most."""
-TREND = 0.25
-"""Share of bins beyond their doubt from which there is a trend: by chance it is 0.05."""
+FLOOR = 10.0
+"""Residuals over what noise would leave from which a missing trend alone says too little."""
 
 
 def residuals_section(verdict: RecordVerdict) -> Section | None:
@@ -42,24 +43,29 @@ def residuals_section(verdict: RecordVerdict) -> Section | None:
     best = verdict.closest
     if best.fit is None or not np.all(np.isfinite(best.fit.residual)):
         return None
-    panels = _panels(best.fit, scale_for(verdict).factor)
+    panels, trends = _panels(best.fit, scale_for(verdict).factor)
     blocks: list[Block] = []
     if panels:
-        blocks.append(_residual_figure(verdict, best.fit, panels))
+        blocks.append(_residual_figure(verdict, best.fit, panels, trends))
     errors = _error_figure(verdict)
     if errors is not None:
         blocks.append(errors)
     if not blocks:
         return None
-    return Section(id="residuals", nav="Residuals", heading=_heading(panels), blocks=tuple(blocks))
+    return Section(
+        id="residuals",
+        nav="Residuals",
+        heading=_heading(best.fit, list(panels), trends),
+        blocks=tuple(blocks),
+    )
 
 
-def _panels(fit: RecordFit, factor: float) -> dict[str, ResidualPanel]:
-    """Return the panels by what residuals are drawn against."""
+def _panels(fit: RecordFit, factor: float) -> tuple[dict[str, ResidualPanel], list[str]]:
+    """Return the panels by what residuals are drawn against, and with which they have a trend."""
     rows: Rows = rows_of(fit)
     residual = factor * rows.residual
     shown = sampled(len(residual), DOTS)
-    found = {}
+    found, trends = {}, []
     against = {"time": rows.t, "velocity": rows.velocity, "position": rows.position}
     for name, x in against.items():
         if x is None or np.ptp(x) == 0.0:
@@ -69,29 +75,40 @@ def _panels(fit: RecordFit, factor: float) -> dict[str, ResidualPanel]:
         panel = panel_of(label, by * x, residual, fit.inference.effective, shown)
         if len(panel.centre):
             found[name] = panel
-    return found
+            if has_trend(residual, x):
+                trends.append(name)
+    return found, trends
 
 
-def _trends(panels: dict[str, ResidualPanel]) -> list[str]:
-    return [
-        name
-        for name, panel in panels.items()
-        if np.mean(np.abs(panel.mean) > panel.doubt) > TREND and len(panel.mean) > 3
-    ]
-
-
-def _heading(panels: dict[str, ResidualPanel]) -> str:
-    trends = _trends(panels)
+def _heading(fit: RecordFit, panels: list[str], trends: list[str]) -> str:
+    if fit.model_errors:
+        kinds = joined([one.kind for one in fit.model_errors])
+        return f"The model does not hold: residuals show {kinds}"
     if trends:
         return f"What the law still misses: a trend with {joined(trends)}"
-    if panels:
-        names = joined(list(panels)).replace(" and ", " or ")
-        return f"What is left shows no trend with {names} beyond its doubt"
-    return "Errors of predictions over time"
+    if not panels:
+        return "Errors of predictions over time"
+    names = joined(panels).replace(" and ", " or ")
+    over = _over_noise(fit)
+    if over > FLOOR:
+        return (
+            f"Residuals of {numbers.significant(over, 2)} times the sensor's noise, without a"
+            f" trend with {names}"
+        )
+    return f"No test finds a trend of the residuals with {names}"
+
+
+def _over_noise(fit: RecordFit) -> float:
+    """Return the residuals over those that noise alone would leave; 0 where that is not known."""
+    floor = noise_floor(fit.mechanism, fit.measurement, fit.problem.quantity)
+    return fit.rms / floor if floor > 0.0 else 0.0
 
 
 def _residual_figure(
-    verdict: RecordVerdict, fit: RecordFit, panels: dict[str, ResidualPanel]
+    verdict: RecordVerdict,
+    fit: RecordFit,
+    panels: dict[str, ResidualPanel],
+    trends: list[str],
 ) -> Figure:
     scale = scale_for(verdict)
     svg = inline_svg(
@@ -114,13 +131,35 @@ def _residual_figure(
         f" Doubts of the means count {numbers.significant(fit.inference.effective, 2)} of"
         f" {len(fit.residual):,} rows as independent."
     )
-    trends = _trends(panels)
+    return Figure(svg=svg, caption=f"{caption} {_tests(fit, trends)}")
+
+
+def _tests(fit: RecordFit, trends: list[str]) -> str:
+    """Return what tests say of the residuals, in sentences."""
+    text = _autocorrelation(fit)
     if trends:
-        caption += (
-            f" The mean leaves its band with {joined(trends)}: something is missing from the law"
-            " or from the mechanism."
+        text += (
+            f" Means in cells of {joined(trends)} predict residuals of blocks left out: something"
+            " is missing from the law or from the mechanism."
         )
-    return Figure(svg=svg, caption=caption)
+    over = _over_noise(fit)
+    if over > FLOOR:
+        text += (
+            f" They are {numbers.significant(over, 2)} times what the sensor's noise would leave:"
+            " the law does not explain the record to its noise, be it for a disturbance that was"
+            " not measured or for an error of the model."
+        )
+    text += "".join(f" {one}" for one in fit.model_errors)
+    return text
+
+
+def _autocorrelation(fit: RecordFit) -> str:
+    """Return what the test of Ljung and Box says."""
+    chance = ljung_box(fit.residual)
+    if chance >= 0.05:
+        return "They are not autocorrelated (Ljung-Box test)."
+    said = "below 0.001" if chance < 1e-3 else f"{chance:.3f}"
+    return f"They are autocorrelated (Ljung-Box test, probability {said} if they were not)."
 
 
 def _share(fit: RecordFit) -> str:

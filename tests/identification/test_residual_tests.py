@@ -1,0 +1,127 @@
+"""Residuals name the error of a model, and are silent where the model is right."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from benchmarks import faults
+
+from stickslip import Axis, CoulombViscous, Measurement, Sine, fit, select, simulate
+from stickslip.identification.record_settings import RecordSettings
+
+QUICK = RecordSettings(starts=1)
+
+
+def fitted(measurement, route="inverse-dynamics"):
+    return fit(
+        Axis(inertia=1.0), CoulombViscous, measurement, unknown=["inertia"], route=route,
+        settings=QUICK,
+    )  # fmt: skip
+
+
+def faulty(name, seed=205):
+    """A record with a fault, of a machine that nothing else disturbs."""
+    random = np.random.default_rng(seed)
+    while True:
+        machine = faults.machine_of(random)
+        machine = replace(machine, rig=replace(machine.rig, disturbance=0.005))
+        machine = faults.FAULTS[name].machine(machine, random)
+        found = machine.run(random)
+        if found is not None:
+            return faults.FAULTS[name].record(found, random)
+
+
+NAMED = [
+    ("sensor-delay", "delay"),
+    ("actuator-delay", "delay"),
+    ("amplifier-lag", "delay"),
+    ("clock-skew", "clock"),
+    ("place-dependence", "position friction"),
+    ("cogging", "position force"),
+    ("unknown-spring", "spring"),
+    ("level-drift", "drift of the level"),
+    ("clipped-force", "force limit"),
+    ("stribeck-peak", "speed"),
+]
+
+
+@pytest.mark.parametrize(("fault", "kind"), NAMED)
+def test_the_fault_of_a_record_is_named_first(fault, kind):
+    errors = fitted(faulty(fault)).model_errors
+    assert errors
+    assert errors[0].kind == kind
+    assert errors[0].interval[0] < errors[0].effect < errors[0].interval[1]
+
+
+def test_a_coupling_that_gives_is_named_by_its_vibration_or_its_compliance():
+    kinds = {one.kind for one in fitted(faulty("flexible-coupling")).model_errors}
+    assert kinds & {"vibration", "flexibility"}
+
+
+def test_a_ripple_of_the_force_is_named_with_its_frequency():
+    record = faulty("gravity")
+    ripple = 0.2 * np.std(record.force) * np.sin(2.0 * np.pi * 23.0 * record.time)
+    rippled = replace(record, force=np.asarray(record.force) + ripple)
+    (error,) = (one for one in fitted(rippled).model_errors if one.kind == "ripple")
+    assert error.interval[0] < 23.0 < error.interval[1]
+
+
+@pytest.mark.parametrize(("fault", "late"), [("sensor-delay", 12e-3), ("actuator-delay", 6e-3)])
+def test_a_delay_is_found_with_its_size(fault, late):
+    (error, *_) = fitted(faulty(fault)).model_errors
+    # to first order in the delay: a tenth of it and the interval are the error
+    half = error.effect - error.interval[0]
+    assert error.effect == pytest.approx(late, abs=0.1 * late + 2.0 * half)
+
+
+def test_a_force_that_is_not_held_between_samples_is_named_as_a_setting():
+    t = np.arange(0.0, 10.0, 0.01)
+    drive = Sine(amplitude=6.0, frequency=0.5) + Sine(amplitude=3.0, frequency=1.3)
+    law = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=5.0)
+    run = simulate(Axis(inertia=2.0, drive=drive), law, t_end=10.0)
+    noise = 1e-5 * np.random.default_rng(0).normal(size=len(t))
+    force = np.array([drive.value(float(at)) for at in t])
+    record = Measurement(time=t, position=run.at(t)["x"] + noise, force=force)
+    (error,) = fitted(record).model_errors
+    assert "hold would be (first" in error.finding
+    joined = replace(QUICK, hold="first")
+    right = fit(
+        Axis(inertia=1.0), CoulombViscous, record, unknown=["inertia"], route="inverse-dynamics",
+        settings=joined,
+    )  # fmt: skip
+    assert right.model_errors == ()
+
+
+@pytest.mark.parametrize("route", ["inverse-dynamics", "shooting"])
+def test_residuals_of_the_right_law_name_nothing(route):
+    said = [faults.clean(number, 206, route)["said"] for number in range(8)]
+    # one of 20 may by the level of the tests: two of eight with a probability of 6 %
+    assert sum(map(bool, said)) <= 1
+
+
+def test_a_record_of_another_quantity_is_not_tested():
+    v = np.linspace(-1.0, 1.0, 80)
+    table = Measurement(velocity=v, friction=2.0 * np.sign(v) + 0.5 * v)
+    assert fit(Axis(inertia=1.0), CoulombViscous, table).model_errors == ()
+
+
+@pytest.fixture(scope="module")
+def late():
+    return select(
+        Axis(inertia=1.0), faulty("sensor-delay"), ["coulomb", "coulomb-viscous"],
+        unknown=["inertia"], route="inverse-dynamics", settings=QUICK,
+    )  # fmt: skip
+
+
+def test_a_verdict_whose_residuals_show_an_error_does_not_say_use(late):
+    assert late.model_errors[0].kind == "delay"
+    assert not late.sentence.startswith("Use")
+    assert "late" in late.sentence
+    assert late.to_dict()["model_errors"][0]["kind"] == "delay"
+
+
+def test_a_fit_shows_its_error_of_the_model(late):
+    found = late.best.fit
+    assert "late" in str(found)
+    assert "late" in found._repr_html_()
+    assert found.to_dict()["model_errors"][0]["sentence"] == str(found.model_errors[0])
