@@ -15,8 +15,8 @@ __all__ = ["FittedLaw", "search_failure", "starts_from"]
 
 Array = NDArray[np.float64]
 
-STIFFER = (30.0, 1000.0)
-"""Factors on the start value of what goes to infinity in the simpler law, such as a stiffness."""
+STIFFER = 30.0
+"""Factor on the start value of what goes to infinity in the simpler law, such as a stiffness."""
 WORSE = 0.02
 """Share by which a sum of squares may be above that of a contained law: as far as starts agree."""
 NOT_WHOLE = 1e-6
@@ -76,7 +76,7 @@ def starts_from(
     """
     found = []
     for one in fitted:
-        for point in _embedded(kind, unknowns, one, load):
+        for point in _embedded(kind, unknowns, one, fitted, load):
             values = np.array([_value(item, point.get(item.path)) for item in unknowns.items])
             found.append(unknowns.values(unknowns.coordinates(values)))
     return tuple(found)
@@ -91,7 +91,11 @@ def _value(item: Unknown, given: float | None) -> float:
 
 
 def _embedded(
-    kind: type[FrictionLaw], unknowns: Unknowns, one: FittedLaw, load: float
+    kind: type[FrictionLaw],
+    unknowns: Unknowns,
+    one: FittedLaw,
+    fitted: Sequence[FittedLaw],
+    load: float,
 ) -> Iterator[dict[str, float]]:
     """Yield points, by path, at which the richer law is the simpler one or near it."""
     beside = {p: v for p, v in one.values.items() if not p.startswith("friction.")}
@@ -111,8 +115,13 @@ def _embedded(
                 values[name] += (1.0 if name.startswith("forward") else -1.0) * constant / load
     point = {**beside, **{f"friction.{name}": value for name, value in values.items()}}
     stiff = [item for item in unknowns.items if item.path.partition(".")[2] in containment.limits]
-    for factor in STIFFER if stiff else (1.0,):
-        yield {**point, **{item.path: min(item.start * factor, item.high) for item in stiff}}
+    if not stiff:
+        yield point
+    for item in stiff:
+        # what goes to infinity in this law has a size in others: LuGre's stiffness is near Dahl's
+        known = [other.values[item.path] for other in fitted if item.path in other.values]
+        for value in (item.start, *known, STIFFER * item.start):
+            yield {**point, item.path: min(value, item.high)}
 
 
 def search_failure(

@@ -38,6 +38,8 @@ from stickslip.quantities import vary
 __all__ = ["Prepared", "Route", "Wanted", "prepared"]
 
 Array = NDArray[np.float64]
+SOME = 2_500
+"""Samples of a record that start values are looked for with, where many are at rest."""
 Route: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
 
 
@@ -237,7 +239,7 @@ def _derived(wanted: Wanted) -> Prepared:
         wanted.law,
         mechanism,
         balanced(mechanism, measurement, hold=hold, slipping=True),
-        balanced(mechanism, measurement, hold=hold, samples=FEW, slipping=True),
+        balanced(mechanism, measurement, hold=hold, samples=SOME, slipping=True),
         free=wanted.free,
         known=wanted.known,
     )
