@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from stickslip import (
     PID,
@@ -19,7 +20,7 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.plots import SURFACE, Draw, Size, standalone_svg
+from stickslip.plots import C1, DATA, SURFACE, Draw, Size, standalone_svg
 from stickslip.plots.loop import LOOP_SIZES, draw_closed_loop
 from stickslip.plots.maps import draw_velocity_map
 from stickslip.plots.separation import SEPARATION_SIZES, draw_separation
@@ -127,8 +128,70 @@ def hunting() -> None:
     )
 
 
+BOXES = (
+    # centre, half width, text, whether it is a question
+    (150, 30, "record and mechanism", False),
+    (150, 105, "Was friction itself\nmeasured?", True),
+    (440, 105, "Force map:\nthe law along the motion", False),
+    (150, 195, "Does a force or a\nreference drive it?", True),
+    (440, 195, "Free decay: simulated segments\nof 1 s, 3 s, then the whole", False),
+    (150, 295, "Does Coulomb + viscous friction\npredict over half of the motion in\n1 s,"
+     " with the mass and level of\ninverse dynamics within 1.5?", True),
+    (440, 265, "Simulated segments of 1 s", False),
+    (440, 325, "Inverse dynamics; with several\ncoordinates: shorter segments", False),
+    (720, 105, "Fit every law, the simplest first;\nricher laws start from a grid over\n"
+     "decades and from simpler fits", False),
+    (720, 205, "Does a law fit worse than one\nit contains? The search failed:\nit is not ranked"
+     " above it", False),
+    (720, 295, "Richer law established? F test\non the record and held-out blocks", True),
+    (720, 375, "Best of the established laws,\nif it explains the record and\nholds on the second"
+     " one", False),
+)  # fmt: skip
+ARROWS = (
+    (150, 44, 150, 75, ""), (245, 105, 335, 105, "yes"), (150, 135, 150, 165, "no"),
+    (245, 195, 335, 195, "no"), (150, 225, 150, 243, "yes"), (265, 275, 335, 268, "yes"),
+    (265, 315, 335, 322, "no"), (545, 105, 605, 105, ""), (545, 195, 605, 120, ""),
+    (545, 265, 605, 128, ""), (545, 325, 605, 136, ""), (720, 143, 720, 167, ""),
+    (720, 243, 720, 267, ""), (720, 323, 720, 338, ""),
+)  # fmt: skip
+
+
+def choices() -> None:
+    """How route, segments and law are chosen."""
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set(xlim=(20, 860), ylim=(425, 5))
+        axes.axis("off")
+        for x, y, text, asked in BOXES:
+            style = "round,pad=0.5" if asked else "square,pad=0.5"
+            axes.text(
+                x,
+                y,
+                text,
+                ha="center",
+                va="center",
+                fontsize=8.5,
+                bbox={"boxstyle": style, "fc": "none", "ec": C1 if asked else DATA, "lw": 1.1},
+            )
+        for x, y, to_x, to_y, word in ARROWS:
+            axes.annotate("", (to_x, to_y), (x, y), arrowprops={"arrowstyle": "->", "color": DATA})
+            if word:
+                axes.text(0.5 * (x + to_x) + 4, 0.5 * (y + to_y) - 5, word, fontsize=8, ha="left")
+
+    card(
+        "choices.svg",
+        draw,
+        (840, 420),
+        "Flow chart: measured friction goes to the force map, free decays to simulated segments,"
+        " driven records to simulated segments or, where these do not predict the motion, to"
+        " inverse dynamics; then all laws are fitted, compared and one is named",
+    )
+
+
 if __name__ == "__main__":
     FOLDER.mkdir(exist_ok=True)
+    choices()
     reversal()
     separation()
     chatter()

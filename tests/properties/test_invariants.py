@@ -19,9 +19,20 @@ from tests.support import (
     spring_blocks,
 )
 
-from stickslip import LAWS, Coulomb, EventDriven, PowerViscous, Pulse, SpringBlock, simulate
+from stickslip import (
+    LAWS,
+    Coulomb,
+    Dahl,
+    EventDriven,
+    LuGre,
+    PowerViscous,
+    Pulse,
+    SpringBlock,
+    simulate,
+)
 from stickslip.drives import Drive, PiecewiseLinear, Sum
 from stickslip.friction import BristleLaw
+from stickslip.friction.power_viscous import PLATEAU
 from stickslip.quantities import Parametrised, fields_of
 
 each_law = pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
@@ -94,6 +105,8 @@ def test_a_mirrored_rig_moves_in_mirror_image(kind, data, rig, y0):
     # which way bristles face at rest without a force is a convention, and their turning an event
     assume(kind in RIGID or y0["v"] != 0)
     law = data.draw(laws(kind))
+    # a run that begins just where a power of the speed begins has one event more on one side
+    assume(getattr(law, "viscous_exponent", 1.0) == 1.0 or abs(y0["v"]) != PLATEAU)
     run = simulate(rig, law, t_end=T_END, y0=y0, throw=False)
     start = {name: -value for name, value in y0.items()}
     image = simulate(mirrored(rig), mirrored_law(law), t_end=T_END, y0=start, throw=False)
@@ -130,6 +143,9 @@ def test_a_rig_a_million_times_larger_or_smaller_moves_alike_to_the_last_bit(
     kind, data, rig, y0, doublings
 ):
     law = data.draw(laws(kind))
+    if isinstance(law, Dahl | LuGre):
+        # a power of the speed is over 1 m/s, whatever the size of the rig
+        law = dataclasses.replace(law, viscous_exponent=1.0)
     factor = 2.0**doublings  # powers of two round nothing
     run = simulate(rig, law, t_end=T_END, y0=y0, throw=False)
     other = simulate(

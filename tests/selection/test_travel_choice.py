@@ -51,7 +51,7 @@ COULOMB = Coulomb(kinetic_coefficient=0.25)
 VISCOUS = CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=0.6)
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", range(4))
 def test_coulomb_friction_read_to_a_millimetre_is_named_with_defaults(seed):
     random = np.random.default_rng(seed)
     law = Coulomb(kinetic_coefficient=float(random.uniform(0.1, 0.5)))

@@ -30,6 +30,7 @@ from stickslip.identification.record_problems import Prepared, Route, Wanted, pr
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.refits import halves_of
 from stickslip.identification.residual_tests import model_errors
+from stickslip.identification.residual_trends import noise_floor
 from stickslip.identification.route_choice import choose_route
 from stickslip.identification.segmenting import Hold
 from stickslip.identification.shooting import Shooting
@@ -47,6 +48,8 @@ WIDENINGS = 3
 """How often at most."""
 WORTH = 0.02
 """Share of the cost that a wider bound must take off: else what ran there is told by nothing."""
+AT_NOISE = 1.15
+"""Residuals over the noise of the sensor up to which they count as this noise alone."""
 DECAY_STEP = 3.0
 """A free decay is fitted in segments, then in segments so much longer, then as a whole."""
 
@@ -249,8 +252,13 @@ def _best_of(ready: Prepared, found: Found, starts: Sequence[Array], watch: Watc
 
 
 def _tested(fit: RecordFit, hold: Hold) -> RecordFit:
-    """Return a fit with the errors of the model that its residuals show."""
+    """Return a fit with the errors of the model that its residuals show.
+
+    Residuals that are the noise of the sensor show none, whatever a test finds in them.
+    """
     if fit.route == "force-map":  # no force that inertia would balance
+        return fit
+    if fit.rms <= AT_NOISE * noise_floor(fit.mechanism, fit.measurement, fit.problem.quantity):
         return fit
     errors = model_errors(
         fit.mechanism, fit.law, fit.measurement, fit.unknowns, fit.estimates, hold=hold

@@ -148,7 +148,8 @@ def _law(rng: Random, structure: Structure, size: Sizes) -> FrictionLaw:
             values[name] = structure.flags[name]
         elif quantity.structural:
             fraction = rng.choice((0.5, 0.7, 1.5, rng.uniform(0.2, 4.0)))
-            values[name] = fraction if structure.exponent is None else structure.exponent
+            exponent = fraction if structure.exponent is None else structure.exponent
+            values[name] = min(max(exponent, quantity.low), quantity.high)
         elif structure.given.get(name, True):
             values[name] = _number(rng, name, structure.law, size, values)
     return structure.law(**values)
