@@ -153,3 +153,15 @@ def test_positions_that_rest_between_steps_of_an_encoder_have_the_noise_of_round
         Axis(inertia=3.0), CoulombViscous, still, route="inverse-dynamics", unknown=("inertia",)
     )
     assert found.estimate("kinetic_coefficient").value == pytest.approx(18.0, rel=0.3)
+
+
+def test_a_law_with_fixed_parameters_is_not_measured_against_laws_that_it_cannot_become():
+    v = np.linspace(0.05, 1.0, 200)
+    table = Measurement(velocity=v, friction=2.0 + 6.0 * v)
+    fixed = {"static_coefficient": 9.0, "stribeck_velocity": 0.1, "viscous_coefficient": 1.0}
+    found = fit(
+        Axis(inertia=1.0), Stribeck, table, free=["kinetic_coefficient"], known=fixed
+    )  # Coulomb + viscous friction would leave nothing
+    assert found.search_failure == ""
+    plain = fit(Axis(inertia=1.0), Stribeck, table)
+    assert plain.rms < 1e-6

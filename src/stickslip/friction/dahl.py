@@ -52,6 +52,7 @@ class Dahl(BristleLaw):
                 "kinetic_coefficient": "kinetic_coefficient",
                 "viscous_coefficient": "viscous_coefficient",
                 "exponent": 1.0,
+                "viscous_exponent": 1.0,
             },
             limits=("bristle_stiffness",),
         ),

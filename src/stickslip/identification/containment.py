@@ -11,7 +11,7 @@ from stickslip.experiments.wording import number
 from stickslip.friction import DirectionalLaw, FrictionLaw, containment_of
 from stickslip.identification.unknowns import Unknown, Unknowns
 
-__all__ = ["FittedLaw", "search_failure", "starts_from"]
+__all__ = ["FittedLaw", "reachable", "search_failure", "starts_from"]
 
 Array = NDArray[np.float64]
 
@@ -38,6 +38,50 @@ class FittedLaw:
     """Sum of squares that it leaves."""
     rows: int
     """Number of residuals."""
+
+
+def reachable(
+    start: FrictionLaw, unknowns: Unknowns, fitted: Sequence[FittedLaw]
+) -> tuple[FittedLaw, ...]:
+    """Return those of fitted simpler laws that a richer law can become with what it has free.
+
+    Parameters
+    ----------
+    start : FrictionLaw
+        The richer law; its values hold what is not free.
+    unknowns : Unknowns
+        What is free.
+    fitted : sequence of FittedLaw
+        Fits of simpler laws, or of the same law with fewer unknowns.
+
+    Examples
+    --------
+    >>> from stickslip import CoulombViscous, Stribeck
+    >>> simple = FittedLaw(
+    ...     law=CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=1.0),
+    ...     values={},
+    ...     cost=1.0,
+    ...     rows=10,
+    ... )
+    >>> fixed = Stribeck(kinetic_coefficient=0.3, static_coefficient=0.4, stribeck_velocity=0.1)
+    >>> reachable(fixed, Unknowns(()), [simple])
+    ()
+    """
+    return tuple(one for one in fitted if _reaches(start, unknowns, one))
+
+
+def _reaches(start: FrictionLaw, unknowns: Unknowns, one: FittedLaw) -> bool:
+    names = {path.partition(".")[2] for path in unknowns.paths if path.startswith("friction.")}
+    beside = {path for path in one.values if not path.startswith("friction.")}
+    if not beside <= {*unknowns.paths, *CONSTANTS}:
+        return False
+    if type(one.law) is type(start):
+        return all(path in unknowns.paths for path in one.values)
+    how = containment_of(type(start), one.law.name)
+    values = None if how is None else how.embed(one.law)
+    if how is None or values is None or not names.issuperset(how.limits):
+        return False
+    return all(name in names or getattr(start, name) == value for name, value in values.items())
 
 
 def starts_from(

@@ -11,7 +11,12 @@ from stickslip.experiments import Measurement
 from stickslip.experiments.refusals import refuse_unused
 from stickslip.friction import FrictionLaw, laws
 from stickslip.identification.applied import driven
-from stickslip.identification.containment import FittedLaw, search_failure, starts_from
+from stickslip.identification.containment import (
+    FittedLaw,
+    reachable,
+    search_failure,
+    starts_from,
+)
 from stickslip.identification.doubts import (
     bounds_met,
     estimates_of,
@@ -148,6 +153,7 @@ def fit_record(
     if isinstance(ready.build, Balanced):
         build = ready.build.at(found.best.values)
         ready = replace(ready, build=build, problem=build.fitted(measurement))
+    contained = reachable(ready.start, ready.problem.unknowns, contained)
     failure = search_failure(_kind_of(law), found.best.cost, len(found.best.residual), contained)
     fit = _tested(_finished(way, measurement, ready, found, first), settings.hold)
     sentences = (failure, *fit.sentences) if failure else fit.sentences
@@ -166,6 +172,7 @@ def _searched(
     They differ for a free decay only, which is fitted again in longer segments.
     """
     kind, ready = _kind_of(wanted.law), prepared(way, wanted)
+    contained = reachable(ready.start, ready.problem.unknowns, contained)
     nested = starts_from(kind, ready.problem.unknowns, contained, ready.load)
     ready = replace(ready, tried=(*nested, *ready.tried))
     ready, found = _widened(ready, wanted.settings, watch)

@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification.force_balance import balanced
@@ -138,7 +139,12 @@ def balance_of(fit: Fitted, wider: float, order: int) -> Balance:
     """
     mechanism, measurement = fit.mechanism, fit.measurement
     stretched = partial(
-        balanced, measurement=measurement, hold=fit.hold, samples=SAMPLES, wider=wider
+        balanced,
+        measurement=measurement,
+        hold=fit.hold,
+        samples=SAMPLES,
+        slipping=True,
+        wider=wider,
     )
     stretches = stretched(mechanism)
     residual, slopes = _linearised(fit, stretches)
@@ -156,6 +162,8 @@ def balance_of(fit: Fitted, wider: float, order: int) -> Balance:
     chosen = kept % every == 0
     rows = _with_rows_before(kept[chosen], edges, every, order)
     residual, slopes = residual[chosen], slopes[chosen]
+    if not (np.isfinite(residual).all() and np.isfinite(slopes).all()):
+        raise InputError("the law does not predict friction along the whole motion.")
     memory = _autoregression(beside(residual, slopes), rows, order)
     return Balance(
         residual=whitened(residual, rows, memory),

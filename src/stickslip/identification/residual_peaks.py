@@ -54,7 +54,9 @@ def peaks_of(fit: Fitted, least: float) -> Iterator[ModelError]:
     least : float
         Root mean square [N] from which a peak matters.
     """
-    stretches = balanced(fit.mechanism, fit.measurement, hold=fit.hold, samples=math.inf)
+    stretches = balanced(
+        fit.mechanism, fit.measurement, hold=fit.hold, samples=math.inf, slipping=True
+    )
     longest = max(stretches, key=lambda one: len(one.path.time))
     rate = 1.0 / float(np.mean(np.diff(longest.path.time)))
     length = 2 ** int(math.log2(2.0 * len(longest.path.time) / (SPECTRA + 1.0)))

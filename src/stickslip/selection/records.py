@@ -222,7 +222,7 @@ def _candidate(
         unknown=unknown,
         route=route,
         settings=settings,
-        contained=contained,
+        contained=contained or None,
         watch=report,
     )
     try:
