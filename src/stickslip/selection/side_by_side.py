@@ -117,7 +117,9 @@ def _contained(
     one: Specification, chosen: Sequence[Specification], found: Mapping[str, Tried]
 ) -> tuple[FittedLaw, ...]:
     """Return the fits of candidates that a candidate contains."""
-    simpler = (found[other.name].fitted_law for other in chosen if contains(one, other))
+    # in an order of their own: what a search comes to must not hang on that of the candidates
+    ordered = sorted(chosen, key=lambda other: other.name)
+    simpler = (found[other.name].fitted_law for other in ordered if contains(one, other))
     return tuple(law for law in simpler if law is not None)
 
 
