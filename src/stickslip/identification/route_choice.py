@@ -228,9 +228,12 @@ def _motion_left(problem: Shooting) -> _Simulated:
     few = replace(problem, segments=problem.segments[::step])
     moved = sum(_curved(segment) for segment in few.segments)
     seen = settled(few, few.unknowns.start)
-    if not seen.cost <= SUSPECT**2 * moved:
+    for starts in (1, STARTS):
+        enough = SUSPECT if starts == 1 else UNPREDICTED
+        if seen.cost <= enough**2 * moved:
+            break
         try:
-            seen = search(few, starts=STARTS).best
+            seen = search(few, starts=starts).best
         except ConvergenceError:
             return _Simulated(values={}, left=math.inf)
     values = dict(zip(few.unknowns.paths, seen.values.tolist(), strict=True))
