@@ -163,6 +163,18 @@ def test_an_hour_of_running_is_proposed_only_where_something_drifts(confirmed):
     drift = dataclasses.replace(findings[0], kind="drift", severity="info", sentence="It drifts.")
     drifting = dataclasses.replace(confirmed.checks, findings=(*findings, drift))
     assert "after an hour" in proposed(drifting)
+    wrong = dataclasses.replace(findings[0], severity="warning", sentence="A gain is wrong.")
+    said = record_wording(
+        confirmed.candidates,
+        confirmed.best,
+        None,
+        {},
+        dataclasses.replace(confirmed.checks, findings=(wrong, *findings)),
+        confirmed.experiments[:1],
+        scored="",
+    ).measure_next
+    assert said[0] == "First correct the record: A gain is wrong."
+    assert len(said) > 1  # what to measure comes after it
 
 
 def designed(sides):

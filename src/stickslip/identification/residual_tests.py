@@ -286,11 +286,15 @@ def _error(one: ScoreTest, estimates: Sequence[Estimate], measurement: Measureme
         " record left out."
     )
     if said:
-        text += f" It moves {joined(said)}, farther than"
+        consequence = f"It moves {joined(said)}, farther than the 95 % intervals allow."
+    elif moved:
+        consequence = UNSAID
+    else:
+        consequence = "To first order, it moves no bounded estimate out of its 95 % interval."
     return ModelError(
         kind=one.effect.kind,
         finding=finding_of(one.effect, size(one.values), (low, high), measurement),
-        consequence=f"{text} the 95 % intervals allow." if said else f"{text} {UNSAID}",
+        consequence=f"{text} {consequence}",
         effect=size(one.values),
         interval=(low, high),
         share=one.share,
