@@ -94,7 +94,7 @@ def emps_stribeck() -> Iterator[Row]:
 def emps_selection() -> Iterator[Row]:
     verdict = select(AXIS, dataset("emps").measurement(), unknown=("inertia",))
     assert isinstance(verdict, RecordVerdict)
-    picked = verdict.best.name
+    picked = verdict.best.name if verdict.best else "none"
     yield Row(
         record="emps",
         what="selection picks",

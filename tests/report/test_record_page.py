@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import re
+from html import unescape
 
 import numpy as np
 import pytest
@@ -121,7 +122,7 @@ def test_a_record_has_all_sections_in_the_order_of_a_decision(verdict, html):
 def test_the_page_says_the_verdict_and_the_law_with_its_numbers(verdict, html):
     text = text_of(html)
     assert verdict.best.name == "coulomb-viscous"
-    assert verdict.sentence in text
+    assert verdict.sentence in unescape(text)  # quotes are escaped
     level = verdict.best.fit.estimate("kinetic_coefficient")
     viscous = verdict.best.fit.estimate("viscous_coefficient")
     shown = [numbers.split_estimate(e.value, half_width(e)).value for e in (level, viscous)]

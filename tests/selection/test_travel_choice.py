@@ -159,8 +159,12 @@ def test_swapped_readings_are_explained_by_no_law():
 def test_a_reading_in_another_unit_is_explained_by_no_law(stated):
     errors = np.zeros(5)
     wrong = readings(COULOMB, errors=errors, uncertainty=0.001 if stated else None, scale={2: 10.0})
-    said = contradicted(select(RIG, wrong, PLAIN))
+    verdict = select(RIG, wrong, PLAIN)
+    said = contradicted(verdict)
     assert "cm read as mm" in said
+    # no law is passed over in favour of one that is not taken either
+    assert all(c.passed_over == "" for c in verdict.candidates)
+    assert verdict.to_dict()["closest"] == verdict.closest.name
     assert "x_0 = 100 mm" in said
 
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-__all__ = ["count", "number", "percent", "quantities", "quantity"]
+__all__ = ["capital", "count", "joined", "number", "percent", "quantities", "quantity"]
 
 MINUS: Final = "\N{MINUS SIGN}"
 SCALES: Final = {
@@ -131,3 +131,25 @@ def count(size: int, word: str, many: str = "") -> str:
     return (
         f"{size:,} {word}" if size == 1 else f"{f'{size:,}' if size else 'no'} {many or word + 's'}"
     )
+
+
+def joined(parts: Sequence[str]) -> str:
+    """Return a list as it stands in a sentence.
+
+    Examples
+    --------
+    >>> joined(["Dahl", "LuGre", "Stribeck"]), joined(["Dahl"]), joined([])
+    ('Dahl, LuGre and Stribeck', 'Dahl', '')
+    """
+    return f"{', '.join(parts[:-1])} and {parts[-1]}" if len(parts) > 1 else "".join(parts)
+
+
+def capital(text: str) -> str:
+    """Return a text with its first letter in upper case, the others as they are.
+
+    Examples
+    --------
+    >>> capital("viscous and LuGre")
+    'Viscous and LuGre'
+    """
+    return text[:1].upper() + text[1:]

@@ -37,7 +37,7 @@ ORDERS = 30.0
 """An interval of a logarithm that goes by this factor to either side is none."""
 TOGETHER = 0.95
 """Correlation from which two estimates are one number and a split of it."""
-MOST_CONDITION = 300.0
+SEPARABLE = 300.0
 """Condition of the scaled slopes beyond which estimates are not separable."""
 
 
@@ -158,11 +158,11 @@ def sentences_of(
                 f" {with_unit(step, item)}{bounds}."
             )
     lines += _together(unknowns, inference, at_bounds)
-    if inference.condition > MOST_CONDITION:
+    if inference.condition > SEPARABLE:
         symbols = ", ".join(item.quantity.symbol for item in unknowns.items)
         lines.append(
             f"{symbols} cannot all be separated by this record: condition number"
-            f" {number(inference.condition, 2)}, where {MOST_CONDITION:g} is the most that is"
+            f" {number(inference.condition, 2)}, where {SEPARABLE:g} is the most that is"
             " taken."
         )
     return tuple(lines)

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from stickslip.experiments.wording import number
-from stickslip.identification.doubts import with_unit
 from stickslip.identification.inference import BLOCKS, Inference, effective_size, quantile_of
 from stickslip.identification.problem import Linearised
 from stickslip.identification.unknowns import Unknowns
+from stickslip.quantities import Quantity
 
-__all__ = ["Halves", "blocks_of_half", "contradiction", "widened"]
+__all__ = ["Halves", "blocks_of_half", "contradiction", "difference", "widened"]
 
 Array = NDArray[np.float64]
 
@@ -118,13 +118,26 @@ def widened(inference: Inference, values: Array, halves: Halves) -> Inference:
 
 def contradiction(unknowns: Unknowns, halves: Halves) -> tuple[str, ...]:
     """Return a sentence on the parameter in which the halves contradict each other most."""
-    if not halves.contradicting:
+    apart = difference([item.quantity for item in unknowns.items], halves)
+    if not apart:
         return ()
-    worst = halves.contradicting[0]
-    item = unknowns.items[worst]
-    first, second = (with_unit(float(values[worst]), item) for values in halves.values)
     return (
-        f"The two halves of the record give {item.quantity.symbol} = {first} and {second}, which"
-        f" differ by {number(abs(float(halves.distance[worst])), 2)} standard errors: the law does"
-        " not hold over the whole record, and the intervals were widened to cover both.",
+        f"The two halves of the record give {apart}: the law does not hold over the whole record,"
+        " and the intervals were widened to cover both.",
+    )
+
+
+def difference(quantities: Sequence[Quantity], halves: Halves | None) -> str:
+    """Return the two values of what halves contradict each other in most; empty if in nothing."""
+    if halves is None or not halves.contradicting:
+        return ""
+    worst = halves.contradicting[0]
+    own = quantities[worst]
+    first, second = (
+        f"{number(float(values[worst]))}{'' if own.unit == '1' else f' {own.unit}'}"
+        for values in halves.values
+    )
+    return (
+        f"{own.symbol} = {first} and {second}, which differ by"
+        f" {number(abs(float(halves.distance[worst])), 2)} standard errors"
     )

@@ -43,6 +43,8 @@ class ModelError:
     """95 % confidence interval of the size, from leaving blocks out."""
     share: float
     """Share of the squared residuals that it predicts in blocks left out."""
+    moved: tuple[str, ...] | None = None
+    """Paths of the estimates that it moves out of their intervals; None where that is not known."""
 
     @override
     def __str__(self) -> str:
@@ -57,4 +59,5 @@ class ModelError:
             "effect": self.effect,
             "interval": list(self.interval),
             "share": self.share,
+            "moved": None if self.moved is None else list(self.moved),
         }

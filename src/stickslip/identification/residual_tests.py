@@ -32,7 +32,7 @@ from scipy import stats
 
 from stickslip.errors import StickslipError
 from stickslip.experiments import Measurement
-from stickslip.experiments.wording import percent
+from stickslip.experiments.wording import joined, percent
 from stickslip.friction import FrictionLaw
 from stickslip.identification.model_error import UNSAID, ModelError
 from stickslip.identification.residual_balance import Balance, Fitted, balance_of
@@ -275,29 +275,31 @@ def _moved(one: ScoreTest, estimates: Sequence[Estimate]) -> list[tuple[Estimate
 def _error(one: ScoreTest, estimates: Sequence[Estimate], measurement: Measurement) -> ModelError:
     size = _size_of(one)
     low, high = one.interval(size)
-    moved = [
+    moved = _moved(one, estimates)
+    said = [
         f"{estimate.quantity.symbol} by {percent(abs(shift / estimate.value))}"
-        for estimate, shift in _moved(one, estimates)
+        for estimate, shift in moved
         if estimate.value
     ]
     text = (
         f"It predicts {percent(min(one.share, 1.0))} of the squared residuals in blocks of the"
         " record left out."
     )
-    if moved:
-        text += f" It moves {_joined(moved)}, farther than"
+    if said:
+        consequence = f"It moves {joined(said)}, farther than the 95 % intervals allow."
+    elif moved:
+        consequence = UNSAID
+    else:
+        consequence = "To first order, it moves no bounded estimate out of its 95 % interval."
     return ModelError(
         kind=one.effect.kind,
         finding=finding_of(one.effect, size(one.values), (low, high), measurement),
-        consequence=f"{text} the 95 % intervals allow." if moved else f"{text} {UNSAID}",
+        consequence=f"{text} {consequence}",
         effect=size(one.values),
         interval=(low, high),
         share=one.share,
+        moved=tuple(estimate.path for estimate, _ in moved),
     )
-
-
-def _joined(items: Sequence[str]) -> str:
-    return " and ".join([", ".join(items[:-1]), items[-1]] if len(items) > 1 else items)
 
 
 def _size_of(one: ScoreTest) -> Callable[[Array], float]:

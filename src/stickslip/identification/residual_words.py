@@ -16,9 +16,9 @@ HALF = (0.35, 0.65)
 SAID: Mapping[str, tuple[str, str, str]] = {
     "delay": (
         "s",
-        "The motion follows the recorded force {size} late: {half}a delay or lag of the amplifier"
+        "The motion follows the recorded force {size} late{half} a delay or lag of the amplifier"
         " or of the position sensor, or two clocks.",
-        "The recorded force follows the motion {size} late: {half}a delay or filter of the force"
+        "The recorded force follows the motion {size} late{half} a delay or filter of the force"
         " sensor, or two clocks.",
     ),
     "clock": (
@@ -30,10 +30,10 @@ SAID: Mapping[str, tuple[str, str, str]] = {
     ),
     "flexibility": (
         "",
-        "Fast forces do not move one rigid mass: the residuals follow the second rate of the force,"
-        " in s², by {size}, as a flexible coupling, belt or mount makes them.",
-        "Fast forces do not move one rigid mass: the residuals follow the second rate of the force,"
-        " in s², by {size}, as a flexible coupling, belt or mount makes them.",
+        "Fast forces do not move one rigid mass: the residuals are proportional to the second"
+        " derivative of the force ({size} s²), as with a flexible coupling, belt or mount.",
+        "Fast forces do not move one rigid mass: the residuals are proportional to the second"
+        " derivative of the force ({size} s²), as with a flexible coupling, belt or mount.",
     ),
     "force limit": (
         "share",
@@ -153,6 +153,6 @@ def _half_sample(delay: float, measurement: Measurement) -> str:
     """Return that a delay [s] may be a wrong setting: a held force is half a sample late."""
     step = max(float(np.median(np.diff(np.asarray(r.time)))) for r in measurement.records())
     if not HALF[0] <= abs(delay) / step <= HALF[1]:
-        return ""
-    hold = "zero, as a command that is held" if delay > 0.0 else "first, as a sensor samples it"
-    return f"half a sample, which the setting hold would be ({hold}), or "
+        return ":"
+    hold = '"zero" (a held command)' if delay > 0.0 else '"first" (a sampled sensor signal)'
+    return f". This is half a sample: either hold should be {hold}, or there is"

@@ -20,8 +20,8 @@ __all__ = [
     "LEVEL",
     "LIKELY",
     "MATERIAL",
-    "MOST_CONDITION",
     "NEAR",
+    "TRUSTED",
     "Judged",
     "as_good",
     "beyond_doubt",
@@ -30,6 +30,7 @@ __all__ = [
     "established",
     "paired",
     "reduces_to",
+    "shown_over_simpler",
 ]
 
 NEAR = 0.02
@@ -42,7 +43,7 @@ LEVEL = 0.99
 """Confidence of the F test: several richer laws are tried at once."""
 MATERIAL = 0.05
 """Share of the residual that a richer law must take off where held-out blocks are undecided."""
-MOST_CONDITION = 1000.0
+TRUSTED = 1000.0
 """Condition of the scaled slopes beyond which a gain of the fit itself counts for nothing."""
 LEAST = 1e-300
 """Stands for 0 in logarithms and ratios."""
@@ -212,15 +213,10 @@ def choose(scored: Sequence[C], *, uncertainty: float = 0.0) -> C:
     uncertainty : float
         Of what is compared, as stated, or of its rounding.
     """
-    by_name = {c.name: c for c in scored}
     shown = [
         c
         for c in scored
-        if all(
-            established(c, by_name[name], uncertainty=uncertainty)
-            for name in c.simpler
-            if name in by_name
-        )
+        if not _simpler_of(c, scored) or shown_over_simpler(c, scored, uncertainty=uncertainty)
     ]
     least = min(shown, key=lambda c: c.score)
     criteria = effective_aic(shown)
@@ -229,6 +225,27 @@ def choose(scored: Sequence[C], *, uncertainty: float = 0.0) -> C:
         return likely
     near = [c for c in shown if as_good(c, least)]
     return min(near, key=lambda c: (bool(c.dropped), c.parameters, c.score))
+
+
+def shown_over_simpler(rich: C, scored: Sequence[C], *, uncertainty: float = 0.0) -> bool:
+    """Whether a law is established over all simpler ones that it contains, of which there are some.
+
+    Parameters
+    ----------
+    rich : Judged
+        The law.
+    scored : sequence of Judged
+        All candidates with held-out errors.
+    uncertainty : float
+        Of what is compared, as for `established`.
+    """
+    simpler = _simpler_of(rich, scored)
+    return bool(simpler) and all(established(rich, c, uncertainty=uncertainty) for c in simpler)
+
+
+def _simpler_of(rich: C, scored: Sequence[C]) -> list[C]:
+    """Return the candidates that a law contains."""
+    return [c for c in scored if c.name in rich.simpler]
 
 
 def reduces_to(fit: RecordFit, simpler: str) -> bool:

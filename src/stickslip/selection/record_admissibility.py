@@ -7,7 +7,7 @@ import numpy as np
 
 from stickslip.experiments import Measurement
 from stickslip.experiments.wording import number, percent, quantity
-from stickslip.identification.doubts import MOST_CONDITION, step_intervals
+from stickslip.identification.doubts import SEPARABLE, step_intervals
 from stickslip.identification.record_fit import RecordFit
 from stickslip.identification.results import Estimate
 from stickslip.selection.record_verdict import RecordCandidate
@@ -25,10 +25,12 @@ VISIBLE: Final = 0.1
 """... if it is also this share of the variation: a law that leaves 1 % of the variance predicts."""
 
 
-def objection(fit: RecordFit) -> str:
+def objection(fit: RecordFit, *, shown: bool = False) -> str:
     """Return why a fit may not be taken, in words; empty if it may.
 
-    Only the law's parameters are judged: an offset may well be 0.
+    Only the law's parameters are judged: an offset may well be 0. An interval that reaches 0 counts
+    only where the law is not established over simpler ones (`shown`): that of one of several
+    correlated parameters is wide though all of them are needed together.
     """
     reasons = [fit.search_failure.rstrip(".")] if fit.search_failure else []
     seen = fit.found.best
@@ -42,12 +44,14 @@ def objection(fit: RecordFit) -> str:
         elif estimate.reason:
             reasons.append(f"{symbol} is undetermined: {estimate.reason}")
         elif estimate.path in steps and steps[estimate.path][1] <= 0.0:
-            reasons.append(_no_step(*steps[estimate.path], estimate.quantity.unit))
-        elif estimate.low <= 0.0:
+            step, low, high = steps[estimate.path]
+            if not (shown and math.isfinite(high - low)):
+                reasons.append(_no_step(step, low, high, estimate.quantity.unit))
+        elif estimate.low <= 0.0 and not shown:
             reasons.append(f"the interval of {symbol} covers 0")
-    if fit.inference.condition > MOST_CONDITION:
+    if fit.inference.condition > SEPARABLE:
         condition = number(fit.inference.condition, 2)
-        reasons.append(f"condition number {condition}, above {MOST_CONDITION:g}")
+        reasons.append(f"condition number {condition}, above {SEPARABLE:g}")
     return "; ".join(reasons)
 
 

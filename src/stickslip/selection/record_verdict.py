@@ -14,7 +14,7 @@ from stickslip.identification.containment import FittedLaw
 from stickslip.identification.model_error import ModelError
 from stickslip.identification.record_fit import Score
 from stickslip.identification.record_settings import RecordSettings
-from stickslip.selection.choice import MOST_CONDITION, reduces_to
+from stickslip.selection.choice import TRUSTED, reduces_to
 from stickslip.selection.cross_validation import CrossValidation, Plan
 from stickslip.selection.experiments import Experiment
 from stickslip.selection.verdict import Verdict, plain
@@ -53,6 +53,18 @@ class SecondRecord:
     """Key of the other law with the least error there; empty if there is none."""
     rival_error: float
     """Its error; not a number if there is none."""
+    segments: int
+    """Number of segments that errors are compared on; a single one leaves differences in doubt."""
+
+    @property
+    def finding(self) -> str:
+        """Return what the record says of the choice, as the end of a sentence."""
+        if not self.holds:
+            return "does not hold"
+        if self.segments < 2 or not math.isfinite(self.error):
+            why = "one segment" if math.isfinite(self.error) else "a simulation that fails"
+            return f"cannot be judged by {why}"
+        return "holds"
 
 
 @final
@@ -112,7 +124,7 @@ class RecordCandidate:
         if self.fit is None:
             return True
         bound = any(path.startswith("friction.") for path in self.fit.at_bounds)
-        return bound or self.fit.inference.condition > MOST_CONDITION
+        return bound or self.fit.inference.condition > TRUSTED
 
     @property
     def score(self) -> float:

@@ -7,8 +7,9 @@ from functools import partial
 
 from stickslip.experiments import QUANTITIES, Checks
 from stickslip.experiments.units import turned
-from stickslip.experiments.wording import number
-from stickslip.identification import Estimate
+from stickslip.experiments.wording import capital, joined, number
+from stickslip.identification import Estimate, RecordFit
+from stickslip.identification.halves import difference
 from stickslip.selection.choice import as_good
 from stickslip.selection.experiments import Experiment
 from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
@@ -208,9 +209,10 @@ def record_wording(
         if c.name != best.name and c.fit and not c.dropped and best.name not in c.is_simpler
     ]
     equal = [c for c in rivals if as_good(c, best)]
+    verdict = _verdict(best, equal, candidates, fault, on_second)
     return Wording(
-        verdict=_verdict(best, equal, candidates, fault, on_second),
-        lede=_lede(candidates, best, equal, without, scored, on_second),
+        verdict=verdict,
+        lede=_lede(candidates, best, equal, without, scored, on_second, said=verdict),
         settles=() if fault else _settles(best),
         cannot_tell=_cannot_tell(best, candidates, picks),
         measure_next=_measure_next(experiments, candidates, checks, fault, on_second),
@@ -229,34 +231,42 @@ def _verdict(
     if fault:
         return f"No law explains this record: {fault}."
     if best.dropped:
-        return f"No candidate passes all checks; {name} fits best."
+        return f"No candidate passes all checks; {name} comes closest."
     if on_second is not None and not on_second.holds:
         other = next(c for c in candidates if c.name == on_second.rival)
+        own, rival = _second_errors(best, on_second)
         return (
-            f"No law predicts both records best: {name} does on the first,"
-            f" {friction_of(other.title)} on the second."
+            f"{capital(name)} is chosen on the first record, but {friction_of(other.title)} has a"
+            f" clearly smaller error on the second ({rival} against {own})."
         )
     if best.fit is not None and best.fit.model_errors:
         finding = best.fit.model_errors[0].finding
-        return f"{_first_upper(name)} predicts best, but the model does not hold: {finding}"
+        return f"{capital(name)} predicts best, but the model does not hold: {finding}"
+    apart = _halves_apart(best.fit) if best.fit else ""
+    if apart:
+        return (
+            f"{capital(name)} predicts best, but halves of the record contradict each other:"
+            f" {apart}."
+        )
     if best.doubt:
         return f"Use {name} to predict, but not all of its parameters are identified: {best.doubt}."
     if equal:
-        return f"Use {name}; {_listed(equal)} not distinguished from it by this record."
+        return f"Use {name}; {_not_distinguished(equal)}"
     return f"Use {name}."
 
 
-def _listed(candidates: Sequence[RecordCandidate]) -> str:
-    """Return the titles of candidates with their verb, three at most."""
+def _halves_apart(fit: RecordFit) -> str:
+    """Return what halves of the record contradict each other in; empty if in nothing."""
+    return difference([estimate.quantity for estimate in fit.estimates], fit.halves)
+
+
+def _not_distinguished(candidates: Sequence[RecordCandidate]) -> str:
+    """Return that candidates are not distinguished from the chosen one, three at most by name."""
     names = [in_sentence(c.title) for c in candidates]
     if len(names) > MOST:
         names = [*names[: MOST - 1], f"{len(names) - MOST + 1} more"]
-    text = f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
-    return f"{text} {'are' if len(names) > 1 else 'is'}"
-
-
-def _first_upper(text: str) -> str:
-    return text[0].upper() + text[1:]
+    verb = "are" if len(names) > 1 else "is"
+    return f"{joined(names)} {verb} not distinguished from it by this record."
 
 
 def friction_of(title: str) -> str:
@@ -290,7 +300,10 @@ def _lede(
     without: RecordCandidate | None,
     scored: str,
     on_second: SecondRecord | None,
+    *,
+    said: str,
 ) -> str:
+    """Return the errors, and what speaks against the choice beside what the verdict `said`."""
     assert best.fit is not None
     assert best.validation is not None
     fit = best.fit
@@ -305,8 +318,10 @@ def _lede(
     text = f"Held-out error: {held} ({scored})."
     if on_second is not None:
         text += f" {_second_text(candidates, best, on_second)}"
-    if equal and best.doubt:
-        text += f" {_capital(_listed(equal))} not distinguished from it by this record."
+    if best.doubt and best.doubt not in said:
+        text += f" Not all of its parameters are identified: {best.doubt}."
+    if equal and _not_distinguished(equal) not in said:
+        text += f" {capital(_not_distinguished(equal))}"
     usual = next((c for c in candidates if c.name == REFERENCE), None)
     if usual is not None and usual.name != best.name and usual.fit:
         text += (
@@ -327,30 +342,35 @@ def _lede(
     return text
 
 
-def _capital(text: str) -> str:
-    return text[0].upper() + text[1:]
-
-
 def _second_text(
     candidates: Sequence[RecordCandidate], best: RecordCandidate, on_second: SecondRecord
 ) -> str:
     """Return the error on the second record, and whether the choice holds there."""
     assert best.fit is not None
+    own, other = _second_errors(best, on_second)
+    text = f"On the second record: {own}"
+    if SEVERAL <= on_second.ratio < math.inf:
+        text += (
+            f", {number(on_second.ratio, 2)} times the held-out error; expect errors of this size"
+            " on new records"
+        )
+    text += f"; the choice {on_second.finding} there"
+    rival = next((c for c in candidates if c.name == on_second.rival), None)
+    return text + (f" ({rival.title}: {other})." if rival else ".")
+
+
+def _second_errors(best: RecordCandidate, on_second: SecondRecord) -> tuple[str, str]:
+    """Return the errors of the chosen law and of its closest rival on the second record."""
+    assert best.fit is not None
+    pair = (on_second.error, on_second.rival_error)
     told = partial(
         error_text,
         quantity=best.fit.problem.quantity,
         turning=best.fit.measurement.turning,
-        among=[on_second.error, on_second.rival_error],
+        among=pair,
     )
-    text = f"On the second record: {told(on_second.error)}"
-    if SEVERAL <= on_second.ratio < math.inf:
-        text += (
-            f", {number(on_second.ratio, 2)} times the held-out error and what to expect of a new"
-            " record"
-        )
-    text += f"; the choice {'holds' if on_second.holds else 'does not hold'} there"
-    rival = next((c for c in candidates if c.name == on_second.rival), None)
-    return text + (f" ({rival.title}: {told(on_second.rival_error)})." if rival else ".")
+    own, other = (told(e) if math.isfinite(e) else "a simulation that fails" for e in pair)
+    return own, other
 
 
 def _settles(best: RecordCandidate) -> tuple[str, ...]:
@@ -396,7 +416,8 @@ def _measure_next(
     on_second: SecondRecord | None,
 ) -> tuple[str, ...]:
     titles = {c.name: c.title for c in candidates}
-    lines = []
+    warned = [f.sentence for f in checks.findings if f.severity == "warning"]
+    lines = [f"First correct the record: {line}" for line in warned[:1]]
     if fault:
         lines.append(
             "Before any further measurement, check the units, gains and signs of each column, the"
@@ -408,8 +429,6 @@ def _measure_next(
             for name, value in one.predicted.items()
         )
         lines.append(f"{one.what} Predicted {one.observed}: {said}.")
-    warned = [f.sentence for f in checks.findings if f.severity == "warning"]
-    lines += [f"First correct the record: {line}" for line in warned[:1]]
     if any(f.kind == "drift" for f in checks.findings):
         lines.append(
             "Repeat this record after an hour of running, to separate warm-up effects from the"

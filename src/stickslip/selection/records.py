@@ -26,6 +26,7 @@ from stickslip.selection.choice import (
     choose,
     effective_aic,
     established,
+    shown_over_simpler,
 )
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
 from stickslip.selection.next_measurements import experiments_after
@@ -352,13 +353,17 @@ def _verdict(
     picks = _picks(scored)
     variation = variation_of(scored[0], plan.horizon)
     stated = standard_uncertainty(measurement, _quantity_of(scored))
-    closest = choose(scored, uncertainty=max(stated, ROUNDING * variation))
+    least = max(stated, ROUNDING * variation)
+    scored = [_objected(c, scored, least) for c in scored]
+    searched = [c for c in scored if c.fit and not c.fit.search_failure]
+    closest = choose(searched or scored, uncertainty=least)
     closest = _doubted(closest, scored)
+    ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
     ordered = [closest if c.name == closest.name else c for c in ordered]
     what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(closest, plan))
     fault = unexplained(closest, variation, uncertainty=stated)
     if without is not None and not _better_than(closest, without):
-        fault = fault or "no candidate predicts it better than no friction at all"
+        fault = fault or "no candidate is shown to predict it better than no friction at all"
     on_second = _on_second(closest, scored)
     recommended = not fault and not closest.dropped and (on_second is None or on_second.holds)
     ordered = outcomes(ordered, closest, recommended=recommended)
@@ -438,7 +443,11 @@ def _on_second(closest: RecordCandidate, scored: Sequence[RecordCandidate]) -> S
     better = [
         c
         for c in others
-        if c.second and own.rms > (1.0 + NEAR) * c.second.rms and beyond_doubt(mine, losses[c.name])
+        if c.second
+        and (
+            not math.isfinite(own.rms)  # what the choice cannot simulate needs no test
+            or (own.rms > (1.0 + NEAR) * c.second.rms and beyond_doubt(mine, losses[c.name]))
+        )
     ]
     rival = min(
         better or others, key=lambda c: c.second.rms if c.second else math.inf, default=None
@@ -449,7 +458,18 @@ def _on_second(closest: RecordCandidate, scored: Sequence[RecordCandidate]) -> S
         holds=not better,
         rival=rival.name if rival else "",
         rival_error=rival.second.rms if rival and rival.second else math.nan,
+        segments=len(mine),
     )
+
+
+def _objected(
+    candidate: RecordCandidate, scored: Sequence[RecordCandidate], uncertainty: float
+) -> RecordCandidate:
+    """Return a candidate without objections that an F test over simpler laws has answered."""
+    assert candidate.fit is not None
+    if candidate.dropped and shown_over_simpler(candidate, scored, uncertainty=uncertainty):
+        return replace(candidate, dropped=objection(candidate.fit, shown=True))
+    return candidate
 
 
 def _doubted(best: RecordCandidate, scored: Sequence[RecordCandidate]) -> RecordCandidate:
@@ -457,7 +477,10 @@ def _doubted(best: RecordCandidate, scored: Sequence[RecordCandidate]) -> Record
 
     Where something speaks against every law, parameters that are not identified are a doubt too; a
     law at a bound, or whose parameters cannot be separated at all, stays without recommendation.
+    So does a law whose search failed: its values are not those of the least error.
     """
+    if best.fit is not None and best.fit.search_failure:
+        return best
     if best.dropped and not (best.weak and all(c.dropped for c in scored)):
         return replace(best, dropped="", doubt=best.dropped)
     return best

@@ -5,7 +5,7 @@ import numpy as np
 from stickslip.identification import Estimate, RecordFit
 from stickslip.identification.doubts import TOGETHER
 
-__all__ = ["half_of", "settled_estimates", "traded"]
+__all__ = ["half_of", "moved_by_errors", "settled_estimates", "traded"]
 
 
 def half_of(estimate: Estimate) -> float:
@@ -24,10 +24,22 @@ def traded(fit: RecordFit) -> frozenset[str]:
     return frozenset(found)
 
 
+def moved_by_errors(fit: RecordFit) -> frozenset[str]:
+    """Return the paths of the estimates that an error of the model moves out of their intervals.
+
+    All of them, where an error does not say which.
+    """
+    found: set[str] = set()
+    for error in fit.model_errors:
+        found |= set(fit.unknowns.paths if error.moved is None else error.moved)
+    return frozenset(found)
+
+
 def settled_estimates(fit: RecordFit) -> tuple[Estimate, ...]:
     """Return the estimates that stand each for itself, the surest first.
 
-    Their intervals are bounded, they are no offset, and none trades off with another.
+    Their intervals are bounded, they are no offset, none trades off with another, and no
+    error of the model moves them.
 
     Examples
     --------
@@ -38,8 +50,8 @@ def settled_estimates(fit: RecordFit) -> tuple[Estimate, ...]:
     >>> [estimate.quantity.symbol for estimate in settled_estimates(found)]
     ['mu_k']
     """
-    together = traded(fit)
+    apart = traded(fit) | moved_by_errors(fit)
     known = [
-        e for e in fit.estimates if e.bounded and "offset" not in e.path and e.path not in together
+        e for e in fit.estimates if e.bounded and "offset" not in e.path and e.path not in apart
     ]
     return tuple(sorted(known, key=lambda e: half_of(e) / max(abs(e.value), 1e-300)))

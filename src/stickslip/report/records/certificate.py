@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from stickslip.identification import RecordFit
-from stickslip.identification.doubts import MOST_CONDITION
+from stickslip.identification.doubts import SEPARABLE
 from stickslip.identification.optimise import AGREE
 from stickslip.identification.shooting import Shooting
 from stickslip.report import numbers
@@ -140,8 +140,8 @@ def _information(fit: RecordFit) -> list[KeyValue]:
         ),
         KeyValue(
             key="Condition",
-            value=f"{numbers.significant(condition, 2)}, limit {MOST_CONDITION:g}",
-            mark="ok" if condition <= MOST_CONDITION else "warn",
+            value=f"{numbers.significant(condition, 2)}, limit {SEPARABLE:g}",
+            mark="ok" if condition <= SEPARABLE else "warn",
         ),
         KeyValue(
             key="Bounds",

@@ -5,6 +5,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.experiments.wording import joined
 from stickslip.identification import RecordFit
 from stickslip.identification.record_fit import Prediction
 from stickslip.plots.loops import Loop, draw_loops, loop_sizes
@@ -13,7 +14,7 @@ from stickslip.report import numbers
 from stickslip.report.blocks import Figure
 from stickslip.report.documents import Section
 from stickslip.report.records.texts import rival_of
-from stickslip.report.selection.texts import counted, joined
+from stickslip.report.selection.texts import counted
 from stickslip.selection import RecordCandidate, RecordVerdict
 from stickslip.selection.record_words import in_sentence
 

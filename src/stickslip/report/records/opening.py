@@ -39,7 +39,7 @@ from stickslip.selection import RecordVerdict
 from stickslip.selection.next_measurements import predictor_of
 from stickslip.selection.predictors import Steady
 from stickslip.selection.record_words import in_sentence
-from stickslip.selection.settled import settled_estimates, traded
+from stickslip.selection.settled import moved_by_errors, settled_estimates, traded
 
 __all__ = ["law_lines", "level_at", "levels_at_speed", "opening_section"]
 
@@ -82,7 +82,7 @@ def levels_at_speed(fit: RecordFit) -> tuple[str, ...]:
     directions, those are told whose parameters trade off.
     """
     points, together = map_points(fit), traded(fit)
-    if points is None:
+    if points is None or together & moved_by_errors(fit):
         return ()
     ways: tuple[tuple[float, str, str], ...] = ((0.0, "friction.", ""),)
     if isinstance(fit.law, DirectionalLaw):
@@ -131,8 +131,11 @@ def level_at(fit: RecordFit, velocity: float) -> tuple[float, float]:
 
 
 def _known(fit: RecordFit) -> list[Estimate]:
-    """Return the bounded estimates, the surest first."""
-    known = [e for e in fit.estimates if e.bounded and "offset" not in e.path]
+    """Return the bounded estimates that no error of the model moves, the surest first."""
+    moved = moved_by_errors(fit)
+    known = [
+        e for e in fit.estimates if e.bounded and "offset" not in e.path and e.path not in moved
+    ]
     return sorted(known, key=lambda e: half_width(e) / max(abs(e.value), 1e-300))
 
 
@@ -252,10 +255,9 @@ def _second(verdict: RecordVerdict) -> Fact | None:
     on_second = verdict.on_second
     if on_second is None:
         return None
-    held = "holds" if on_second.holds else "does not hold"
     return Fact(
         value=scale_for(verdict).with_unit(on_second.error),
-        what=f"error on the second record, where the choice {held}",
+        what=f"error on the second record, where the choice {on_second.finding}",
     )
 
 
@@ -284,7 +286,7 @@ def _telling(verdict: RecordVerdict) -> Fact | None:
     if fit is None:
         return None
     law = fit.law
-    if isinstance(law, DirectionDependent):
+    if isinstance(law, DirectionDependent) and not moved_by_errors(fit):
         ahead, back = law.forward_viscous_coefficient, law.backward_viscous_coefficient
         if ahead > 0.0 and back > 0.0:
             value = numbers.signed_percent(back / ahead - 1.0)

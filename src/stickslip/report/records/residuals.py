@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from stickslip.experiments.wording import joined
 from stickslip.identification import RecordFit
 from stickslip.identification.force_map import ForceMap
 from stickslip.identification.residual_trends import has_trend, ljung_box, noise_floor
@@ -27,7 +28,7 @@ from stickslip.report.records.data import (
     sampled,
 )
 from stickslip.report.records.texts import rival_of, scale_for
-from stickslip.report.selection.texts import joined, quantity_value
+from stickslip.report.selection.texts import quantity_value
 from stickslip.selection import RecordVerdict
 
 __all__ = ["residuals_section"]
@@ -139,15 +140,15 @@ def _tests(fit: RecordFit, trends: list[str]) -> str:
     text = _autocorrelation(fit)
     if trends:
         text += (
-            f" Means in cells of {joined(trends)} predict residuals of blocks left out: something"
-            " is missing from the law or from the mechanism."
+            f" The mean residual depends on {joined(trends)} (confirmed on held-out blocks):"
+            " something is missing from the law or from the mechanism."
         )
     over = _over_noise(fit)
     if over > FLOOR:
         text += (
             f" They are {numbers.significant(over, 2)} times what the sensor's noise would leave:"
-            " the law does not explain the record to its noise, be it for a disturbance that was"
-            " not measured or for an error of the model."
+            " the law does not explain the record to its noise, because of an unmeasured"
+            " disturbance or a model error."
         )
     text += "".join(f" {one}" for one in fit.model_errors)
     return text

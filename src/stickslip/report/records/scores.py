@@ -3,12 +3,13 @@
 import math
 from typing import Final
 
+from stickslip.experiments.wording import joined
 from stickslip.report import numbers
 from stickslip.report.blocks import Paragraph
 from stickslip.report.documents import Section
 from stickslip.report.records.texts import Scale, scale_for, symbols_of, typeset
 from stickslip.report.rowplots import Axis, Colour, Mark, RowPlot
-from stickslip.report.selection.texts import counted, joined, quantity_value
+from stickslip.report.selection.texts import counted, quantity_value
 from stickslip.report.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.selection import RecordCandidate, RecordVerdict
 from stickslip.selection.choice import LEVEL, LIKELY, MATERIAL, NEAR

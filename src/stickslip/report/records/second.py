@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 
 from stickslip.experiments import Measurement
+from stickslip.experiments.wording import joined
 from stickslip.identification.record_fit import Prediction
 from stickslip.plots.pieces import Piece, draw_pieces, piece_sizes
 from stickslip.plots.svg import inline_svg
@@ -13,7 +14,7 @@ from stickslip.report import numbers
 from stickslip.report.blocks import Block, Figure, Paragraph
 from stickslip.report.documents import Section
 from stickslip.report.records.texts import Scale, rival_of, scale_for
-from stickslip.report.selection.texts import joined, quantity_value
+from stickslip.report.selection.texts import quantity_value
 from stickslip.report.tables import Column, Name, Number, Row, Table
 from stickslip.selection import RecordCandidate, RecordVerdict
 from stickslip.selection.record_verdict import SecondRecord
@@ -82,9 +83,12 @@ def _sentence(
     for other in laws[1:]:
         assert other.second is not None
         text += f" {other.title}: {scale.with_unit(other.second.rms)}."
-    if on_second.holds:
-        return f"{text} The choice holds: no law has a smaller error there beyond doubt."
-    return f"{text} The choice does not hold: a law has a smaller error there beyond doubt."
+    reasons = {
+        "holds": ": no law has a smaller error there beyond doubt",
+        "does not hold": ": a law has a smaller error there beyond doubt",
+    }
+    finding = on_second.finding
+    return f"{text} The choice {finding}{reasons.get(finding, '')}."
 
 
 def _source(record: Measurement) -> str:

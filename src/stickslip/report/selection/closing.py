@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Final, Literal
 
+from stickslip.experiments.wording import joined
 from stickslip.friction import SOURCES, FrictionLaw
 from stickslip.identification.travel import trials_of
 from stickslip.plots.separation import SEPARATION_SIZES, draw_separation
@@ -26,7 +27,6 @@ from stickslip.report.documents import Section
 from stickslip.report.selection.texts import (
     estimate_range,
     estimate_value,
-    joined,
     quantity_value,
 )
 from stickslip.report.tables import Column, Row, Table

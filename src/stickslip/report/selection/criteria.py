@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 
+from stickslip.experiments.wording import joined
 from stickslip.report import numbers
 from stickslip.report.blocks import Block, Note, Paragraph, Subheading
 from stickslip.report.documents import Section
 from stickslip.report.selection.returns import elastic_returns
-from stickslip.report.selection.texts import counted, joined
+from stickslip.report.selection.texts import counted
 from stickslip.report.tables import Cell, Column, Row, Table
 from stickslip.selection import Candidate, Criteria, TravelVerdict
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from stickslip.experiments.wording import joined
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.plots.laws import (
     characteristic_sizes,
@@ -17,7 +18,7 @@ from stickslip.plots.svg import inline_svg
 from stickslip.report import numbers
 from stickslip.report.blocks import Block, Figure
 from stickslip.report.documents import Section
-from stickslip.report.selection.texts import joined, slip_and_rate, step_text
+from stickslip.report.selection.texts import slip_and_rate, step_text
 from stickslip.report.tables import Column, Row, Table
 from stickslip.selection import FixedStepRow, TravelVerdict
 from stickslip.trajectory import Trajectory

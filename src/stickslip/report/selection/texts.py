@@ -1,6 +1,5 @@
 """Words and numbers that several sections of the report share."""
 
-from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -16,7 +15,6 @@ __all__ = [
     "counted",
     "estimate_range",
     "estimate_value",
-    "joined",
     "largest_difference",
     "measured_band",
     "quantity_value",
@@ -40,17 +38,6 @@ def counted(count: int) -> str:
     ('five', '25')
     """
     return WORDS[count] if 0 <= count < len(WORDS) else str(count)
-
-
-def joined(parts: Sequence[str]) -> str:
-    """Return a list as one would say it.
-
-    Examples
-    --------
-    >>> joined(["Dahl", "LuGre", "Stribeck"])
-    'Dahl, LuGre and Stribeck'
-    """
-    return ", ".join(parts[:-1]) + f" and {parts[-1]}" if len(parts) > 1 else "".join(parts)
 
 
 def quantity_value(value: float, unit: str, digits: int = 3) -> str:
