@@ -216,10 +216,12 @@ def _ranked(
     best = chosen(scored)
     if best is None:
         return scored, None, None
-    marked = mark_passed_over(scored, best)
+    against = contradiction(trials, best)
+    # where no law is named, none is passed over for it
+    marked = mark_passed_over(scored, best) if against is None else scored
     others = [c for c in marked if c is not best]
     others.sort(key=lambda c: (bool(c.dropped), math.inf if c.score is None else c.score))
-    return [best, *others], best, contradiction(trials, best)
+    return [best, *others], best, against
 
 
 def _proposal(

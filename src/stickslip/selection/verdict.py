@@ -239,6 +239,7 @@ class TravelVerdict(Verdict):
         return {
             **self._head(),
             "best": self.best.name if self.best else None,
+            "closest": self.closest.name if self.closest else None,
             "ranked": self.ranked,
             "candidates": [candidate.to_dict() for candidate in self.candidates],
             "proposal": self.proposal.to_dict() if self.proposal else None,
