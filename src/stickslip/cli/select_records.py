@@ -74,7 +74,7 @@ def _selected(
     names = [one.name for one in specifications(laws)]
     with (
         Interrupts() as interrupts,
-        Searching(names, residuals(found, asked.how.way), interrupts) as watch,
+        Searching(names, residuals(found), interrupts) as watch,
         workers(min(jobs, len(names))) as executor,
     ):
         verdict = select(
@@ -84,7 +84,7 @@ def _selected(
             unknown=found.unknown,
             purpose=asked.how.purpose or "simulate",
             horizon=asked.how.horizon,
-            route=asked.how.route,
+            route=found.route or asked.how.route,
             validate=found.validate,
             settings=asked.how.settings(rig),
             watch=watch,

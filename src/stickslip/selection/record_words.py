@@ -8,7 +8,7 @@ from functools import partial
 from stickslip.experiments import QUANTITIES, Checks
 from stickslip.experiments.units import turned
 from stickslip.experiments.wording import number
-from stickslip.identification import Estimate
+from stickslip.identification import Estimate, RecordFit
 from stickslip.selection.choice import as_good
 from stickslip.selection.experiments import Experiment
 from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
@@ -24,6 +24,7 @@ __all__ = [
     "outcomes",
     "plus_minus",
     "record_wording",
+    "route_text",
     "with_doubt",
 ]
 
@@ -259,6 +260,12 @@ def _first_upper(text: str) -> str:
     return text[0].upper() + text[1:]
 
 
+def route_text(fit: RecordFit) -> str:
+    """Return how a record was fitted where that is unusual, and why; empty where it is not."""
+    way = "inverse dynamics" if fit.route == "inverse-dynamics" else "shorter simulated segments"
+    return f"Fitted by {way}, because {fit.route_reason}." if fit.route_reason else ""
+
+
 def friction_of(title: str) -> str:
     """Return the friction of a law as one says it within a sentence.
 
@@ -315,7 +322,7 @@ def _lede(
         )
     elif without is not None and math.isfinite(without.score):
         text += f" Without friction: {told(without.score)}."
-    text += "".join(f" {error}" for error in fit.model_errors)
+    text += "".join(f" {error}" for error in (*fit.model_errors, route_text(fit)) if error)
     closer = [
         c
         for c in candidates

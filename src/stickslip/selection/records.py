@@ -81,18 +81,21 @@ def select_records(
     purpose: str = "simulate",
     horizon: float | None = None,
     route: str | None = None,
+    reason: str = "",
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
     watch: RecordWatch | None = None,
     executor: Executor | None = None,
 ) -> RecordVerdict:
-    """Select a law for records in time or measured friction; arguments as in `select`."""
+    """Select a law for records in time or measured friction; arguments as in `select`.
+
+    `reason` says why the route is not the usual one.
+    """
     aim = _aim(purpose, horizon)
     checks = checked(mechanism, measurement, validate)
     if purpose == "compensate" and route is None and "friction" not in measurement.quantities():
         route = "inverse-dynamics"
     chosen = _laws(laws, measurement)
-    reason = ""
     if route is None:
         choice = choose_route(mechanism, measurement, unknown=unknown, settings=settings)
         route, settings, reason = choice.route, choice.settings, choice.reason
