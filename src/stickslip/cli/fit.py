@@ -29,13 +29,14 @@ from stickslip.cli.output import (
     write_file,
 )
 from stickslip.cli.progress import Searching, Watching
-from stickslip.cli.trials import compared, content_of, show_trials
+from stickslip.cli.trials import content_of, show_trials
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, load_rig
 from stickslip.experiments.refusals import told
 from stickslip.experiments.second_records import refuse_same
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification import FeatureFit, Fit, RecordFit, Score, TravelFit, fit
+from stickslip.identification.trial_comparison import compared
 from stickslip.report.numbers import length
 from stickslip.selection.record_words import error_text, route_text
 
@@ -67,7 +68,7 @@ def run(
     wanted = None if free is None else [part.strip() for part in free.split(",")]
     result = _fitted(rig, law, found, asked, wanted)
     second = _second(result, found, asked)
-    trials = compared(result)
+    trials = compared(result) if isinstance(result, RecordFit) else None
     if output is not None:
         write_file(output, result.to_toml().encode())
     if as_json:

@@ -8,7 +8,7 @@ from functools import partial
 from stickslip.experiments import QUANTITIES, Checks
 from stickslip.experiments.units import turned
 from stickslip.experiments.wording import number
-from stickslip.identification import Estimate, RecordFit
+from stickslip.identification import Estimate, RecordFit, TrialComparison
 from stickslip.selection.choice import as_good
 from stickslip.selection.experiments import Experiment
 from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
@@ -178,6 +178,7 @@ def record_wording(
     scored: str,
     fault: str = "",
     on_second: SecondRecord | None = None,
+    trials: TrialComparison | None = None,
 ) -> Wording:
     """Put a selection on records into words.
 
@@ -201,6 +202,8 @@ def record_wording(
         Why no law explains the record; empty if one does.
     on_second : SecondRecord, optional
         What a second record says of the choice.
+    trials : TrialComparison, optional
+        Whether several trials share the best law.
     """
     assert best.fit is not None
     rivals = [
@@ -209,9 +212,11 @@ def record_wording(
         if c.name != best.name and c.fit and not c.dropped and best.name not in c.is_simpler
     ]
     equal = [c for c in rivals if as_good(c, best)]
+    verdict = _verdict(best, equal, candidates, fault, on_second, trials)
+    lede = _lede(candidates, best, equal, without, scored, on_second)
     return Wording(
-        verdict=_verdict(best, equal, candidates, fault, on_second),
-        lede=_lede(candidates, best, equal, without, scored, on_second),
+        verdict=verdict,
+        lede=lede + _trials_text(trials, verdict),
         settles=() if fault else _settles(best),
         cannot_tell=_cannot_tell(best, candidates, picks),
         measure_next=_measure_next(experiments, candidates, checks, fault, on_second),
@@ -225,6 +230,7 @@ def _verdict(
     candidates: Sequence[RecordCandidate],
     fault: str,
     on_second: SecondRecord | None,
+    trials: TrialComparison | None,
 ) -> str:
     name = friction_of(best.title)
     if fault:
@@ -237,6 +243,9 @@ def _verdict(
             f"No law predicts both records best: {name} does on the first,"
             f" {friction_of(other.title)} on the second."
         )
+    if trials is not None and not trials.shared:
+        outcome = trials.sentences[0]
+        return f"{_first_upper(name)} predicts best, but {outcome[0].lower()}{outcome[1:]}"
     if best.fit is not None and best.fit.model_errors:
         finding = best.fit.model_errors[0].finding
         return f"{_first_upper(name)} predicts best, but the model does not hold: {finding}"
@@ -258,6 +267,12 @@ def _listed(candidates: Sequence[RecordCandidate]) -> str:
 
 def _first_upper(text: str) -> str:
     return text[0].upper() + text[1:]
+
+
+def _trials_text(trials: TrialComparison | None, verdict: str) -> str:
+    """Return whether trials share one law, less what the verdict says of it."""
+    lines = () if trials is None else trials.sentences[: 1 if trials.shared else 2]
+    return "".join(f" {line}" for line in lines if line[1:] not in verdict)
 
 
 def route_text(fit: RecordFit) -> str:

@@ -18,6 +18,7 @@ from stickslip.identification.record_fit import check_horizon
 from stickslip.identification.record_fitting import fit_record
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.route_choice import choose_route
+from stickslip.identification.trial_comparison import compared
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.selection.choice import (
@@ -369,6 +370,7 @@ def _verdict(
     assert closest.fit is not None
     # What no law explains, laws cannot be told apart by.
     experiments = () if fault else experiments_after(closest, ordered, plan)
+    trials = compared(closest.fit)
     return RecordVerdict(
         mechanism=mechanism,
         measurement=measurement,
@@ -382,6 +384,7 @@ def _verdict(
             scored=what.scored,
             fault=fault,
             on_second=on_second,
+            trials=trials,
         ),
         candidates=tuple(ordered),
         best=closest if recommended else None,
@@ -394,6 +397,7 @@ def _verdict(
         checks=checks,
         second=validate,
         on_second=on_second,
+        trials=trials,
         experiments=experiments,
         half_estimates=halves(closest.fit),
     )
