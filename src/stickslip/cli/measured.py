@@ -142,8 +142,9 @@ def measured(rig: Rig, asked: Asked, *, given: bool) -> Measured:
             ' type = "axis" and inertia = { value = "80 kg", unknown = true }.'
         )
     elif not found.features:
-        found = replace(found, route=_route(rig, found, asked.how))
-        _check_records(asked.how, found.route)
+        chosen = _route(rig, found, asked.how)
+        _check_records(asked.how, chosen)
+        found = replace(found, route=chosen)
     return found
 
 
