@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 
 import stickslip.selection.records as selection
+from stickslip import Axis, CoulombViscous, Sampled, load_rig, simulate
 from stickslip.cli import main
 from stickslip.cli.interrupts import Interrupts
+from stickslip.cli.measured import Asked, How, measured, residuals
+from stickslip.experiments.reading import Reading
 from stickslip.solver.notices import notice
 
 RIG = """
@@ -172,3 +175,37 @@ def test_notices_of_the_library_reach_a_pipe(run, monkeypatch):
     )
     _, _, err = run("schema")
     assert "Compiling the equations ..." in err
+
+
+@pytest.fixture
+def pushed(run):
+    """Write a record whose motion the recorded force alone does not predict; return the rig."""
+    rate, draw = 200.0, np.random.default_rng(1)
+    time = np.arange(1200) / rate
+    force = 20.0 * np.sin(2.0 * np.pi * time)
+    unseen = 60.0 * np.sin(3.1 * time) + 50.0 * np.sin(7.7 * time + 1.0)
+    drive = Sampled(times=time, values=force + unseen)
+    law = CoulombViscous(kinetic_coefficient=10.0, viscous_coefficient=30.0)
+    moved = simulate(Axis(inertia=5.0, drive=drive), law, t_end=6.0).at(time)["x"]
+    rows = np.stack([time, moved + draw.normal(0.0, 1e-6, time.size), force], axis=1)
+    np.savetxt("axis.csv", rows, delimiter=",", header="t,q,u", comments="")
+    return "axis.toml"
+
+
+def test_the_bar_has_the_unit_of_the_route_that_is_taken_and_its_reason_is_said(run, pushed):
+    rig = load_rig(pushed)
+    asked = Asked(data=(), reading=Reading(), validate=None, unknown=(), how=How())
+    assert residuals(measured(rig, asked, given=True))(1.0) == "1.00 N"
+    _, out, _ = run("fit", pushed, "--law", "coulomb-viscous", *ONCE)
+    assert "Fitted by inverse dynamics, because Coulomb + viscous friction leaves" in " ".join(
+        out.split()
+    )
+    _, out, _ = run("select", pushed, "--laws", "coulomb-viscous", "--json", *ONCE)
+    assert "Fitted by inverse dynamics, because" in json.loads(out)["why"]
+
+
+def test_the_length_of_segments_is_refused_where_the_route_taken_has_none(run, pushed):
+    code, _, err = run("fit", pushed, "--law", "coulomb-viscous", "--segment", "0.9")
+    assert code == 2
+    assert "here the route is inverse-dynamics" in err
+    assert "because Coulomb + viscous friction leaves" in err

@@ -8,6 +8,7 @@ from scipy.signal import lfilter
 
 from stickslip import (
     Axis,
+    Coulomb,
     CoulombViscous,
     Measurement,
     Pendulum,
@@ -15,6 +16,8 @@ from stickslip import (
     fit,
     simulate,
 )
+from stickslip.errors import InputError
+from stickslip.identification import refits
 from stickslip.identification.halves import Halves, blocks_of_half, widened
 from stickslip.identification.inference import Inference, infer
 from stickslip.identification.problem import Linearised
@@ -113,3 +116,31 @@ def test_what_a_half_does_not_show_contradicts_nothing_and_widens_nothing():
     assert wide.half_widths[0] >= 40.0
     assert wide.half_widths[1] == own.half_widths[1]
     assert np.all(np.linalg.eigvalsh(wide.covariance) > 0.0)
+
+
+def test_halves_of_several_trials_are_not_called_those_of_a_record():
+    draw, time = np.random.default_rng(0), 0.01 * np.arange(400)
+    v = 0.3 * np.sin(7.0 * time)
+    trials = tuple(
+        Measurement(
+            time=time,
+            velocity=v,
+            friction=level * np.sign(v) + 0.1 * draw.normal(size=400),
+        )
+        for level in (5.0, 6.0)
+    )
+    found = fit(Axis(inertia=1.0), Coulomb, Measurement(trials=trials))
+    assert found.halves.contradicting
+    assert "The first and the last half of the trials give mu_k" in found.sentences[0]
+    assert "not hold over all trials" in found.sentences[0]
+
+
+def test_a_half_that_cannot_be_built_leaves_no_halves(monkeypatch):
+    def refused(*_arguments):
+        raise InputError("a half is too short")
+
+    v = np.linspace(-1.0, 1.0, 80)
+    table = Measurement(velocity=v, friction=2.0 * np.sign(v) + 0.01 * np.cos(40.0 * v))
+    found = fit(Axis(inertia=1.0), Coulomb, table)
+    monkeypatch.setattr(refits, "refitted", refused)
+    assert refits.halves_of(found) is None

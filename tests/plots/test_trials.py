@@ -1,11 +1,13 @@
 """Figures of trials: parameters over a condition, coloured by it."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 from stickslip import Axis, CoulombViscous, Measurement, compare_trials
-from stickslip.errors import UnknownNameError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.plots import draw_trials
 from stickslip.plots.theme import C1, C2, house_style
 
@@ -63,3 +65,19 @@ def test_trials_without_conditions_are_numbered():
 def test_a_condition_that_no_trial_has_is_refused():
     with pytest.raises(UnknownNameError, match="condition"):
         draw_trials(comparison({"run": 1}, {"run": 2}), condition="temperature")
+
+
+def test_a_trial_called_as_another_is_numbered_has_its_own_curve():
+    first, second = comparison({"run": 1}, {"run": 2}).fit.measurement.records()
+    slow = dataclasses.replace(second, velocity=0.1 * np.asarray(second.velocity))
+    records = [dataclasses.replace(first, name="trial 2"), slow]
+    again = compare_trials(Axis(inertia=1.0), CoulombViscous, Measurement(trials=tuple(records)))
+    assert [one.number for one in again.trials] == [0, 1]
+    *_, curves = drawn(draw_trials(again))
+    assert max(curves.get_lines()[0].get_xdata()) > 200.0  # mm/s, of the faster trial
+
+
+def test_a_comparison_without_trials_is_not_drawn():
+    found = dataclasses.replace(comparison({"run": 1}, {"run": 2}), trials=())
+    with pytest.raises(InputError, match="nothing to draw"):
+        draw_trials(found)

@@ -28,6 +28,7 @@ from stickslip.identification import refits
 from stickslip.identification.optimise import improve
 from stickslip.identification.record_fit import settled
 from stickslip.identification.record_fitting import fit_record
+from stickslip.report.records import record_page
 from stickslip.selection.cross_validation import Plan, cross_validate, plan_of
 from stickslip.selection.record_admissibility import objection
 from stickslip.selection.record_words import (
@@ -445,3 +446,37 @@ def test_a_bound_is_told_with_its_unit():
         f"$v_s$ ran to its lower bound of {quantity(speed, 'm/s', 2)}"
         in said["friction.stribeck_velocity"]
     )
+
+
+def trials_of_levels(*levels):
+    draw, v = np.random.default_rng(0), 0.3 * np.sin(0.07 * np.arange(400))
+    return Measurement(
+        trials=tuple(
+            Measurement(
+                time=0.01 * np.arange(400),
+                velocity=v,
+                friction=level * np.sign(v) + 4.0 * v + 0.1 * draw.normal(size=400),
+            )
+            for level in levels
+        )
+    )
+
+
+def test_the_verdict_on_trials_that_do_not_share_one_law_is_no_plain_use():
+    verdict = select(Axis(inertia=1.0), trials_of_levels(5.0, 6.0, 7.0), ["coulomb-viscous"])
+    assert "predicts best, but the trials do not share one law (p < 0.001)" in verdict.sentence
+    assert "is an average; its intervals do not apply" in verdict.to_dict()["why"]
+    assert verdict.trials.shared is False
+    assert verdict.to_dict()["trials"]["share_one_law"] is False
+    page = record_page(verdict, title="Trials", kicker="three", versions={})
+    assert "The trials do not share one law" in page
+    assert not any("halves of the record" in line for line in verdict.closest.fit.sentences)
+
+
+def test_the_verdict_on_trials_that_share_one_law_says_so():
+    verdict = select(Axis(inertia=1.0), trials_of_levels(5.0, 5.0, 5.0), ["coulomb-viscous"])
+    assert verdict.sentence.startswith("Use ")
+    assert "The trials share one law as far as they can tell" in verdict.to_dict()["why"]
+    one = select(Axis(inertia=1.0), trials_of_levels(5.0).trials[0], ["coulomb-viscous"])
+    assert one.trials is None
+    assert one.to_dict()["trials"] is None

@@ -244,3 +244,18 @@ def test_a_rig_without_friction_values_tries_the_usual_laws_and_calls_nothing_gi
     verdict = select(RIG, reading, {})
     assert [c.name for c in verdict.candidates][:3] == ["coulomb", "viscous", "coulomb-viscous"]
     assert not any("given" in line for line in verdict.words.settles)
+
+
+def test_equal_readings_of_zero_do_not_contradict_each_other():
+    stuck = Measurement(trials=(Measurement(travel=0.0), Measurement(travel=0.0)))
+    verdict = select(RIG, stuck)
+    assert "contradict" not in verdict.sentence
+    assert verdict.best is not None
+
+
+def test_no_law_is_passed_over_where_none_is_named():
+    verdict = select(RIG, readings(COULOMB, scale={2: 10.0}), PLAIN)
+    content = verdict.to_dict()
+    assert content["best"] is None
+    assert content["closest"] == verdict.closest.name
+    assert not any(one["passed_over"] for one in content["candidates"])

@@ -73,7 +73,7 @@ def _selected(
     names = [one.name for one in feature_laws(laws)]
     with (
         Interrupts() as interrupts,
-        Searching(names, residuals(found, asked.how.route), interrupts) as watch,
+        Searching(names, residuals(found), interrupts) as watch,
         workers(min(jobs, len(names))) as executor,
     ):
         verdict = select(

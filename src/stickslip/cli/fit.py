@@ -29,15 +29,16 @@ from stickslip.cli.output import (
     write_file,
 )
 from stickslip.cli.progress import Searching, Watching
-from stickslip.cli.trials import compared, content_of, show_trials
+from stickslip.cli.trials import content_of, show_trials
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, load_rig
 from stickslip.experiments.refusals import told
 from stickslip.experiments.second_records import refuse_same
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification import FeatureFit, Fit, RecordFit, Score, TravelFit, fit
+from stickslip.identification.trial_comparison import compared
 from stickslip.report.numbers import length
-from stickslip.selection.record_words import error_text
+from stickslip.selection.record_words import error_text, route_text
 
 __all__ = ["run"]
 
@@ -67,7 +68,7 @@ def run(
     wanted = None if free is None else [part.strip() for part in free.split(",")]
     result = _fitted(rig, law, found, asked, wanted)
     second = _second(result, found, asked)
-    trials = compared(result)
+    trials = compared(result) if isinstance(result, RecordFit) else None
     if output is not None:
         write_file(output, result.to_toml().encode())
     if as_json:
@@ -120,7 +121,7 @@ def _fitted(
             )
     with (
         Interrupts() as interrupts,
-        Searching([law.name], residuals(found, asked.how.route), interrupts) as watch,
+        Searching([law.name], residuals(found), interrupts) as watch,
     ):
         watch(law.name, math.nan)  # what is compiled first takes longer than the first look
         return fit(
@@ -130,7 +131,7 @@ def _fitted(
             free=free,
             known=known,
             unknown=found.unknown,
-            route=asked.how.route,
+            route=found.route or asked.how.route,
             settings=asked.how.settings(rig),
             watch=lambda rms: watch(law.name, rms),
         )
@@ -202,8 +203,9 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
             f"On the second record: {said(second.rms)}, {_predicted(result, second)}", markup=False
         )
     console.print(f"Restarts: {_restarts(found.agreeing, len(found.costs))}", markup=False)
-    for remark in result.remarks:
-        console.print(remark, markup=False)
+    for remark in (*result.remarks, route_text(result)):
+        if remark:
+            console.print(remark, markup=False)
     if found.cancelled:
         note("The search was ended early; this is the best so far.")
     for error in result.model_errors:

@@ -9,13 +9,14 @@ from typing import final
 
 from stickslip.cli.output import plain, show_table, stdout
 from stickslip.errors import InputError
-from stickslip.experiments import Checks, Measurement, Rig
+from stickslip.experiments import Checks, Measurement, Rig, check
 from stickslip.experiments.digests import with_files
 from stickslip.experiments.reading import Reading
 from stickslip.experiments.records import read_data
 from stickslip.identification import Estimate, RecordSettings
 from stickslip.identification.features import by_features
 from stickslip.identification.record_fitting import route_of
+from stickslip.identification.route_choice import RouteChoice, choose_route
 from stickslip.report.numbers import interval, significant
 from stickslip.selection.feature_words import share
 from stickslip.selection.record_words import error_text
@@ -91,6 +92,8 @@ class Measured:
     """SHA-256 of the rig and of all files that were read."""
     features: bool = False
     """Whether features are compared: of the force of a spring that pulls a block."""
+    route: RouteChoice | None = None
+    """How records are fitted; None for travels and features."""
 
     @property
     def travels(self) -> bool:
@@ -138,8 +141,10 @@ def measured(rig: Rig, asked: Asked, *, given: bool) -> Measured:
             "a record needs a rig file that says what moves: give one with a [mechanism], such as"
             ' type = "axis" and inertia = { value = "80 kg", unknown = true }.'
         )
-    else:
-        _check_records(asked.how, found)
+    elif not found.features:
+        chosen = _route(rig, found, asked.how)
+        _check_records(asked.how, chosen)
+        found = replace(found, route=chosen)
     return found
 
 
@@ -153,16 +158,26 @@ def _check_features(how: How) -> None:
             )
 
 
-def _check_records(how: How, found: Measured) -> None:
+def _route(rig: Rig, found: Measured, how: How) -> RouteChoice:
+    """Return how records are fitted: as asked, or else as their motion allows."""
+    settings, measurement = how.settings(rig), found.measurement
+    rubbed = "friction" in measurement.quantities() and not how.route
+    asked = None if rubbed else how.way
+    faulty = check(measurement, mechanism=rig.mechanism).worst == "error"
+    if asked is not None or rubbed or faulty:  # what is faulty is refused where it is fitted
+        return RouteChoice(route=route_of(measurement, asked), settings=settings)
+    return choose_route(rig.mechanism, measurement, unknown=found.unknown, settings=settings)
+
+
+def _check_records(how: How, chosen: RouteChoice) -> None:
     """Refuse what the route that records take has no use for."""
-    rubbed = "friction" in found.measurement.quantities() and not how.route
-    way = route_of(found.measurement, None if rubbed else how.way)
+    way, why = chosen.route, f", because {chosen.reason}" if chosen.reason else ""
     without = {"shooting": (), "inverse-dynamics": ("segment",), "force-map": ("segment", "hold")}
     for name in without[way]:
         if getattr(how, name) is not None:
             raise InputError(
                 f"--{name} is for simulated segments (--route shooting); here the route is {way},"
-                " which fits friction along the measured motion: leave it out."
+                f" which fits friction along the measured motion{why}: leave it out."
             )
 
 
@@ -175,13 +190,13 @@ def _check_travels(how: How) -> None:
             )
 
 
-def residuals(found: Measured, route: str | None) -> Callable[[float], str]:
+def residuals(found: Measured) -> Callable[[float], str]:
     """Return what puts residuals into words, with the unit of what predictions are compared to."""
     if found.features:
         return lambda error: f"features off by {share(error)}"
     known = found.measurement.quantities()
     quantity = next((name for name in ("position", "velocity") if name in known), "friction")
-    if route in ("force-map", "inverse-dynamics") or "friction" in known:
+    if found.route is not None and found.route.route != "shooting":
         quantity = "friction"
     return partial(error_text, quantity=quantity, turning=found.measurement.turning)
 

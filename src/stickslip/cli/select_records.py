@@ -22,12 +22,11 @@ from stickslip.cli.output import (
 )
 from stickslip.cli.progress import Searching
 from stickslip.cli.selected import deliver, laws_of
-from stickslip.cli.trials import compared, content_of, show_trials
+from stickslip.cli.trials import show_trials
 from stickslip.cli.workers import workers
 from stickslip.experiments import Rig
 from stickslip.experiments.digests import of_files
 from stickslip.friction import FrictionLaw
-from stickslip.identification import TrialComparison
 from stickslip.report.records import record_page
 from stickslip.report.versions import versions
 from stickslip.selection import RecordCandidate, RecordVerdict, select
@@ -49,16 +48,15 @@ def select_on_records(
 ) -> None:
     """Select, write what was found into a folder, print the verdict."""
     verdict = _selected(rig, found, asked, laws_of(rig, laws), jobs)
-    trials = compared(verdict.best.fit if verdict.best else None)
     head = {"rig": rig.title, "digest": found.digest}
-    content = document("select", {**head, **verdict.to_dict(), **content_of(trials)})
+    content = document("select", {**head, **verdict.to_dict()})
     ended = [c.name for c in verdict.candidates if c.fit and c.fit.found.cancelled]
     deliver(
         verdict,
         content,
         None if as_json else output,
         page=lambda: _page(verdict, rig, found.digest, asked),
-        show=lambda: _show(verdict, trials),
+        show=lambda: _show(verdict),
         ended=ended,
     )
 
@@ -74,7 +72,7 @@ def _selected(
     names = [one.name for one in specifications(laws)]
     with (
         Interrupts() as interrupts,
-        Searching(names, residuals(found, asked.how.way), interrupts) as watch,
+        Searching(names, residuals(found), interrupts) as watch,
         workers(min(jobs, len(names))) as executor,
     ):
         verdict = select(
@@ -84,7 +82,7 @@ def _selected(
             unknown=found.unknown,
             purpose=asked.how.purpose or "simulate",
             horizon=asked.how.horizon,
-            route=asked.how.route,
+            route=found.route or asked.how.route,
             validate=found.validate,
             settings=asked.how.settings(rig),
             watch=watch,
@@ -107,7 +105,7 @@ def _page(verdict: RecordVerdict, rig: Rig, digest: str, asked: Asked) -> str:
     )
 
 
-def _show(verdict: RecordVerdict, trials: TrialComparison | None) -> None:
+def _show(verdict: RecordVerdict) -> None:
     """Print the verdict, the scores, and the parameters of the law that is named."""
     words, console = verdict.words, stdout()
     show_warnings(verdict.checks)
@@ -126,7 +124,7 @@ def _show(verdict: RecordVerdict, trials: TrialComparison | None) -> None:
         title = verdict.closest.title + ("" if verdict.best else ", closest but not recommended")
         console.print(f"\n{title}", markup=False, style="bold")
         show_estimates(verdict.closest.fit.estimates)
-    show_trials(trials)
+    show_trials(verdict.trials)
     show_open(words)
 
 

@@ -4,28 +4,12 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from stickslip.cli.output import note, plain, show_table, stdout
+from stickslip.cli.output import plain, show_table, stdout
 from stickslip.digits import interval, significant
-from stickslip.errors import StickslipError
 from stickslip.experiments.condition_values import condition_name
-from stickslip.identification import Fit, RecordFit, TrialComparison
-from stickslip.identification.trial_comparison import comparison_of, fitted_alone
+from stickslip.identification import TrialComparison
 
-__all__ = ["compared", "content_of", "show_trials"]
-
-
-def compared(fit: Fit | None) -> TrialComparison | None:
-    """Return the comparison of the trials of a fit; None where there is nothing to compare.
-
-    A fit that stands is not lost because its trials cannot be compared.
-    """
-    if not isinstance(fit, RecordFit) or not fitted_alone(fit.measurement):
-        return None
-    try:
-        return comparison_of(fit)
-    except StickslipError as error:
-        note(f"The trials were not compared: {error}")
-        return None
+__all__ = ["content_of", "show_trials"]
 
 
 def content_of(comparison: TrialComparison | None) -> Mapping[str, Any]:
@@ -41,7 +25,7 @@ def show_trials(comparison: TrialComparison | None) -> None:
     console.print("\nTrials", markup=False, style="bold")
     for line in comparison.sentences:
         console.print(f"  {plain(line)}", markup=False)
-    if comparison.shared and not comparison.conditions:
+    if not comparison.trials or (comparison.shared and not comparison.conditions):
         return
     symbols = [one.quantity.symbol for one in comparison.trials[0].estimates]
     heads = ["trial", *map(condition_name, comparison.conditions)]

@@ -1,6 +1,7 @@
 """The verb `fit`."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
@@ -15,6 +16,7 @@ from stickslip.identification.least_squares import fit_several
 from stickslip.identification.record_fitting import fit_record
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.results import Fit, TravelFit
+from stickslip.identification.route_choice import RouteChoice, resolved
 from stickslip.identification.starts import Start, check_known, starting_law, with_known
 from stickslip.identification.travel import TravelModel, Trial, trials_of
 from stickslip.mechanisms import Mechanism
@@ -34,7 +36,7 @@ def fit(
     free: str | Sequence[str] | None = None,
     known: Mapping[str, float] | None = None,
     unknown: str | Sequence[str] = (),
-    route: str | None = None,
+    route: str | RouteChoice | None = None,
     settings: RecordSettings | None = None,
     t_end: float = 10.0,
     watch: Callable[[float], object] | None = None,
@@ -62,8 +64,9 @@ def fit(
         Values of the law's parameters that are not free, by name, where the law is a type.
     unknown : str or sequence of str
         Parameters of the mechanism that are looked for too, such as ``"inertia"``; for records.
-    route : {"shooting", "force-map", "inverse-dynamics", "features"}, optional
-        How records are fitted, if not as their quantities suggest.
+    route : {"shooting", "force-map", "inverse-dynamics", "features"} or RouteChoice, optional
+        How records are fitted, or what `choose_route` returned for them, with its settings; chosen
+        by `choose_route` if not given.
     settings : RecordSettings, optional
         Segments, starts and seed of fits to records; of these, features have the seed only.
     t_end : float
@@ -97,6 +100,7 @@ def fit(
     check_given("fit", mechanism, measurement)
     unknown, free = names_of(unknown), None if free is None else names_of(free)
     law = _known_law(law, known)
+    route, settings, reason = resolved(route, settings)
     if by_features(measurement, route):
         _refuse_known(known)
         seed = 0 if settings is None else settings.seed
@@ -106,7 +110,7 @@ def fit(
     if "travel" not in measurement.quantities():
         refuse_faults(measurement, mechanism)
         with with_doubts(measurement, mechanism, of=ConvergenceError):
-            return fit_record(
+            found = fit_record(
                 mechanism,
                 law,
                 measurement,
@@ -117,6 +121,7 @@ def fit(
                 settings=settings,
                 watch=watch,
             )
+        return replace(found, route_reason=reason or found.route_reason)
     if unknown:
         raise InputError("a few travels cannot tell parameters of the mechanism from friction.")
     start = with_known(starting_law(law), known) if isinstance(law, type) else law

@@ -46,10 +46,17 @@ class Halves:
     """Degrees of freedom of these (p,)."""
     timed: bool = True
     """Whether they follow each other; halves of a table are its rows dealt out."""
+    several: bool = False
+    """Whether they are the first and the last of several trials."""
 
     @classmethod
     def of(
-        cls, values: tuple[Array, Array], known: tuple[Inference, Inference], *, timed: bool = True
+        cls,
+        values: tuple[Array, Array],
+        known: tuple[Inference, Inference],
+        *,
+        timed: bool = True,
+        several: bool = False,
     ) -> "Halves":
         """Return estimates of two halves, with Welch's degrees of freedom for their difference."""
         variances = np.array([one.errors**2 for one in known])
@@ -61,6 +68,7 @@ class Halves:
             errors=np.sqrt(variances.sum(axis=0)),
             freedom=np.where(np.isfinite(welch), np.maximum(welch, 1.0), 1.0),
             timed=timed,
+            several=several,
         )
 
     @property
@@ -121,9 +129,13 @@ def contradiction(unknowns: Unknowns, halves: Halves) -> tuple[str, ...]:
     apart = difference([item.quantity for item in unknowns.items], halves)
     if not apart:
         return ()
+    parts = (
+        "first and the last half of the trials" if halves.several else "two halves of the record"
+    )
+    whole = "all trials" if halves.several else "the whole record"
     return (
-        f"The two halves of the record give {apart}: the law does not hold over the whole record,"
-        " and the intervals were widened to cover both.",
+        f"The {parts} give {apart}: the law does not hold over {whole}, and the intervals were"
+        " widened to cover both.",
     )
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ConvergenceError, SimulationError
+from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Measurement
 from stickslip.experiments.cutting import rows_of
 from stickslip.identification.applied import driven
@@ -50,7 +50,8 @@ def refitted(fit: RecordFit, first: float, last: float) -> Linearised | None:
 def halves_of(fit: RecordFit) -> Halves | None:
     """Return the estimates of either half of a record in time, fitted from those of the whole.
 
-    The standard error of their difference is that of two jackknives, with Welch's degrees of
+    Several trials are laid end to end, so that their halves are the first and the last trials. The
+    standard error of their difference is that of two jackknives, with Welch's degrees of
     freedom.
 
     Parameters
@@ -66,7 +67,7 @@ def halves_of(fit: RecordFit) -> Halves | None:
     end = float(positions_of(fit.problem)[-1, 1])
     try:
         parts = (refitted(fit, 0.5 * end, math.inf), refitted(fit, -math.inf, 0.5 * end))
-    except (ConvergenceError, SimulationError):
+    except (ConvergenceError, InputError, SimulationError):
         return None
     first, second = parts
     if first is None or second is None:
@@ -83,6 +84,7 @@ def halves_of(fit: RecordFit) -> Halves | None:
         (first.values, second.values),
         (known[0], known[1]),
         timed=not interleaved(fit.problem.spans),
+        several=len(np.unique(fit.problem.spans[:, 0])) > 1,
     )
 
 

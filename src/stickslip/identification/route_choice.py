@@ -25,7 +25,7 @@ from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.shooting import Segment, Shooting
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["RouteChoice", "choose_route", "serves_inverse_dynamics"]
+__all__ = ["RouteChoice", "choose_route", "resolved", "serves_inverse_dynamics"]
 
 UNPREDICTED = 0.5
 """Share of the motion left unexplained beyond which simulated segments do not serve."""
@@ -54,6 +54,21 @@ class RouteChoice:
     """Settings with the length of segments that serves."""
     reason: str = ""
     """Why it is not simulated segments of the usual length; empty if it is."""
+
+
+def resolved(
+    route: str | RouteChoice | None, settings: RecordSettings | None
+) -> tuple[str | None, RecordSettings | None, str]:
+    """Return route, settings and the reason of the route; of a choice, its own.
+
+    Examples
+    --------
+    >>> resolved("shooting", None)
+    ('shooting', None, '')
+    """
+    if isinstance(route, RouteChoice):
+        return route.route, route.settings, route.reason
+    return route, settings, ""
 
 
 def choose_route(

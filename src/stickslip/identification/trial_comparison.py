@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.errors import ConvergenceError, InputError
+from stickslip.errors import ConvergenceError, InputError, SimulationError, StickslipError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification.condition_lines import ConditionLine, line_over
@@ -26,11 +26,12 @@ from stickslip.identification.trial_estimates import TrialEstimates
 from stickslip.identification.trial_words import SURE, sentences_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
+from stickslip.solver.notices import notice
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["TrialComparison", "compare_trials", "comparison_of", "fitted_alone"]
+__all__ = ["TrialComparison", "compare_trials", "compared", "comparison_of", "fitted_alone"]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -245,6 +246,20 @@ def fitted_alone(measurement: Measurement) -> bool:
     return len(measurement.records()) > 1 and "travel" not in measurement.quantities()
 
 
+def compared(joint: RecordFit) -> TrialComparison | None:
+    """Return the comparison of the trials of a fit; None where there is nothing to compare.
+
+    A fit that stands is not lost because its trials cannot be compared.
+    """
+    if not fitted_alone(joint.measurement):
+        return None
+    try:
+        return comparison_of(joint)
+    except StickslipError as error:
+        notice(f"The trials were not compared: {error}")
+        return None
+
+
 def comparison_of(joint: RecordFit) -> TrialComparison:
     """Compare the trials of a fit: each is fitted alone from the joint optimum.
 
@@ -270,8 +285,8 @@ def comparison_of(joint: RecordFit) -> TrialComparison:
             continue
         present.append(rows_of(best, rows))
         try:
-            trials.append(_alone(joint, record, name, np.flatnonzero(record_of == number), own))
-        except ConvergenceError as error:
+            trials.append(_alone(joint, number, name, np.flatnonzero(record_of == number), own))
+        except (ConvergenceError, InputError, SimulationError) as error:
             failed[name] = str(error)
     test = homogeneity(present, joint.scale, own)
     lines = _lines(trials)
@@ -286,7 +301,7 @@ def comparison_of(joint: RecordFit) -> TrialComparison:
 
 
 def _alone(
-    joint: RecordFit, record: Measurement, name: str, segments: NDArray[np.intp], own: Sequence[int]
+    joint: RecordFit, number: int, name: str, segments: NDArray[np.intp], own: Sequence[int]
 ) -> TrialEstimates:
     """Fit the law to one trial, from the joint optimum; all else is kept."""
     problem: Part | Held = Part(joint.problem, segments.tolist(), joint.found.best)
@@ -311,7 +326,8 @@ def _alone(
     ]
     return TrialEstimates(
         name=name,
-        conditions=record.conditions,
+        number=number,
+        conditions=joint.measurement.records()[number].conditions,
         law=vary(
             joint.law, "friction", dict(zip(unknowns.paths, end.values.tolist(), strict=True))
         ),

@@ -17,6 +17,8 @@ class TrialEstimates:
 
     name: str
     """Of the trial."""
+    number: int
+    """Its place among the records of the joint fit, from 0."""
     conditions: Mapping[str, float | str]
     """What was different in it."""
     law: FrictionLaw

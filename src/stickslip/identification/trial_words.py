@@ -37,8 +37,8 @@ def sentences_of(
     yield _outcome(trials, test, clear)
     if test.p < SURE:
         yield (
-            "One law for all of them is an average over the trials, and its intervals do not cover"
-            " what each trial has."
+            "One law for all of them is an average; its intervals do not apply to individual"
+            " trials."
         )
     for line in clear:
         yield _slope(line, confirmed=test.p < SURE)

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
-from stickslip.errors import UnknownNameError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.experiments.condition_values import condition_name, condition_unit
 from stickslip.experiments.signals import velocity_of
@@ -50,6 +50,8 @@ def draw_trials(comparison: TrialComparison, *, condition: str | None = None) ->
 
     Raises
     ------
+    InputError
+        If no trial could be fitted alone.
     UnknownNameError
         If no trial has that condition.
 
@@ -69,6 +71,8 @@ def draw_trials(comparison: TrialComparison, *, condition: str | None = None) ->
     """
     name = _condition(comparison, condition)
     trials = comparison.trials
+    if not trials:
+        raise InputError("there is nothing to draw: no trial could be fitted alone.")
     values = [trial.conditions.get(name) for trial in trials] if name else []
     if not name:
         values = [float(i + 1) for i in range(len(trials))]
@@ -166,14 +170,12 @@ def _parameter(
 
 def _curves(axes: Axes, comparison: TrialComparison, colours: Sequence[str]) -> None:
     """Draw the friction of each trial over its velocity."""
-    record_of = {
-        record.name or f"trial {number}": record
-        for number, record in enumerate(comparison.fit.measurement.records(), 1)
-    }
-    top = max(_top(record_of[trial.name]) for trial in comparison.trials)
+    records = comparison.fit.measurement.records()
+    own = [records[trial.number] for trial in comparison.trials]
+    top = max(map(_top, own))
     factor, unit = in_mm([top], comparison.fit.measurement.unit("velocity"))
-    for trial, colour in zip(comparison.trials, colours, strict=True):
-        load = _load(comparison.fit.mechanism, record_of[trial.name])
+    for trial, record, colour in zip(comparison.trials, own, colours, strict=True):
+        load = _load(comparison.fit.mechanism, record)
         velocity, force = characteristic(trial.law, load, top)
         axes.plot(factor * velocity, force, color=colour, linewidth=1.5)
     axes.set_title(f"friction, {comparison.fit.measurement.unit('friction')}", color=MUTED)

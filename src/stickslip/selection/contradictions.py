@@ -87,6 +87,8 @@ def _repeats(trials: Sequence[Trial]) -> Contradiction | None:
     for group in groups.values():
         for i, j in combinations(group, 2):
             one, other = trials[i].travel, trials[j].travel
+            if one == other:  # readings of 0 have no doubt that is a share of them
+                continue
             doubt = (
                 WORST * math.hypot(errors[i], errors[j])
                 if stated
@@ -132,8 +134,8 @@ def _found(trials: Sequence[Trial], closest: Candidate) -> tuple[str, ...]:
         if measured * expected < 0.0 and min(abs(measured), abs(expected)) > size:
             found.append(
                 f"Whether {_mm(trials[i].travel)}{setting_of(trials, trials[i])} and"
-                f" {_mm(trials[j].travel)}{setting_of(trials, trials[j])} are swapped: every law"
-                " has them the other way round."
+                f" {_mm(trials[j].travel)}{setting_of(trials, trials[j])} are swapped:"
+                f" {closest.title} friction predicts the opposite order."
             )
     worst = max(range(len(trials)), key=lambda i: abs(trials[i].travel - predicted[i]))
     found.append(

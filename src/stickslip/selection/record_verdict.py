@@ -9,7 +9,7 @@ from typing_extensions import override
 
 from stickslip.experiments import Checks, Measurement
 from stickslip.friction import FrictionLaw
-from stickslip.identification import RecordFit
+from stickslip.identification import RecordFit, TrialComparison
 from stickslip.identification.containment import FittedLaw
 from stickslip.identification.model_error import ModelError
 from stickslip.identification.record_fit import Score
@@ -205,6 +205,8 @@ class RecordVerdict(Verdict):
     """What that record says of the choice; None without one."""
     settings: RecordSettings = field(default_factory=RecordSettings)
     """How each law was fitted: segments, starts and their seed."""
+    trials: TrialComparison | None = None
+    """Whether several trials share the closest law; None where there is nothing to compare."""
     experiments: tuple[Experiment, ...] = ()
     """Measurements that would tell the best from its rivals, the most telling first."""
     half_estimates: Mapping[str, tuple[float, float]] = field(default_factory=dict)
@@ -275,6 +277,7 @@ class RecordVerdict(Verdict):
             "control": self.control.to_dict() if self.control else None,
             "checks": self.checks.to_dict(),
             "model_errors": [one.to_dict() for one in self.model_errors],
+            "trials": self.trials.to_dict() if self.trials else None,
             "next_measurements": [one.to_dict() for one in self.experiments],
             "halves": {path: list(pair) for path, pair in self.half_estimates.items()},
         }

@@ -8,7 +8,7 @@ from functools import partial
 from stickslip.experiments import QUANTITIES, Checks
 from stickslip.experiments.units import turned
 from stickslip.experiments.wording import capital, joined, number
-from stickslip.identification import Estimate, RecordFit
+from stickslip.identification import Estimate, RecordFit, TrialComparison
 from stickslip.identification.halves import difference
 from stickslip.selection.choice import as_good
 from stickslip.selection.experiments import Experiment
@@ -25,6 +25,7 @@ __all__ = [
     "outcomes",
     "plus_minus",
     "record_wording",
+    "route_text",
     "with_doubt",
 ]
 
@@ -178,6 +179,7 @@ def record_wording(
     scored: str,
     fault: str = "",
     on_second: SecondRecord | None = None,
+    trials: TrialComparison | None = None,
 ) -> Wording:
     """Put a selection on records into words.
 
@@ -201,6 +203,8 @@ def record_wording(
         Why no law explains the record; empty if one does.
     on_second : SecondRecord, optional
         What a second record says of the choice.
+    trials : TrialComparison, optional
+        Whether several trials share the best law.
     """
     assert best.fit is not None
     rivals = [
@@ -209,10 +213,11 @@ def record_wording(
         if c.name != best.name and c.fit and not c.dropped and best.name not in c.is_simpler
     ]
     equal = [c for c in rivals if as_good(c, best)]
-    verdict = _verdict(best, equal, candidates, fault, on_second)
+    verdict = _verdict(best, equal, candidates, fault, on_second, trials)
+    lede = _lede(candidates, best, equal, without, scored, on_second, said=verdict)
     return Wording(
         verdict=verdict,
-        lede=_lede(candidates, best, equal, without, scored, on_second, said=verdict),
+        lede=lede + _trials_text(trials, verdict),
         settles=() if fault else _settles(best),
         cannot_tell=_cannot_tell(best, candidates, picks),
         measure_next=_measure_next(experiments, candidates, checks, fault, on_second),
@@ -226,6 +231,7 @@ def _verdict(
     candidates: Sequence[RecordCandidate],
     fault: str,
     on_second: SecondRecord | None,
+    trials: TrialComparison | None,
 ) -> str:
     name = friction_of(best.title)
     if fault:
@@ -239,6 +245,9 @@ def _verdict(
             f"{capital(name)} is chosen on the first record, but {friction_of(other.title)} has a"
             f" clearly smaller error on the second ({rival} against {own})."
         )
+    if trials is not None and not trials.shared:
+        outcome = trials.sentences[0]
+        return f"{capital(name)} predicts best, but {outcome[0].lower()}{outcome[1:]}"
     if best.fit is not None and best.fit.model_errors:
         finding = best.fit.model_errors[0].finding
         return f"{capital(name)} predicts best, but the model does not hold: {finding}"
@@ -267,6 +276,18 @@ def _not_distinguished(candidates: Sequence[RecordCandidate]) -> str:
         names = [*names[: MOST - 1], f"{len(names) - MOST + 1} more"]
     verb = "are" if len(names) > 1 else "is"
     return f"{joined(names)} {verb} not distinguished from it by this record."
+
+
+def _trials_text(trials: TrialComparison | None, verdict: str) -> str:
+    """Return whether trials share one law, less what the verdict says of it."""
+    lines = () if trials is None else trials.sentences[: 1 if trials.shared else 2]
+    return "".join(f" {line}" for line in lines if line[1:] not in verdict)
+
+
+def route_text(fit: RecordFit) -> str:
+    """Return how a record was fitted where that is unusual, and why; empty where it is not."""
+    way = "inverse dynamics" if fit.route == "inverse-dynamics" else "shorter simulated segments"
+    return f"Fitted by {way}, because {fit.route_reason}." if fit.route_reason else ""
 
 
 def friction_of(title: str) -> str:
@@ -330,7 +351,7 @@ def _lede(
         )
     elif without is not None and math.isfinite(without.score):
         text += f" Without friction: {told(without.score)}."
-    text += "".join(f" {error}" for error in fit.model_errors)
+    text += "".join(f" {error}" for error in (*fit.model_errors, route_text(fit)) if error)
     closer = [
         c
         for c in candidates

@@ -18,6 +18,7 @@ from stickslip.identification.record_fit import check_horizon
 from stickslip.identification.record_fitting import fit_record
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.route_choice import choose_route
+from stickslip.identification.trial_comparison import compared
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.selection.choice import (
@@ -82,18 +83,21 @@ def select_records(
     purpose: str = "simulate",
     horizon: float | None = None,
     route: str | None = None,
+    reason: str = "",
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
     watch: RecordWatch | None = None,
     executor: Executor | None = None,
 ) -> RecordVerdict:
-    """Select a law for records in time or measured friction; arguments as in `select`."""
+    """Select a law for records in time or measured friction; arguments as in `select`.
+
+    `reason` says why the route is not the usual one.
+    """
     aim = _aim(purpose, horizon)
     checks = checked(mechanism, measurement, validate)
     if purpose == "compensate" and route is None and "friction" not in measurement.quantities():
         route = "inverse-dynamics"
     chosen = _laws(laws, measurement)
-    reason = ""
     if route is None:
         choice = choose_route(mechanism, measurement, unknown=unknown, settings=settings)
         route, settings, reason = choice.route, choice.settings, choice.reason
@@ -371,6 +375,7 @@ def _verdict(
     assert closest.fit is not None
     # What no law explains, laws cannot be told apart by.
     experiments = () if fault else experiments_after(closest, ordered, plan)
+    trials = compared(closest.fit)
     return RecordVerdict(
         mechanism=mechanism,
         measurement=measurement,
@@ -384,6 +389,7 @@ def _verdict(
             scored=what.scored,
             fault=fault,
             on_second=on_second,
+            trials=trials,
         ),
         candidates=tuple(ordered),
         best=closest if recommended else None,
@@ -396,6 +402,7 @@ def _verdict(
         checks=checks,
         second=validate,
         on_second=on_second,
+        trials=trials,
         experiments=experiments,
         half_estimates=halves(closest.fit),
     )

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
+from functools import partial
 from typing import Any
 
 from stickslip.errors import InputError
@@ -10,6 +11,7 @@ from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification.arguments import Laws, check_given, laws_of, names_of
 from stickslip.identification.features import by_features
 from stickslip.identification.record_settings import RecordSettings
+from stickslip.identification.route_choice import RouteChoice, resolved
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.features import select_features
 from stickslip.selection.records import select_records
@@ -28,7 +30,7 @@ def select(
     unknown: str | Sequence[str] = (),
     purpose: str = "simulate",
     horizon: float | None = None,
-    route: str | None = None,
+    route: str | RouteChoice | None = None,
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
     t_end: float = 10.0,
@@ -56,8 +58,9 @@ def select(
         friction force.
     horizon : float, optional
         Length of the stretches that are predicted [s], if not that of the purpose.
-    route : {"shooting", "force-map", "inverse-dynamics", "features"}, optional
-        How records are fitted, if not as their quantities suggest.
+    route : {"shooting", "force-map", "inverse-dynamics", "features"} or RouteChoice, optional
+        How records are fitted, or what `choose_route` returned for them, with its settings; chosen
+        by `choose_route` if not given.
     validate : Measurement, optional
         A second record, which no fit sees; each law's error on it is reported.
     settings : RecordSettings, optional
@@ -96,13 +99,14 @@ def select(
     """
     check_given("select", mechanism, measurement)
     unknown, laws = names_of(unknown), laws_of(laws)
+    route, settings, reason = resolved(route, settings)
     by_its_features = by_features(measurement, route)
     if "travel" in measurement.quantities() and not by_its_features:
         _check_travels(unknown, validate)
         return select_travels(
             mechanism, measurement, _kinds(laws), t_end=t_end, watch=watch, compiling=compiling
         )
-    way = select_features if by_its_features else select_records
+    way = select_features if by_its_features else partial(select_records, reason=reason)
     return way(
         mechanism,
         measurement,

@@ -217,7 +217,7 @@ def _ranked(
     if best is None:
         return scored, None, None
     against = contradiction(trials, best)
-    # What contradicts its own law shows no other to be worse.
+    # where no law is named, none is passed over for it
     marked = mark_passed_over(scored, best) if against is None else scored
     others = [c for c in marked if c is not best]
     others.sort(key=lambda c: (bool(c.dropped), math.inf if c.score is None else c.score))

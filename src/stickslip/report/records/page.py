@@ -14,6 +14,7 @@ from stickslip.report.records.reproduce import reproduce_section
 from stickslip.report.records.residuals import residuals_section
 from stickslip.report.records.scores import scores_section
 from stickslip.report.records.second import second_section
+from stickslip.report.records.trials import trials_section
 from stickslip.selection import RecordVerdict
 
 __all__ = ["record_document", "record_page"]
@@ -79,6 +80,7 @@ def record_document(
         loops_section(verdict),
         scores_section(verdict),
         second_section(verdict),
+        trials_section(verdict),
         parameters_section(verdict),
         residuals_section(verdict),
         dropped_section(verdict),
