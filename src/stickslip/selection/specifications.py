@@ -80,7 +80,7 @@ def specifications(
     Examples
     --------
     >>> [one.name for one in specifications(None)][-3:]
-    ['lugre', 'dahl', 'dahl-exponent']
+    ['stribeck-exponent', 'dahl', 'dahl-exponent']
     >>> [one.title for one in specifications(["coulomb", "dahl-exponent"])]
     ['Coulomb', 'Dahl with exponent']
     """
