@@ -150,7 +150,8 @@ def variants(kind: type[FrictionLaw]) -> Iterator[FrictionLaw]:
         quantity = fields_of(kind).get(field.name)
         if quantity is not None and quantity.structural:
             other = 1.0 if field.default == 2.0 else 2.0
-            yield dataclasses.replace(law, **{field.name: other})
+            if quantity.low <= other <= quantity.high:
+                yield dataclasses.replace(law, **{field.name: other})
         elif quantity is not None and field.default is None:
             yield dataclasses.replace(law, **{field.name: None})
     if issubclass(kind, BristleLaw):
@@ -162,8 +163,9 @@ def bent() -> Iterator[Any]:
     for kind in LAWS.values():
         for name, quantity in fields_of(kind).items():
             if quantity.structural:
-                law = dataclasses.replace(example_of(kind), **{name: 1.5})
-                yield pytest.param(law, id=kind.name)
+                value = min(1.5, 0.8 * quantity.high)
+                law = dataclasses.replace(example_of(kind), **{name: value})
+                yield pytest.param(law, id=f"{kind.name}-{name}")
 
 
 def cases() -> Iterator[Any]:

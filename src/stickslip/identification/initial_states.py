@@ -15,8 +15,8 @@ NEGLIGIBLE = 1e-7
 """Singular values of the local states' slopes, over the largest, that are not told from 0."""
 ROUNDS = 12
 """Steps at most in which a first initial state is fitted."""
-CARRIED = 1
-"""Steps at most in which one is fitted that was carried on: the next linearisation makes more."""
+CARRIED = ROUNDS
+"""Steps at most in which one is fitted that was carried on."""
 SETTLING = 0.01
 """It is fitted when a step promises to lower the misfit by less than this share."""
 WORSE = 1.3
