@@ -105,8 +105,8 @@ def test_a_mirrored_rig_moves_in_mirror_image(kind, data, rig, y0):
     assume(kind in RIGID or y0["v"] != 0)
     law = data.draw(laws(kind))
     if isinstance(law, Dahl | LuGre):
-        # where the plateau of a power begins is found to the tolerance of stiff runs, 1e-6, on either
-        # side by itself: mirror images then agree to 1e-8 and not to the last bit
+        # where the plateau of a power begins is found to the tolerance of stiff runs, 1e-6, on
+        # either side by itself: mirror images then agree to 1e-8 and not to the last bit
         law = dataclasses.replace(law, viscous_exponent=1.0)
     run = simulate(rig, law, t_end=T_END, y0=y0, throw=False)
     start = {name: -value for name, value in y0.items()}
