@@ -9,11 +9,9 @@ which is held between samples. Each parameter of the law spans two decades.
 """
 
 import argparse
-import json
 import math
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.rigs import SOLVER, Array, Random, between
-from benchmarks.synthetic_truth import share
+from benchmarks.synthetic_truth import judged, run, share
 from stickslip import Axis, FrictionLaw, LuGre, Measurement, Stribeck, select
 from stickslip.control import closed_loop
 from stickslip.errors import StickslipError
@@ -34,6 +32,8 @@ SAME = 0.10
 RIGHT, COVERED = 0.90, (0.90, 0.99)
 """Targets: right or equal laws, and coverage of nominal 95 %."""
 RESULTS = "closed_loop_axes.jsonl"
+CHOSEN = "chosen"
+"""Stands for the route that selection takes by itself."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,13 +134,11 @@ def record(rig: ControlledAxis, random: Random) -> Measurement:
     return Measurement(time=loop.t, position=position, force=force)
 
 
-def judge(
-    seed: int, number: int, candidates: Sequence[str] = CANDIDATES, route: str | None = None
-) -> dict[str, Any]:
+def judge(seed: int, number: int, *, candidates: Sequence[str], route: str) -> dict[str, Any]:
     """Return what selection makes of one random axis."""
     random = np.random.default_rng([seed, number])
     truth = TRUTHS[number % len(TRUTHS)]
-    row: dict[str, Any] = {"seed": seed, "rig": number, "truth": truth}
+    row: dict[str, Any] = {"seed": seed, "rig": number, "truth": truth, "route": route}
     began = time.perf_counter()
     try:
         rig = draw(random, truth)
@@ -151,14 +149,14 @@ def judge(
             measurement,
             candidates,
             unknown=("inertia",),
-            route=route,
+            route=None if route == CHOSEN else route,
         )
         row["seconds"] = time.perf_counter() - began
         fits = {c.name: c.fit for c in verdict.candidates if c.fit}  # type: ignore[attr-defined]
         row |= {
             "named": verdict.best.name if verdict.best else "",  # type: ignore[attr-defined]
             "verdict": verdict.sentence,
-            "route": next(iter(fits.values())).route,
+            "fitted_by": next(iter(fits.values())).route,
             "rms": {name: fit.rms for name, fit in fits.items()},
             "fresh": {name: friction_error(rig, fit, fresh) for name, fit in fits.items()},
             "noise": rig.force_noise,
@@ -222,38 +220,6 @@ def right(row: Mapping[str, Any]) -> bool:
     return bool(errors[row["named"]] <= (1.0 + SAME) * allowed)
 
 
-def judged(path: Path, seed: int) -> list[dict[str, Any]]:
-    """Return the results in a file; a last line that was cut off does not count."""
-    rows = []
-    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
-        try:
-            row = json.loads(line)
-        except json.JSONDecodeError:
-            continue
-        if row["seed"] == seed:
-            rows.append(row)
-    return rows
-
-
-def run(path: Path, rigs: int, seed: int, jobs: int, route: str | None) -> Iterator[str]:
-    """Judge the rigs that a file does not hold yet, and append them; yield progress."""
-    done = {row["rig"] for row in judged(path, seed)}
-    left = [number for number in range(rigs) if number not in done]
-    with path.open("a", encoding="utf-8") as file, ProcessPoolExecutor(jobs) as pool:
-        if path.stat().st_size and not path.read_bytes().endswith(b"\n"):
-            file.write("\n")
-        tasks = [pool.submit(judge, seed, number, CANDIDATES, route) for number in left]
-        for count, task in enumerate(as_completed(tasks), start=len(done) + 1):
-            row = task.result()
-            file.write(json.dumps(row) + "\n")
-            file.flush()
-            said = row.get("named", "failed: " + row.get("failed", ""))
-            yield (
-                f"{count} of {rigs}: rig {row['rig']}, {row['truth']} -> {said},"
-                f" {row['seconds']:.1f} s"
-            )
-
-
 def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return the table: laws named, coverage by parameter."""
     done = [row for row in rows if "failed" not in row]
@@ -285,12 +251,20 @@ def main() -> None:
     parser.add_argument("--rigs", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--route", default=None)
+    parser.add_argument("--route", default=CHOSEN)
     parser.add_argument("--results", type=Path, default=Path(RESULTS))
     given = parser.parse_args()
-    for line in run(given.results, given.rigs, given.seed, given.jobs, given.route):
+    for line in run(
+        given.results,
+        rigs=given.rigs,
+        seed=given.seed,
+        jobs=given.jobs,
+        candidates=CANDIDATES,
+        route=given.route,
+        rated=judge,
+    ):
         print(line, flush=True)
-    print("\n".join(summary(judged(given.results, given.seed))))
+    print("\n".join(summary(judged(given.results, given.seed, given.route))))
 
 
 if __name__ == "__main__":

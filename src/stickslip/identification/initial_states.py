@@ -15,8 +15,6 @@ NEGLIGIBLE = 1e-7
 """Singular values of the local states' slopes, over the largest, that are not told from 0."""
 ROUNDS = 12
 """Steps at most in which a first initial state is fitted."""
-CARRIED = ROUNDS
-"""Steps at most in which one is fitted that was carried on."""
 SETTLING = 0.01
 """It is fitted when a step promises to lower the misfit by less than this share."""
 WORSE = 1.3
@@ -129,7 +127,7 @@ def followed(
         if stayed is not None and (best is None or stayed.misfit < best.misfit):
             best = replace(stayed, damping=before.damping).stepped(well=False)
     if best is not None:
-        best = _descended(best, shoot, CARRIED)
+        best = _descended(best, shoot)
     return _or_at_rest(best, guess, shoot) if at_rest or best is None else best
 
 
@@ -152,16 +150,14 @@ def _or_at_rest(
     return best if clearly else rested
 
 
-def _descended(
-    best: LocalState, shoot: Callable[[Array], LocalState | None], rounds: int = ROUNDS
-) -> LocalState:
+def _descended(best: LocalState, shoot: Callable[[Array], LocalState | None]) -> LocalState:
     """Return a segment from the best state met on the way down.
 
     What is projected out of residuals is what a state can do to first order: it is true only of a
     state from which there is next to nothing left to do.
     """
     nothing = np.zeros(best.slopes.shape[1])
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         if best.settled:
             break
         there = shoot(best.near(nothing))
