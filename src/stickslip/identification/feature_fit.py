@@ -304,7 +304,8 @@ def _searched(
     best = min(ends, key=lambda end: end.cost)
     alike = [end.values for end in ends if end.cost <= best.cost + ALIKE**2]
     runs = len(places) + counter.count * (1 + len(problem.unknowns))
-    return _End(replace(best, memory=np.array(alike)), runs, cancelled)
+    best.memory = np.array(alike)
+    return _End(best, runs, cancelled)
 
 
 def _spread(

@@ -9,7 +9,7 @@ order at the joint optimum; its mean and variance under the hypothesis match a s
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import final
 
 import numpy as np
@@ -54,12 +54,11 @@ def rows_of(seen: Linearised, rows: NDArray[np.bool_]) -> Linearised:
     >>> rows_of(seen, seen.segment == 0).residual.tolist()
     [0.0, 1.0]
     """
-    return replace(
-        seen,
+    return Linearised(
+        values=seen.values,
         residual=seen.residual[rows],
         slopes=seen.slopes[rows],
         segment=seen.segment[rows],
-        memory=None,
     )
 
 

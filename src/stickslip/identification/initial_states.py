@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
-__all__ = ["SETTLING", "LocalState", "followed", "settled", "worse"]
+__all__ = ["SETTLING", "Known", "LocalState", "followed", "settled", "worse"]
 
 Array = NDArray[np.float64]
 
@@ -29,6 +30,18 @@ LEAST_DAMPING, MOST_DAMPING = 1e-12, 1e4
 
 
 @final
+@dataclass(frozen=True)
+class Known:
+    """Slopes that are known."""
+
+    slopes: Array
+
+    def __call__(self) -> Array:
+        """Return them."""
+        return self.slopes
+
+
+@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LocalState:
     """One segment, linearised: what is needed to carry its initial state on.
@@ -45,8 +58,8 @@ class LocalState:
     """Measured less what is simulated from this very state (n,)."""
     size: float
     """Largest change of what was measured."""
-    slopes: Array
-    """By the unknowns (n, p)."""
+    sense: Callable[[], Array]
+    """Finds the slopes by the unknowns (n, p); asked for where they are needed, and only once."""
     units: Array
     """What initial coordinates and rates are counted in (m,)."""
     columns: Array
@@ -57,6 +70,16 @@ class LocalState:
     """Right singular vectors, in rows (m, m)."""
     damping: float = DAMPING
     """Over the largest singular value squared."""
+
+    @property
+    def slopes(self) -> Array:
+        """Slopes by the unknowns (n, p)."""
+        return self.sense()
+
+    @override
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what crosses processes: slopes that are found."""
+        return {**self.__dict__, "sense": Known(self.slopes)}
 
     @property
     def misfit(self) -> float:
@@ -83,10 +106,16 @@ class LocalState:
         found: Array = self.singular / np.maximum(bottom, np.finfo(float).tiny)
         return found
 
-    def near(self, change: Array) -> Array:
+    def near(self, change: Array | None = None) -> Array:
         """Return the initial state that fits better where the unknowns have changed by (p,)."""
-        wanted = self.columns.T @ (self.residual - self.slopes @ change)
+        wanted = self.columns.T @ self.expected(change)
         return self.state + self.units * (self.directions.T @ (self._damped * wanted))
+
+    def expected(self, change: Array | None = None) -> Array:
+        """Return the residual (n,) from this state, unknowns changed, to first order."""
+        if change is None or not change.any():
+            return self.residual
+        return self.residual - self.slopes @ change
 
     def stepped(self, *, well: bool) -> "LocalState":
         """Return the segment with less damping if its last step went well, else with more."""
@@ -121,7 +150,7 @@ def followed(
     """
     moved = shoot(before.near(change))
     best = None if moved is None else replace(moved, damping=before.damping).stepped(well=True)
-    expected = before.residual - before.slopes @ change
+    expected = before.expected(change)
     if best is None or best.misfit > float(expected @ expected):
         stayed = shoot(before.state)
         if stayed is not None and (best is None or stayed.misfit < best.misfit):
@@ -156,11 +185,10 @@ def _descended(best: LocalState, shoot: Callable[[Array], LocalState | None]) ->
     What is projected out of residuals is what a state can do to first order: it is true only of a
     state from which there is next to nothing left to do.
     """
-    nothing = np.zeros(best.slopes.shape[1])
     for _ in range(ROUNDS):
         if best.settled:
             break
-        there = shoot(best.near(nothing))
+        there = shoot(best.near())
         if there is None or there.misfit >= best.misfit:
             best = best.stepped(well=False)
         else:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +23,19 @@ AGREE = 0.01
 """Starts agree if their root mean squares differ by less than this share."""
 FLAT = 1e-4
 """The search ends when a step lowers the cost by less than this share."""
+STALLED, PATIENCE = 1e-3, 3
+"""... or when so many steps together took less than this share off it."""
+FIRST_DAMPING, GROWTH = 1e-3, 10.0
+"""Damping of the first step, and what it is multiplied by when a step fails: after each further
+failure by as much again, since steps change little while damping is below 1."""
+MOST_DAMPING = 1e6
+"""Damping above which nothing moves any more."""
 FURTHER = 4
 """Starts added at most while only one came to the least cost."""
 ROUNDS = 30
 """Steps of a descent at most."""
+NEARLY, POLISHED = 1.5, 2
+"""Cost over the least on some segments up to which other ends are tried on all; how many at most."""
 EARLY = 5
 """Steps after which starts are compared."""
 HOPELESS = 9.0
@@ -39,12 +48,15 @@ class Found:
 
     best: Linearised
     costs: tuple[float, ...]
-    """Cost each start ended with, the first start first."""
+    """Cost each start ended with, the first start first; scaled to all segments, if starts were
+    compared on some."""
     values: Array
     """Values each start ended with (starts, p)."""
     evaluations: int
     """How often the record was predicted."""
     cancelled: bool = False
+    hopeless: bool = False
+    """Whether only the best of several starts was gone on with, for a rival far below."""
 
     @property
     def agreeing(self) -> int:
@@ -78,6 +90,8 @@ def search(
     starts: int = 4,
     seed: int = 0,
     tried: Sequence[Array] = (),
+    few: Searchable | None = None,
+    rival: float = 0.0,
     watch: Watch | None = None,
 ) -> Found:
     """Return the least cost over several starts.
@@ -92,6 +106,12 @@ def search(
         Of the jitter of further starts.
     tried : sequence of array (p,)
         Values known to be worth a start, all of which are used, and before jittered ones.
+    few : Searchable, optional
+        The same with some of the segments, on which starts are compared; the best of them go on
+        with all.
+    rival : float
+        Mean square that another law leaves: where all starts are far above it, only the best goes
+        on.
     watch : callable, optional
         Called with the least root mean square so far; False ends the search with the best so far.
 
@@ -100,71 +120,129 @@ def search(
     ConvergenceError
         If the record cannot be predicted from any start.
     """
-    counter = Counter(watch)
-    ends, costs, cancelled = _ends(problem, starts, seed, tried, counter)
+    race = _Race(problem if few is None else few, starts, seed, tried, rival, Counter(watch))
+    race.run()
+    ends = [one for one in race.ends if one]
     if not ends:
         raise ConvergenceError(
-            f"the record cannot be predicted from any of {len(costs)} starts near"
+            f"the record cannot be predicted from any of {len(race.ends)} starts near"
             f" {', '.join(f'{i.path} = {i.start:.3g}' for i in problem.unknowns.items)}."
         )
+    best = min(ends, key=lambda end: end.cost)
+    rows = len(best.residual)
+    if few is not None:
+        best = min(_polished(problem, ends, race), key=lambda end: end.cost)
     return Found(
-        best=min(ends, key=lambda end: end.cost),
-        costs=tuple(costs),
+        best=best,
+        costs=tuple(cost * len(best.residual) / rows for cost in race.costs),
         values=np.array([end.values for end in ends]),
-        evaluations=counter.count,
-        cancelled=cancelled,
+        evaluations=race.counter.count,
+        cancelled=race.cancelled,
+        hopeless=race.hopeless,
     )
 
 
-def _ends(
-    problem: Searchable, starts: int, seed: int, tried: Sequence[Array], counter: Counter
-) -> tuple[list[Linearised], list[float], bool]:
-    """Return where starts ended, the cost of each, and whether the watcher stopped them.
+def _polished(problem: Searchable, ends: Sequence[Linearised], race: "_Race") -> list[Linearised]:
+    """Return where the best distinct ends of a race lead with all segments.
 
-    All starts go some rounds; those that are then far above the least cost go no further. As long
-    as the least cost was reached once only, further starts are made, up to `FURTHER`. A start from
-    which nothing is predicted has a cost and no end.
+    Raises
+    ------
+    ConvergenceError
+        If the whole record cannot be predicted from any of them.
     """
-    random = np.random.default_rng(seed)
-    begun: list[Linearised | None] = []
-    for number in range(max(starts, 1 + len(tried))):
-        values = _start(problem.unknowns, number, tried, random)
-        end, cancelled = _improved(problem, values, None, counter, EARLY)
-        begun.append(end)
-        if cancelled:
-            return [one for one in begun if one], _costs(begun), True
-    least = min(_costs(begun))
-    ends: list[Linearised | None] = []
-    for one in begun:
-        going = one is not None and one.cost <= HOPELESS * least
-        end, cancelled = (
-            _improved(problem, one.values, one, counter, ROUNDS) if going and one else (one, False)
-        )
-        ends.append(end)
-        if cancelled:
-            return [e for e in ends if e], _costs(ends), True
-    number = len(ends)
-    while starts > 1 and _agreeing(_costs(ends)) < 2 and len(ends) < number + FURTHER:
-        values = _start(problem.unknowns, len(ends), tried, random)
-        end, cancelled = _improved(problem, values, None, counter, ROUNDS)
-        ends.append(end)
+    chosen: list[Linearised] = []
+    for end in sorted(ends, key=lambda end: end.cost):
+        near = chosen and end.cost <= NEARLY * chosen[0].cost
+        if not chosen or (near and not _agreeing([end.cost, chosen[-1].cost]) == 2):
+            chosen.append(end)
+    found = []
+    for end in chosen[:POLISHED]:
+        whole, cancelled = _improved(problem, end.values, None, race.counter, ROUNDS)
+        race.cancelled |= cancelled
+        found += [whole] if whole else []
         if cancelled:
             break
-    return [one for one in ends if one], _costs(ends), cancelled
+    if not found:
+        raise ConvergenceError("the whole record cannot be predicted from where a part of it led.")
+    return found
+
+
+@dataclass
+class _Race:
+    """Searches from several starts.
+
+    All go some rounds; those that are then far above the least cost go no further. As long as the
+    least cost was reached once only, further starts are made, up to `FURTHER`. A start from which
+    nothing is predicted has no end.
+    """
+
+    problem: Searchable
+    starts: int
+    seed: int
+    tried: Sequence[Array]
+    rival: float
+    counter: Counter
+    ends: list[Linearised | None] = field(default_factory=list)
+    cancelled: bool = False
+    hopeless: bool = False
+    """Whether it was ended for a rival far below."""
+
+    @property
+    def costs(self) -> list[float]:
+        """Cost of each end, the first start first."""
+        return [math.inf if one is None else one.cost for one in self.ends]
+
+    def run(self) -> None:
+        """Search until starts agree, or the watcher stops it."""
+        random = np.random.default_rng(self.seed)
+        unknowns = self.problem.unknowns
+        for number in range(max(self.starts, 1 + len(self.tried))):
+            if not self.cancelled:
+                self.ends.append(None)
+                self._go(number, _start(unknowns, number, self.tried, random), EARLY)
+        limit = HOPELESS * min(self.costs)
+        best = min(range(len(self.ends)), key=lambda number: self.costs[number])
+        first = self.ends[best]
+        self.hopeless = bool(
+            first and len(self.ends) > 1 and first.rms**2 > HOPELESS * self.rival > 0.0
+        )
+        for number in sorted(range(len(self.ends)), key=lambda number: self.costs[number]):
+            end = self.ends[number]
+            if end and (number == best or (end.cost <= limit and not self.hopeless)):
+                self._go(number, end.values, ROUNDS)
+        while self.starts > 1 and not self.hopeless and not self.cancelled:
+            if _agreeing(self.costs) > 1 or len(self.ends) >= FURTHER + max(
+                self.starts, 1 + len(self.tried)
+            ):
+                break
+            number = len(self.ends)
+            self.ends.append(None)
+            self._go(number, _start(unknowns, number, self.tried, random), ROUNDS)
+
+    def _go(self, number: int, values: Array, rounds: int) -> None:
+        """Go on with a start, until it comes to the least cost that others came to."""
+        if self.cancelled:
+            return
+        others = [cost for i, cost in enumerate(self.costs) if i != number]
+        goal = min(others, default=0.0) if rounds == ROUNDS else 0.0
+        self.ends[number], self.cancelled = _improved(
+            self.problem, values, self.ends[number], self.counter, rounds, goal
+        )
 
 
 def _improved(
-    problem: Searchable, values: Array, near: Linearised | None, counter: Counter, rounds: int
+    problem: Searchable,
+    values: Array,
+    near: Linearised | None,
+    counter: Counter,
+    rounds: int,
+    goal: float = 0.0,
 ) -> tuple[Linearised | None, bool]:
     """Return where a start leads, None if nothing is predicted there; and whether to stop."""
     try:
-        return improve(problem, values, near=near, counter=counter, rounds=rounds)
+        return improve(problem, values, near=near, counter=counter, rounds=rounds, goal=goal)
     except ConvergenceError:
         return None, False
-
-
-def _costs(ends: Sequence[Linearised | None]) -> list[float]:
-    return [math.inf if one is None else one.cost for one in ends]
 
 
 def _agreeing(costs: Sequence[float]) -> int:
@@ -193,10 +271,12 @@ def improve(
     near: Linearised | None = None,
     counter: Callable[[Linearised], None] | None = None,
     rounds: int = ROUNDS,
+    goal: float = 0.0,
 ) -> tuple[Linearised, bool]:
     """Descend from values (p,); return the end, and whether the watcher stopped it.
 
-    A descent that ended at these values, `near`, is gone on with.
+    A descent that ended at these values, `near`, is gone on with. It ends early where its cost
+    agrees with a `goal`.
 
     Raises
     ------
@@ -209,7 +289,8 @@ def improve(
     here = problem.linearise(unknowns.values(at)) if near is None else near
     if not here.finite:
         raise ConvergenceError("the record cannot be predicted from this start.")
-    damping = 1e-3
+    damping, growth = FIRST_DAMPING, GROWTH
+    costs = [here.cost]
     try:
         if counter is not None and near is None:
             counter(here)
@@ -222,18 +303,28 @@ def improve(
             if counter is not None:
                 counter(there)
             gained = here.cost - there.cost
-            better = there.finite and gained > 0.0
-            if better:
+            if gained > 0.0 and there.finite:
                 at, here = trial, there
+                damping, growth = damping * _eased(gained, promised), GROWTH
+                costs.append(here.cost)
+            elif not flat:
+                damping, growth = damping * growth, growth * GROWTH
             if flat and not gained > FLAT * here.cost:
                 break  # nor did initial states, which follow one step behind, gain anything
-            if not flat:
-                damping = max(damping / 10.0, 1e-12) if better else damping * 10.0
-            if damping > 1e6:
+            if len(costs) > PATIENCE and here.cost > (1.0 - STALLED) * costs[-1 - PATIENCE]:
+                break
+            if damping > MOST_DAMPING or _agreeing([here.cost, goal]) == 2:
                 break
     except _StoppedError:
         return here, True
     return here, False
+
+
+def _eased(gained: float, promised: float) -> float:
+    """Return what damping is multiplied by after a step that gained so much of what it promised."""
+    if gained > 0.75 * promised:
+        return 1.0 / GROWTH
+    return 1.0 if gained > 0.25 * promised else math.sqrt(GROWTH)
 
 
 def step_of(

@@ -1,12 +1,12 @@
 """A record as residuals that depend on unknowns: what every route gives to the optimiser."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from stickslip.identification.unknowns import Unknowns
 
@@ -26,20 +26,41 @@ STEEPEST = 1e100
 """Slopes from here on are those of predictions that leave all bounds."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@final
 class Linearised:
     """Residuals and their slopes at some values, with what is local to a segment eliminated."""
 
-    values: Array
-    """Values of the unknowns (p,)."""
-    residual: Array
-    """Measured less predicted (n,); infinite where the prediction failed."""
-    slopes: Array
-    """Derivatives of the prediction by the values (n, p)."""
-    segment: NDArray[np.intp]
-    """Segment each row belongs to (n,)."""
-    memory: Any = None
-    """What the problem wants to be handed when it linearises near by."""
+    def __init__(
+        self,
+        *,
+        values: Array,
+        residual: Array,
+        slopes: Array | Callable[[], Array],
+        segment: NDArray[np.intp],
+        memory: Any = None,
+    ) -> None:
+        """Take residuals; slopes may be what finds them, when they are asked for."""
+        self.values = values
+        """Values of the unknowns (p,)."""
+        self.residual = residual
+        """Measured less predicted (n,); infinite where the prediction failed."""
+        self.segment = segment
+        """Segment each row belongs to (n,)."""
+        self.memory = memory
+        """What the problem wants to be handed when it linearises near by."""
+        self._slopes = slopes
+
+    @property
+    def slopes(self) -> Array:
+        """Derivatives of the prediction by the values (n, p)."""
+        if callable(self._slopes):
+            self._slopes = self._slopes()
+        return self._slopes
+
+    @override
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what crosses processes: slopes that are found."""
+        return {**self.__dict__, "_slopes": self.slopes}
 
     @property
     def cost(self) -> float:
@@ -49,8 +70,10 @@ class Linearised:
     @property
     def finite(self) -> bool:
         """Whether the record is predicted, and slopes are not beyond what can be squared."""
+        if not np.isfinite(self.cost):
+            return False
         steepest = float(np.max(np.abs(self.slopes), initial=0.0))  # NaN stays
-        return bool(np.isfinite(self.cost) and steepest < STEEPEST)
+        return steepest < STEEPEST
 
     @property
     def rms(self) -> float:
@@ -158,7 +181,7 @@ class Held:
         return Linearised(
             values=values,
             residual=seen.residual,
-            slopes=np.delete(seen.slopes, self.index, axis=1),
+            slopes=lambda: np.delete(seen.slopes, self.index, axis=1),
             segment=seen.segment,
             memory=seen,
         )

@@ -4,7 +4,7 @@ import html
 import math
 import numbers
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 import numpy as np
@@ -366,7 +366,13 @@ def _better(one: Linearised, other: Linearised) -> Linearised:
         rows = one.segment == k
         if not other.residual[rows] @ other.residual[rows] > residual[rows] @ residual[rows]:
             residual[rows] = other.residual[rows]
-    return replace(other, residual=residual)
+    return Linearised(
+        values=other.values,
+        residual=residual,
+        slopes=lambda: other.slopes,
+        segment=other.segment,
+        memory=other.memory,
+    )
 
 
 def scale_of(unknowns: Unknowns, values: Array, at_bounds: Mapping[str, str]) -> Array:

@@ -38,7 +38,7 @@ from stickslip.identification.residual_tests import model_errors
 from stickslip.identification.residual_trends import noise_floor
 from stickslip.identification.route_choice import choose_route
 from stickslip.identification.segmenting import Hold
-from stickslip.identification.shooting import Shooting
+from stickslip.identification.shooting import Shooting, few_of
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
@@ -94,6 +94,7 @@ def fit_record(
     route: str | None = None,
     settings: RecordSettings | None = None,
     contained: Sequence[FittedLaw] | None = None,
+    rival: float = 0.0,
     watch: Watch | None = None,
 ) -> RecordFit:
     """Fit a law to records in time or to measured friction.
@@ -121,6 +122,9 @@ def fit_record(
     contained : sequence of FittedLaw, optional
         Fits of simpler laws to the same record by the same route, from which the search begins too.
         If not given, the laws that this one contains are fitted first.
+    rival : float, optional
+        Mean square that another law leaves: where all starts are far above it, only the best of
+        them is gone on with, and the fit says so.
     watch : callable, optional
         Called with the least root mean square so far; False ends the search with the best so far.
 
@@ -149,7 +153,7 @@ def fit_record(
     )
     if contained is None:
         contained = _simpler_fits(way, wanted, watch)
-    ready, found, first = _searched(way, wanted, contained, watch)
+    ready, found, first = _searched(way, wanted, contained, watch, rival)
     if isinstance(ready.build, Balanced):
         build = ready.build.at(found.best.values)
         ready = replace(ready, build=build, problem=build.fitted(measurement))
@@ -165,7 +169,11 @@ def _kind_of(law: FrictionLaw | type[FrictionLaw]) -> type[FrictionLaw]:
 
 
 def _searched(
-    way: Route, wanted: Wanted, contained: Sequence[FittedLaw], watch: Watch | None
+    way: Route,
+    wanted: Wanted,
+    contained: Sequence[FittedLaw],
+    watch: Watch | None,
+    rival: float = 0.0,
 ) -> tuple[Prepared, Found, Found]:
     """Return the problem and the end of its search, and the search that began from all starts.
 
@@ -175,7 +183,7 @@ def _searched(
     contained = reachable(ready.start, ready.problem.unknowns, contained)
     nested = starts_from(kind, ready.problem.unknowns, contained, ready.load)
     ready = replace(ready, tried=(*nested, *ready.tried))
-    ready, found = _widened(ready, wanted.settings, watch)
+    ready, found = _widened(ready, wanted.settings, watch, rival)
     first = found
     if way == "shooting" and not driven(wanted.measurement):
         ready, found = _lengthened(ready, found, wanted.measurement, wanted.settings, watch)
@@ -274,7 +282,7 @@ def _tested(fit: RecordFit, hold: Hold) -> RecordFit:
 
 
 def _widened(
-    ready: Prepared, settings: RecordSettings, watch: Watch | None
+    ready: Prepared, settings: RecordSettings, watch: Watch | None, rival: float
 ) -> tuple[Prepared, Found]:
     """Search, and again with wider bounds where one was met that a start value had set.
 
@@ -286,6 +294,8 @@ def _widened(
         starts=settings.starts,
         seed=settings.seed,
         tried=ready.tried,
+        few=few_of(ready.problem),
+        rival=rival,
         watch=watch,
     )
     for _ in range(WIDENINGS):
@@ -294,7 +304,14 @@ def _widened(
         if found.cancelled or wider == unknowns:
             break
         wide = ready.looking_for(wider.starting_at(found.best.values))
-        again = search(wide.problem, starts=settings.starts, seed=settings.seed, watch=watch)
+        again = search(
+            wide.problem,
+            starts=settings.starts,
+            seed=settings.seed,
+            few=few_of(wide.problem),
+            rival=rival,
+            watch=watch,
+        )
         again = replace(again, evaluations=found.evaluations + again.evaluations)
         if again.best.cost > (1.0 - WORTH) * found.best.cost:
             return ready, replace(found, evaluations=again.evaluations, cancelled=again.cancelled)
@@ -393,6 +410,12 @@ def _with_estimates(fit: RecordFit, told: Unknowns, sentences: Sequence[str]) ->
 
 def _doubtful(found: Found) -> tuple[str, ...]:
     """Return a sentence where no other start came to the least residual."""
+    if found.hopeless:
+        return (
+            "The search was cut short: from all of its"
+            f" {len(found.costs)} starts, another law leaves less than a third of what this one"
+            " leaves.",
+        )
     if found.agreeing > 1 or len(found.costs) == 1:
         return ()
     return (

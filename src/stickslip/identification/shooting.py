@@ -6,7 +6,8 @@ projected out, and they follow the other unknowns from one linearisation to the 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
+from itertools import pairwise
 from typing import final
 
 import numpy as np
@@ -15,6 +16,7 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.identification.first_deflections import deflection_slopes, first_deflection
 from stickslip.identification.initial_states import (
     SETTLING,
     LocalState,
@@ -22,14 +24,15 @@ from stickslip.identification.initial_states import (
     settled,
     worse,
 )
-from stickslip.identification.problem import STEEPEST, Linearised, RecordProblem
+from stickslip.identification.problem import STEEPEST, Linearised, Problem, RecordProblem
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.solver import EventDriven
+from stickslip.solver.event_driven import BareRun
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Segment", "Shooting"]
+__all__ = ["Segment", "Shooting", "few_of"]
 
 Array = NDArray[np.float64]
 
@@ -42,8 +45,6 @@ FIRST = 20
 """First rows of a segment from whose slope it is seen whether the body may be at rest ..."""
 UNSEEN = 3.0
 """... if that is less than so many standard errors."""
-SETTLED = 0.02
-"""Bristles are settled that the first velocity bends within this share of a segment."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,6 +63,10 @@ class Segment:
     """What was measured there (n,)."""
     guess: Array
     """First guess of coordinates and rates (m,)."""
+
+
+FEW = 8
+"""Segments on which starts of a search are compared, where there are at least twice as many."""
 
 
 @final
@@ -122,14 +127,9 @@ class Shooting(RecordProblem):
             segment, mechanism = self.segments[k], mechanisms[id(self.segments[k].mechanism)]
             shoot = partial(self._shot, segment, mechanism, law)
             at_rest = _may_rest(segment, self.quantity)
-            if before is not None:
-                shot = partial(shoot, slopes=slopes)
-                return followed(before, change, segment.guess, shot, at_rest=at_rest)
-            best = settled(segment.guess, partial(shoot, slopes=False), at_rest=at_rest)
-            if best is None or not slopes:
-                return best
-            again = shoot(best.state, slopes=True)
-            return None if again is None else replace(again, damping=best.damping)
+            if before is None:
+                return settled(segment.guess, shoot, at_rest=at_rest)
+            return followed(before, change, segment.guess, shoot, at_rest=at_rest)
 
         found = {k: one(k, known.get(k)) for k in chosen}
         if slopes and known and not change.any():
@@ -152,36 +152,25 @@ class Shooting(RecordProblem):
         }
 
     def _shot(
-        self,
-        segment: Segment,
-        mechanism: Mechanism,
-        law: FrictionLaw,
-        state: Array,
-        *,
-        slopes: bool,
+        self, segment: Segment, mechanism: Mechanism, law: FrictionLaw, state: Array
     ) -> LocalState | None:
         """Return a segment simulated from a state; None if the run fails or leaves all bounds."""
-        run = _run(segment, mechanism, law, state)
+        run = _bare(segment, mechanism, law, state)
         if run is None:
             return None
         column = run.states.index(_state_of(mechanism, self.quantity))
-        inner = run.states[: 2 * len(mechanism.coordinates)]
-        paths = [*(self.unknowns.paths if slopes else ()), *(f"initial.{n}" for n in inner)]
-        assert run.differentiate is not None
-        table = run.differentiate(segment.times, paths)[:, column, :]
-        table = np.where(np.isfinite(table), table, 0.0)
-        if np.max(np.abs(table)) >= STEEPEST:
+        sense = partial(_sensed, run, segment, mechanism, law, state, column)
+        local = sense([f"initial.{name}" for name in run.states[: len(state)]])
+        if np.max(np.abs(local)) >= STEEPEST:
             return None
-        count = len(paths) - len(inner)
-        own, local = table[:, :count], table[:, count:]
-        units = np.ones(len(inner))
+        units = np.ones(len(state))
         units[len(mechanism.coordinates) :] = 1.0 / float(segment.times[-1])
         columns, singular, directions = np.linalg.svd(local * units, full_matrices=False)
         return LocalState(
             state=state,
-            residual=segment.measured - _seen(run, segment.times, column),
+            residual=segment.measured - run.at(segment.times)[:, column],
             size=float(np.ptp(segment.measured)),
-            slopes=own if slopes else np.zeros((len(segment.times), len(self.unknowns))),
+            sense=cache(partial(sense, self.unknowns.paths)),
             units=units,
             columns=columns,
             singular=singular,
@@ -194,13 +183,13 @@ class Shooting(RecordProblem):
         Times of a run count from the start of its segment.
         """
         law, mechanisms = self._changed(seen.values)
-        same = np.zeros(len(self.unknowns))
-        found = [
-            _run(one, mechanisms[id(one.mechanism)], law, seen.memory[k].near(same))
-            for k, one in enumerate(self.segments)
-            if k in seen.memory
-        ]
-        return tuple(run for run in found if run is not None)
+        found = []
+        for k, one in enumerate(self.segments):
+            if k in seen.memory:
+                mechanism, end = mechanisms[id(one.mechanism)], float(one.times[-1])
+                start = _start(mechanism, law, seen.memory[k].near(), end)
+                found.append(SOLVER.run(mechanism, law, y0=start, t_end=end))
+        return tuple(run for run in found if run.status.complete)
 
     def _joined(
         self, values: Array, chosen: Sequence[int], shots: Sequence[LocalState | None]
@@ -210,11 +199,25 @@ class Shooting(RecordProblem):
             return _failed(values, [self.segments[k] for k in chosen], chosen)
         return Linearised(
             values=values,
-            residual=np.concatenate([shot.projected(shot.residual) for shot in done]),
-            slopes=np.concatenate([shot.projected(shot.slopes) for shot in done]),
+            residual=np.concatenate([shot.residual for shot in done]),
+            slopes=lambda: np.concatenate([shot.projected(shot.slopes) for shot in done]),
             segment=np.repeat(chosen, [len(shot.residual) for shot in done]),
             memory=dict(zip(chosen, done, strict=True)),
         )
+
+
+def few_of(problem: Problem) -> Shooting | None:
+    """Return some segments of a long record, spread over it; None if it is short.
+
+    They are drawn one from each of as many stretches: every third, say, would be the same phase of
+    a motion that repeats itself.
+    """
+    if not isinstance(problem, Shooting) or len(problem.segments) < 2 * FEW:
+        return None
+    random = np.random.default_rng(0)
+    edges = np.linspace(0, len(problem.segments), FEW + 1).astype(int)
+    chosen = [int(random.integers(a, b)) for a, b in pairwise(edges.tolist())]
+    return replace(problem, segments=tuple(problem.segments[k] for k in chosen))
 
 
 def _may_rest(segment: Segment, quantity: str) -> bool:
@@ -228,33 +231,50 @@ def _may_rest(segment: Segment, quantity: str) -> bool:
     return bool(abs(found[0]) <= UNSEEN * error)
 
 
-def _run(
-    segment: Segment, mechanism: Mechanism, law: FrictionLaw, state: Array
-) -> Trajectory | None:
+def _bare(segment: Segment, mechanism: Mechanism, law: FrictionLaw, state: Array) -> BareRun | None:
     """Return a segment simulated from a state; None if the run fails."""
     if not np.all(np.isfinite(state)):
         return None
     end = float(segment.times[-1])
-    start = [*state.tolist(), *_bristles(mechanism, law, state, end)]
-    run = SOLVER.run(mechanism, law, y0=start, t_end=end)
+    run = SOLVER.bare(mechanism, law, y0=_start(mechanism, law, state, end), t_end=end)
     return run if run.status.complete else None
 
 
-def _bristles(mechanism: Mechanism, law: FrictionLaw, state: Array, end: float) -> list[float]:
-    """Return bristles that slip has settled before the segment, or 0 where slip is too slow.
+def _sensed(
+    run: BareRun,
+    segment: Segment,
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    state: Array,
+    column: int,
+    paths: Sequence[str],
+) -> Array:
+    """Return the slopes (n, paths) of what is compared; 0 where they are no numbers."""
+    bristle = [f"initial.{name}" for name in run.states[len(state) :]]
+    bristle = bristle if len(bristle) == 1 else []
+    table = run.differentiate(segment.times, [*paths, *bristle])[:, column, :]
+    table = np.where(np.isfinite(table), table, 0.0)
+    if not bristle:
+        return table
+    slip = _slip_velocity(mechanism)
+    by_law, by_velocity = deflection_slopes(
+        law, float(state[slip]), float(segment.times[-1]), paths
+    )
+    moved = by_law + by_velocity * (np.array(paths) == f"initial.{run.states[slip]}")
+    return np.asarray(table[:, :-1] + table[:, -1:] * moved)
 
-    They are not free like the other initial states: what they do in the first micrometres, an
-    initial velocity does nearly as well, and both together are torn apart by noise.
-    """
-    if not isinstance(law, BristleLaw):
-        return []
-    slip = mechanism.coordinates.index(mechanism.contacts()[0].slip)
-    v = float(state[slip + len(mechanism.coordinates)])
-    if len(law.bristles) != 1 or v == 0.0:
-        return [0.0] * len(law.bristles)
-    at_rest, moved = (law.force(v, (z,), 1.0) for z in (0.0, 1e-6))
-    z = 1e-6 * float((law.steady(v, 1.0) - at_rest) / (moved - at_rest))
-    return [z if abs(z) < SETTLED * abs(v) * end else 0.0]
+
+def _start(mechanism: Mechanism, law: FrictionLaw, state: Array, end: float) -> list[float]:
+    """Return the first states of a segment: coordinates, rates and bristles."""
+    bristles = len(law.bristles) if isinstance(law, BristleLaw) else 0
+    first = first_deflection(law, float(state[_slip_velocity(mechanism)]), end)
+    return [*state.tolist(), *[first] * bristles]
+
+
+def _slip_velocity(mechanism: Mechanism) -> int:
+    """Return the place of the slip velocity among coordinates and rates."""
+    coordinates = mechanism.coordinates
+    return coordinates.index(mechanism.contacts()[0].slip) + len(coordinates)
 
 
 def _state_of(mechanism: Mechanism, quantity: str) -> str:
@@ -263,10 +283,6 @@ def _state_of(mechanism: Mechanism, quantity: str) -> str:
     if quantity == "position":
         return slip
     return mechanism.rates[mechanism.coordinates.index(slip)]
-
-
-def _seen(run: Trajectory, times: Array, column: int) -> Array:
-    return run.at(times)[run.states[column]]
 
 
 def _failed(values: Array, segments: Sequence[Segment], chosen: Sequence[int]) -> Linearised:

@@ -204,6 +204,7 @@ def _unfitted(one: Specification, reason: str) -> RecordCandidate:
 def _candidate(
     one: Specification,
     contained: Sequence[FittedLaw] = (),
+    rival: float = 0.0,
     watch: RecordWatch | None = None,
     *,
     mechanism: Mechanism,
@@ -228,6 +229,7 @@ def _candidate(
         route=route,
         settings=settings,
         contained=contained or None,
+        rival=rival,
         watch=report,
     )
     try:

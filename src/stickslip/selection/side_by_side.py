@@ -52,9 +52,17 @@ class Fitted(Protocol[C_co]):
     """Fits one candidate; may be sent to other processes."""
 
     def __call__(
-        self, one: Specification, contained: Sequence[FittedLaw], watch: Watch | None = None, /
+        self,
+        one: Specification,
+        contained: Sequence[FittedLaw],
+        rival: float,
+        watch: Watch | None = None,
+        /,
     ) -> C_co:
-        """Return the candidate with its fit, whose search begins from contained laws too."""
+        """Return the candidate with its fit, whose search begins from contained laws too.
+
+        It may be cut short if it leaves far more than a mean square, that of a `rival`.
+        """
 
 
 @dataclass(frozen=True)
@@ -75,7 +83,8 @@ def fitted_side_by_side(
 ) -> list[C]:
     """Return the candidates in order, each fitted by a worker; without any, one after the other.
 
-    A candidate is fitted after those that it contains, from which its search begins too.
+    A candidate is fitted after those that it contains, from which its search begins too. Those
+    that take long are fitted last, and know the least that the others leave.
 
     `watch` is called here: with the least residual of each candidate when its search ends, and in
     between to ask whether to go on. When it answers False, searches end with the best so far.
@@ -85,7 +94,9 @@ def fitted_side_by_side(
     if executor is None:
         while waiting:
             one = next(one for one in waiting if not _awaited(one, waiting))
-            found[one.name] = fitted(one, _contained(one, chosen, found), watch)
+            found[one.name] = fitted(
+                one, _contained(one, chosen, found), _rival(one, chosen, found), watch
+            )
             waiting.remove(one)
         return [found[one.name] for one in chosen]
     with tempfile.TemporaryDirectory() as folder:
@@ -96,8 +107,8 @@ def fitted_side_by_side(
             ready = [one for one in waiting if not _awaited(one, unfinished)]
             # what takes longest begins first, so that no worker waits for it alone at the end
             for one in sorted(ready, key=lambda one: not takes_long(one.law)):
-                nested = _contained(one, chosen, found)
-                futures[executor.submit(fitted, one, nested, wanted)] = one
+                nested, rival = _contained(one, chosen, found), _rival(one, chosen, found)
+                futures[executor.submit(fitted, one, nested, rival, wanted)] = one
                 waiting.remove(one)
             done, _ = wait(futures, timeout=PATIENCE, return_when=FIRST_COMPLETED)
             found |= {futures.pop(future).name: future.result() for future in done}
@@ -109,8 +120,23 @@ def fitted_side_by_side(
 
 
 def _awaited(one: Specification, unfinished: Sequence[Specification]) -> bool:
-    """Whether a candidate contains one whose fit has not ended."""
-    return any(contains(one, other) for other in unfinished if other is not one)
+    """Whether a fit has not ended that is to end before that of a candidate."""
+    return any(
+        contains(one, other) or _knows(one, other) for other in unfinished if other is not one
+    )
+
+
+def _knows(one: Specification, other: Specification) -> bool:
+    """Whether a candidate is fitted with what another leaves in mind."""
+    return takes_long(one.law) and not takes_long(other.law)
+
+
+def _rival(
+    one: Specification, chosen: Sequence[Specification], found: Mapping[str, Tried]
+) -> float:
+    """Return the least mean square of those whose fits ended before; 0 if none did."""
+    known = (found[other.name].fitted_law for other in chosen if _knows(one, other))
+    return min((law.cost / law.rows for law in known if law is not None), default=0.0)
 
 
 def _contained(

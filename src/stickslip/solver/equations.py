@@ -17,7 +17,7 @@ class Equations:
         """Take the equations, and the parameters."""
         runner = runner_of(model, compiled=False)
         self.module = module = runner.module
-        self.inputs = inputs
+        self.table = inputs.table.tolist()
         n = module.N_STATES
         self.sizes = {
             "contact": 4 + module.N_CHANNELS,
@@ -39,11 +39,11 @@ class Equations:
 
     def load(self, piece: int) -> None:
         """Load a piece of the drives."""
-        self.module.load_piece(self.inputs.table, piece, self.w)
+        self.module.load_piece(self.table, piece, self.w)
 
     def load_at(self, t: float) -> None:
         """Load the piece of the drives that holds at a time."""
-        self.load(max(self.module.piece_at(self.inputs.table, 0, t), 0))
+        self.load(max(self.module.piece_at(self.table, 0, t), 0))
 
     def _put(self, y: Sequence[Any]) -> None:
         self.w[self.module.Y : self.module.Y + self.module.N_STATES] = y[: self.module.N_STATES]

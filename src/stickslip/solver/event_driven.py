@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated, final
 
 import numpy as np
+from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError
@@ -23,7 +24,7 @@ from stickslip.solver.starts import within_stops
 from stickslip.solver.tables import Inputs, gather
 from stickslip.trajectory import Event, Status, Trajectory
 
-__all__ = ["EventDriven", "status_of", "trajectory_of"]
+__all__ = ["BareRun", "EventDriven", "status_of", "trajectory_of"]
 
 _STATUS = {
     codes.END_TIME: Status.END_TIME,
@@ -110,17 +111,8 @@ class EventDriven(Solver):
                 f" corrected law {law.corrected.__name__}."
             )
         model = formulate(mechanism, law)
-        inputs = gather(mechanism, law, model, t_end)
+        inputs, record = self._executed(mechanism, law, model, y0, t_end)
         tolerance = self.tolerance_for(law)
-        record = execute(
-            model,
-            inputs,
-            within_stops(mechanism, y0),
-            t_end=t_end,
-            tolerance=tolerance,
-            limit=int(self.max_steps),
-            tier=self.tier,
-        )
         run = trajectory_of(mechanism, law, model, inputs, record, tolerance, t_end, told)
         if not self.estimate_error:
             return run
@@ -133,6 +125,62 @@ class EventDriven(Solver):
         other = finer.run(mechanism, law, y0=y0, t_end=t_end)
         error = _difference(run, other)
         return replace(run, certificate=replace(run.certificate, error_estimate=error))
+
+    def bare(
+        self, mechanism: Mechanism, law: FrictionLaw, *, y0: Sequence[float], t_end: float
+    ) -> "BareRun":
+        """Run without a certificate, for searches, which make runs by the thousand."""
+        model = formulate(mechanism, law)
+        inputs, record = self._executed(mechanism, law, model, y0, t_end)
+        whole, module = record.whole, record.runner.module
+        return BareRun(
+            states=model.states,
+            status=status_of(whole[module.STATUS], model),
+            playback=Playback.from_log(
+                model, record.runner, inputs, record.log, whole[module.STEPS]
+            ),
+            differentiate=Sensing(mechanism, law, inputs, record, t_end, ()),
+        )
+
+    def _executed(
+        self,
+        mechanism: Mechanism,
+        law: FrictionLaw,
+        model: Model,
+        y0: Sequence[float],
+        t_end: float,
+    ) -> tuple[Inputs, Record]:
+        """Return the numbers of a run, and what the kernels wrote down of it."""
+        inputs = gather(mechanism, law, model, t_end)
+        record = execute(
+            model,
+            inputs,
+            within_stops(mechanism, y0),
+            t_end=t_end,
+            tolerance=self.tolerance_for(law),
+            limit=int(self.max_steps),
+            tier=self.tier,
+        )
+        return inputs, record
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BareRun:
+    """States and sensitivities of a run, without its certificate and its events."""
+
+    states: tuple[str, ...]
+    """Names of the states."""
+    status: Status
+    """How the run ended."""
+    playback: Playback
+    """Its record."""
+    differentiate: Sensing
+    """Gives the sensitivities (n, states, paths) at an array of times."""
+
+    def at(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the states (n, states) at times (n,)."""
+        return self.playback.played(t)[0]
 
 
 def _difference(run: Trajectory, other: Trajectory) -> float:

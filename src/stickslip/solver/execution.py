@@ -44,7 +44,7 @@ def execute(
 ) -> Record:
     """Run a model from time 0 to `t_end`."""
     runner = runner_of(model, compiled=tier == "compiled" or (tier == "auto" and is_loaded(model)))
-    module, vector = runner.module, runner.vector
+    module = runner.module
     w, whole = runner.working(inputs.p, inputs.first), runner.whole()
     for i, value in enumerate(y0, module.Y):
         w[i] = float(value)
@@ -52,8 +52,8 @@ def execute(
     log, events = module.enter_run(
         w,
         whole,
-        vector(inputs.table),
-        vector(inputs.bounds or [0.0]),
+        runner.flat(inputs.table),
+        runner.flat(inputs.bounds if len(inputs.bounds) else [0.0]),
         t_end,
         tolerance,
         inputs.time_scale / 6.0,

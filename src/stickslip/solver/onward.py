@@ -50,9 +50,9 @@ class Onward:
         inputs = gather(mechanism, law, model, t_end)
         self._width = 1 + 3 * len(model.drives)
         self._column = 1 + 3 * model.drives.index(drive)
-        self._starts = inputs.table[:: self._width]
+        self._starts = inputs.table[:: self._width].tolist()
         self._row = 0
-        self._table = runner.vector(inputs.table)
+        self._table = runner.flat(inputs.table)
         # what is not told yet may do anything, so no rest is for good
         self._bounds = runner.vector([math.inf] * max(len(inputs.bounds), 1))
         self._cap = inputs.time_scale / 6.0

@@ -55,14 +55,13 @@ class Playback:
 
     def played(self, t: Array) -> tuple[Array, Array, NDArray[np.intp]]:
         """Return states (n, states), forces (n, 2 + channels) and rows (n,) at times."""
-        vector = self.runner.vector
         n, size, wide = self.module.N_STATES, len(t), 2 + len(self.model.channels)
         states, forces, rows = (self.runner.zeros(size * width) for width in (n, wide, 1))
         self.module.enter_play(
             self.log,
             len(self.rows),
-            vector(t),
-            vector(self.inputs.table),
+            self.runner.flat(t),
+            self.runner.flat(self.inputs.table),
             self.runner.working(self.inputs.p, self.inputs.first),
             states,
             forces,

@@ -84,7 +84,7 @@ class Sensing:
         known = [*model.parameter_paths, *(f"initial.{state}" for state in model.states)]
         full = [full_path(path, known) for path in paths]
         runner = runner_of(model, compiled=bool(self.record.runner.address))
-        table = np.array([self.inputs.table])
+        table = self.inputs.table[None, :]
         module, record = runner.module, self.record
         along = directions_of(self.mechanism, self.law, full, {}, table, self.t_end, self.told)
         order = np.argsort(t, kind="stable")

@@ -6,6 +6,7 @@ Everything is made for many runs at once, whose parameters are arrays; one run i
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,9 @@ ALIKE = 1e-9
 """Share of a start's derivative within which another one is the same."""
 SHORTEST = 8
 """Units in the last place of the time that a piece must last; what a shorter one does is a jump."""
+
+KEPT = 512
+"""Schedules of single runs that are kept: those of a long record's segments."""
 
 Array = NDArray[np.float64]
 
@@ -51,8 +55,9 @@ class Inputs:
     """Parameters."""
     first: int
     """Place of the first parameter in the vector of a run."""
-    table: list[float]
-    bounds: list[float]
+    table: Array
+    """What drives do (n,), not to be written to: runs share it."""
+    bounds: Array
     time_scale: float
 
 
@@ -65,14 +70,24 @@ def values_of(mechanism: Mechanism, law: FrictionLaw) -> dict[str, float]:
 def gather(mechanism: Mechanism, law: FrictionLaw, model: Model, t_end: float) -> Inputs:
     """Collect the numbers of a mechanism and a law in the order of the model."""
     values = values_of(mechanism, law)
-    plan = schedule(mechanism, {}, 1, t_end)
+    drives = tuple(mechanism.drives().values())
+    try:
+        plan = _alone(drives, t_end)
+    except TypeError:  # a drive of someone's own that cannot be hashed
+        plan = _scheduled(drives, 1, t_end)
     return Inputs(
         p=[float(values[path]) for path in model.parameter_paths],
         first=model.first_parameter,
-        table=plan.table[0].tolist(),
-        bounds=plan.bounds[0].tolist(),
+        table=plan.table[0],
+        bounds=plan.bounds[0],
         time_scale=float(plan.time_scale[0]),
     )
+
+
+@lru_cache(maxsize=KEPT)
+def _alone(drives: tuple[Drive, ...], t_end: float) -> Schedule:
+    """Return what drives do in one run: kept, since searches run the same drives again."""
+    return _scheduled(drives, 1, t_end)
 
 
 def schedule(
@@ -93,7 +108,10 @@ def schedule(
     """
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     twin = shadow(mechanism, "mechanism", lambda path: columns.get(path, values[path]))
-    drives = list(twin.drives().values())
+    return _scheduled(tuple(twin.drives().values()), count, t_end)
+
+
+def _scheduled(drives: Sequence[Drive], count: int, t_end: float) -> Schedule:
     tables = [[_columns(part.pieces(t_end), count) for part in _parts(drive)] for drive in drives]
     starts = _starts([table[0] for parts in tables for table in parts], count)
     rows = [_merged(parts, starts) for parts in tables]
@@ -124,6 +142,9 @@ def schedule_slopes(
     runs, m = len(tables), len(paths)
     if m == 0:
         return np.zeros((runs, 0, 0, 0))
+    if not columns and not _moved(mechanism, values, paths):
+        width = 1 + 3 * len(mechanism.drives())
+        return np.zeros((runs, tables.shape[1] // width, width, m))
     own: dict[str, NDArray[Any]] = {path: np.repeat(c, m) for path, c in columns.items()}
     for c, path in enumerate(paths):
         if path in values:
@@ -144,6 +165,13 @@ def schedule_slopes(
     found = np.concatenate([starts[:, :, None], *rows], axis=2).imag / IMAGINARY
     found[apart, 0] = np.nan
     return np.asarray(found.reshape(runs, m, *found.shape[1:]).transpose(0, 2, 3, 1))
+
+
+def _moved(mechanism: Mechanism, values: Mapping[str, float], paths: Sequence[str]) -> bool:
+    """Whether a path stands in a drive."""
+    known, no_number = set(paths), math.nan
+    twin = shadow(mechanism, "mechanism", lambda p: no_number if p in known else values[p])
+    return twin.drives() != mechanism.drives()
 
 
 def _met(own: NDArray[Any], begins: Array) -> NDArray[Any]:
