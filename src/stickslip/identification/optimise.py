@@ -35,7 +35,8 @@ FURTHER = 4
 ROUNDS = 30
 """Steps of a descent at most."""
 NEARLY, POLISHED = 1.5, 2
-"""Cost over the least on some segments up to which other ends are tried on all; how many at most."""
+"""Cost over the least on some segments up to which other ends are tried on all, and how many are
+at most."""
 EARLY = 5
 """Steps after which starts are compared."""
 HOPELESS = 9.0
@@ -153,7 +154,7 @@ def _polished(problem: Searchable, ends: Sequence[Linearised], race: "_Race") ->
     chosen: list[Linearised] = []
     for end in sorted(ends, key=lambda end: end.cost):
         near = chosen and end.cost <= NEARLY * chosen[0].cost
-        if not chosen or (near and not _agreeing([end.cost, chosen[-1].cost]) == 2):
+        if not chosen or (near and _agreeing([end.cost, chosen[-1].cost]) == 1):
             chosen.append(end)
     found = []
     for end in chosen[:POLISHED]:
@@ -272,11 +273,12 @@ def improve(
     counter: Callable[[Linearised], None] | None = None,
     rounds: int = ROUNDS,
     goal: float = 0.0,
+    flat: float = FLAT,
 ) -> tuple[Linearised, bool]:
     """Descend from values (p,); return the end, and whether the watcher stopped it.
 
     A descent that ended at these values, `near`, is gone on with. It ends early where its cost
-    agrees with a `goal`.
+    agrees with a `goal`, and where a step promises to lower it by less than the share `flat`.
 
     Raises
     ------
@@ -297,8 +299,8 @@ def improve(
         for _ in range(rounds):
             table = here.slopes @ unknowns.slopes(at)
             step, promised = step_of(table, here.residual, at, low, high, damping)
-            flat = promised <= FLAT * here.cost
-            trial = at if flat else np.clip(at + step, low, high)
+            done = promised <= flat * here.cost
+            trial = at if done else np.clip(at + step, low, high)
             there = problem.linearise(unknowns.values(trial), here)
             if counter is not None:
                 counter(there)
@@ -307,9 +309,9 @@ def improve(
                 at, here = trial, there
                 damping, growth = damping * _eased(gained, promised), GROWTH
                 costs.append(here.cost)
-            elif not flat:
+            elif not done:
                 damping, growth = damping * growth, growth * GROWTH
-            if flat and not gained > FLAT * here.cost:
+            if done and not gained > flat * here.cost:
                 break  # nor did initial states, which follow one step behind, gain anything
             if len(costs) > PATIENCE and here.cost > (1.0 - STALLED) * costs[-1 - PATIENCE]:
                 break

@@ -8,10 +8,11 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ConvergenceError, InputError
+from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.experiments.refusals import with_doubts
 from stickslip.friction import FrictionLaw
+from stickslip.identification.force_balance import SAMPLES as BALANCED
 from stickslip.identification.force_balance import Balanced, balanced
 from stickslip.identification.force_map import FEW, SAMPLES, map_along
 from stickslip.identification.inertia import inertia_of
@@ -19,7 +20,6 @@ from stickslip.identification.inverse_dynamics import mass_of
 from stickslip.identification.loads import as_loaded, loaded
 from stickslip.identification.map_problem import ForceMap
 from stickslip.identification.map_records import stretches_of
-from stickslip.identification.optimise import improve
 from stickslip.identification.problem import RecordProblem
 from stickslip.identification.record_fit import Build
 from stickslip.identification.record_settings import RecordSettings
@@ -183,11 +183,10 @@ def _by_inverse_dynamics(wanted: Wanted, unknowns: Unknowns) -> Array | None:
     if not decades or not isinstance(wanted.law, type):
         return None
     try:
-        ready = _derived(wanted)
-        end, _ = improve(ready.problem, ready.problem.unknowns.start)
-    except (InputError, ConvergenceError):
+        unknown = _derived(wanted, SOME).problem.unknowns
+    except InputError:
         return None
-    found = dict(zip(ready.problem.unknowns.paths, end.values.tolist(), strict=True))
+    found = dict(zip(unknown.paths, unknown.start.tolist(), strict=True))
     near = np.array([found.get(item.path, item.start) for item in unknowns.items])
     return unknowns.values(unknowns.coordinates(near))
 
@@ -229,8 +228,11 @@ def _mapped(wanted: Wanted) -> Prepared:
     )
 
 
-def _derived(wanted: Wanted) -> Prepared:
-    """Return the problem of friction that inverse dynamics finds, the mass looked for with it."""
+def _derived(wanted: Wanted, samples: float = BALANCED) -> Prepared:
+    """Return the problem of friction that inverse dynamics finds, the mass looked for with it.
+
+    `samples` are about those of a record that count.
+    """
     mechanism, measurement, hold = wanted.mechanism, wanted.measurement, wanted.settings.hold
     mass = inertia_of(mechanism, measurement, wanted.unknown)
     if mass is not None:
@@ -238,7 +240,7 @@ def _derived(wanted: Wanted) -> Prepared:
     problem, starts = map_along(
         wanted.law,
         mechanism,
-        balanced(mechanism, measurement, hold=hold, slipping=True),
+        balanced(mechanism, measurement, hold=hold, samples=samples, slipping=True),
         balanced(mechanism, measurement, hold=hold, samples=SOME, slipping=True),
         free=wanted.free,
         known=wanted.known,

@@ -26,6 +26,9 @@ FEWEST = 30
 """Rows beside a held-out block from which they are worth a segment of their own."""
 ROUNDS = 8
 """Steps at most from the estimates of the whole record to those without a block."""
+FLAT = 1e-3
+"""They end when a step lowers the cost by less than this share: estimates are then within a
+fraction of their standard errors."""
 
 
 def refitted(fit: RecordFit, first: float, last: float) -> Linearised | None:
@@ -125,7 +128,7 @@ def _refitted(fit: RecordFit, first: float, last: float) -> Linearised | None:
     if not seen.any():
         return None
     part = Part(fit.problem, np.flatnonzero(seen).tolist(), fit.found.best)
-    end, _ = improve(part, fit.values, rounds=ROUNDS)
+    end, _ = improve(part, fit.values, rounds=ROUNDS, flat=FLAT)
     return end
 
 
@@ -141,7 +144,7 @@ def _refitted_decay(fit: RecordFit, first: float, last: float) -> Linearised | N
         return None
     longest = float(np.max(spans[:, 2] - spans[:, 1]))
     problem = fit.build(Measurement(trials=parts), longest)
-    end, _ = improve(problem, fit.values, rounds=ROUNDS)
+    end, _ = improve(problem, fit.values, rounds=ROUNDS, flat=FLAT)
     return end
 
 

@@ -84,7 +84,9 @@ def select_features(
     control = None
     if unknown:
         own = next(one for one in chosen if one.name == best.name)
-        control = _beside(_judged(fitted(own, (), _renamed(watch), unknown=()), validate), best)
+        control = _beside(
+            _judged(fitted(own, (), 0.0, _renamed(watch), unknown=()), validate), best
+        )
     ordered = outcomes([best, *(one for one in judged if one.name != best.name)])
     return _verdict(mechanism, measurement, ordered, control, features, checks)
 
@@ -131,6 +133,7 @@ def _verdict(
 def _candidate(
     one: Specification,
     _contained: Sequence[FittedLaw] = (),
+    _rival: float = 0.0,
     watch: RecordWatch | None = None,
     *,
     mechanism: Mechanism,
