@@ -17,6 +17,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import ConvergenceError, InputError
+from stickslip.identification.initial_states import CLEARLY
 from stickslip.identification.optimise import improve
 from stickslip.identification.record_fitting import fit_record
 from stickslip.identification.record_settings import RecordSettings
@@ -70,7 +71,7 @@ def test_an_exact_record_gives_its_parameters_back(record):
     assert values["friction.viscous_coefficient"] == pytest.approx(8.0, rel=1e-6)
     assert values["mechanism.inertia"] == pytest.approx(4.0, rel=1e-6)
     assert values["mechanism.offset"] == pytest.approx(-0.4, rel=1e-6)
-    assert end.rms < 1e-7
+    assert end.rms < 1e-6 * 0.2  # initial states are settled to 1e-6 of the motion
 
 
 def values_found(axis, record, **more):
@@ -78,7 +79,7 @@ def values_found(axis, record, **more):
     settings = RecordSettings(resolution=200, starts=1)
     found = fit_record(axis, CoulombViscous, record, settings=settings, **more)
     end, _ = improve(found.problem, found.values)
-    assert end.rms < 1e-7  # of an exact record: the tolerance of the solver
+    assert end.rms < 1e-6 * 0.2  # initial states are settled to 1e-6 of the motion
     return found, dict(zip(found.unknowns.paths, end.values, strict=True))
 
 
@@ -133,13 +134,13 @@ def test_slopes_are_those_of_residuals_whose_initial_states_are_fitted(record):
         np.testing.assert_allclose(here.slopes[moving, i], central[moving], atol=1e-3 * scale)
 
 
-def test_residuals_have_nothing_left_that_an_initial_state_can_do(record):
+def test_residuals_have_next_to_nothing_left_that_an_initial_state_can_do(record):
     problem = problem_of(record)
     here = problem.linearise(problem.unknowns.start)
+    again = problem.linearise(problem.unknowns.start, here)
+    assert (1.0 - CLEARLY) * here.cost < again.cost <= here.cost
     for k, local in here.memory.items():
         own = here.segment == k
-        size = np.linalg.norm(here.residual[own]) + 1e-12
-        assert np.max(np.abs(local.basis.T @ here.residual[own])) < 1e-9 * size
         assert np.max(np.abs(local.basis.T @ here.slopes[own])) < 1e-9 * np.abs(local.slopes).max()
 
 
@@ -154,12 +155,11 @@ def test_some_segments_are_linearised_as_among_all(record):
 
 def test_rows_times_and_spans_belong_together(record):
     problem = problem_of(record)
-    here = problem.linearise(problem.unknowns.start, slopes=False)
+    here = problem.linearise(problem.unknowns.start)
     assert problem.times.shape == here.residual.shape
     for k, (_, first, last) in enumerate(problem.spans):
         own = problem.times[here.segment == k]
         assert (own[0], own[-1]) == (first, last)
-    assert not here.slopes.any()
 
 
 def test_values_that_no_law_can_have_are_infinitely_wrong(record):

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-__all__ = ["SETTLING", "Known", "LocalState", "followed", "settled", "worse"]
+__all__ = ["CLEARLY", "SETTLING", "Known", "LocalState", "followed", "settled", "worse"]
 
 Array = NDArray[np.float64]
 
@@ -16,8 +16,10 @@ NEGLIGIBLE = 1e-7
 """Singular values of the local states' slopes, over the largest, that are not told from 0."""
 ROUNDS = 12
 """Steps at most in which a first initial state is fitted."""
-SETTLING = 0.01
+SETTLING = 1e-3
 """It is fitted when a step promises to lower the misfit by less than this share."""
+CLEARLY = 0.01
+"""Share by which a moving start has to fit better than rest, which is preferred."""
 WORSE = 1.3
 """Segments are looked at again whose mean square is so many times the median of all: that of a
 hundred rows of noise scatters by a seventh."""
@@ -96,8 +98,12 @@ class LocalState:
         """Whether another step promises next to nothing, or less than the solver is exact to."""
         kept = 1.0 - self._damped * self.singular
         promised = float(np.sum((self.columns.T @ self.residual) ** 2 * (1.0 - kept**2)))
-        exact = len(self.residual) * (EXACT * self.size) ** 2
-        return promised <= max(SETTLING * self.misfit, exact)
+        return promised <= max(SETTLING * self.misfit, self.exact)
+
+    @property
+    def exact(self) -> float:
+        """Sum of squares that is the solver's own."""
+        return len(self.residual) * (EXACT * self.size) ** 2
 
     @property
     def _damped(self) -> Array:
@@ -175,7 +181,7 @@ def _or_at_rest(
     if first is None:
         return best
     rested = _descended(first, shoot)
-    clearly = best is not None and best.misfit < (1.0 - SETTLING) * rested.misfit
+    clearly = best is not None and best.misfit < (1.0 - CLEARLY) * rested.misfit
     return best if clearly else rested
 
 

@@ -18,7 +18,7 @@ from stickslip.errors import ParameterError
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.first_deflections import deflection_slopes, first_deflection
 from stickslip.identification.initial_states import (
-    SETTLING,
+    CLEARLY,
     LocalState,
     followed,
     settled,
@@ -137,7 +137,7 @@ class Shooting(RecordProblem):
             # valley, which shows in segments that fit worse than most
             for k, poor in worse(found).items():
                 again = one(k, None)
-                if again is not None and again.misfit < (1.0 - SETTLING) * poor.misfit:
+                if again is not None and again.misfit < (1.0 - CLEARLY) * poor.misfit:
                     found[k] = again
         return self._joined(values, chosen, list(found.values()))
 
@@ -187,7 +187,7 @@ class Shooting(RecordProblem):
         for k, one in enumerate(self.segments):
             if k in seen.memory:
                 mechanism, end = mechanisms[id(one.mechanism)], float(one.times[-1])
-                start = _start(mechanism, law, seen.memory[k].near(), end)
+                start = _start(mechanism, law, seen.memory[k].state, end)
                 found.append(SOLVER.run(mechanism, law, y0=start, t_end=end))
         return tuple(run for run in found if run.status.complete)
 
