@@ -125,3 +125,17 @@ def test_a_fit_shows_its_error_of_the_model(late):
     assert "late" in str(found)
     assert "late" in found._repr_html_()
     assert found.to_dict()["model_errors"][0]["sentence"] == str(found.model_errors[0])
+
+
+def test_an_encoder_that_toggles_between_two_counts_is_no_vibration():
+    step, rate, mass = 5e-6, 1000.0, 30.0
+    t = np.arange(0.0, 20.0, 1.0 / rate)
+    v = 0.05 * np.sin(1.3 * t) + 0.03 * np.sin(3.1 * t)
+    x = -0.05 / 1.3 * np.cos(1.3 * t) - 0.03 / 3.1 * np.cos(3.1 * t)
+    a = 0.05 * 1.3 * np.cos(1.3 * t) + 0.03 * 3.1 * np.cos(3.1 * t)
+    force = mass * a + 10.0 * np.sign(v) + 20.0 * v
+    force += 0.1 * np.random.default_rng(3).standard_normal(len(t))
+    toggled = step * (np.round(x / step) + (np.sin(2.0 * np.pi * 443.0 * t) > 0.0))
+    record = Measurement(time=t, position=toggled, force=force)
+    errors = fit(Axis(inertia=mass), CoulombViscous, record, route="inverse-dynamics").model_errors
+    assert not {"vibration"} & {one.kind for one in errors}

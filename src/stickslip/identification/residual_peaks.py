@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from scipy import signal
 from scipy.ndimage import median_filter
 
+from stickslip.experiments.signals import step_of
 from stickslip.experiments.wording import quantity
 from stickslip.identification.applied import applied_force
 from stickslip.identification.force_balance import balanced, mean_force, second_differences
-from stickslip.identification.inverse_dynamics import known_forces, positions_of
+from stickslip.identification.inverse_dynamics import known_forces, mass_of, positions_of
 from stickslip.identification.map_problem import ForceMap
 from stickslip.identification.map_records import Stretch
 from stickslip.identification.model_error import UNSAID, ModelError
@@ -75,8 +76,10 @@ def peaks_of(fit: Fitted, least: float) -> Iterator[ModelError]:
     size = math.sqrt(residual * step)
     if ratio[peak] < PEAK or size < least:
         return
+    swing = size / (mass_of(fit.mechanism) * (2.0 * math.pi * where) ** 2)
     ripple = moved < OWN * pushed < residual < pushed / OWN
-    if ripple or pushed < OWN * moved < residual < moved / OWN:
+    vibration = pushed < OWN * moved < residual < moved / OWN
+    if ripple or (vibration and swing > _resolved(fit, longest)):
         sized = quantity(where, "Hz"), quantity(size, fit.measurement.unit("force"))
         yield ModelError(
             kind="ripple" if ripple else "vibration",
@@ -86,6 +89,11 @@ def peaks_of(fit: Fitted, least: float) -> Iterator[ModelError]:
             interval=(where - step, where + step),
             share=residual / float(np.sum(powers[0])),
         )
+
+
+def _resolved(fit: Fitted, one: Stretch) -> float:
+    """Return the step of the readings of a position: what toggles between two is no vibration."""
+    return step_of(positions_of(fit.measurement.records()[one.record]))
 
 
 def _spectra(rate: float, length: int, signals: Sequence[Array]) -> tuple[Array, ...]:
