@@ -1,7 +1,6 @@
 """The verb `fit`."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
@@ -16,7 +15,7 @@ from stickslip.identification.least_squares import fit_several
 from stickslip.identification.record_fitting import fit_record
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.results import Fit, TravelFit
-from stickslip.identification.route_choice import RouteChoice, resolved
+from stickslip.identification.route_choice import RouteChoice, asked_for
 from stickslip.identification.starts import Start, check_known, starting_law, with_known
 from stickslip.identification.travel import TravelModel, Trial, trials_of
 from stickslip.mechanisms import Mechanism
@@ -100,8 +99,7 @@ def fit(
     check_given("fit", mechanism, measurement)
     unknown, free = names_of(unknown), None if free is None else names_of(free)
     law = _known_law(law, known)
-    route, settings, reason = resolved(route, settings)
-    if by_features(measurement, route):
+    if by_features(measurement, asked_for(route)):
         _refuse_known(known)
         seed = 0 if settings is None else settings.seed
         return fit_features(
@@ -110,7 +108,7 @@ def fit(
     if "travel" not in measurement.quantities():
         refuse_faults(measurement, mechanism)
         with with_doubts(measurement, mechanism, of=ConvergenceError):
-            found = fit_record(
+            return fit_record(
                 mechanism,
                 law,
                 measurement,
@@ -121,7 +119,6 @@ def fit(
                 settings=settings,
                 watch=watch,
             )
-        return replace(found, route_reason=reason or found.route_reason)
     if unknown:
         raise InputError("a few travels cannot tell parameters of the mechanism from friction.")
     start = with_known(starting_law(law), known) if isinstance(law, type) else law

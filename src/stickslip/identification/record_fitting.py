@@ -36,7 +36,12 @@ from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.refits import halves_of
 from stickslip.identification.residual_tests import model_errors
 from stickslip.identification.residual_trends import noise_floor
-from stickslip.identification.route_choice import choose_route
+from stickslip.identification.route_choice import (
+    RouteChoice,
+    better_route,
+    choose_route,
+    to_compare,
+)
 from stickslip.identification.segmenting import Hold
 from stickslip.identification.shooting import Shooting, few_of
 from stickslip.identification.unknowns import Unknowns
@@ -91,7 +96,7 @@ def fit_record(
     unknown: Sequence[str] = (),
     free: Sequence[str] | None = None,
     known: Mapping[str, float] | None = None,
-    route: str | None = None,
+    route: str | RouteChoice | None = None,
     settings: RecordSettings | None = None,
     contained: Sequence[FittedLaw] | None = None,
     rival: float = 0.0,
@@ -114,9 +119,10 @@ def fit_record(
         Parameters of the law that are looked for; all of its `fit_order` if not given.
     known : mapping of str to float, optional
         Values of those that are not, by name, where the law is a type.
-    route : {"shooting", "force-map", "inverse-dynamics"}, optional
+    route : {"shooting", "force-map", "inverse-dynamics"} or RouteChoice, optional
         Simulated segments; measured friction along the measured motion; or friction that inverse
-        dynamics finds, along it.
+        dynamics finds, along it. Chosen by `choose_route` if not given; where both the first and
+        the last may serve and the first leaves much of the motion, the better of both.
     settings : RecordSettings, optional
         Segments and starts.
     contained : sequence of FittedLaw, optional
@@ -140,7 +146,8 @@ def fit_record(
     ConvergenceError
         If no start predicts the record.
     """
-    way, settings, reason = _route(mechanism, measurement, unknown, route, settings)
+    choice = _route(mechanism, measurement, unknown, route, settings)
+    way, settings = choice.route, choice.settings
     refuse_unused(measurement)
     wanted = Wanted(
         mechanism=mechanism,
@@ -161,7 +168,22 @@ def fit_record(
     failure = search_failure(_kind_of(law), found.best.cost, len(found.best.residual), contained)
     fit = _tested(_finished(way, measurement, ready, found, first), settings.hold)
     sentences = (failure, *fit.sentences) if failure else fit.sentences
-    return replace(fit, sentences=sentences, search_failure=failure, route_reason=reason)
+    fit = replace(fit, sentences=sentences, search_failure=failure, route_reason=choice.reason)
+    if not to_compare(choice, [fit]):
+        return fit
+    other = fit_record(
+        mechanism,
+        law,
+        measurement,
+        unknown=unknown,
+        free=free,
+        known=known,
+        route=choice.alternative,
+        settings=settings,
+        watch=watch,
+    )
+    why = better_route([fit], [other])
+    return replace(other, route_reason=why) if why else fit
 
 
 def _kind_of(law: FrictionLaw | type[FrictionLaw]) -> type[FrictionLaw]:
@@ -196,14 +218,15 @@ def _route(
     mechanism: Mechanism,
     measurement: Measurement,
     unknown: Sequence[str],
-    route: str | None,
+    route: str | RouteChoice | None,
     settings: RecordSettings | None,
-) -> tuple[Route, RecordSettings, str]:
+) -> RouteChoice:
     """Return the route, its settings and why it was chosen; as asked for if it was."""
-    if route is not None:
-        return route_of(measurement, route), settings or RecordSettings(), ""
-    chosen = choose_route(mechanism, measurement, unknown=unknown, settings=settings)
-    return chosen.route, chosen.settings, chosen.reason
+    if isinstance(route, RouteChoice):
+        return route
+    if route is None:
+        return choose_route(mechanism, measurement, unknown=unknown, settings=settings)
+    return RouteChoice(route=route_of(measurement, route), settings=settings or RecordSettings())
 
 
 def _simpler_fits(way: Route, wanted: Wanted, watch: Watch | None) -> tuple[FittedLaw, ...]:

@@ -19,13 +19,21 @@ from stickslip.experiments.wording import number, percent
 from stickslip.friction import CoulombViscous
 from stickslip.identification.applied import driven
 from stickslip.identification.optimise import improve, search
-from stickslip.identification.record_fit import settled
+from stickslip.identification.record_fit import RecordFit, settled
 from stickslip.identification.record_problems import Route, Wanted, prepared
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.shooting import Segment, Shooting
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["RouteChoice", "choose_route", "resolved", "serves_inverse_dynamics"]
+__all__ = [
+    "RouteChoice",
+    "asked_for",
+    "better_route",
+    "choose_route",
+    "serves_inverse_dynamics",
+    "to_compare",
+    "unexplained_share",
+]
 
 UNPREDICTED = 0.5
 """Share of the motion left unexplained beyond which simulated segments do not serve."""
@@ -54,21 +62,56 @@ class RouteChoice:
     """Settings with the length of segments that serves."""
     reason: str = ""
     """Why it is not simulated segments of the usual length; empty if it is."""
+    alternative: Route | None = None
+    """Route that may serve better, to be compared once laws are fitted; None if none may."""
 
 
-def resolved(
-    route: str | RouteChoice | None, settings: RecordSettings | None
-) -> tuple[str | None, RecordSettings | None, str]:
-    """Return route, settings and the reason of the route; of a choice, its own.
+def asked_for(route: str | RouteChoice | None) -> str | None:
+    """Return the name of a route, or of that of a choice; None if nobody asked for one.
 
     Examples
     --------
-    >>> resolved("shooting", None)
-    ('shooting', None, '')
+    >>> asked_for("shooting")
+    'shooting'
     """
-    if isinstance(route, RouteChoice):
-        return route.route, route.settings, route.reason
-    return route, settings, ""
+    return route.route if isinstance(route, RouteChoice) else route
+
+
+def unexplained_share(fit: RecordFit) -> float:
+    """Return what a fit leaves unexplained, as a share.
+
+    Of simulated segments, that of their motion about a straight line, as their first position and
+    velocity are fitted; of friction, that of its variation about its mean.
+    """
+    problem = fit.problem
+    if isinstance(problem, Shooting):
+        whole = sum(_curved(segment) for segment in problem.segments)
+    else:
+        whole = float(np.sum((problem.measured - np.mean(problem.measured)) ** 2))
+    return math.sqrt(fit.found.best.cost / max(whole, 1e-300))
+
+
+def better_route(fits: Sequence[RecordFit], others: Sequence[RecordFit]) -> str:
+    """Return why the route of other fits to the same record serves better; empty if it does not.
+
+    It does where the best of its fits leaves a smaller share of what it explains.
+    """
+    if not others:
+        return ""
+    one, other = (min(unexplained_share(fit) for fit in some) for some in (fits, others))
+    if not other < one:
+        return ""
+    return (
+        f"simulated segments leave {percent(one)} of the motion unexplained at best, inverse"
+        f" dynamics {percent(other)} of the friction"
+    )
+
+
+def to_compare(choice: RouteChoice, fits: Sequence[RecordFit]) -> bool:
+    """Whether the alternative of a choice is to be tried, as even the best fit leaves much."""
+    if choice.alternative is None or not fits:
+        return False
+    return min(unexplained_share(fit) for fit in fits) > SUSPECT
 
 
 def choose_route(
@@ -124,7 +167,7 @@ def choose_route(
     else:
         why = _contradiction(mechanism, measurement, unknown, settings, seen) if derivable else ""
     if not why:
-        return usual
+        return replace(usual, alternative="inverse-dynamics") if derivable else usual
     if derivable:
         return RouteChoice(route="inverse-dynamics", settings=settings, reason=why)
     if settings.segment != RecordSettings().segment:

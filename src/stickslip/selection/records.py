@@ -17,7 +17,13 @@ from stickslip.identification.containment import FittedLaw
 from stickslip.identification.record_fit import check_horizon
 from stickslip.identification.record_fitting import fit_record
 from stickslip.identification.record_settings import RecordSettings
-from stickslip.identification.route_choice import choose_route
+from stickslip.identification.route_choice import (
+    RouteChoice,
+    asked_for,
+    better_route,
+    choose_route,
+    to_compare,
+)
 from stickslip.identification.trial_comparison import compared
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
@@ -82,35 +88,24 @@ def select_records(
     unknown: Sequence[str] = (),
     purpose: str = "simulate",
     horizon: float | None = None,
-    route: str | None = None,
-    reason: str = "",
+    route: str | RouteChoice | None = None,
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
     watch: RecordWatch | None = None,
     executor: Executor | None = None,
 ) -> RecordVerdict:
-    """Select a law for records in time or measured friction; arguments as in `select`.
-
-    `reason` says why the route is not the usual one.
-    """
+    """Select a law for records in time or measured friction; arguments as in `select`."""
     aim = _aim(purpose, horizon)
     checks = checked(mechanism, measurement, validate)
     if purpose == "compensate" and route is None and "friction" not in measurement.quantities():
         route = "inverse-dynamics"
     chosen = _laws(laws, measurement)
     if route is None:
-        choice = choose_route(mechanism, measurement, unknown=unknown, settings=settings)
-        route, settings, reason = choice.route, choice.settings, choice.reason
-    fitted = partial(
-        _candidate,
-        mechanism=mechanism,
-        measurement=_without_stated(measurement, route),
-        unknown=unknown,
-        route=route,
-        reason=reason,
-        settings=settings,
+        route = choose_route(mechanism, measurement, unknown=unknown, settings=settings)
+    settings = route.settings if isinstance(route, RouteChoice) else settings
+    fitted, tried = _tried(
+        mechanism, measurement, unknown, route, settings, chosen, watch, executor
     )
-    tried = fitted_side_by_side(fitted, chosen, watch, executor)
     with with_doubts(measurement, mechanism, of=ConvergenceError):
         fits = _fits(tried)
     plan = plan_of(min(fits, key=lambda fit: fit.rms), horizon=aim)
@@ -120,6 +115,45 @@ def select_records(
     judged = _with_contained(judged, chosen)
     found = _verdict(mechanism, measurement, judged, without, plan, purpose, checks, validate)
     return replace(found, settings=settings or RecordSettings())
+
+
+def _tried(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    unknown: Sequence[str],
+    route: str | RouteChoice,
+    settings: RecordSettings | None,
+    chosen: Sequence[Specification],
+    watch: RecordWatch | None,
+    executor: Executor | None,
+) -> tuple[Callable[..., RecordCandidate], list[RecordCandidate]]:
+    """Return what fits a candidate, and all of them fitted: by the better of two open routes."""
+
+    def by(name: str, reason: str) -> Callable[..., RecordCandidate]:
+        return partial(
+            _candidate,
+            mechanism=mechanism,
+            measurement=_without_stated(measurement, name),
+            unknown=unknown,
+            route=name,
+            reason=reason,
+            settings=settings,
+        )
+
+    choice = route if isinstance(route, RouteChoice) else None
+    fitted = by(asked_for(route) or "", choice.reason if choice else "")
+    tried = fitted_side_by_side(fitted, chosen, watch, executor)
+    fits = [one.fit for one in tried if one.fit]
+    if choice and choice.alternative and to_compare(choice, fits):
+        others = fitted_side_by_side(by(choice.alternative, ""), chosen, watch, executor)
+        why = better_route(fits, [one.fit for one in others if one.fit])
+        if why:
+            fitted = by(choice.alternative, why)
+            tried = [
+                replace(one, fit=replace(one.fit, route_reason=why)) if one.fit else one
+                for one in others
+            ]
+    return fitted, tried
 
 
 def _aim(purpose: str, horizon: float | None) -> float:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from functools import partial
 from typing import Any
 
 from stickslip.errors import InputError
@@ -11,7 +10,7 @@ from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification.arguments import Laws, check_given, laws_of, names_of
 from stickslip.identification.features import by_features
 from stickslip.identification.record_settings import RecordSettings
-from stickslip.identification.route_choice import RouteChoice, resolved
+from stickslip.identification.route_choice import RouteChoice, asked_for
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.features import select_features
 from stickslip.selection.records import select_records
@@ -99,15 +98,27 @@ def select(
     """
     check_given("select", mechanism, measurement)
     unknown, laws = names_of(unknown), laws_of(laws)
-    route, settings, reason = resolved(route, settings)
-    by_its_features = by_features(measurement, route)
+    by_its_features = by_features(measurement, asked_for(route))
     if "travel" in measurement.quantities() and not by_its_features:
         _check_travels(unknown, validate)
         return select_travels(
             mechanism, measurement, _kinds(laws), t_end=t_end, watch=watch, compiling=compiling
         )
-    way = select_features if by_its_features else partial(select_records, reason=reason)
-    return way(
+    if by_its_features:
+        return select_features(
+            mechanism,
+            measurement,
+            laws,
+            unknown=unknown,
+            purpose=purpose,
+            horizon=horizon,
+            route=asked_for(route),
+            validate=validate,
+            settings=settings,
+            watch=watch,
+            executor=executor,
+        )
+    return select_records(
         mechanism,
         measurement,
         laws,
