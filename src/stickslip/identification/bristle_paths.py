@@ -40,6 +40,8 @@ WAY_PARTS = 2
 """Parts of such a displacement; one is exact where rates are linear in the deflection."""
 STEPS_PER_CHUNK = 0.5
 """Steps in a chunk over the number of chunks."""
+STILL = 1e-10
+"""Rate over the first one that is none."""
 SERIES = 0.05
 """Argument below which the functions of the exponential are summed as series."""
 
@@ -296,7 +298,9 @@ def _held_back(rates: Rates, z: Array, f: Array, new: Array, slope: Array) -> tu
         # Illinois: the end that stays counts half
         f_high = np.where(before, 0.5 * f_high, f_middle)
         f_low = np.where(before, f_middle, 0.5 * f_low)
-        low, high = np.where(before, middle, low), np.where(before, high, middle)
+        # the rate of a law that is linear in the deflection is 0 after one step, but for rounding
+        found = np.abs(f_middle) <= STILL * np.abs(f)
+        low, high = np.where(before | found, middle, low), np.where(before & ~found, high, middle)
         if np.max(np.where(over, np.abs(high - low) - 1e-10 * np.abs(new), 0.0)) <= 0.0:
             break
     return np.where(over, middle, new), np.where(over, 0.0, slope)

@@ -43,7 +43,7 @@ from stickslip.identification.route_choice import (
     to_compare,
 )
 from stickslip.identification.segmenting import Hold
-from stickslip.identification.shooting import Shooting, few_of
+from stickslip.identification.shooting import Shooting
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
@@ -317,7 +317,7 @@ def _widened(
         starts=settings.starts,
         seed=settings.seed,
         tried=ready.tried,
-        few=few_of(ready.problem),
+        few=ready.few,
         rival=rival,
         watch=watch,
     )
@@ -331,7 +331,7 @@ def _widened(
             wide.problem,
             starts=settings.starts,
             seed=settings.seed,
-            few=few_of(wide.problem),
+            few=wide.few,
             rival=rival,
             watch=watch,
         )

@@ -19,7 +19,7 @@ from stickslip.identification.inertia import inertia_of
 from stickslip.identification.inverse_dynamics import mass_of
 from stickslip.identification.loads import as_loaded, loaded
 from stickslip.identification.map_problem import ForceMap
-from stickslip.identification.map_records import stretches_of
+from stickslip.identification.map_records import Stretch, stretches_of
 from stickslip.identification.problem import RecordProblem
 from stickslip.identification.record_fit import Build
 from stickslip.identification.record_settings import RecordSettings
@@ -30,7 +30,7 @@ from stickslip.identification.record_starts import (
     scales_of,
 )
 from stickslip.identification.segmenting import measured_quantity, segments_of
-from stickslip.identification.shooting import Shooting
+from stickslip.identification.shooting import Shooting, few_of
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
@@ -38,6 +38,8 @@ from stickslip.quantities import vary
 __all__ = ["Prepared", "Route", "Wanted", "prepared"]
 
 Array = NDArray[np.float64]
+FEWER = 2
+"""How many times fewer rows have to be for starts to be compared on them."""
 SOME = 2_500
 """Samples of a record that start values are looked for with, where many are at rest."""
 Route: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
@@ -68,6 +70,22 @@ class Prepared:
     """Further start values (p,), the best first."""
     load: float = 1.0
     """Typical normal force [N]."""
+    coarse: tuple[Stretch, ...] = ()
+    """Stretches of fewer samples, where friction is compared."""
+
+    @property
+    def few(self) -> RecordProblem | None:
+        """Some of the problem, on which starts are compared; None where that saves little."""
+        if isinstance(self.problem, Shooting):
+            return few_of(self.problem)
+        assert isinstance(self.problem, ForceMap)
+        few, whole = (
+            sum(len(one.path.time) for one in those)
+            for those in (self.coarse, self.problem.stretches)
+        )
+        if not FEWER * few < whole or not self.coarse:
+            return None
+        return replace(self.problem, stretches=self.coarse)
 
     def looking_for(self, unknowns: Unknowns) -> "Prepared":
         """Return the same with other bounds or start values of the unknowns."""
@@ -214,17 +232,19 @@ def _mapped(wanted: Wanted) -> Prepared:
             " what is unknown of the mechanism, or fit another record that has motion and force."
         )
     mechanism = wanted.mechanism
+    coarse = stretches_of(mechanism, wanted.measurement, samples=FEW)
     problem, starts = map_along(
         wanted.law,
         mechanism,
         stretches_of(mechanism, wanted.measurement, samples=SAMPLES),
-        stretches_of(mechanism, wanted.measurement, samples=FEW),
+        coarse,
         free=wanted.free,
         known=wanted.known,
     )
     problem = replace(problem, unknowns_=problem.unknowns.starting_at(starts[0]))
+    build = _Rubbed(mechanism, problem)
     return Prepared(
-        mechanism, problem.law, problem, _Rubbed(mechanism, problem), starts[1:], _load(problem)
+        mechanism, problem.law, problem, build, starts[1:], _load(problem), tuple(coarse)
     )
 
 
@@ -237,11 +257,12 @@ def _derived(wanted: Wanted, samples: float = BALANCED) -> Prepared:
     mass = inertia_of(mechanism, measurement, wanted.unknown)
     if mass is not None:
         mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})
+    coarse = balanced(mechanism, measurement, hold=hold, samples=SOME, slipping=True)
     problem, starts = map_along(
         wanted.law,
         mechanism,
         balanced(mechanism, measurement, hold=hold, samples=samples, slipping=True),
-        balanced(mechanism, measurement, hold=hold, samples=SOME, slipping=True),
+        coarse,
         free=wanted.free,
         known=wanted.known,
     )
@@ -252,4 +273,4 @@ def _derived(wanted: Wanted, samples: float = BALANCED) -> Prepared:
         problem = replace(problem, unknowns_=unknowns, inertia=mass.path, mass=mass_of(mechanism))
         _refuse_overrides(measurement, unknowns)
     build = Balanced(mechanism, problem, hold)
-    return Prepared(mechanism, problem.law, problem, build, starts[1:], _load(problem))
+    return Prepared(mechanism, problem.law, problem, build, starts[1:], _load(problem), coarse)
