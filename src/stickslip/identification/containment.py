@@ -11,7 +11,7 @@ from stickslip.experiments.wording import number
 from stickslip.friction import DirectionalLaw, FrictionLaw, containment_of
 from stickslip.identification.unknowns import Unknown, Unknowns
 
-__all__ = ["FittedLaw", "reachable", "search_failure", "starts_from"]
+__all__ = ["FittedLaw", "not_whole", "reachable", "search_failure", "starts_from"]
 
 Array = NDArray[np.float64]
 
@@ -121,17 +121,19 @@ def starts_from(
     found = []
     for one in fitted:
         for point in _embedded(kind, unknowns, one, fitted, load):
-            values = np.array([_value(item, point.get(item.path)) for item in unknowns.items])
+            given = [(item, point.get(item.path, item.start)) for item in unknowns.items]
+            values = np.array([not_whole(item, value) for item, value in given])
             found.append(unknowns.values(unknowns.coordinates(values)))
     return tuple(found)
 
 
-def _value(item: Unknown, given: float | None) -> float:
-    """Return a start value; a whole exponent would shape the equations and have no slope."""
-    if given is None:
-        return item.start
-    whole = item.quantity.structural and float(given).is_integer()
-    return given * (1.0 + NOT_WHOLE) if whole else given
+def not_whole(item: Unknown, value: float) -> float:
+    """Return a value; next to it if it is a whole exponent, which has no slope.
+
+    Whole exponents shape the equations.
+    """
+    whole = item.quantity.structural and value.is_integer()
+    return value * (1.0 + NOT_WHOLE) if whole else value
 
 
 def _embedded(

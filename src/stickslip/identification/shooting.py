@@ -16,6 +16,7 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.identification.containment import not_whole
 from stickslip.identification.first_deflections import deflection_slopes, first_deflection
 from stickslip.identification.initial_states import (
     CLEARLY,
@@ -143,7 +144,8 @@ class Shooting(RecordProblem):
 
     def _changed(self, values: Array) -> tuple[FrictionLaw, Mapping[int, Mechanism]]:
         """Return the law and, by identity, the segments' mechanisms with other values."""
-        pairs = dict(zip(self.unknowns.paths, map(float, values), strict=True))
+        items = zip(self.unknowns.items, map(float, values), strict=True)
+        pairs = {item.path: not_whole(item, value) for item, value in items}
         own = {path: value for path, value in pairs.items() if path.startswith("mechanism.")}
         law = vary(self.law, "friction", {p: v for p, v in pairs.items() if p not in own})
         return law, {
