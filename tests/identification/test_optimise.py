@@ -96,6 +96,56 @@ def test_starts_that_disagree_call_for_further_ones(monkeypatch):
     assert found.best.cost == pytest.approx(2.0)
 
 
+def test_starts_race_on_some_rows_and_the_best_goes_on_with_all():
+    whole = Linear(TABLE, MEASURED, start=[9.0, 9.0])
+    few = Linear(TABLE[::4], MEASURED[::4], start=[9.0, 9.0])
+    found = search(whole, starts=4, few=few)
+    np.testing.assert_allclose(found.best.values, LEAST, rtol=1e-3)
+    # one descent of the whole, as its starts agree on the part
+    assert len(whole.visited) < len(few.visited)
+    assert len(found.best.residual) == len(MEASURED)
+    assert found.agreeing == 4
+
+
+class Valleys(Searchable):
+    """Two valleys: costs of 1 at -1 and of 25 at 1, between them a ridge."""
+
+    unknowns = Unknowns(
+        (Unknown(path="friction.x", quantity=Quantity("x"), start=2.0, low=-9.0, high=9.0),)
+    )
+
+    def __init__(self):
+        self.ends = set()
+
+    def linearise(self, values, near=None):
+        x, side = float(values[0]), 1.0 if values[0] > 0.0 else -1.0
+        self.ends.add(side)
+        return Linearised(
+            values=values,
+            residual=np.array([3.0 + 2.0 * side, x - side]),
+            slopes=np.array([[0.0], [-1.0]]),
+            segment=np.zeros(2, int),
+        )
+
+
+@pytest.mark.parametrize(("rival", "hopeless"), [(0.0, False), (0.4, False), (1e-3, True)])
+def test_a_rival_far_below_all_starts_ends_the_race(rival, hopeless):
+    far = [np.array([-2.0]), np.array([-3.0])]
+    found = search(Valleys(), starts=2, tried=far, rival=rival)
+    assert found.hopeless is hopeless
+    assert found.best.cost == pytest.approx(1.0, abs=1e-4)
+
+
+def test_a_descent_ends_where_it_agrees_with_a_goal():
+    problem = Linear(TABLE, MEASURED, start=[9.0, 9.0])
+    end, _ = improve(problem, np.array([9.0, 9.0]), goal=0.0)
+    count = len(problem.visited)
+    again = Linear(TABLE, MEASURED, start=[9.0, 9.0])
+    near, _ = improve(again, np.array([9.0, 9.0]), goal=end.cost)
+    assert len(again.visited) < count
+    assert near.cost <= 1.03 * end.cost  # starts agree whose residuals differ by less than 1 %
+
+
 class Valley(Searchable):
     """Exponential decay: from far too fast a rate no slope leads back."""
 
