@@ -179,10 +179,10 @@ def test_the_verdict_says_which_given_parameters_the_travel_depends_on():
     # the block is pushed with 10 N from the start and by nothing after its stop
     assert plain.influence["static_coefficient"] == 0
     viscous = next(c for c in verdict.candidates if c.name == "coulomb-viscous")
-    # half as much viscosity again shortens the travel by more than the 5 mm of the reading
+    # viscosity raised by half shortens the travel by more than the 5 mm of the reading
     assert viscous.influence["viscous_coefficient"] > 0.005
     said = " ".join(verdict.words.cannot_tell)
-    assert "which the fitted level takes up" in said
+    assert "for which the fitted level compensates" in said
     assert "$sigma_2$" in said
 
 

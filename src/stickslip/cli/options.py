@@ -118,13 +118,15 @@ Gain = Annotated[
     typer.Option(
         "--gain",
         metavar="NAME=FACTOR,...",
-        help="E.g. friction=-1, of a number in SI; of volts or where no unit is known, what makes"
-        " SI: force=35.15.",
+        help="Factor of a column in SI units, e.g. friction=-1; of one in volts or without a unit,"
+        " the factor that gives SI units, e.g. force=35.15.",
     ),
 ]
 Repair = Annotated[
     list[str] | None,
-    typer.Option("--repair", metavar="sort,gaps", help="Order the times, drop what is empty."),
+    typer.Option(
+        "--repair", metavar="sort,gaps", help="Sort the rows by time; drop rows with empty cells."
+    ),
 ]
 Conditions = Annotated[
     list[str] | None,
@@ -136,19 +138,19 @@ Conditions = Annotated[
 ]
 Validate = Annotated[
     Path | None,
-    typer.Option("--validate", metavar="FILE", help="A second record, which no fit sees."),
+    typer.Option("--validate", metavar="FILE", help="A second record, not used in any fit."),
 ]
 Unknown = Annotated[
     list[str] | None,
     typer.Option(
         "--unknown",
         metavar="NAME,...",
-        help="Parameters of the mechanism to be found too, e.g. inertia.",
+        help="Parameters of the mechanism to be fitted too, e.g. inertia.",
     ),
 ]
 Horizon = Annotated[
     float | None,
-    typer.Option("--horizon", help="Length of predicted stretches [s], for records."),
+    typer.Option("--horizon", help="Length of the predicted segments [s], for records."),
 ]
 Route = Annotated[
     str | None,
@@ -156,28 +158,33 @@ Route = Annotated[
 ]
 Segment = Annotated[
     float | None,
-    typer.Option("--segment", help="Length of simulated segments [s], for records; 1 s."),
+    typer.Option(
+        "--segment", help="Length of the simulated segments [s], for records; 1 by default."
+    ),
 ]
 Hold = Annotated[
     str | None,
     typer.Option(
         "--hold",
         metavar="zero|first",
-        help="A force keeps its value until the next sample (zero, a command), or goes straight to"
-        " it (first, a force sensor's), for records; zero.",
+        help="Force between samples, for records: zero holds it (a command), first interpolates it"
+        " (a force sensor); default zero.",
     ),
 ]
 Starts = Annotated[
-    int | None, typer.Option("--starts", min=1, help="Starts of a search, for records; 4.")
+    int | None,
+    typer.Option("--starts", min=1, help="Starts of each search, for records; default 4."),
 ]
 Seed = Annotated[
-    int | None, typer.Option("--seed", min=0, help="Of further starts, for records; 0.")
+    int | None,
+    typer.Option("--seed", min=0, help="Seed of random starts, for records; default 0."),
 ]
 Purpose = Annotated[
     str | None, typer.Option("--purpose", help="simulate, position or compensate, for records.")
 ]
 Jobs = Annotated[
-    int | None, typer.Option("--jobs", min=1, help="Processes that fit laws to records; 1.")
+    int | None,
+    typer.Option("--jobs", min=1, help="Processes that fit laws to records; default 1."),
 ]
 
 Goal = Annotated[str, typer.Option("--goal", help="travel (per cycle), speed or economy (per J).")]

@@ -49,7 +49,7 @@ def deliver(
         show()
         stdout().print(f"\nReport: {output / PAGE}", markup=False)
     if ended:
-        note(f"Ended early: {', '.join(ended)} may do better than this.")
+        note(f"Searches that were ended early may not have converged: {', '.join(ended)}.")
     if verdict.best is None or verdict.best.dropped:
-        note("No law is recommended; the verdict says why.")
+        note("No law is recommended; the verdict gives the reason.")
         raise typer.Exit(NO_LAW)

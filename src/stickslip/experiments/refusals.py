@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
 from stickslip.experiments.checks import Finding, check, faults
 from stickslip.experiments.measurement import QUANTITIES, Measurement
+from stickslip.experiments.wording import joined
 from stickslip.mechanisms import Mechanism
 
 __all__ = ["refuse_faults", "refuse_lack", "refuse_unused", "told", "with_doubts"]
@@ -66,7 +67,7 @@ def _listed(names: Sequence[str]) -> str:
     names = list(dict.fromkeys(names))
     if len(names) > MOST_LISTED:
         names = [*names[: MOST_LISTED - 1], f"{len(names) - MOST_LISTED + 1} more"]
-    return " and ".join([*([", ".join(names[:-1])] if names[1:] else []), names[-1]])
+    return joined(names)
 
 
 def refuse_unused(measurement: Measurement) -> None:

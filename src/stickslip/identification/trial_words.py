@@ -8,7 +8,7 @@ import numpy as np
 from scipy import stats
 
 from stickslip.experiments.condition_values import condition_name, condition_unit
-from stickslip.experiments.wording import number
+from stickslip.experiments.wording import joined, number
 from stickslip.identification.condition_lines import ConditionLine
 from stickslip.identification.homogeneity import Homogeneity
 from stickslip.identification.trial_estimates import TrialEstimates
@@ -71,13 +71,8 @@ def _outcome(
     if not test.p < SURE:
         return f"The trials share one law as far as they can tell ({p})."
     said = [_change(line) for line in clear] or _groups(trials) or _range(trials)
-    reason = f": {_joined(said)}" if said else ""
+    reason = f": {joined(said)}" if said else ""
     return f"The trials do not share one law ({p}){reason}."
-
-
-def _joined(parts: Sequence[str]) -> str:
-    *most, last = parts
-    return f"{', '.join(most)} and {last}" if most else last
 
 
 def _change(line: ConditionLine) -> str:
@@ -131,7 +126,7 @@ def _groups(trials: Sequence[TrialEstimates]) -> list[str]:
                 quantity = one.quantity
                 parts = [f"{_with_unit(m[0], quantity)} for {w!r}" for w, m in means.items()]
                 name = condition_name(condition)
-                found.append((p, f"{quantity.symbol} by {name} is {_joined(parts)}"))
+                found.append((p, f"{quantity.symbol} by {name} is {joined(parts)}"))
     return [text for _, text in sorted(found)[:MOST]]
 
 
@@ -196,7 +191,7 @@ def _troubles(trials: Sequence[TrialEstimates]) -> Iterator[str]:
         lack = [t.name for t in trials if t.name not in have]
         if lack:
             verb = "has" if len(lack) == 1 else "have"
-            yield f"{_joined(lack)} {verb} no {name}, and {verb} no part in what is said of it."
+            yield f"{joined(lack)} {verb} no {name}, and {verb} no part in what is said of it."
         if len({type(value) for value in have.values()}) > 1:
             yield f"{name} is a number in some trials and a text in others: give one kind."
         elif len(set(have.values())) == 1:
@@ -233,4 +228,4 @@ def _untold(trials: Sequence[TrialEstimates]) -> Iterator[str]:
         if len(names) == len(trials):
             yield f"{one.quantity.symbol} is not identified by any trial alone."
         elif names:
-            yield f"{one.quantity.symbol} is not identified by {_joined(names)} alone."
+            yield f"{one.quantity.symbol} is not identified by {joined(names)} alone."

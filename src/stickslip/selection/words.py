@@ -6,7 +6,7 @@ Symbols stand between dollar signs, which reports typeset.
 import math
 from collections.abc import Collection, Mapping, Sequence
 
-from stickslip.experiments.wording import number
+from stickslip.experiments.wording import joined, number
 from stickslip.identification import Estimate
 from stickslip.identification.travel import Trial
 from stickslip.quantities import fields_of
@@ -156,7 +156,7 @@ def _ranked(
     doubt = ""
     if equals:
         verb = "is" if len(equals) == 1 else "are"
-        doubt = f"; {_listed(equals)} {verb} not distinguished from it by these readings"
+        doubt = f"; {joined(equals)} {verb} not distinguished from it by these readings"
     score, error = best.score or 0.0, best.score_error or 0.0
     settings = len({trial.setting for trial in trials})
     return (
@@ -165,10 +165,6 @@ def _ranked(
         f" a held-out error of {number(1e3 * score, 2)} mm (root mean square, standard error"
         f" {number(1e3 * error, 2)} mm).{_fit_quality(best)}{_remarks(explained, best)}",
     )
-
-
-def _listed(names: Sequence[str]) -> str:
-    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + f" and {names[-1]}"
 
 
 def _lower(line: str) -> str:
@@ -284,12 +280,12 @@ def _given_lines(explained: Sequence[Candidate], reading: float) -> list[str]:
     busy = _symbols(explained, {name for name, change in moved.items() if change > reading})
     lines = []
     if idle:
-        lines.append(f"{idle}: half as much again moves the travel by less than the reading tells.")
+        lines.append(f"{idle}: raised by half, the travel changes by less than its uncertainty.")
     if busy:
         widest = 1e3 * max(moved.values())
         lines.append(
-            f"{busy}: not fitted. Half as much again moves the travel by up to"
-            f" {_short(widest)} mm, which the fitted level takes up."
+            f"{busy}: not fitted. Raised by half, the travel changes by up to {_short(widest)} mm,"
+            " for which the fitted level compensates."
         )
     return lines
 
