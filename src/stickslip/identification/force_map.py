@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw
+from stickslip.identification.inverse_dynamics import mass_of
 from stickslip.identification.map_problem import ForceMap
 from stickslip.identification.map_records import Stretch, refuse_timeless, stretches_of
 from stickslip.identification.map_starts import Rough, looked_for
 from stickslip.identification.screening import screened_starts
-from stickslip.identification.unknowns import Unknowns
+from stickslip.identification.unknowns import Unknown, Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
 
@@ -107,10 +108,12 @@ def map_along(
     free: Collection[str] | None = None,
     held: Collection[str] = (),
     known: Mapping[str, float] | None = None,
+    mass: Unknown | None = None,
 ) -> tuple[ForceMap, tuple[Array, ...]]:
     """Return the problem as `force_map` does, along stretches, and start values (p,), best first.
 
-    Start values come from stretches of fewer samples.
+    Start values of a law that knows no history come from stretches of fewer samples. `mass` is
+    that which friction was derived with, where it is looked for too.
 
     Raises
     ------
@@ -146,6 +149,10 @@ def map_along(
     )
     coarse = replace(whole, stretches=tuple(few))
     unknowns = _effective(coarse if isinstance(law, type) else whole)
+    if mass is not None:
+        unknowns = replace(unknowns, items=(*unknowns.items, mass))
+        own_mass = mass_of(mechanism)
+        whole, coarse = (replace(one, inertia=mass.path, mass=own_mass) for one in (whole, coarse))
     problem = replace(whole, unknowns_=unknowns)
     if not isinstance(law, type):
         return problem, (unknowns.start,)

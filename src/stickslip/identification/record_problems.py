@@ -12,14 +12,12 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.experiments.refusals import with_doubts
 from stickslip.friction import FrictionLaw
-from stickslip.identification.force_balance import SAMPLES as BALANCED
 from stickslip.identification.force_balance import Balanced, balanced
 from stickslip.identification.force_map import FEW, SAMPLES, map_along
 from stickslip.identification.inertia import inertia_of
-from stickslip.identification.inverse_dynamics import mass_of
 from stickslip.identification.loads import as_loaded, loaded
 from stickslip.identification.map_problem import ForceMap
-from stickslip.identification.map_records import Stretch, stretches_of
+from stickslip.identification.map_records import stretches_of
 from stickslip.identification.problem import RecordProblem
 from stickslip.identification.record_fit import Build
 from stickslip.identification.record_settings import RecordSettings
@@ -38,8 +36,6 @@ from stickslip.quantities import vary
 __all__ = ["Prepared", "Route", "Wanted", "prepared"]
 
 Array = NDArray[np.float64]
-FEWER = 2
-"""How many times fewer rows have to be for starts to be compared on them."""
 SOME = 2_500
 """Samples of a record that start values are looked for with, where many are at rest."""
 Route: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
@@ -70,22 +66,15 @@ class Prepared:
     """Further start values (p,), the best first."""
     load: float = 1.0
     """Typical normal force [N]."""
-    coarse: tuple[Stretch, ...] = ()
-    """Stretches of fewer samples, where friction is compared."""
 
     @property
     def few(self) -> RecordProblem | None:
-        """Some of the problem, on which starts are compared; None where that saves little."""
-        if isinstance(self.problem, Shooting):
-            return few_of(self.problem)
-        assert isinstance(self.problem, ForceMap)
-        few, whole = (
-            sum(len(one.path.time) for one in those)
-            for those in (self.coarse, self.problem.stretches)
-        )
-        if not FEWER * few < whole or not self.coarse:
-            return None
-        return replace(self.problem, stretches=self.coarse)
+        """Some segments, on which starts are compared; None where that saves little.
+
+        Friction is compared on all rows: what a filter for fewer of them leaves of presliding
+        leads elsewhere.
+        """
+        return few_of(self.problem)
 
     def looking_for(self, unknowns: Unknowns) -> "Prepared":
         """Return the same with other bounds or start values of the unknowns."""
@@ -201,7 +190,7 @@ def _by_inverse_dynamics(wanted: Wanted, unknowns: Unknowns) -> Array | None:
     if not decades or not isinstance(wanted.law, type):
         return None
     try:
-        unknown = _derived(wanted, SOME).problem.unknowns
+        unknown = _derived(wanted).problem.unknowns
     except InputError:
         return None
     found = dict(zip(unknown.paths, unknown.start.tolist(), strict=True))
@@ -232,45 +221,36 @@ def _mapped(wanted: Wanted) -> Prepared:
             " what is unknown of the mechanism, or fit another record that has motion and force."
         )
     mechanism = wanted.mechanism
-    coarse = stretches_of(mechanism, wanted.measurement, samples=FEW)
     problem, starts = map_along(
         wanted.law,
         mechanism,
         stretches_of(mechanism, wanted.measurement, samples=SAMPLES),
-        coarse,
+        stretches_of(mechanism, wanted.measurement, samples=FEW),
         free=wanted.free,
         known=wanted.known,
     )
     problem = replace(problem, unknowns_=problem.unknowns.starting_at(starts[0]))
     build = _Rubbed(mechanism, problem)
-    return Prepared(
-        mechanism, problem.law, problem, build, starts[1:], _load(problem), tuple(coarse)
-    )
+    return Prepared(mechanism, problem.law, problem, build, starts[1:], _load(problem))
 
 
-def _derived(wanted: Wanted, samples: float = BALANCED) -> Prepared:
-    """Return the problem of friction that inverse dynamics finds, the mass looked for with it.
-
-    `samples` are about those of a record that count.
-    """
+def _derived(wanted: Wanted) -> Prepared:
+    """Return the problem of friction that inverse dynamics finds, the mass looked for with it."""
     mechanism, measurement, hold = wanted.mechanism, wanted.measurement, wanted.settings.hold
     mass = inertia_of(mechanism, measurement, wanted.unknown)
     if mass is not None:
         mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})
-    coarse = balanced(mechanism, measurement, hold=hold, samples=SOME, slipping=True)
     problem, starts = map_along(
         wanted.law,
         mechanism,
-        balanced(mechanism, measurement, hold=hold, samples=samples, slipping=True),
-        coarse,
+        balanced(mechanism, measurement, hold=hold, slipping=True),
+        balanced(mechanism, measurement, hold=hold, samples=SOME, slipping=True),
         free=wanted.free,
         known=wanted.known,
+        mass=mass,
     )
     problem = replace(problem, unknowns_=problem.unknowns.starting_at(starts[0]))
     if mass is not None:
-        starts = tuple(np.append(values, mass.start) for values in starts)
-        unknowns = replace(problem.unknowns, items=(*problem.unknowns.items, mass))
-        problem = replace(problem, unknowns_=unknowns, inertia=mass.path, mass=mass_of(mechanism))
-        _refuse_overrides(measurement, unknowns)
+        _refuse_overrides(measurement, problem.unknowns)
     build = Balanced(mechanism, problem, hold)
-    return Prepared(mechanism, problem.law, problem, build, starts[1:], _load(problem), coarse)
+    return Prepared(mechanism, problem.law, problem, build, starts[1:], _load(problem))

@@ -2,10 +2,12 @@
 
 A Stribeck velocity or a bristle stiffness that is off by a decade has no slope that would lead a
 search back: the residual does not change where the speeds, or the ways, that it acts on are left.
-So every half decade is looked at, on few samples, with the rest of the law fitted linearly; the
-best points go downhill for a few steps, and the ends that differ are where searches begin.
+So every half decade is looked at, with the rest of the law fitted linearly. The best points, one of
+each decade of a speed, go downhill for a few steps, and the ends that differ are where searches
+begin.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -29,7 +31,7 @@ Array = NDArray[np.float64]
 
 SPEEDS = tuple(float(f"{share:.3g}") for share in np.geomspace(1e-3, 1.0, 7))
 """Stribeck velocities over the largest speed: half decades."""
-STIFFNESSES = tuple(float(10.0**power) for power in range(-3, 2))
+STIFFNESSES = tuple(float(10.0 ** (0.5 * power)) for power in range(-6, 3))
 """Stiffness over the one that reversals suggest, which is more often too high than too low."""
 EXPONENTS = (0.1, 0.6, 1.5)
 """Exponents; whole ones are another law's."""
@@ -39,10 +41,14 @@ SURPLUSES = (1.0, 5.0)
 """Static surplus over its start value."""
 MISMATCH = 1e-2
 """Mismatch of bristles between chunks over the largest deflection: points are only rated."""
-POLISHED = 6
+POLISHED = 7
 """Points of the grid from which a search goes downhill."""
 ROUNDS = 4
-"""Steps downhill on few samples."""
+"""Steps downhill."""
+DAMPING = "s/m"
+"""Unit of what resists the motion of bristles, per load."""
+MASS = 4
+"""Column of accelerations."""
 KEPT = 3
 """Starts that are returned at most."""
 WORSE = 4.0
@@ -59,7 +65,8 @@ def screened_starts(problem: ForceMap, coarse: ForceMap) -> tuple[Array, ...]:
     problem : ForceMap
         What is fitted.
     coarse : ForceMap
-        The same with few samples, on which points of the grid are compared.
+        The same with few samples, on which points of the grid are compared if the law knows no
+        history. What a filter for few samples leaves of presliding would lead elsewhere.
 
     Returns
     -------
@@ -78,12 +85,13 @@ def screened_starts(problem: ForceMap, coarse: ForceMap) -> tuple[Array, ...]:
     >>> bool(abs(best["friction.stribeck_velocity"] / 3e-3 - 1.0) < 0.2)
     True
     """
-    points = _grid_points(problem.unknowns, memory=_has_memory(problem))
+    memory = _has_memory(problem)
+    points = _grid_points(problem.unknowns, memory=memory)
     if len(points) < 2:
         return (problem.unknowns.start,)
-    compare = _rated_with_memory if _has_memory(problem) else _rated_without
-    rated = sorted(compare(coarse, points), key=lambda one: one.cost)
-    ends = sorted((_polished(coarse, one) for one in rated[:POLISHED]), key=lambda one: one.cost)
+    seen, compare = (problem, _rated_with_memory) if memory else (coarse, _rated_without)
+    rated = _best_of_each(compare(seen, points), points, problem.unknowns)
+    ends = sorted((_polished(seen, one) for one in rated), key=lambda one: one.cost)
     return _distinct(problem.unknowns, ends)
 
 
@@ -93,6 +101,22 @@ class _Rated:
 
     values: Array
     cost: float
+
+
+def _best_of_each(
+    rated: Sequence[_Rated], points: Sequence[dict[str, float]], unknowns: Unknowns
+) -> list[_Rated]:
+    """Return the best points, one of each speed where there is one.
+
+    Where a surplus goes to 0, its speed has no effect, and all of the best points may be such.
+    """
+    speeds = [item.path for item in unknowns.items if item.quantity.unit == "m/s"]
+    order = sorted(range(len(rated)), key=lambda k: rated[k].cost)
+    kept: dict[tuple[float, ...], _Rated] = {}
+    for k in order:
+        key = tuple(points[k][path] for path in speeds if path in points[k]) or (float(k),)
+        kept.setdefault(key, rated[k])
+    return list(kept.values())[:POLISHED]
 
 
 def _has_memory(problem: ForceMap) -> bool:
@@ -105,7 +129,7 @@ def _grid_points(unknowns: Unknowns, *, memory: bool) -> list[dict[str, float]]:
     axes = {
         item.path: FADINGS if fades and item.quantity.structural else _axis(item)
         for item in unknowns.items
-        if item.log or (memory and item.above)
+        if item.path.startswith("friction.") and (item.log or (memory and item.above))
     }
     return [dict(zip(axes, point, strict=True)) for point in product(*axes.values())]
 
@@ -153,57 +177,88 @@ def _fitted_at(coarse: ForceMap, point: dict[str, float]) -> _Rated:
 def _rated_with_memory(coarse: ForceMap, points: Sequence[dict[str, float]]) -> list[_Rated]:
     """Rate points of a law of bristles, all at once along the motion.
 
-    At each point one factor on all that is per load, a viscous part, a constant force and, where
-    friction was derived from accelerations, a mass are fitted linearly.
+    At each point one factor on levels and stiffness, one on the damping of bristles, a viscous
+    part, a constant force and, where friction was derived from accelerations, a mass are fitted
+    linearly.
     """
     unknowns = coarse.unknowns
     values = np.array([_placed(unknowns, point) for point in points])
     paths = [(k, p) for k, p in enumerate(unknowns.paths) if p.startswith("friction.")]
     base = vary(coarse.law, "friction", {p: float(values[0, k]) for k, p in paths})
     assert isinstance(base, BristleLaw)
-    law = with_arrays(base, {p: values[:, k] for k, p in paths})
+    columns = {p: values[:, k] for k, p in paths}
+    damping = [item.path for item in unknowns.items if item.quantity.unit == DAMPING]
+    law = with_arrays(base, columns)
+    bare = with_arrays(base, columns | {path: 0.0 * columns[path] for path in damping})
     with np.errstate(all="ignore"):  # points that fail far out are rated infinite
-        pieces = [_forces(law, base, one, len(points)) for one in coarse.stretches]
-    rows = [one.rows_of(None) for one in coarse.stretches]
-    pairs = list(zip(coarse.stretches, rows, strict=True))
-    friction = np.concatenate([piece[mask] for piece, (_, mask) in zip(pieces, pairs, strict=True)])
-    measured = np.concatenate([one.friction[mask] for one, mask in pairs])
-    beside = [np.ones(len(measured)), np.concatenate([s.path.velocity[m] for s, m in pairs])]
-    if all(one.acceleration is not None for one, _ in pairs):
-        beside.append(np.concatenate([s.acceleration[m] for s, m in pairs]))  # type: ignore[index]
+        pairs = [
+            (one, one.rows_of(None), *_forces((bare, law), base, one, len(points)))
+            for one in coarse.stretches
+        ]
+    elastic, whole = (
+        np.concatenate([both[side][mask] for _, mask, *both in pairs]) for side in (0, 1)
+    )
+    measured = np.concatenate([one.friction[mask] for one, mask, *_ in pairs])
+    beside = [
+        np.ones(len(measured)),
+        np.concatenate([one.path.velocity[mask] for one, mask, *_ in pairs]),
+    ]
+    if all(one.acceleration is not None for one, *_ in pairs):
+        beside.append(np.concatenate([one.acceleration[mask] for one, mask, *_ in pairs]))  # type: ignore[index]
     return [
-        _scaled(coarse, values[k], friction[:, k], np.column_stack(beside), measured)
+        _scaled(
+            coarse,
+            values[k],
+            np.column_stack([elastic[:, k], whole[:, k] - elastic[:, k], *beside]),
+            measured,
+        )
         for k in range(len(points))
     ]
 
 
-def _forces(law: BristleLaw, base: BristleLaw, one: Stretch, count: int) -> Array:
-    """Return the friction (n, count) of copies of a law along a stretch."""
-    start = np.zeros((len(base.bristles), count))
-    states = follow(law, one.path, start, mismatch=MISMATCH)
+def _forces(
+    laws: tuple[BristleLaw, BristleLaw], base: BristleLaw, one: Stretch, count: int
+) -> tuple[Array, Array]:
+    """Return the friction (n, count) of copies of two laws whose bristles move alike."""
+    states = follow(laws[0], one.path, np.zeros((len(base.bristles), count)), mismatch=MISMATCH)
     v, n = one.path.velocity[:, None], one.path.load[:, None]
-    return one.seen(np.asarray(law.force(v, tuple(states), n)))
+    first, second = (one.seen(np.asarray(law.force(v, tuple(states), n))) for law in laws)
+    return first, second
 
 
-def _scaled(
-    coarse: ForceMap, values: Array, friction: Array, beside: Array, measured: Array
-) -> _Rated:
-    """Return values whose levels and stiffness are scaled to fit, and what that leaves."""
+def _scaled(coarse: ForceMap, values: Array, table: Array, measured: Array) -> _Rated:
+    """Return values whose levels and stiffness are scaled to fit, and what that leaves.
+
+    Columns (n, 4 or 5) are friction without the damping of bristles, this damping, a constant
+    force, the velocity, and the acceleration where friction was derived from it. Where no damping
+    fits best, half of the critical one stands for it: from 0, which is a bound, searches seldom
+    come away.
+    """
     constant = coarse.unknowns.paths.index(coarse.constant) if _seeks(coarse) else None
-    if not np.all(np.isfinite(friction)):
+    if not np.all(np.isfinite(table)):
         return _Rated(values, np.inf)
-    table = np.column_stack([friction, beside])
     found = np.linalg.lstsq(table, measured, rcond=None)[0]
-    factor = float(np.clip(found[0], 0.1, 10.0))
-    residual = measured - table @ [factor, *found[1:]]
-    new = values.copy()
+    factor, damping = float(np.clip(found[0], 0.1, 10.0)), max(float(found[1]), 0.0)
+    residual = measured - table @ [factor, damping, *found[2:]]
+    new, undamped = values.copy(), None
     for k, item in enumerate(coarse.unknowns.items):
-        if item.quantity.unit in ("1", "1/m", "s/m") and not item.quantity.structural:
+        if item.quantity.unit in ("1", "1/m") and not item.quantity.structural:
             new[k] = factor * values[k]
+        elif item.quantity.unit == DAMPING:
+            new[k] = damping * values[k]
+            undamped = k if damping == 0.0 else undamped
         elif item.quantity.unit == "N s/m":
-            new[k] = max(factor * values[k] + float(found[2]), 0.0)
+            new[k] = max(factor * values[k] + float(found[3]), 0.0)
         elif k == constant:
-            new[k] = float(found[1])
+            new[k] = float(found[2])
+        elif item.path == coarse.inertia and table.shape[1] > MASS:
+            new[k] = coarse.mass + float(found[MASS])
+    if undamped is not None and coarse.mass > 0.0:
+        stiffness = next(
+            v for v, i in zip(new, coarse.unknowns.items, strict=True) if i.quantity.unit == "1/m"
+        )
+        load = float(np.median(np.concatenate([one.path.load for one in coarse.stretches])))
+        new[undamped] = math.sqrt(stiffness * coarse.mass / load)
     unknowns = coarse.unknowns
     return _Rated(unknowns.values(unknowns.coordinates(new)), float(residual @ residual))
 
