@@ -637,7 +637,7 @@ def test_no_trend_is_not_all_that_is_said_of_residuals_far_above_the_sensors_noi
     assert fit.model_errors == ()
     quiet, _ = residual_heading(verdict, fit)
     assert quiet.startswith("No test finds a trend")
-    best = dataclasses.replace(fit.found.best, residual=100.0 * fit.residual)
+    best = fit.found.best.with_residual(100.0 * fit.residual)
     loud = dataclasses.replace(fit, found=dataclasses.replace(fit.found, best=best))
     heading, caption = residual_heading(verdict, loud)
     assert re.match(r"Residuals of \d+ times the sensor's noise", heading)
@@ -666,7 +666,7 @@ def test_residuals_that_follow_speed_have_a_trend(verdict):
     fit = verdict.best.fit
     rows = rows_of(fit)
     sped = fit.residual + 2.0 * np.std(fit.residual) * np.sign(rows.velocity)
-    best = dataclasses.replace(fit.found.best, residual=sped)
+    best = fit.found.best.with_residual(sped)
     moved = dataclasses.replace(fit, found=dataclasses.replace(fit.found, best=best))
     assert "velocity" in _panels(moved, 1e3)[1]
     assert _panels(fit, 1e3)[1] == []

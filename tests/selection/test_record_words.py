@@ -15,7 +15,7 @@ from stickslip.report.records.opening import opening_section
 from stickslip.selection.experiments import design
 from stickslip.selection.predictors import Predictor
 from stickslip.selection.record_admissibility import objection
-from stickslip.selection.record_words import error_with_doubt, record_wording
+from stickslip.selection.record_words import error_with_doubt, first_of, record_wording
 from stickslip.selection.records import _on_second, _verdict
 from stickslip.selection.settled import settled_estimates
 
@@ -362,3 +362,8 @@ def test_an_interval_that_reaches_0_is_no_objection_to_a_law_that_an_f_test_esta
     alone = [c for c in some if c.name == name]
     found = judged_again(confirmed, [dataclasses.replace(c, simpler={}) for c in alone])
     assert "covers 0" in found.sentence
+
+
+def test_a_law_with_several_objections_is_told_by_the_first():
+    assert first_of("c went to 0") == "c went to 0"
+    assert first_of("c went to 0; b covers 0") == "c went to 0, and 1 more objection"

@@ -62,6 +62,16 @@ class Linearised:
         """Return what crosses processes: slopes that are found."""
         return {**self.__dict__, "_slopes": self.slopes}
 
+    def with_residual(self, residual: Array) -> "Linearised":
+        """Return the same with other residuals (n,)."""
+        return Linearised(
+            values=self.values,
+            residual=residual,
+            slopes=lambda: self.slopes,
+            segment=self.segment,
+            memory=self.memory,
+        )
+
     @property
     def cost(self) -> float:
         """Sum of squares."""

@@ -366,13 +366,7 @@ def _better(one: Linearised, other: Linearised) -> Linearised:
         rows = one.segment == k
         if not other.residual[rows] @ other.residual[rows] > residual[rows] @ residual[rows]:
             residual[rows] = other.residual[rows]
-    return Linearised(
-        values=other.values,
-        residual=residual,
-        slopes=lambda: other.slopes,
-        segment=other.segment,
-        memory=other.memory,
-    )
+    return other.with_residual(residual)
 
 
 def scale_of(unknowns: Unknowns, values: Array, at_bounds: Mapping[str, str]) -> Array:

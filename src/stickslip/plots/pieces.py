@@ -14,6 +14,8 @@ from stickslip.plots.theme import DATA, LINE, MUTED
 __all__ = ["Piece", "draw_pieces", "piece_sizes"]
 
 DASHED: Final = (0, (5, 2))
+LINE_HEIGHT = 13
+"""Distance of names below each other [pt]."""
 
 
 class Piece(NamedTuple):
@@ -98,10 +100,12 @@ def _places(figure: Figure, count: int, narrow: bool) -> list[tuple[Axes, Axes]]
 
 
 def _name(axes: Axes, colours: Mapping[str, str], chosen: str) -> None:
-    """Name the lines in the last panel, the chosen one above."""
+    """Name the lines in the last panel, the chosen one above, the others in a column below."""
+    others = [name for name in colours if name != chosen]
     for name, colour in colours.items():
         above = name == chosen
         axes.annotate(
             name, (0.99, 0.97 if above else 0.03), xycoords="axes fraction", color=colour,
-            fontsize=11, ha="right", va="top" if above else "bottom",
+            xytext=(0, 0 if above else LINE_HEIGHT * others.index(name)),
+            textcoords="offset points", fontsize=11, ha="right", va="top" if above else "bottom",
         )  # fmt: skip

@@ -7,7 +7,7 @@ from functools import partial
 
 from stickslip.experiments import QUANTITIES, Checks
 from stickslip.experiments.units import turned
-from stickslip.experiments.wording import capital, joined, number
+from stickslip.experiments.wording import capital, count, joined, number
 from stickslip.identification import Estimate, RecordFit, TrialComparison
 from stickslip.identification.halves import difference
 from stickslip.selection.choice import as_good
@@ -20,6 +20,7 @@ from stickslip.selection.verdict import Wording
 __all__ = [
     "error_text",
     "error_with_doubt",
+    "first_of",
     "friction_of",
     "in_sentence",
     "outcomes",
@@ -149,7 +150,7 @@ def _outcome(c: RecordCandidate, best: RecordCandidate, *, recommended: bool) ->
     if c.fit is None:
         return f"not fitted: {c.dropped}"
     if c.dropped:
-        return c.dropped
+        return first_of(c.dropped)
     more = c.parameters - best.parameters
     if as_good(c, best):
         if more > 0:
@@ -290,6 +291,20 @@ def route_text(fit: RecordFit) -> str:
     return f"Fitted by {way}, because {fit.route_reason}." if fit.route_reason else ""
 
 
+def first_of(objections: str) -> str:
+    """Return the first of several objections, and how many more there are.
+
+    Examples
+    --------
+    >>> first_of("c went to 0"), first_of("a covers 0; b covers 0; c went to 0")
+    ('c went to 0', 'a covers 0, and 2 more objections')
+    """
+    first, *others = objections.split("; ")
+    if not others:
+        return first
+    return f"{first}, and {count(len(others), 'more objection')}"
+
+
 def friction_of(title: str) -> str:
     """Return the friction of a law as one says it within a sentence.
 
@@ -351,7 +366,11 @@ def _lede(
         )
     elif without is not None and math.isfinite(without.score):
         text += f" Without friction: {told(without.score)}."
-    text += "".join(f" {error}" for error in (*fit.model_errors, route_text(fit)) if error)
+    for error in fit.model_errors:
+        named = error.finding in said
+        text += f" {error.consequence.replace('It ', 'This effect ', 1) if named else error}"
+    route = route_text(fit)
+    text += f" {route}" if route else ""
     closer = [
         c
         for c in candidates
@@ -359,7 +378,7 @@ def _lede(
     ]
     if closer and not best.dropped:
         first = closer[0]
-        text += f" {first.title}: {told(first.score)}, but {first.dropped}."
+        text += f" {first.title}: {told(first.score)}, but {first_of(first.dropped)}."
     return text
 
 
