@@ -27,6 +27,8 @@ from stickslip.identification import RecordFit
 
 TRUTHS = ("lugre", "stribeck")
 CANDIDATES = ("coulomb", "coulomb-viscous", "stribeck", "dahl", "lugre")
+MOVED = 100.0
+"""Steps of the encoder that a record covers at least."""
 SAME = 0.10
 """A law whose friction on a fresh record is off by this share of the noise more is an equal one."""
 RIGHT, COVERED = 0.90, (0.90, 0.99)
@@ -134,6 +136,15 @@ def record(rig: ControlledAxis, random: Random) -> Measurement:
     return Measurement(time=loop.t, position=position, force=force)
 
 
+def moving(random: Random, truth: str) -> tuple[ControlledAxis, Measurement]:
+    """Return a random axis and a record of it: one that its controller does move."""
+    while True:
+        rig = draw(random, truth)
+        measurement = record(rig, random)
+        if np.ptp(np.asarray(measurement.position)) > MOVED * rig.encoder:
+            return rig, measurement
+
+
 def judge(seed: int, number: int, *, candidates: Sequence[str], route: str) -> dict[str, Any]:
     """Return what selection makes of one random axis."""
     random = np.random.default_rng([seed, number])
@@ -141,8 +152,8 @@ def judge(seed: int, number: int, *, candidates: Sequence[str], route: str) -> d
     row: dict[str, Any] = {"seed": seed, "rig": number, "truth": truth, "route": route}
     began = time.perf_counter()
     try:
-        rig = draw(random, truth)
-        measurement, fresh = record(rig, random), record(rig, random)
+        rig, measurement = moving(random, truth)
+        fresh = record(rig, random)
         began = time.perf_counter()
         verdict = select(
             Axis(inertia=1.5 * rig.axis.inertia),
