@@ -137,8 +137,8 @@ BOXES = (
     (440, 195, "Free decay: simulated segments\nof 1 s, 3 s, then the whole", False),
     (150, 295, "Does Coulomb + viscous friction\npredict over half of the motion in\n1 s,"
      " with the mass and level of\ninverse dynamics within 1.5?", True),
-    (440, 265, "Simulated segments of 1 s", False),
-    (440, 325, "Inverse dynamics; with several\ncoordinates: shorter segments", False),
+    (440, 262, "Simulated segments of 1 s; compared\nwith inverse dynamics where every\nlaw leaves over 5 % of the motion", False),
+    (440, 332, "Inverse dynamics; with several\ncoordinates: shorter segments", False),
     (720, 105, "Fit every law, the simplest first;\nricher laws start from a grid over\n"
      "decades and from simpler fits", False),
     (720, 205, "Does a law fit worse than one\nit contains? The search failed:\nit is not ranked"
@@ -150,8 +150,8 @@ BOXES = (
 ARROWS = (
     (150, 44, 150, 75, ""), (245, 105, 335, 105, "yes"), (150, 135, 150, 165, "no"),
     (245, 195, 335, 195, "no"), (150, 225, 150, 243, "yes"), (265, 275, 335, 268, "yes"),
-    (265, 315, 335, 322, "no"), (545, 105, 605, 105, ""), (545, 195, 605, 120, ""),
-    (545, 265, 605, 128, ""), (545, 325, 605, 136, ""), (720, 143, 720, 167, ""),
+    (265, 315, 335, 328, "no"), (545, 105, 605, 105, ""), (545, 195, 605, 120, ""),
+    (545, 265, 605, 128, ""), (545, 332, 605, 136, ""), (720, 143, 720, 167, ""),
     (720, 243, 720, 267, ""), (720, 323, 720, 338, ""),
 )  # fmt: skip
 
