@@ -57,8 +57,9 @@ class Kernel:
         self._fresh = self.runner.whole()
         self._fresh[self.module.BOOKS] = 1
         self.w, self.whole = self._base.copy(), self._fresh.copy()
-        self._tables = [self.runner.vector(self.inputs.table)]
-        self._tables.append(self.runner.vector(self.inputs.bounds or [0.0]))
+        self._tables = [self.runner.flat(self.inputs.table)]
+        bounds = self.inputs.bounds if len(self.inputs.bounds) else [0.0]
+        self._tables.append(self.runner.flat(bounds))
         self.log = self.runner.zeros(64 * self.module.ROW_COLUMNS)
         self.events = self.runner.zeros(64 * self.module.EVENT_COLUMNS)
 
@@ -107,7 +108,7 @@ class Kernel:
 
     def sensing(self, paths: Sequence[str]) -> Callable[[], np.ndarray]:
         """Return what gives the sensitivities (states, paths) at the end of the last run."""
-        table = np.array([self.inputs.table])
+        table = self.inputs.table[None, :]
         along = directions_of(*self.pair, paths, {}, table, self.t_end)
         flat, shape = self.runner.flat, along.start.shape
         w = working(self.runner, self.runner.working(self.inputs.p, self.inputs.first), along)

@@ -137,7 +137,8 @@ BOXES = (
     (440, 195, "Free decay: simulated segments\nof 1 s, 3 s, then the whole", False),
     (150, 295, "Does Coulomb + viscous friction\npredict over half of the motion in\n1 s,"
      " with the mass and level of\ninverse dynamics within 1.5?", True),
-    (440, 262, "Simulated segments of 1 s; compared\nwith inverse dynamics where every\nlaw leaves over 5 % of the motion", False),
+    (440, 262, "Simulated segments of 1 s; compared\nwith inverse dynamics where every\n"
+     "law leaves over 5 % of the motion", False),
     (440, 332, "Inverse dynamics; with several\ncoordinates: shorter segments", False),
     (720, 105, "Fit every law, the simplest first;\nricher laws start from a grid over\n"
      "decades and from simpler fits", False),

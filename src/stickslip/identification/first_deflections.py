@@ -1,7 +1,7 @@
 """First deflections of bristles: what slip before a segment has built up.
 
 They are not free like the other initial states: what they do in the first micrometres, an initial
-velocity does nearly as well, and both together are torn apart by noise.
+velocity does nearly as well, and noise would set both against each other.
 """
 
 from collections.abc import Sequence
@@ -80,11 +80,13 @@ def deflection_slopes(
 
 
 def _deflections(law: BristleLaw, velocity: Array, end: float) -> Array:
-    """Return first deflections at velocities other than 0, of a law with one value or so many."""
+    """Return first deflections at velocities other than 0, of a law with one value or as many."""
     one = 1e-6  # force is linear in the deflection: any will do
     at_rest, moved = (
         law.force(velocity, (z,), 1.0) for z in (0.0 * velocity, one + 0.0 * velocity)
     )
     steady = one * (law.steady(velocity, 1.0) - at_rest) / (moved - at_rest)
+    # at the speed where damping outdoes stiffness both are 0: no deflection is told
+    steady = np.where(np.isfinite(steady), steady, 0.0)
     size = np.maximum(np.abs(steady), 1e-300)
     return np.asarray(-steady * np.expm1(-BEFORE * np.abs(velocity) * end / size))

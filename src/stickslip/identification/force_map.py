@@ -147,12 +147,13 @@ def map_along(
         constant=constant,
         offset=own or 0.0,
     )
+    if all(one.acceleration is not None for one in stretches):
+        whole = replace(whole, mass=mass_of(mechanism))
     coarse = replace(whole, stretches=tuple(few))
     unknowns = _effective(coarse if isinstance(law, type) else whole)
     if mass is not None:
         unknowns = replace(unknowns, items=(*unknowns.items, mass))
-        own_mass = mass_of(mechanism)
-        whole, coarse = (replace(one, inertia=mass.path, mass=own_mass) for one in (whole, coarse))
+        whole, coarse = (replace(one, inertia=mass.path) for one in (whole, coarse))
     problem = replace(whole, unknowns_=unknowns)
     if not isinstance(law, type):
         return problem, (unknowns.start,)

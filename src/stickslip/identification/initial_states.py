@@ -61,7 +61,7 @@ class LocalState:
     size: float
     """Largest change of what was measured."""
     sense: Callable[[], Array]
-    """Finds the slopes by the unknowns (n, p); asked for where they are needed, and only once."""
+    """Finds the slopes by the unknowns (n, p); asked for where they are needed."""
     units: Array
     """What initial coordinates and rates are counted in (m,)."""
     columns: Array
@@ -188,8 +188,8 @@ def _or_at_rest(
 def _descended(best: LocalState, shoot: Callable[[Array], LocalState | None]) -> LocalState:
     """Return a segment from the best state met on the way down.
 
-    What is projected out of residuals is what a state can do to first order: it is true only of a
-    state from which there is next to nothing left to do.
+    What is projected out of slopes is what a state can do to first order: it is true only of a state
+    from which there is next to nothing left to do.
     """
     for _ in range(ROUNDS):
         if best.settled:

@@ -57,7 +57,7 @@ class Found:
     """How often the record was predicted."""
     cancelled: bool = False
     hopeless: bool = False
-    """Whether only the best of several starts was gone on with, for a rival far below."""
+    """Whether only the best of several starts was continued, for a rival far below."""
 
     @property
     def agreeing(self) -> int:
@@ -151,18 +151,20 @@ def _polished(problem: Searchable, ends: Sequence[Linearised], race: "_Race") ->
     ConvergenceError
         If the whole record cannot be predicted from any of them.
     """
-    chosen: list[Linearised] = []
-    for end in sorted(ends, key=lambda end: end.cost):
-        near = chosen and end.cost <= NEARLY * chosen[0].cost
-        if not chosen or (near and _agreeing([end.cost, chosen[-1].cost]) == 1):
-            chosen.append(end)
-    found = []
-    for end in chosen[:POLISHED]:
-        whole, cancelled = _improved(problem, end.values, None, race.counter, ROUNDS)
+    ordered = sorted(ends, key=lambda end: end.cost)
+    race.counter.least = math.inf  # of some segments so far
+    found: list[Linearised] = []
+    last: Linearised | None = None
+    for end in ordered:
+        near = end.cost <= NEARLY * ordered[0].cost and len(found) < POLISHED
+        if found and (race.cancelled or not near or (last and _agree(end.cost, last.cost))):
+            continue
+        rounds = 0 if race.cancelled else ROUNDS
+        whole, cancelled = _improved(problem, end.values, None, race.counter, rounds)
         race.cancelled |= cancelled
-        found += [whole] if whole else []
-        if cancelled:
-            break
+        if whole:
+            found.append(whole)
+            last = end
     if not found:
         raise ConvergenceError("the whole record cannot be predicted from where a part of it led.")
     return found
@@ -197,38 +199,40 @@ class _Race:
         """Search until starts agree, or the watcher stops it."""
         random = np.random.default_rng(self.seed)
         unknowns = self.problem.unknowns
-        for number in range(max(self.starts, 1 + len(self.tried))):
+        count = max(self.starts, 1 + len(self.tried))
+        for number in range(count):
             if not self.cancelled:
                 self.ends.append(None)
                 self._go(number, _start(unknowns, number, self.tried, random), EARLY)
         limit = HOPELESS * min(self.costs)
-        best = min(range(len(self.ends)), key=lambda number: self.costs[number])
-        first = self.ends[best]
-        self.hopeless = bool(
-            first and len(self.ends) > 1 and first.rms**2 > HOPELESS * self.rival > 0.0
-        )
+        goal = 0.0
         for number in sorted(range(len(self.ends)), key=lambda number: self.costs[number]):
             end = self.ends[number]
-            if end and (number == best or (end.cost <= limit and not self.hopeless)):
-                self._go(number, end.values, ROUNDS)
-        while self.starts > 1 and not self.hopeless and not self.cancelled:
-            if _agreeing(self.costs) > 1 or len(self.ends) >= FURTHER + max(
-                self.starts, 1 + len(self.tried)
-            ):
+            if self.hopeless or not end or end.cost > limit:
                 break
+            self._go(number, end.values, ROUNDS, goal)
+            # ends of five rounds are on their way: only where one has arrived can others agree
+            goal = min(self.costs[number], goal or math.inf)
+            self.hopeless = goal > 0.0 and self._far_above_rival()
+        while self.starts > 1 and not self.hopeless and not self.cancelled:
             number = len(self.ends)
+            if _agreeing(self.costs) > 1 or number >= FURTHER + count:
+                break
             self.ends.append(None)
-            self._go(number, _start(unknowns, number, self.tried, random), ROUNDS)
+            values = _start(unknowns, number, self.tried, random)
+            self._go(number, values, ROUNDS, min(self.costs))
 
-    def _go(self, number: int, values: Array, rounds: int) -> None:
-        """Go on with a start, until it comes to the least cost that others came to."""
-        if self.cancelled:
-            return
-        others = [cost for i, cost in enumerate(self.costs) if i != number]
-        goal = min(others, default=0.0) if rounds == ROUNDS else 0.0
-        self.ends[number], self.cancelled = _improved(
-            self.problem, values, self.ends[number], self.counter, rounds, goal
-        )
+    def _far_above_rival(self) -> bool:
+        """Whether the best of several starts leaves far more than the rival."""
+        best = min((one for one in self.ends if one), key=lambda one: one.cost)
+        return not self.cancelled and len(self.ends) > 1 and best.rms**2 > HOPELESS * self.rival > 0
+
+    def _go(self, number: int, values: Array, rounds: int, goal: float = 0.0) -> None:
+        """Go on with a start for some rounds, or until it agrees with a goal."""
+        if not self.cancelled:
+            self.ends[number], self.cancelled = _improved(
+                self.problem, values, self.ends[number], self.counter, rounds, goal
+            )
 
 
 def _improved(
@@ -244,6 +248,11 @@ def _improved(
         return improve(problem, values, near=near, counter=counter, rounds=rounds, goal=goal)
     except ConvergenceError:
         return None, False
+
+
+def _agree(cost: float, other: float) -> bool:
+    """Whether two costs agree."""
+    return _agreeing([cost, other]) == 2
 
 
 def _agreeing(costs: Sequence[float]) -> int:
@@ -277,8 +286,9 @@ def improve(
 ) -> tuple[Linearised, bool]:
     """Descend from values (p,); return the end, and whether the watcher stopped it.
 
-    A descent that ended at these values, `near`, is gone on with. It ends early where its cost
-    agrees with a `goal`, and where a step promises to lower it by less than the share `flat`.
+    A descent that ended at these values, `near`, is continued. It ends early where its cost agrees
+    with a `goal`, and where a step promises to lower it by less than the share `flat`; a share that
+    is not the usual one never stops the first step.
 
     Raises
     ------
@@ -292,7 +302,7 @@ def improve(
     if not here.finite:
         raise ConvergenceError("the record cannot be predicted from this start.")
     damping, growth = FIRST_DAMPING, GROWTH
-    costs = [here.cost]
+    costs, moved = [here.cost], False
     try:
         if counter is not None and near is None:
             counter(here)
@@ -300,7 +310,7 @@ def improve(
             table = here.slopes @ unknowns.slopes(at)
             step, promised = step_of(table, here.residual, at, low, high, damping)
             done = promised <= flat * here.cost
-            trial = at if done else np.clip(at + step, low, high)
+            trial = at if done and (moved or flat <= FLAT) else np.clip(at + step, low, high)
             there = problem.linearise(unknowns.values(trial), here)
             if counter is not None:
                 counter(there)
@@ -311,11 +321,13 @@ def improve(
                 costs.append(here.cost)
             elif not done:
                 damping, growth = damping * growth, growth * GROWTH
+            moved = True
             if done and not gained > flat * here.cost:
                 break  # nor did initial states, which follow one step behind, gain anything
             if len(costs) > PATIENCE and here.cost > (1.0 - STALLED) * costs[-1 - PATIENCE]:
                 break
-            if damping > MOST_DAMPING or _agreeing([here.cost, goal]) == 2:
+            arrived = gained < AGREE * here.cost and _agree(here.cost, goal)
+            if arrived or damping > MOST_DAMPING:
                 break
     except _StoppedError:
         return here, True

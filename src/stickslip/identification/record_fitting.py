@@ -130,7 +130,7 @@ def fit_record(
         If not given, the laws that this one contains are fitted first.
     rival : float, optional
         Mean square that another law leaves: where all starts are far above it, only the best of
-        them is gone on with, and the fit says so.
+        them is continued, and the fit says so.
     watch : callable, optional
         Called with the least root mean square so far; False ends the search with the best so far.
 
@@ -147,7 +147,6 @@ def fit_record(
         If no start predicts the record.
     """
     choice = _route(mechanism, measurement, unknown, route, settings)
-    way, settings = choice.route, choice.settings
     refuse_unused(measurement)
     wanted = Wanted(
         mechanism=mechanism,
@@ -156,8 +155,36 @@ def fit_record(
         unknown=unknown,
         free=free,
         known=known,
-        settings=settings,
+        settings=choice.settings,
     )
+    fits: list[RecordFit] = []
+    try:
+        fits.append(_fitted_by(choice, wanted, contained, watch, rival))
+    except ConvergenceError:
+        if choice.alternative is None:
+            raise
+    if choice.alternative is None or not to_compare(choice, fits):
+        return fits[0]
+    other = RouteChoice(route=choice.alternative, settings=choice.settings)
+    try:
+        derived = _fitted_by(other, wanted, None, watch)
+    except (ConvergenceError, InputError):
+        if fits:
+            return fits[0]
+        raise
+    why = better_route(fits, [derived])
+    return replace(derived, route_reason=why) if why else fits[0]
+
+
+def _fitted_by(
+    choice: RouteChoice,
+    wanted: Wanted,
+    contained: Sequence[FittedLaw] | None,
+    watch: Watch | None,
+    rival: float = 0.0,
+) -> RecordFit:
+    """Return a fit by one route."""
+    way, measurement = choice.route, wanted.measurement
     if contained is None:
         contained = _simpler_fits(way, wanted, watch)
     ready, found, first = _searched(way, wanted, contained, watch, rival)
@@ -165,25 +192,11 @@ def fit_record(
         build = ready.build.at(found.best.values)
         ready = replace(ready, build=build, problem=build.fitted(measurement))
     contained = reachable(ready.start, ready.problem.unknowns, contained)
-    failure = search_failure(_kind_of(law), found.best.cost, len(found.best.residual), contained)
-    fit = _tested(_finished(way, measurement, ready, found, first), settings.hold)
+    kind = _kind_of(wanted.law)
+    failure = search_failure(kind, found.best.cost, len(found.best.residual), contained)
+    fit = _tested(_finished(way, measurement, ready, found, first), choice.settings.hold)
     sentences = (failure, *fit.sentences) if failure else fit.sentences
-    fit = replace(fit, sentences=sentences, search_failure=failure, route_reason=choice.reason)
-    if not to_compare(choice, [fit]):
-        return fit
-    other = fit_record(
-        mechanism,
-        law,
-        measurement,
-        unknown=unknown,
-        free=free,
-        known=known,
-        route=choice.alternative,
-        settings=settings,
-        watch=watch,
-    )
-    why = better_route([fit], [other])
-    return replace(other, route_reason=why) if why else fit
+    return replace(fit, sentences=sentences, search_failure=failure, route_reason=choice.reason)
 
 
 def _kind_of(law: FrictionLaw | type[FrictionLaw]) -> type[FrictionLaw]:

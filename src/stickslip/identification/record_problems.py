@@ -190,10 +190,10 @@ def _by_inverse_dynamics(wanted: Wanted, unknowns: Unknowns) -> Array | None:
     if not decades or not isinstance(wanted.law, type):
         return None
     try:
-        unknown = _derived(wanted).problem.unknowns
+        derived = _derived(wanted).problem.unknowns
     except InputError:
         return None
-    found = dict(zip(unknown.paths, unknown.start.tolist(), strict=True))
+    found = dict(zip(derived.paths, derived.start.tolist(), strict=True))
     near = np.array([found.get(item.path, item.start) for item in unknowns.items])
     return unknowns.values(unknowns.coordinates(near))
 

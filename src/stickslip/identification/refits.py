@@ -27,8 +27,7 @@ FEWEST = 30
 ROUNDS = 8
 """Steps at most from the estimates of the whole record to those without a block."""
 FLAT = 1e-3
-"""They end when a step lowers the cost by less than this share: estimates are then within a
-fraction of their standard errors."""
+"""They end when a step, but the first, promises to lower the cost by less than this share."""
 
 
 def refitted(fit: RecordFit, first: float, last: float) -> Linearised | None:

@@ -282,8 +282,8 @@ def _error(one: ScoreTest, estimates: Sequence[Estimate], measurement: Measureme
         if estimate.value
     ]
     text = (
-        f"It predicts {percent(min(one.share, 1.0))} of the squared residuals in blocks of the"
-        " record left out."
+        f"This effect predicts {percent(min(one.share, 1.0))} of the squared residuals in blocks of"
+        " the record left out."
     )
     if said:
         consequence = f"It moves {joined(said)}, farther than the 95 % intervals allow."

@@ -98,6 +98,8 @@ def better_route(fits: Sequence[RecordFit], others: Sequence[RecordFit]) -> str:
     """
     if not others:
         return ""
+    if not fits:
+        return "no law can be fitted to simulated segments"
     one, other = (min(unexplained_share(fit) for fit in some) for some in (fits, others))
     if not other < one:
         return ""
@@ -108,10 +110,13 @@ def better_route(fits: Sequence[RecordFit], others: Sequence[RecordFit]) -> str:
 
 
 def to_compare(choice: RouteChoice, fits: Sequence[RecordFit]) -> bool:
-    """Whether the alternative of a choice is to be tried, as even the best fit leaves much."""
-    if choice.alternative is None or not fits:
+    """Whether the alternative of a choice is to be tried, as even the best fit leaves much.
+
+    Not after a search was ended early.
+    """
+    if choice.alternative is None or any(fit.found.cancelled for fit in fits):
         return False
-    return min(unexplained_share(fit) for fit in fits) > SUSPECT
+    return not fits or min(unexplained_share(fit) for fit in fits) > SUSPECT
 
 
 def choose_route(
@@ -165,7 +170,8 @@ def choose_route(
             else f"the motion cannot be simulated over {number(settings.segment)} s"
         )
     else:
-        why = _contradiction(mechanism, measurement, unknown, settings, seen) if derivable else ""
+        found = _contradiction(mechanism, measurement, unknown, settings, seen)
+        derivable, why = derivable and found is not None, found or ""
     if not why:
         return replace(usual, alternative="inverse-dynamics") if derivable else usual
     if derivable:
@@ -229,14 +235,17 @@ def _contradiction(
     unknown: Sequence[str],
     settings: RecordSettings,
     seen: _Simulated,
-) -> str:
-    """Return where inverse dynamics finds another mass or level, in words; empty if it does not."""
+) -> str | None:
+    """Return where inverse dynamics finds another mass or level, in words; empty if it does not.
+
+    None if it finds nothing at all.
+    """
     try:
         wanted = _plain_fit(mechanism, measurement, unknown, settings)
         problem = prepared("inverse-dynamics", wanted).problem
         end, _ = improve(problem, problem.unknowns.start)
     except StickslipError:
-        return ""
+        return None
     derived = dict(zip(problem.unknowns.paths, end.values.tolist(), strict=True))
     for path, value in seen.values.items():
         other = derived.get(path, 0.0)

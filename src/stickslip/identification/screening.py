@@ -2,8 +2,8 @@
 
 A Stribeck velocity or a bristle stiffness that is off by a decade has no slope that would lead a
 search back: the residual does not change where the speeds, or the ways, that it acts on are left.
-So every half decade is looked at, with the rest of the law fitted linearly. The best points, one of
-each decade of a speed, go downhill for a few steps, and the ends that differ are where searches
+So every half decade is looked at, with the rest of the law fitted linearly. The best point of each
+speed goes downhill for a few steps, and the ends that differ are where searches
 begin.
 """
 
@@ -203,7 +203,7 @@ def _rated_with_memory(coarse: ForceMap, points: Sequence[dict[str, float]]) -> 
         np.ones(len(measured)),
         np.concatenate([one.path.velocity[mask] for one, mask, *_ in pairs]),
     ]
-    if all(one.acceleration is not None for one, *_ in pairs):
+    if coarse.inertia and all(one.acceleration is not None for one, *_ in pairs):
         beside.append(np.concatenate([one.acceleration[mask] for one, mask, *_ in pairs]))  # type: ignore[index]
     return [
         _scaled(
@@ -253,10 +253,11 @@ def _scaled(coarse: ForceMap, values: Array, table: Array, measured: Array) -> _
             new[k] = float(found[2])
         elif item.path == coarse.inertia and table.shape[1] > MASS:
             new[k] = coarse.mass + float(found[MASS])
-    if undamped is not None and coarse.mass > 0.0:
-        stiffness = next(
-            v for v, i in zip(new, coarse.unknowns.items, strict=True) if i.quantity.unit == "1/m"
-        )
+    stiffness = next(
+        (v for v, i in zip(new, coarse.unknowns.items, strict=True) if i.quantity.unit == "1/m"),
+        0.0,
+    )
+    if undamped is not None and stiffness > 0.0 and coarse.mass > 0.0:
         load = float(np.median(np.concatenate([one.path.load for one in coarse.stretches])))
         new[undamped] = math.sqrt(stiffness * coarse.mass / load)
     unknowns = coarse.unknowns

@@ -1,7 +1,7 @@
 """Multiple shooting: a record is simulated segment by segment, each from a state of its own.
 
-The initial states of segments are eliminated to first order: their part of the residuals is
-projected out, and they follow the other unknowns from one linearisation to the next.
+The initial states of segments are eliminated to first order: their part of the slopes is projected
+out, and they follow the other unknowns from one linearisation to the next.
 """
 
 from collections.abc import Mapping, Sequence

@@ -367,8 +367,7 @@ def _lede(
     elif without is not None and math.isfinite(without.score):
         text += f" Without friction: {told(without.score)}."
     for error in fit.model_errors:
-        named = error.finding in said
-        text += f" {error.consequence.replace('It ', 'This effect ', 1) if named else error}"
+        text += f" {error.consequence if error.finding in said else error}"
     route = route_text(fit)
     text += f" {route}" if route else ""
     closer = [

@@ -144,16 +144,18 @@ def _tried(
     fitted = by(asked_for(route) or "", choice.reason if choice else "")
     tried = fitted_side_by_side(fitted, chosen, watch, executor)
     fits = [one.fit for one in tried if one.fit]
-    if choice and choice.alternative and to_compare(choice, fits):
+    if choice is None or choice.alternative is None or not to_compare(choice, fits):
+        return fitted, tried
+    try:
         others = fitted_side_by_side(by(choice.alternative, ""), chosen, watch, executor)
-        why = better_route(fits, [one.fit for one in others if one.fit])
-        if why:
-            fitted = by(choice.alternative, why)
-            tried = [
-                replace(one, fit=replace(one.fit, route_reason=why)) if one.fit else one
-                for one in others
-            ]
-    return fitted, tried
+    except InputError:  # what inverse dynamics does not serve was fitted by simulation
+        return fitted, tried
+    why = better_route(fits, [one.fit for one in others if one.fit])
+    if not why:
+        return fitted, tried
+    return by(choice.alternative, why), [
+        replace(one, fit=replace(one.fit, route_reason=why)) if one.fit else one for one in others
+    ]
 
 
 def _aim(purpose: str, horizon: float | None) -> float:

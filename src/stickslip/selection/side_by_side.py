@@ -84,7 +84,7 @@ def fitted_side_by_side(
     """Return the candidates in order, each fitted by a worker; without any, one after the other.
 
     A candidate is fitted after those that it contains, from which its search begins too. Those
-    that take long are fitted last, and know the least that the others leave.
+    that take long are fitted last, and are told the least mean square of the others.
 
     `watch` is called here: with the least residual of each candidate when its search ends, and in
     between to ask whether to go on. When it answers False, searches end with the best so far.
@@ -105,8 +105,7 @@ def fitted_side_by_side(
         while waiting or futures:
             unfinished = [*waiting, *futures.values()]
             ready = [one for one in waiting if not _awaited(one, unfinished)]
-            # what takes longest begins first, so that no worker waits for it alone at the end
-            for one in sorted(ready, key=lambda one: not takes_long(one.law)):
+            for one in ready:
                 nested, rival = _contained(one, chosen, found), _rival(one, chosen, found)
                 futures[executor.submit(fitted, one, nested, rival, wanted)] = one
                 waiting.remove(one)
@@ -128,7 +127,7 @@ def _awaited(one: Specification, unfinished: Sequence[Specification]) -> bool:
 
 def _knows(one: Specification, other: Specification) -> bool:
     """Whether a candidate is fitted with what another leaves in mind."""
-    return takes_long(one.law) and not takes_long(other.law)
+    return takes_long(one.law) and not takes_long(other.law) and not contains(other, one)
 
 
 def _rival(

@@ -4,9 +4,9 @@ Everything is made for many runs at once, whose parameters are arrays; one run i
 """
 
 import math
+from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -29,8 +29,10 @@ ALIKE = 1e-9
 SHORTEST = 8
 """Units in the last place of the time that a piece must last; what a shorter one does is a jump."""
 
-KEPT = 512
-"""Schedules of single runs that are kept: those of a long record's segments."""
+MOST_KEPT, LONG = 512, 50_000
+"""Schedules of single runs that are kept, as those of a long record's segments, and the numbers of
+one from which it is too long to be."""
+_KEPT: OrderedDict[tuple[float, ...], tuple[tuple[Drive, ...], "Schedule"]] = OrderedDict()
 
 Array = NDArray[np.float64]
 
@@ -70,11 +72,7 @@ def values_of(mechanism: Mechanism, law: FrictionLaw) -> dict[str, float]:
 def gather(mechanism: Mechanism, law: FrictionLaw, model: Model, t_end: float) -> Inputs:
     """Collect the numbers of a mechanism and a law in the order of the model."""
     values = values_of(mechanism, law)
-    drives = tuple(mechanism.drives().values())
-    try:
-        plan = _alone(drives, t_end)
-    except TypeError:  # a drive of someone's own that cannot be hashed
-        plan = _scheduled(drives, 1, t_end)
+    plan = _alone(tuple(mechanism.drives().values()), t_end)
     return Inputs(
         p=[float(values[path]) for path in model.parameter_paths],
         first=model.first_parameter,
@@ -84,10 +82,23 @@ def gather(mechanism: Mechanism, law: FrictionLaw, model: Model, t_end: float) -
     )
 
 
-@lru_cache(maxsize=KEPT)
 def _alone(drives: tuple[Drive, ...], t_end: float) -> Schedule:
-    """Return what drives do in one run: kept, since searches run the same drives again."""
-    return _scheduled(drives, 1, t_end)
+    """Return what drives do in one run: kept, since searches run the same drives again.
+
+    The same are the same objects: drives of one's own may be equal that do not do the same.
+    """
+    key = (*(id(drive) for drive in drives), t_end)
+    kept = _KEPT.pop(key, None)
+    if kept is None:
+        plan = _scheduled(drives, 1, t_end)
+        plan.table.setflags(write=False)
+        if plan.table.size > LONG:
+            return plan
+        kept = drives, plan  # as long as they are kept, no other objects have their identities
+    _KEPT[key] = kept
+    if len(_KEPT) > MOST_KEPT:
+        _KEPT.popitem(last=False)
+    return kept[1]
 
 
 def schedule(
