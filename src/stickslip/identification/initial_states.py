@@ -188,7 +188,7 @@ def _or_at_rest(
 def _descended(best: LocalState, shoot: Callable[[Array], LocalState | None]) -> LocalState:
     """Return a segment from the best state met on the way down.
 
-    What is projected out of slopes is what a state can do to first order: it is true only of a state
+    What is projected out of slopes is what a state can do to first order: it is true only of one
     from which there is next to nothing left to do.
     """
     for _ in range(ROUNDS):
