@@ -12,6 +12,7 @@ from stickslip import (
     CoulombViscous,
     DirectionDependent,
     Measurement,
+    QuadraticDrag,
     RecordSettings,
     RecordVerdict,
     Sampled,
@@ -480,3 +481,19 @@ def test_the_verdict_on_trials_that_share_one_law_says_so():
     one = select(Axis(inertia=1.0), trials_of_levels(5.0).trials[0], ["coulomb-viscous"])
     assert one.trials is None
     assert one.to_dict()["trials"] is None
+
+
+def test_a_law_whose_search_was_cut_short_is_not_judged_and_says_so():
+    t = np.arange(0.0, 24.0, 1e-2)
+    force = 9.0 * np.sin(1.7 * t) + 6.0 * np.sin(4.1 * t)
+    law = QuadraticDrag(kinetic_coefficient=2.0, viscous_coefficient=0.5, quadratic_coefficient=3.0)
+    axis = Axis(inertia=2.0, drive=Sampled(times=t.tolist(), values=force.tolist()))
+    x = simulate(axis, law, t_end=float(t[-1])).at(t)["x"]
+    record = Measurement(time=t, position=np.round(x / 1e-5) * 1e-5, force=force)
+    verdict = select(Axis(inertia=2.0), record, ["quadratic-drag", "dahl"])
+    assert verdict.best.name == "quadratic-drag"
+    dahl = next(one for one in verdict.candidates if one.name == "dahl")
+    assert dahl.fit.found.hopeless
+    assert dahl.validation is None
+    assert dahl.outcome.startswith("not judged: another law leaves less than a third")
+    assert any("cut short" in sentence for sentence in dahl.fit.sentences)

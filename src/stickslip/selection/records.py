@@ -78,6 +78,7 @@ PURPOSES = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
 LEFT_OUT = "the search was ended before its turn"
+HOPELESS = "not judged: another law leaves less than a third of what this one leaves of the record"
 
 
 def select_records(
@@ -305,6 +306,8 @@ def _judged(
     """Add held-out errors and objections."""
     if candidate.fit is None:
         return candidate
+    if candidate.fit.found.hopeless:
+        return replace(candidate, dropped=HOPELESS)
     try:
         validation = cross_validate(candidate.fit, plan)
         second = None if validate is None else candidate.fit.score(validate, horizon=plan.horizon)
