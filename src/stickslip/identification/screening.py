@@ -3,8 +3,7 @@
 A Stribeck velocity or a bristle stiffness that is off by a decade has no slope that would lead a
 search back: the residual does not change where the speeds, or the ways, that it acts on are left.
 So every half decade is looked at, with the rest of the law fitted linearly. The best point of each
-speed goes downhill for a few steps, and the ends that differ are where searches
-begin.
+speed goes downhill for a few steps, and the ends that differ are where searches begin.
 """
 
 import math

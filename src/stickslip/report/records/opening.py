@@ -300,6 +300,6 @@ def _telling(verdict: RecordVerdict) -> Fact | None:
     what = f"{label_of(own[0])}, with its {own[0].interval} interval"
     if halves and np.all(np.isfinite(halves)):
         first, second = (numbers.significant(x, 3) for x in halves)
-        halves_of = "trials" if verdict.trials else "the record"
+        halves_of = "the trials" if fit.halves and fit.halves.several else "the record"
         what += f"; {first} in the first half of {halves_of}, {second} in the second"
     return Fact(value=value, aside=numbers.with_unit(doubt, unit_of(own[0])), what=what)
