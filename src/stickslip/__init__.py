@@ -17,6 +17,7 @@ _HOME = {
     "Contact": "mechanisms",
     "Coulomb": "friction",
     "CoulombViscous": "friction",
+    "CoulombViscousStatic": "friction",
     "Dahl": "friction",
     "DirectionDependent": "friction",
     "DirectionalLaw": "friction",

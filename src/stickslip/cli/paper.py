@@ -51,9 +51,18 @@ def _show(found: PaperAudit) -> None:
         for row in found.table
     ]
     show_table(f"Table II; measured {found.measured:.2f} m", heads, rows)
+    ranks = [found.ranking(key) for key in ("published", "A", "B")]
+    rows = [
+        [row.law.title, *(str(one.get(row.law.name, "rejected")) for one in ranks)]
+        for row in found.table
+    ]
+    stdout().print()
+    heads = ["model", "published", "A push", "B spring"]
+    show_table("Ranks by the paper's criteria; select ranks none by one travel", heads, rows)
     rows = [_need(need) for need in found.requirements]
     stdout().print()
-    show_table("What would give the published rows", ["row", "m", "needs", "range"], rows)
+    heads = ["row", "m", "read as", "needs", "range"]
+    show_table("What would give the published rows", heads, rows)
     rows = [
         [
             row.law,
@@ -95,12 +104,14 @@ def _show_cart(study: CartStudy) -> None:
 
 def _need(need: Requirement) -> list[str]:
     if need.value is None or need.low is None or need.high is None:
-        return [need.law, f"{need.published:.2f}", f"no value of {need.symbol}", ""]
+        none = f"no value of {need.symbol}"
+        return [need.law, f"{need.published:.2f}", need.reading, none, ""]
     unit = "" if need.unit == "1" else f" {need.unit}"
     value = f"{need.symbol} = {significant(need.value, 3)}{unit}"
     return [
         need.law,
         f"{need.published:.2f}",
+        need.reading,
         value,
         f"{significant(need.low, 3)} to {significant(need.high, 3)}",
     ]

@@ -14,20 +14,18 @@ from stickslip.cli.output import (
     note,
     overrides,
     plain,
-    print_json,
     refuse_overwriting,
     show_table,
     stdout,
 )
 from stickslip.cli.progress import Watching
 from stickslip.cli.select_records import select_on_records
-from stickslip.cli.selected import NO_LAW, laws_of
+from stickslip.cli.selected import deliver, laws_of
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig
 from stickslip.friction import FrictionLaw
 from stickslip.paper import rig_report
 from stickslip.report.numbers import interval, length, significant
-from stickslip.report.verdicts import PAGE, write_verdict
 from stickslip.selection import Candidate, TravelVerdict, select
 from stickslip.selection.travels import PLAIN
 
@@ -72,18 +70,14 @@ def _travels(
 ) -> None:
     verdict = _selected(rig, found, laws_of(rig, laws))
     content = document("select", {"rig": rig.title, "digest": found.digest, **verdict.to_dict()})
-    if as_json:
-        print_json(content)
-    else:
-        note("Writing the report ...")
-        seen = replace(rig, digest=found.digest)
-        page = rig_report(seen, verdict, command=command_line())
-        write_verdict(output, verdict, page, content)
-        _show(verdict)
-        stdout().print(f"\nReport: {output / PAGE}", markup=False)
-    if verdict.best is None:
-        note("No law explains the measurement; the report says why.")
-        raise typer.Exit(NO_LAW)
+    seen = replace(rig, digest=found.digest)
+    deliver(
+        verdict,
+        content,
+        None if as_json else output,
+        page=lambda: rig_report(seen, verdict, command=command_line()),
+        show=lambda: _show(verdict),
+    )
     if enforce and not _criteria_hold(verdict.best):
         note("A criterion of the paper fails for the law that is named; the report says which.")
         raise typer.Exit(CRITERIA_FAILED)

@@ -1,4 +1,4 @@
-"""What ``stickslip select`` does with a verdict on records, whatever they are compared by."""
+"""What ``stickslip select`` does with a verdict, whatever laws are compared by."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -6,11 +6,11 @@ from typing import Any
 
 import typer
 
-from stickslip.cli.output import note, print_json, stdout
+from stickslip.cli.output import note, print_json, stdout, write_folder
 from stickslip.experiments import Rig
 from stickslip.friction import FrictionLaw
-from stickslip.report.verdicts import PAGE, write_verdict
-from stickslip.selection import FeatureVerdict, RecordVerdict
+from stickslip.report.verdicts import DOCUMENT, PAGE, write_verdict
+from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict
 
 __all__ = ["NO_LAW", "deliver", "laws_of"]
 
@@ -29,27 +29,42 @@ def laws_of(
 
 
 def deliver(
-    verdict: RecordVerdict | FeatureVerdict,
+    verdict: RecordVerdict | FeatureVerdict | TravelVerdict,
     content: Mapping[str, Any],
     output: Path | None,
     *,
     page: Callable[[], str],
     show: Callable[[], None],
-    ended: Sequence[str],
+    ended: Sequence[str] = (),
 ) -> None:
     """Write what was found into a folder and print it; without a folder print JSON only.
 
-    `ended` are laws whose search was ended early.
+    The verdict is written and printed before its page is drawn. `ended` are laws whose search was
+    ended early.
     """
     if output is None:
         print_json(content)
     else:
-        note("Writing the report ...")
-        write_verdict(output, verdict, page(), content)
+        write_verdict(output, verdict, content)
         show()
-        stdout().print(f"\nReport: {output / PAGE}", markup=False)
+        _draw(output, page)
     if ended:
         note(f"Searches that were ended early may not have converged: {', '.join(ended)}.")
-    if verdict.best is None or verdict.best.dropped:
+    if verdict.best is None or getattr(verdict.best, "dropped", False):
         note("No law is recommended; the verdict gives the reason.")
         raise typer.Exit(NO_LAW)
+
+
+def _draw(output: Path, page: Callable[[], str]) -> None:
+    """Write the page; if it cannot be drawn, say so and where the verdict is."""
+    note("Drawing the page ...")
+    try:
+        text = page()
+    except Exception as error:  # whatever a page fails with, the verdict stands
+        note(
+            f"The page could not be drawn ({type(error).__name__}: {error}). The verdict is in"
+            f" {output / DOCUMENT}."
+        )
+        return
+    write_folder(output, {PAGE: text})
+    stdout().print(f"\nReport: {output / PAGE}", markup=False)

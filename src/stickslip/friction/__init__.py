@@ -12,6 +12,7 @@ from stickslip.friction.base import (
 )
 from stickslip.friction.coulomb import Coulomb
 from stickslip.friction.coulomb_viscous import CoulombViscous
+from stickslip.friction.coulomb_viscous_static import CoulombViscousStatic
 from stickslip.friction.dahl import Dahl
 from stickslip.friction.direction_dependent import DirectionDependent
 from stickslip.friction.lugre import LuGre
@@ -31,6 +32,7 @@ __all__ = [
     "Containment",
     "Coulomb",
     "CoulombViscous",
+    "CoulombViscousStatic",
     "Dahl",
     "DirectionDependent",
     "DirectionalLaw",

@@ -1,8 +1,10 @@
 """The friction equations of the source paper as printed, runnable, each with what is wrong in it.
 
 They are evaluated literally, as a block diagram would: `stickslip.FixedStep` runs them. The
-corrected law that each one stands for is its `corrected`. Where the typesetting leaves a choice,
-the docstring says how it is read here.
+corrected law that each one stands for is its `corrected`. Formulas are in the paper's symbols.
+Where its typesetting leaves a choice, the docstring says how it is read here. The paper writes (1)
+to (4) as forces on the body and (5) to (10) as resistances; `PrintedForm.force` is a resistance
+in all of them.
 """
 
 from abc import ABC, abstractmethod
@@ -20,6 +22,7 @@ from stickslip.friction.coulomb_viscous import CoulombViscous
 from stickslip.friction.dahl import Dahl
 from stickslip.friction.lugre import LuGre
 from stickslip.friction.stribeck import Stribeck
+from stickslip.friction.viscous import Viscous
 from stickslip.maths import sign
 from stickslip.quantities import Parametrised, Quantity
 
@@ -33,6 +36,11 @@ Sigma1 = Annotated[float, Quantity("sigma_1", "N s/m", low=0)]
 Sigma2 = Annotated[float, Quantity("sigma_2", "N s/m", low=0)]
 Vs = Annotated[float, Quantity("v_s", "m/s", above=0)]
 
+NO_LIMIT = (
+    "at rest friction equals the applied force without a limit, so a resting body never starts"
+)
+LIMIT = "at rest F_x only up to mu_s N"
+
 
 @dataclass(frozen=True, kw_only=True)
 class PrintedForm(Parametrised, ABC):
@@ -40,6 +48,7 @@ class PrintedForm(Parametrised, ABC):
 
     name: ClassVar[str]
     title: ClassVar[str]
+    """What the paper calls it."""
     equation: ClassVar[str]
     """Number in the paper."""
     formula: ClassVar[str]
@@ -48,6 +57,8 @@ class PrintedForm(Parametrised, ABC):
     """What is wrong, in words."""
     cure: ClassVar[str]
     """The corrected form, in words or symbols."""
+    right: ClassVar[str] = ""
+    """What the equation has right where its neighbours err, in words."""
     corrected: ClassVar[type[FrictionLaw]]
     bristles: ClassVar[tuple[str, ...]] = ()
 
@@ -66,7 +77,7 @@ class PrintedForm(Parametrised, ABC):
         load : float
             Normal force [N].
         applied : float
-            Sum of the other forces on the body [N], which some forms return at rest.
+            Sum of the other forces on the body [N], the paper's F_x, which some forms use at rest.
         """
 
     @abstractmethod
@@ -89,12 +100,12 @@ class _Memoryless(PrintedForm, ABC):
 @final
 @dataclass(frozen=True, kw_only=True)
 class PrintedCoulomb(_Memoryless):
-    """Eq. (1): sgn(0) = 0, so nothing is held at rest."""
+    """Eq. (1), of the paper's reference [6]: sgn(0) = 0, so nothing is held at rest."""
 
     name: ClassVar[str] = "printed-1"
     title: ClassVar[str] = "Coulomb"
     equation: ClassVar[str] = "(1)"
-    formula: ClassVar[str] = r"F = \mu_k N \operatorname{sgn} v, \quad \operatorname{sgn} 0 = 0"
+    formula: ClassVar[str] = r"F_f = -\mu N \operatorname{sgn}(\dot x), \quad N = M g + F_y"
     defect: ClassVar[str] = "no stiction: sgn 0 = 0 lets any small force move a resting body"
     cure: ClassVar[str] = "stick while the needed force is at most mu_s N"
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
@@ -105,56 +116,97 @@ class PrintedCoulomb(_Memoryless):
     def force(
         self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
     ) -> float:
-        mu_k = self.kinetic_coefficient
-        return float(mu_k * load * sign(velocity))
+        return float(self.kinetic_coefficient * load * sign(velocity))
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PrintedSigned(_Memoryless):
-    """Eqs (3) and (4): the coefficient carries the sign of v and is multiplied by it again.
+class PrintedImprovedCoulomb(_Memoryless):
+    """Eq. (3), of the paper's reference [7]: the coefficient and the force carry the sign of v."""
 
-    Read here as mu = mu_k sgn v (mu_k at rest) in F = mu N sgn v + sigma_2 v.
-    """
-
-    name: ClassVar[str] = "printed-3-4"
-    title: ClassVar[str] = "Coulomb + viscous + static"
-    equation: ClassVar[str] = "(3), (4)"
+    name: ClassVar[str] = "printed-3"
+    title: ClassVar[str] = "improved Coulomb"
+    equation: ClassVar[str] = "(3)"
     formula: ClassVar[str] = (
-        r"F = \mu N \operatorname{sgn} v + \sigma_2 v, \quad \mu = \mu_k \operatorname{sgn} v"
+        r"F_f = -\mu N \operatorname{sgn}(\dot x), \quad N = M g + F_y, \quad"
+        r" \mu = \begin{cases} \operatorname{sign}(F_x) \mu_k & (\dot x = 0) \\"
+        r" \operatorname{sign}(\dot x) \mu_k & (\dot x \neq 0) \end{cases}"
     )
     defect: ClassVar[str] = (
-        "the two signs cancel: moving backwards, friction pushes the body on; at rest it is mu_k N"
-        " whatever is needed"
+        "the sign of the velocity enters twice and cancels: friction pushes a body that moves"
+        " backwards on; at rest sgn 0 = 0 removes it, whatever mu is"
     )
-    cure: ClassVar[str] = "mu_k N sgn v + sigma_2 v, and the inequality at rest"
-    corrected: ClassVar[type[FrictionLaw]] = CoulombViscous
+    cure: ClassVar[str] = "one sign: mu_k N sgn v; stick while the needed force is at most mu_s N"
+    corrected: ClassVar[type[FrictionLaw]] = Coulomb
 
     kinetic_coefficient: Mu
-    viscous_coefficient: Sigma2 = 0.0
 
     @override
     def force(
         self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
     ) -> float:
-        mu_k, sigma_2 = self.kinetic_coefficient, self.viscous_coefficient
-        if velocity == 0:
-            return mu_k * load
-        mu = mu_k * sign(velocity)
-        return float(mu * load * sign(velocity) + sigma_2 * velocity)
+        mu = self.kinetic_coefficient * sign(velocity if velocity != 0 else applied)
+        return float(mu * load * sign(velocity))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PrintedCartDynamics(_Memoryless):
+    """Friction as the cart's equation of motion (4) has it, with the coefficient of (3).
+
+    In (4) the weight is multiplied by mu sgn v and what the pendulum adds to the normal force by mu
+    alone, mu having a sign already. So the weight is a parameter here, apart from the load.
+    """
+
+    name: ClassVar[str] = "printed-4"
+    title: ClassVar[str] = "dynamics of the cart with (3)"
+    equation: ClassVar[str] = "(4)"
+    formula: ClassVar[str] = (
+        r"(M+m) \ddot x - m l \ddot\theta (\mu \sin\theta + \cos\theta)"
+        r" \quad {} + m l \dot\theta^2 (\sin\theta - \mu \cos\theta)"
+        r" \quad {} + \mu (M+m) g \operatorname{sgn} \dot x = 0"
+    )
+    defect: ClassVar[str] = (
+        "mu of (3) has a sign already, which the terms of the pendulum use once and that of the"
+        " weight twice: the weight's friction pushes a cart that moves backwards on"
+    )
+    cure: ClassVar[str] = "(2), with the stick rule"
+    corrected: ClassVar[type[FrictionLaw]] = Coulomb
+
+    kinetic_coefficient: Mu
+    weight: Annotated[float, Quantity("W", "N", above=0)]
+    """Weight of cart and ball, (M + m) g."""
+
+    @override
+    def force(
+        self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
+    ) -> float:
+        mu = self.kinetic_coefficient * sign(velocity if velocity != 0 else applied)
+        return float(mu * (load - self.weight) + mu * self.weight * sign(velocity))
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class PrintedStribeck(_Memoryless):
-    """Eq. (5): the exponent has no absolute value and the force no sign."""
+    """Eq. (5): the exponent has no absolute value and F(v) no sign; its rule for rest is right."""
 
     name: ClassVar[str] = "printed-5"
     title: ClassVar[str] = "Stribeck"
     equation: ClassVar[str] = "(5)"
-    formula: ClassVar[str] = r"F = F_c + (F_s - F_c) e^{-v/v_s} + \sigma_2 v"
-    defect: ClassVar[str] = "grows without limit for v < 0, where it also has the wrong sign"
-    cure: ClassVar[str] = "(F_c + (F_s - F_c) exp(-|v/v_s|^n)) sgn v + sigma_2 v"
+    formula: ClassVar[str] = (
+        r"F = \begin{cases} F(v) & (\dot x \neq 0) \\ F_e = F_x &"
+        r" (\dot x = 0 \; \& \; |F_e| < |F_s|) \\"
+        r" F_s \operatorname{sgn}(F_e) & (\text{otherwise}) \end{cases} \quad"
+        r" F_v = F_c + (F_s - F_c) e^{-\dot x / \dot x_s} + \mu \dot x"
+    )
+    defect: ClassVar[str] = (
+        "moving backwards, F_v grows without limit (the exponent lacks |.|) and has the wrong sign"
+        " (sgn v is missing)"
+    )
+    cure: ClassVar[str] = "[F_c + (F_s - F_c) exp(-|v/v_s|^n)] sgn v + sigma_2 v"
+    right: ClassVar[str] = (
+        "its rule for rest, with the limit F_s, is right, and the only one in the paper that is"
+    )
     corrected: ClassVar[type[FrictionLaw]] = Stribeck
 
     kinetic_coefficient: Mu
@@ -167,6 +219,8 @@ class PrintedStribeck(_Memoryless):
         self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
     ) -> float:
         f_c, f_s = self.kinetic_coefficient * load, self.static_coefficient * load
+        if velocity == 0:
+            return applied if abs(applied) < f_s else float(f_s * sign(applied))
         v_s, sigma_2 = self.stribeck_velocity, self.viscous_coefficient
         return f_c + (f_s - f_c) * exp(-velocity / v_s) + sigma_2 * velocity
 
@@ -179,12 +233,15 @@ class PrintedDahl(PrintedForm):
     name: ClassVar[str] = "printed-6"
     title: ClassVar[str] = "Dahl"
     equation: ClassVar[str] = "(6)"
-    formula: ClassVar[str] = r"F = \sigma_0 z \operatorname{sgn} v, \quad F = F_x \text{ at } v = 0"
-    defect: ClassVar[str] = (
-        "z already has a sign: after a reversal the bristle pushes the wrong way; at rest friction"
-        " equals the applied force without limit, so a resting body never starts"
+    formula: ClassVar[str] = (
+        r"\frac{dz}{dt} = \dot x - \sigma_0 \frac{|\dot x|}{F_c} Z, \quad"
+        r" F_f = \begin{cases} F_d = \sigma_0 Z \operatorname{sgn}(\dot x) & (\dot x \neq 0) \\"
+        r" F_x & (\dot x = 0) \end{cases}"
     )
-    cure: ClassVar[str] = "F = sigma_0 z, clipped at break-away if the body is held"
+    defect: ClassVar[str] = (
+        f"Z has a sign already: moving backwards, sgn turns the bristle's force round; {NO_LIMIT}"
+    )
+    cure: ClassVar[str] = f"F = sigma_0 z; {LIMIT}"
     corrected: ClassVar[type[FrictionLaw]] = Dahl
     bristles: ClassVar[tuple[str, ...]] = ("z",)
 
@@ -196,8 +253,7 @@ class PrintedDahl(PrintedForm):
         self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
     ) -> float:
         (z,) = bristles
-        sigma_0 = self.bristle_stiffness
-        return applied if velocity == 0 else float(sigma_0 * z * sign(velocity))
+        return applied if velocity == 0 else float(self.bristle_stiffness * z * sign(velocity))
 
     @override
     def bristle_rates(
@@ -216,11 +272,12 @@ class PrintedCoulombSwitch(_Memoryless):
     name: ClassVar[str] = "printed-7"
     title: ClassVar[str] = "Coulomb, switched"
     equation: ClassVar[str] = "(7)"
-    formula: ClassVar[str] = r"F = \mu_k N \operatorname{sgn} v, \quad F = F_x \text{ at } v = 0"
-    defect: ClassVar[str] = (
-        "no limit at rest: a resting body never starts, however hard it is pushed"
+    formula: ClassVar[str] = (
+        r"F_f = \begin{cases} F_c = \mu N \operatorname{sgn}(\dot x) & (\dot x \neq 0) \\"
+        r" F_x & (\dot x = 0) \end{cases}"
     )
-    cure: ClassVar[str] = "F = F_x only while |F_x| <= mu_s N"
+    defect: ClassVar[str] = NO_LIMIT
+    cure: ClassVar[str] = LIMIT
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
 
     kinetic_coefficient: Mu
@@ -235,53 +292,54 @@ class PrintedCoulombSwitch(_Memoryless):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PrintedCoulombViscousSwitch(_Memoryless):
-    """Eq. (8): the viscous part is multiplied by sgn v."""
+class PrintedViscousSwitch(_Memoryless):
+    """Eq. (8): purely viscous, multiplied by sgn v; at rest it equals the applied force."""
 
     name: ClassVar[str] = "printed-8"
-    title: ClassVar[str] = "Coulomb + viscous, switched"
+    title: ClassVar[str] = "viscous, switched"
     equation: ClassVar[str] = "(8)"
     formula: ClassVar[str] = (
-        r"F = \mu_k N \operatorname{sgn} v + \sigma_2 v \operatorname{sgn} v,"
-        r" \quad F = F_x \text{ at } v = 0"
+        r"F_f = \begin{cases} F_v = \mu_v \dot x \operatorname{sgn}(\dot x) & (\dot x \neq 0) \\"
+        r" F_x & (\dot x = 0) \end{cases}"
     )
-    defect: ClassVar[str] = "the viscous part pushes when v < 0; no limit at rest"
-    cure: ClassVar[str] = "sigma_2 v without the sign; at most mu_s N at rest"
-    corrected: ClassVar[type[FrictionLaw]] = CoulombViscous
+    defect: ClassVar[str] = f"a sgn too many: it pushes a body that moves backwards on; {NO_LIMIT}"
+    cure: ClassVar[str] = "sigma_2 v"
+    corrected: ClassVar[type[FrictionLaw]] = Viscous
 
-    kinetic_coefficient: Mu
     viscous_coefficient: Sigma2
 
     @override
     def force(
         self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
     ) -> float:
-        mu_k, sigma_2 = self.kinetic_coefficient, self.viscous_coefficient
-        if velocity == 0:
-            return applied
-        return float((mu_k * load + sigma_2 * velocity) * sign(velocity))
+        sigma_2 = self.viscous_coefficient
+        return applied if velocity == 0 else float(sigma_2 * velocity * sign(velocity))
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class PrintedLuGre(PrintedForm):
-    """Eq. (9): the stiffness, damping and viscous terms with sgn v, the exponent without |v|.
+    """Eq. (9): all three parts multiplied by sgn v; at rest it equals the applied force.
 
-    The paper numbers the sigmas 1 to 3; they are named here as everywhere else.
+    The exponent cannot be read: two signs, and alpha beside the fraction. It is taken as
+    -|v / v_s|^alpha, which no other equation of the paper contradicts. The paper numbers the sigmas
+    1 to 3; they are named here as everywhere else.
     """
 
     name: ClassVar[str] = "printed-9"
     title: ClassVar[str] = "LuGre, switched"
     equation: ClassVar[str] = "(9)"
     formula: ClassVar[str] = (
-        r"F = (\sigma_1 z + \sigma_2 \dot z + \sigma_3 v) \operatorname{sgn} v, \quad"
-        r" g = F_c + (F_s - F_c) e^{-(v/v_s)}, \quad F = F_x \text{ at } v = 0"
+        r"\frac{dz}{dt} = \dot x - \frac{\sigma_1 |\dot x|}{F_v} Z, \quad"
+        r" F_v = F_c + (F_s - F_c) e^{-\frac{-(\dot x)}{v_s} \alpha}, \quad"
+        r" F_f = \begin{cases} F_v = (\sigma_1 Z + \sigma_2 \frac{dz}{dt} + \sigma_3 \dot x)"
+        r" \operatorname{sgn}(\dot x) & (\dot x \neq 0) \\ F_x & (\dot x = 0) \end{cases}"
     )
     defect: ClassVar[str] = (
-        "for v < 0 all three parts change sign, and g grows without limit, so the bristle never"
-        " yields; no limit at rest"
+        "moving backwards, sgn turns all three parts round, and the body is driven; F_v stands for"
+        f" two things, the exponent is illegible; {NO_LIMIT}"
     )
-    cure: ClassVar[str] = "sigma_0 z + sigma_1 z' + sigma_2 v with exp(-|v/v_s|^n)"
+    cure: ClassVar[str] = f"sigma_0 z + sigma_1 z' + sigma_2 v with exp(-|v/v_s|^n); {LIMIT}"
     corrected: ClassVar[type[FrictionLaw]] = LuGre
     bristles: ClassVar[tuple[str, ...]] = ("z",)
 
@@ -291,6 +349,7 @@ class PrintedLuGre(PrintedForm):
     bristle_stiffness: Sigma0
     bristle_damping: Sigma1
     viscous_coefficient: Sigma2 = 0.0
+    exponent: Annotated[float, Quantity("alpha", above=0)] = 2.0
 
     @override
     def force(
@@ -309,40 +368,40 @@ class PrintedLuGre(PrintedForm):
     ) -> tuple[float, ...]:
         (z,) = bristles
         f_c, f_s = self.kinetic_coefficient * load, self.static_coefficient * load
-        g = f_c + (f_s - f_c) * exp(-velocity / self.stribeck_velocity)
+        fading = exp(-(abs(velocity / self.stribeck_velocity) ** self.exponent))
+        g = f_c + (f_s - f_c) * fading
         return (velocity - self.bristle_stiffness * abs(velocity) * z / g,)
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PrintedStribeckSwitch(_Memoryless):
+class PrintedCoulombViscousSwitch(_Memoryless):
     """Eq. (10): the viscous part is multiplied by sgn v; no limit at rest."""
 
     name: ClassVar[str] = "printed-10"
-    title: ClassVar[str] = "Stribeck, switched"
+    title: ClassVar[str] = "Coulomb + viscous, switched"
     equation: ClassVar[str] = "(10)"
     formula: ClassVar[str] = (
-        r"F = [F_c + (F_s - F_c) e^{-|v/v_s|}] \operatorname{sgn} v"
-        r" + \sigma_2 v \operatorname{sgn} v, \quad F = F_x \text{ at } v = 0"
+        r"F_f = \begin{cases} F_c \operatorname{sgn}(\dot x) + \mu \dot x"
+        r" \operatorname{sgn}(\dot x) & (\dot x \neq 0) \\ F_x & (\dot x = 0) \end{cases}"
     )
-    defect: ClassVar[str] = "the viscous part pushes when v < 0; no limit at rest"
-    cure: ClassVar[str] = "sigma_2 v without the sign; at most F_s at rest"
-    corrected: ClassVar[type[FrictionLaw]] = Stribeck
+    defect: ClassVar[str] = (
+        f"the viscous part has a sgn too many and pushes a body that moves backwards on; {NO_LIMIT}"
+    )
+    cure: ClassVar[str] = f"F_c sgn v + sigma_2 v; {LIMIT}"
+    corrected: ClassVar[type[FrictionLaw]] = CoulombViscous
 
     kinetic_coefficient: Mu
-    static_coefficient: MuStatic
-    stribeck_velocity: Vs
-    viscous_coefficient: Sigma2 = 0.0
+    viscous_coefficient: Sigma2
 
     @override
     def force(
         self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
     ) -> float:
+        mu_k, sigma_2 = self.kinetic_coefficient, self.viscous_coefficient
         if velocity == 0:
             return applied
-        f_c, f_s = self.kinetic_coefficient * load, self.static_coefficient * load
-        level = f_c + (f_s - f_c) * exp(-abs(velocity) / self.stribeck_velocity)
-        return float((level + self.viscous_coefficient * velocity) * sign(velocity))
+        return float((mu_k * load + sigma_2 * velocity) * sign(velocity))
 
 
 PRINTED_FORMS: Mapping[str, type[PrintedForm]] = MappingProxyType(
@@ -350,14 +409,15 @@ PRINTED_FORMS: Mapping[str, type[PrintedForm]] = MappingProxyType(
         form.name: form
         for form in (
             PrintedCoulomb,
-            PrintedSigned,
+            PrintedImprovedCoulomb,
+            PrintedCartDynamics,
             PrintedStribeck,
             PrintedDahl,
             PrintedCoulombSwitch,
-            PrintedCoulombViscousSwitch,
+            PrintedViscousSwitch,
             PrintedLuGre,
-            PrintedStribeckSwitch,
+            PrintedCoulombViscousSwitch,
         )
     }
 )
-"""The printed equations by name."""
+"""The printed equations by name; (2) is right and (11) an energy balance, so neither is here."""

@@ -7,6 +7,7 @@ from types import MappingProxyType
 from stickslip.friction.base import FrictionLaw
 from stickslip.friction.coulomb import Coulomb
 from stickslip.friction.coulomb_viscous import CoulombViscous
+from stickslip.friction.coulomb_viscous_static import CoulombViscousStatic
 from stickslip.friction.dahl import Dahl
 from stickslip.friction.direction_dependent import DirectionDependent
 from stickslip.friction.lugre import LuGre
@@ -25,6 +26,7 @@ LAWS: Mapping[str, type[FrictionLaw]] = MappingProxyType(
             Coulomb,
             Viscous,
             CoulombViscous,
+            CoulombViscousStatic,
             DirectionDependent,
             PowerViscous,
             QuadraticDrag,

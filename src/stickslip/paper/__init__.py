@@ -3,9 +3,10 @@
 from stickslip.paper.audit import PaperAudit, TableRow, audit
 from stickslip.paper.cart import CartRun, CartStudy, Share, study_cart
 from stickslip.paper.excitations import Excitation, excitations
-from stickslip.paper.misprints import Consequence, consequences
+from stickslip.paper.misprints import Consequence, Outcome, consequences
 from stickslip.paper.pages import paper_report, rig_report
 from stickslip.paper.springback import Springback, springbacks
+from stickslip.paper.stick_slip import StickSlip, stick_slip
 from stickslip.paper.unpublished import Requirement, requirements
 from stickslip.paper.values import PaperValues
 
@@ -14,11 +15,13 @@ __all__ = [
     "CartStudy",
     "Consequence",
     "Excitation",
+    "Outcome",
     "PaperAudit",
     "PaperValues",
     "Requirement",
     "Share",
     "Springback",
+    "StickSlip",
     "TableRow",
     "audit",
     "consequences",
@@ -27,5 +30,6 @@ __all__ = [
     "requirements",
     "rig_report",
     "springbacks",
+    "stick_slip",
     "study_cart",
 ]

@@ -12,6 +12,7 @@ from stickslip.paper.cart import CartStudy, study_cart
 from stickslip.paper.excitations import Excitation, excitations
 from stickslip.paper.misprints import Consequence, consequences
 from stickslip.paper.springback import Springback, springbacks
+from stickslip.paper.stick_slip import StickSlip, stick_slip
 from stickslip.paper.unpublished import Requirement, requirements
 from stickslip.paper.values import PaperValues
 from stickslip.selection import FixedStepRow, TravelVerdict, compare_fixed_steps, select_travels
@@ -27,6 +28,10 @@ class TableRow:
     published: Published
     readings: tuple[Excitation, ...]
     """The row's law in the readings A, B and C."""
+
+    def reading(self, key: str) -> Excitation:
+        """Return the reading A, B or C."""
+        return next(one for one in self.readings if one.key == key)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,10 +55,38 @@ class PaperAudit:
     """Travels by the stiffness of the bristles."""
     springbacks: tuple[Springback, ...]
     """How bristle laws spring back where nothing holds the block."""
+    stick_slip: StickSlip
+    """The block pulled slowly by its spring."""
     cart: CartStudy
     """The pendulum-driven cart."""
     verdict: TravelVerdict
     """What our selection says of the rig."""
+
+    def ranking(self, key: str) -> Mapping[str, int]:
+        """Return the ranks of the laws of Table II by the paper's own criteria.
+
+        A law whose velocity becomes negative or whose displacement decreases has none; the least
+        relative error is first, and equal errors share a rank.
+
+        Parameters
+        ----------
+        key : str
+            ``"published"`` for the printed table, A, B or C for ours.
+        """
+        judged: dict[str, float] = {}
+        for row in self.table:
+            if key == "published":
+                holds, error = row.published.velocity_positive, row.published.relative_error
+            else:
+                seen = row.reading(key).criteria
+                holds = seen.velocity_never_negative and seen.displacement_never_decreases
+                error = seen.relative_error
+            if holds and error is not None:
+                judged[row.law.name] = abs(error)
+        return {
+            name: 1 + sum(other < error for other in judged.values())
+            for name, error in judged.items()
+        }
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the audit as plain numbers and strings, ready for JSON."""
@@ -68,13 +101,34 @@ class PaperAudit:
                 }
                 for row in self.table
             ],
+            "ranking_by_the_criteria_of_the_paper": {
+                key: self.ranking(key) for key in ("published", "A", "B")
+            },
             "unpublished_parameters": [asdict(r) for r in self.requirements],
             "misprints": [_consequence_dict(c) for c in self.consequences],
             "bristles": [asdict(row) for row in self.bristles],
             "springbacks": [
                 {"law": back.law.name, **asdict(back.criteria)} for back in self.springbacks
             ],
-            "fixed_steps": [asdict(row) for row in self.fixed_steps],
+            "fixed_steps": [
+                {
+                    "dt": row.dt,
+                    "stick_rule": row.stick_rule,
+                    "criteria": _finite(asdict(row.criteria)),
+                    "reversals": row.reversals,
+                    "diverged": row.diverged,
+                }
+                for row in self.fixed_steps
+            ],
+            "stick_slip": {
+                "speed": self.stick_slip.mechanism.speed,
+                "stick_time": self.stick_slip.stick_time,
+                "slip_time": self.stick_slip.slip_time,
+                "closed_form": {
+                    "stick_time": self.stick_slip.stick_formula,
+                    "slip_time": self.stick_slip.slip_formula,
+                },
+            },
             "cart": self.cart.to_dict(),
             "selection": self.verdict.to_dict(),
         }
@@ -84,15 +138,22 @@ def _consequence_dict(consequence: Consequence) -> dict[str, Any]:
     form = consequence.form
     return {
         "equation": form.equation,
+        "title": form.title,
         "as_printed": form.formula,
         "defect": form.defect,
         "cure": form.cure,
+        "right": form.right,
         "corrected_law": form.corrected.name,
-        "test": consequence.test,
-        "printed": _finite(asdict(consequence.printed)),
-        "corrected": _finite(asdict(consequence.corrected)),
-        "diverged": consequence.diverged,
-        "lasted": consequence.lasted,
+        "tests": {
+            one.test: {
+                "printed": _finite(asdict(one.printed)),
+                "corrected": _finite(asdict(one.corrected)),
+                "differs": one.differs,
+                "diverged": one.diverged,
+                "lasted": one.lasted,
+            }
+            for one in consequence.outcomes
+        },
     }
 
 
@@ -140,7 +201,10 @@ def audit(
         fixed_steps=compare_fixed_steps(values.rig, rig.laws["coulomb"], t_end=1.0),
         bristles=bristle_rows(values, t_end=rig.t_end),
         springbacks=springbacks(values),
-        cart=study_cart(_named(verdict), rig.laws["coulomb-viscous"]),
+        stick_slip=stick_slip(values),
+        cart=study_cart(
+            _named(verdict), rig.laws["coulomb-viscous"], levels=(values.mu_k, values.mu_s)
+        ),
         verdict=verdict,
     )
 

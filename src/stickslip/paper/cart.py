@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.drives import ThreePhase
-from stickslip.friction import PRINTED_FORMS, Coulomb, FrictionLaw, PrintedForm
+from stickslip.friction import Coulomb, FrictionLaw, PrintedForm
+from stickslip.friction.published import PrintedCartDynamics, PrintedCoulomb
 from stickslip.mechanisms import PendulumCart, Prescribed
 from stickslip.simulation import simulate
 from stickslip.solver import EventDriven, FixedStep
@@ -99,6 +100,8 @@ class CartStudy:
     swing: ThreePhase
     runs: tuple[CartRun, ...]
     """Fig. 2: as printed, corrected in fixed steps, exactly."""
+    table_1: tuple[CartRun, ...]
+    """The scheme of Fig. 2, (1) and (2) in fixed steps, at the levels of Table I; and exactly."""
     choices: tuple[CartRun, ...]
     """Fig. 11: the law that `select` names for the rig, if it names one, and the paper's choice."""
 
@@ -114,13 +117,13 @@ class CartStudy:
 
     def run(self, key: str) -> CartRun:
         """Return a run of Fig. 2 or 11."""
-        return next(one for one in (*self.runs, *self.choices) if one.key == key)
+        return next(o for o in (*self.runs, *self.table_1, *self.choices) if o.key == key)
 
     @cached_property
     def shares(self) -> tuple[Share, ...]:
         """What the backward motion of equations (3) and (4) is made of; its parts sum up to it."""
         printed, free, held, exact = (
-            self.run(key) for key in ("printed-3-4", "fixed", "fixed-held", "exact")
+            self.run(key) for key in ("printed-4", "fixed", "fixed-held", "exact")
         )
         causes = (("misprint", printed, free), ("no-stick-rule", free, held), ("step", held, exact))
         differences = [
@@ -154,6 +157,7 @@ class CartStudy:
             "step": STEP,
             "kinetic_coefficient": KINETIC,
             "figure_2": [one.to_dict() for one in self.runs],
+            "levels_of_table_1": [one.to_dict() for one in self.table_1],
             "backward_motion": [
                 {
                     "cause": share.key,
@@ -166,7 +170,9 @@ class CartStudy:
         }
 
 
-def study_cart(chosen: FrictionLaw | None, theirs: FrictionLaw) -> CartStudy:
+def study_cart(
+    chosen: FrictionLaw | None, theirs: FrictionLaw, *, levels: tuple[float, float] = (0.25, 0.35)
+) -> CartStudy:
     """Drive the cart with the printed equations, in fixed steps and exactly; then with two laws.
 
     Parameters
@@ -175,6 +181,8 @@ def study_cart(chosen: FrictionLaw | None, theirs: FrictionLaw) -> CartStudy:
         What `select` names for the rig of the paper; None if it names nothing.
     theirs : FrictionLaw
         What the paper chose.
+    levels : tuple of float
+        Kinetic and static coefficient of Table I.
 
     Examples
     --------
@@ -183,24 +191,31 @@ def study_cart(chosen: FrictionLaw | None, theirs: FrictionLaw) -> CartStudy:
     ...     Coulomb(kinetic_coefficient=0.25),
     ...     CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.5),
     ... )
-    >>> [f"{one.travel:.3f}" for one in study.runs if one.key in ("printed-3-4", "exact")]
-    ['-12.805', '0.279']
+    >>> [f"{one.travel:.2f}" for one in study.runs if one.key in ("printed-4", "exact")]
+    ['-12.67', '0.28']
     """
     level = {"kinetic_coefficient": KINETIC}
     law = Coulomb(**level)
     free = FixedStep(dt=STEP, stick_rule=False)
     held = FixedStep(dt=STEP, stick_rule=True)
     exact = EventDriven()
-    signed, plain = (PRINTED_FORMS[name](**level) for name in ("printed-3-4", "printed-1"))
+    weight = (CART.cart_mass + CART.ball_mass) * CART.gravity
+    signed = PrintedCartDynamics(**level, weight=weight)
+    plain = PrintedCoulomb
+    at_table_1 = Coulomb(kinetic_coefficient=levels[0], static_coefficient=levels[1])
     return CartStudy(
         cart=CART,
         swing=SWING,
         runs=(
-            _run("printed-3-4", "(3), (4) as printed", signed, free),
-            _run("printed-1", "(1), (2) as printed", plain, free),
+            _run("printed-4", "(3), (4) as printed", signed, free),
+            _run("printed-1", "(1), (2) as printed", plain(**level), free),
             _run("fixed", "corrected, no stick rule", law, free),
             _run("fixed-held", "corrected, stick rule", law, held),
             _run("exact", "exact", law, exact),
+        ),
+        table_1=(
+            _run("table-1", "(1), (2) as printed", plain(kinetic_coefficient=levels[0]), free),
+            _run("table-1-exact", "exact", at_table_1, exact),
         ),
         choices=(
             *(() if chosen is None else (_run("selected", chosen.title, chosen, exact),)),

@@ -1,7 +1,7 @@
 """What the parameters that the paper does not print would have to be to give its rows.
 
-All searches use reading A, the push that the paper simulated; the range is that of the travels that
-round to the printed figure.
+Searches use reading A, a push, and reading B, a released spring; the range is that of the travels
+that round to the printed figure.
 """
 
 import math
@@ -27,6 +27,8 @@ class Requirement:
 
     law: str
     """Registry name of the row."""
+    reading: str
+    """A or B."""
     published: float
     """Printed travel [m]."""
     symbol: str
@@ -45,7 +47,7 @@ class Requirement:
 def requirements(
     values: PaperValues, published: Mapping[str, float], *, t_end: float
 ) -> tuple[Requirement, ...]:
-    """Find the value behind each published travel.
+    """Find the value behind each published travel, in readings A and B.
 
     Parameters
     ----------
@@ -56,14 +58,17 @@ def requirements(
     t_end : float
         Length of the paper's runs [s].
     """
-    _, _, push = rigs(values.rig)["A"]
+    readings = {key: rigs(values.rig)[key][-1] for key in READINGS}
     return tuple(
-        _require(name, published[name], push, t_end, *case)
+        _require(name, key, published[name], block, t_end, *case)
         for name, case in _cases(values).items()
         if name in published
+        for key, block in readings.items()
     )
 
 
+READINGS = ("A", "B")
+"""Readings in which values are sought; in C the block ends where the spring pulls it back to."""
 Case = tuple[str, str, float, Callable[[float], FrictionLaw], str]
 
 
@@ -83,7 +88,7 @@ def _cases(values: PaperValues) -> dict[str, Case]:
             "N/m",
             50.0,
             lambda sigma: dahl_row(values, sigma),
-            "bristles that give way by centimetres, with the block held at its first stop",
+            "bristles that give way by centimetres, the block held at its first stop",
         ),
         "lugre": (
             "sigma_0",
@@ -104,7 +109,7 @@ def _cases(values: PaperValues) -> dict[str, Case]:
             "N s/m",
             0.1,
             lambda sigma: CoulombViscous(kinetic_coefficient=mu_k, viscous_coefficient=sigma),
-            "viscous friction can only shorten the travel of Coulomb friction",
+            "with $mu_k$ of Table I, whose travel a viscous part can only shorten",
         ),
     }
 
@@ -134,8 +139,9 @@ def lugre_row(values: PaperValues, sigma_0: float) -> LuGre:
 
 def _require(
     name: str,
+    reading: str,
     published: float,
-    push: SpringBlock,
+    block: SpringBlock,
     t_end: float,
     symbol: str,
     unit: str,
@@ -146,7 +152,7 @@ def _require(
     """Search for the value, and for those at the ends of the rounding range."""
 
     def travel(value: float) -> float:
-        run = simulate(push, law(value), t_end=t_end)
+        run = simulate(block, law(value), t_end=t_end)
         return float(run.at(t_end)["x"][0])
 
     def root(target: float, start: float) -> float | None:
@@ -159,6 +165,7 @@ def _require(
     found = sorted(end for end in ends if end is not None)
     return Requirement(
         law=name,
+        reading=reading,
         published=published,
         symbol=symbol,
         unit=unit,

@@ -18,6 +18,8 @@ __all__ = ["animation_html"]
 
 MOST: Final = 1_500_000
 """Bytes of a GIF in a page, if nothing else is asked for."""
+PHONE: Final = 620
+"""Width of a window up to which the narrow animation is shown [CSS px]."""
 SLOWEST: Final = 5.0
 """Frames a second below which a motion is no motion any more."""
 
@@ -31,6 +33,7 @@ def animation_html(
     speed: float = 1.0,
     until: float | None = None,
     size: Size = ANIMATION_SIZE,
+    narrow: Size | None = None,
     still: float | None = None,
     most_bytes: int = MOST,
     scene: Scene | None = None,
@@ -51,10 +54,12 @@ def animation_html(
         What is to be seen, for readers who cannot see it.
     fps, speed, until, size, scene
         As in `animate`.
+    narrow : tuple of float, optional
+        Width and height of a second GIF, which phones show: there the scene stands above the plots.
     still : float, optional
         Time of the still picture [s]; the middle of what is shown if not given.
     most_bytes : int
-        Largest GIF [bytes].
+        Largest GIF of each size [bytes].
 
     Returns
     -------
@@ -77,33 +82,46 @@ def animation_html(
     """
     if not alt.strip():
         raise InputError("an animation needs an `alt` text that says what it shows, got none.")
-    rate = fps
-    while True:
-        times = frame_times(run, mechanism, fps=rate, speed=speed, until=until)
-        pictures = frames(run, mechanism, times, size=size, dpi=72.0, scene=scene)
-        content = gif_of(pictures, rate)
-        if len(content) <= most_bytes:
-            break
-        if rate <= SLOWEST:
-            raise InputError(
-                f"the animation has {len(content)} bytes with {rate:g} frames a second, more than"
-                f" most_bytes={most_bytes}: show less of the run by `until`, or raise `speed`."
-            )
-        rate = max(SLOWEST, 0.8 * rate * most_bytes / len(content))
+
+    def gif(shape: Size) -> bytes:
+        rate = fps
+        while True:
+            times = frame_times(run, mechanism, fps=rate, speed=speed, until=until)
+            pictures = frames(run, mechanism, times, size=shape, dpi=72.0, scene=scene)
+            content = gif_of(pictures, rate)
+            if len(content) <= most_bytes:
+                return content
+            if rate <= SLOWEST:
+                raise InputError(
+                    f"the animation has {len(content)} bytes with {rate:g} frames a second, more"
+                    f" than most_bytes={most_bytes}: show less of the run by `until`, or raise"
+                    " `speed`."
+                )
+            rate = max(SLOWEST, 0.8 * rate * most_bytes / len(content))
+
+    content = gif(size)
+    phone = None if narrow is None else gif(narrow)
+    times = frame_times(run, mechanism, fps=fps, speed=speed, until=until)
     moment = float(np.median(times)) if still is None else still
     picture = standalone_svg(
         draw_scene(run, mechanism, moment, scene=scene), size=size, title=alt, narrow=size[0] < 620
     )
-    return _figure(content, picture, html.escape(alt, quote=True), size)
+    return _figure(content, phone, picture, html.escape(alt, quote=True), size)
 
 
-def _figure(gif: bytes, still: str, alt: str, size: Size) -> str:
-    moving = "data:image/gif;base64," + base64.b64encode(gif).decode()
-    quiet = "data:image/svg+xml;base64," + base64.b64encode(still.encode()).decode()
+def _figure(gif: bytes, phone: bytes | None, still: str, alt: str, size: Size) -> str:
+    moving, quiet = _data("gif", gif), _data("svg+xml", still.encode())
+    small = ""
+    if phone is not None:
+        small = f'<source media="(max-width: {PHONE}px)" srcset="{_data("gif", phone)}">'
     return (
         '<figure class="animation"><picture>'
-        f'<source media="print, (prefers-reduced-motion: reduce)" srcset="{quiet}">'
+        f'<source media="print, (prefers-reduced-motion: reduce)" srcset="{quiet}">{small}'
         f'<img src="{moving}" alt="{alt}" width="{size[0]:g}" height="{size[1]:g}"'
         ' style="max-width:100%;height:auto">'
         "</picture></figure>"
     )
+
+
+def _data(kind: str, content: bytes) -> str:
+    return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"

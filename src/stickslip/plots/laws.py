@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.characterize import presliding_length, presliding_loop
-from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
+from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, Stribeck, towards
 from stickslip.plots.series import Array, Sizes, scale_of
 from stickslip.plots.svg import Draw
 from stickslip.plots.theme import C1, INK, LINE, MUTED, label_at
@@ -18,6 +18,7 @@ __all__ = [
     "characteristic_sizes",
     "draw_characteristics",
     "draw_presliding",
+    "draw_stribeck",
     "presliding_sizes",
 ]
 
@@ -102,6 +103,50 @@ def draw_characteristics(
             axes.tick_params(labelbottom=True)
         for row in grid:
             row[0].set_ylabel("friction, N")
+
+    return draw
+
+
+def draw_stribeck(law: Stribeck, load: float) -> Draw:
+    """Return a drawing of the Stribeck curve, its static and Coulomb level and velocity marked.
+
+    Parameters
+    ----------
+    law : Stribeck
+        The law.
+    load : float
+        Normal force [N].
+
+    Returns
+    -------
+    callable
+        Draws it, for forward velocities.
+    """
+    v_s = law.stribeck_velocity
+    v = np.concatenate([[0.0], np.linspace(1e-9, 8.0 * v_s, 400)])
+    force = np.asarray(law.sliding(v, load)) + np.zeros_like(v)
+    f_s, f_c = law.static_coefficient * load, law.kinetic_coefficient * load
+    at_v_s = float(law.sliding(v_s, load))
+    factor, unit = scale_of([float(v[-1])], "m/s")
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_subplot()
+        corner = ([0, factor * v_s, factor * v_s], [at_v_s, at_v_s, 0.0])
+        for x, y in (([0, factor * v[-1]], [f_c, f_c]), corner):
+            axes.plot(x, y, color=MUTED, linewidth=0.9, linestyle=(0, (4, 3)))
+        axes.plot([0, 0], [0, f_s], color=C1, linewidth=2.2)
+        axes.plot(factor * v, force, color=C1, linewidth=2.2)
+        axes.plot([0], [f_s], "o", color=C1, markersize=5)
+        axes.set_xlim(-0.02 * factor * v[-1], factor * v[-1])
+        axes.set_ylim(0, 1.25 * f_s)
+        axes.set_xlabel(f"velocity, {unit}")
+        axes.set_ylabel("friction, N")
+        label_at(axes, 0.0, f_s, f"F_s = {f_s:.2f} N, at rest up to this", INK, offset=(9, 6))
+        label_at(
+            axes, factor * v[-1], f_c, f"F_c = {f_c:.2f} N", INK, offset=(0, -10), align="right"
+        )
+        label_at(axes, factor * v_s, 0.0, f"v_s = {factor * v_s:g} {unit}", INK, offset=(6, 14))
+        label_at(axes, factor * v_s, at_v_s, "1/e of F_s − F_c is left", MUTED, offset=(8, 6))
 
     return draw
 

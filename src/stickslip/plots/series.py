@@ -52,7 +52,9 @@ class Look(NamedTuple):
 
 
 def looks(names: Iterable[str], chosen: str | None = None) -> dict[str, Look]:
-    """Return how each series is drawn: the chosen one blue, strong and on top.
+    """Return how each series is drawn: the chosen one blue and broad, the others thin upon it.
+
+    So curves that coincide are both seen.
 
     Parameters
     ----------
@@ -69,7 +71,7 @@ def looks(names: Iterable[str], chosen: str | None = None) -> dict[str, Look]:
     Examples
     --------
     >>> looks(["Dahl", "Coulomb"], "Coulomb")["Coulomb"].width
-    2.2
+    3.0
     """
     names = list(names)
     chosen = names[0] if chosen is None and names else chosen
@@ -77,8 +79,8 @@ def looks(names: Iterable[str], chosen: str | None = None) -> dict[str, Look]:
     rivals = [name for name in names if name != chosen]
     for index, name in enumerate(rivals):
         lap, place = divmod(index, len(RIVALS))
-        found[name] = Look(RIVALS[place], DASHES[lap % len(DASHES)], 1.5, 2)
-    return {name: found.get(name, Look(C1, "-", 2.2, 3)) for name in names}
+        found[name] = Look(RIVALS[place], DASHES[lap % len(DASHES)], 1.4, 3)
+    return {name: found.get(name, Look(C1, "-", 3.0, 2)) for name in names}
 
 
 def dense(run: Trajectory, until: float | None = None, samples: int = SAMPLES) -> Trajectory:

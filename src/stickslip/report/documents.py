@@ -3,14 +3,26 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Final, final
+from functools import partial
+from typing import ClassVar, Final, TypeAlias, final
 
 from stickslip.errors import InputError
-from stickslip.report.blocks import Block, Fact, at_most_three
+from stickslip.report.blocks import Block, Fact, Note, at_most_three
 
-__all__ = ["LawLine", "Opening", "Page", "Section", "selection_document"]
+__all__ = [
+    "LawLine",
+    "Opening",
+    "Page",
+    "Section",
+    "SectionMaker",
+    "failed_section",
+    "made_sections",
+    "selection_document",
+]
 
 _ID: Final = re.compile(r"[a-z][a-z0-9-]*")
+CAUGHT: tuple[type[Exception], ...] = (Exception,)
+"""What a section may fail with and become one line; tests catch nothing."""
 
 
 @final
@@ -179,17 +191,68 @@ class Page:
         return any(isinstance(block, Opening) for part in self.sections for block in part.blocks)
 
 
+SectionMaker: TypeAlias = partial[Section] | partial[Section | None]
+"""A function ``..._section`` with its arguments."""
+
+
+def made_sections(*parts: Section | SectionMaker) -> tuple[Section, ...]:
+    """Return the sections of a page; one that fails becomes one line that says so.
+
+    What a page shows beside the verdict must not cost the verdict.
+
+    Parameters
+    ----------
+    parts : Section or partial
+        A section, or a function that makes one, or None where it has nothing to show.
+
+    Examples
+    --------
+    >>> from functools import partial
+    >>> def energy_section(work):
+    ...     return 1 / work
+    >>> (section,) = made_sections(partial(energy_section, 0.0))
+    >>> section.id, section.heading, section.blocks[0].text
+    ('energy', 'Energy', 'ZeroDivisionError: float division by zero. Nothing else depends on it.')
+    """
+    found = []
+    for part in parts:
+        if isinstance(part, Section):
+            found.append(part)
+            continue
+        try:
+            section = part()
+        except CAUGHT as error:
+            section = failed_section(part.func.__name__.removesuffix("_section"), error)
+        if section is not None:
+            found.append(section)
+    return tuple(found)
+
+
+def failed_section(name: str, error: Exception) -> Section:
+    """Return the line that stands where a section could not be made.
+
+    Examples
+    --------
+    >>> failed_section("fixed_steps", ValueError("no steps")).id
+    'fixed-steps'
+    """
+    text = f"{type(error).__name__}: {str(error).rstrip('.')}. Nothing else depends on it."
+    title = name.replace("_", " ").capitalize()
+    note = Note(title="This section could not be made.", text=text)
+    return Section(id=name.replace("_", "-"), nav=title, heading=title, blocks=(note,))
+
+
 def selection_document(
-    sections: Sequence[Section | None], *, title: str, subject: str, versions: Mapping[str, str]
+    sections: Sequence[Section], *, title: str, subject: str, versions: Mapping[str, str]
 ) -> Page:
-    """Return the report of a selection from its sections; those without content are left out.
+    """Return the report of a selection from its sections.
 
     Examples
     --------
     >>> from stickslip.report import Paragraph
     >>> text = (Paragraph(text="Coulomb friction predicts all of it."),)
     >>> page = selection_document(
-    ...     [Section(id="scores", nav="Scores", heading="One wins", blocks=text), None],
+    ...     [Section(id="scores", nav="Scores", heading="One wins", blocks=text)],
     ...     title="Slider",
     ...     subject="slider.toml",
     ...     versions={"stickslip": "0.1.0"},
@@ -201,7 +264,7 @@ def selection_document(
     return Page(
         title=f"Friction model selection: {title}",
         subject=subject or title,
-        sections=tuple(section for section in sections if section is not None),
+        sections=tuple(sections),
         footer=f"Written by {f'stickslip {version}'.strip()}. This file is complete: it loads"
         " nothing and runs no script.",
     )

@@ -92,21 +92,21 @@ def write_report(
         )
     kind = verdict.mechanism.name.replace("-", " ").capitalize()
     subject = subject or verdict.measurement.provenance or kind
-    page = _page(verdict, title or kind, subject, digest, commands)
     content = document("select", {"rig": title, "digest": digest, **verdict.to_dict()})
-    write_verdict(folder, verdict, page, content)
+    write_verdict(folder, verdict, content)
+    write_folder(folder, {PAGE: _page(verdict, title or kind, subject, digest, commands)})
     return folder / PAGE
 
 
 def write_verdict(
     folder: Path,
     verdict: "RecordVerdict | FeatureVerdict | TravelVerdict",
-    page: str,
     content: Mapping[str, Any],
 ) -> None:
-    """Write the files of a report from its page and its document, over those of an earlier one.
+    """Write a verdict as its document and its law, over those of an earlier one.
 
-    Where no law is named, none of an earlier verdict is left beside the page that says so.
+    The page comes after, since it must not cost the verdict; that of an earlier verdict is removed,
+    and so is an earlier law where this verdict names none.
 
     Examples
     --------
@@ -116,16 +116,16 @@ def write_verdict(
     >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
     >>> verdict = select(rig, reading, [Coulomb], t_end=1.0)
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_verdict(Path(folder), verdict, "<!doctype html>", {})
+    ...     write_verdict(Path(folder), verdict, {})
     ...     sorted(file.name for file in Path(folder).iterdir())
-    ['index.html', 'law.toml', 'verdict.json']
+    ['law.toml', 'verdict.json']
     """
-    files: dict[str, str | bytes] = {PAGE: page, DOCUMENT: json_text(content)}
+    files: dict[str, str | bytes] = {DOCUMENT: json_text(content)}
     if verdict.best is not None and verdict.best.fit is not None:
         files[LAW] = verdict.best.fit.to_toml()
     write_folder(folder, files)
-    if LAW not in files:
-        (folder / LAW).unlink(missing_ok=True)
+    for name in {LAW, PAGE} - set(files):
+        (folder / name).unlink(missing_ok=True)
 
 
 def _page(

@@ -1,16 +1,25 @@
 """What a fixed step makes of a run: chatter, drift and reverse motion that is not there."""
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from stickslip.friction import FrictionLaw
+import numpy as np
+
+from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.criteria import Criteria, criteria_of
 from stickslip.simulation import simulate
 from stickslip.solver import FixedStep, Method
+from stickslip.trajectory import Status, Trajectory
 
-__all__ = ["FixedStepRow", "compare_fixed_steps"]
+__all__ = ["FixedStepRow", "compare_fixed_steps", "largest_step", "rounded_step"]
+
+GRID = 2000
+"""Times at which the rates of bristles are evaluated."""
+NUDGE = 1e-6
+"""Share of the largest deflection over which a rate is differentiated."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,9 +31,16 @@ class FixedStepRow:
     stick_rule: bool
     """Whether the body is held at a sign change of its velocity."""
     criteria: Criteria
-    """What the run does."""
+    """What the run does, as far as it went."""
     reversals: int
     """Sign changes of the velocity."""
+    run: Trajectory
+    """The run itself."""
+
+    @property
+    def diverged(self) -> bool:
+        """Whether the run grew beyond all numbers."""
+        return self.run.status is Status.NOT_FINITE
 
 
 def compare_fixed_steps(
@@ -38,6 +54,9 @@ def compare_fixed_steps(
 ) -> tuple[FixedStepRow, ...]:
     """Run a mechanism event-driven, and as a block diagram with each step.
 
+    A run with a step that is too large for the law ends where it grows beyond all numbers;
+    `largest_step` tells what bristles allow.
+
     Examples
     --------
     >>> from stickslip import Coulomb, SpringBlock
@@ -49,20 +68,87 @@ def compare_fixed_steps(
     rows = []
     settings: list[tuple[float | None, bool]] = [(None, True)]
     settings += [(dt, stick_rule) for dt in steps for stick_rule in (True, False)]
+    slip = mechanism.contacts()[0].slip
+    rate = mechanism.rates[mechanism.coordinates.index(slip)]
     for dt, stick_rule in settings:
         solver = None
         if dt is not None:
             solver = FixedStep(dt=dt, method=method, stick_rule=stick_rule)
-        run = simulate(mechanism, law, t_end=t_end, y0=y0, solver=solver)
-        slip = mechanism.contacts()[0].slip
-        v = run[mechanism.rates[mechanism.coordinates.index(slip)]]
-        signs = [1 if value > 0 else -1 for value in v if value != 0]
+        run = simulate(mechanism, law, t_end=t_end, y0=y0, solver=solver, throw=False)
+        signs = [1 if value > 0 else -1 for value in run[rate] if value != 0]
         rows.append(
             FixedStepRow(
                 dt=dt,
                 stick_rule=stick_rule,
                 criteria=criteria_of(run, mechanism),
                 reversals=sum(a != b for a, b in itertools.pairwise(signs)),
+                run=run,
             )
         )
     return tuple(rows)
+
+
+def largest_step(mechanism: Mechanism, law: FrictionLaw, run: Trajectory) -> float | None:
+    """Return the step above which forward Euler lets the bristles of a law grow in a run.
+
+    It is 2 over the largest rate at which a deflection decays, which for LuGre friction is
+    ``sigma_0 |v| / g(v)``.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Whose run it is; names the slip coordinate.
+    law : FrictionLaw
+        The law of the run.
+    run : Trajectory
+        An event-driven run, whose velocities, deflections and loads are taken.
+
+    Returns
+    -------
+    float or None
+        Step [s]; None for a law without bristles, or if nothing moves.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl, SpringBlock, simulate
+    >>> block = SpringBlock(mass=1.0)
+    >>> law = Dahl.from_forces(load=9.81, kinetic_force=2.0, bristle_stiffness=1e4)
+    >>> run = simulate(block, law, t_end=0.1, y0={"v": 1.0})
+    >>> round(largest_step(block, law, run), 9)  # 2 F_c / (sigma_0 v)
+    0.0004
+    """
+    if not isinstance(law, BristleLaw):
+        return None
+    slip = mechanism.contacts()[0].slip
+    rate = mechanism.rates[mechanism.coordinates.index(slip)]
+    seen = run.at(np.union1d(np.linspace(*run.span, GRID), run.t))
+    deflections = [seen[name] for name in law.bristles]
+    fastest = 0.0
+    for i, z in enumerate(deflections):
+        nudge = NUDGE * float(np.abs(z).max())
+        if nudge == 0.0:
+            continue
+        above, below = (
+            law.bristle_rates(
+                seen[rate],
+                (*deflections[:i], z + side * nudge, *deflections[i + 1 :]),
+                seen["normal_force"],
+            )[i]
+            for side in (1.0, -1.0)
+        )
+        decay = np.abs(np.asarray(above - below)) / (2.0 * nudge)
+        fastest = max(fastest, float(decay.max()))
+    return 2.0 / fastest if fastest > 0.0 else None
+
+
+def rounded_step(value: float) -> float:
+    """Return the number of the series 1, 2, 5, 10, ... that is nearest as a ratio.
+
+    Examples
+    --------
+    >>> rounded_step(0.0095), rounded_step(0.0031), rounded_step(40.0)
+    (0.01, 0.002, 50.0)
+    """
+    power = math.floor(math.log10(value))
+    series = [float(f"{digit}e{power}") for digit in (1, 2, 5, 10)]
+    return min(series, key=lambda step: abs(math.log(step / value)))

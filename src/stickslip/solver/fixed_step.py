@@ -198,7 +198,7 @@ def _certificate(diagram: Diagram, rows: NDArray[np.float64]) -> Certificate:
     size = max(abs(energy[0]), abs(energy[-1]), *np.abs(work))
     mismatch = abs(energy[-1] - energy[0] - work[0] + work[1])
     return Certificate(
-        energy_error=float(mismatch / size) if size > 0 else 0.0,
+        energy_error=float(mismatch / size) if 0 < size < math.inf else float(mismatch),
         energy_start=float(energy[0]),
         energy_end=float(energy[-1]),
         work_supplied=float(work[0]),

@@ -2,10 +2,11 @@
 
 from stickslip.paper.sections.cart import cart_section
 from stickslip.paper.sections.choice import choice_section
-from stickslip.paper.sections.equations import equation_section
+from stickslip.paper.sections.equations import equation_section, misprint_section
 from stickslip.paper.sections.excitation import excitation_section
-from stickslip.paper.sections.figures import figure_sections
-from stickslip.paper.sections.table import table_section
+from stickslip.paper.sections.figures import figure_section, phenomena_section, schematic_section
+from stickslip.paper.sections.merits import merit_section
+from stickslip.paper.sections.table import ranking_section, table_section
 from stickslip.paper.sections.unpublished import unpublished_section
 
 __all__ = [
@@ -13,7 +14,12 @@ __all__ = [
     "choice_section",
     "equation_section",
     "excitation_section",
-    "figure_sections",
+    "figure_section",
+    "merit_section",
+    "misprint_section",
+    "phenomena_section",
+    "ranking_section",
+    "schematic_section",
     "table_section",
     "unpublished_section",
 ]

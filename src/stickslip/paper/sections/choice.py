@@ -13,7 +13,7 @@ from stickslip.quantities import fields_of
 from stickslip.report import Caption, Column, Figure, Name, Paragraph, Row, Section, Table
 from stickslip.report.numbers import fixed, length, percent, significant, with_unit
 
-__all__ = ["choice_section"]
+__all__ = ["choice_section", "largest_pull"]
 
 
 def choice_section(found: PaperAudit) -> Section:
@@ -126,15 +126,18 @@ def _return_text(study: CartStudy) -> str:
     if back:
         ways = ", ".join(f"{_label(one)}: {length(one.mean_return, 2)}" for one in back)
         return f"The cart slips back in a cycle: {ways}."
-    asked = max(_pull(one) for one in study.choices)
+    asked = max(largest_pull(one) for one in study.choices)
     return (
         f"The cart never slips back: at rest the swing pulls it back with up to {percent(asked)} of"
         " the normal force, less than what friction holds. In Fig. 2, with a lower level, it does."
     )
 
 
-def _pull(one: CartRun) -> float:
-    """Return the largest backward pull on the resting cart, over the normal force."""
+def largest_pull(one: CartRun) -> float:
+    """Return the largest backward pull on the resting cart, over the normal force.
+
+    NaN if it never rests.
+    """
     first, last = one.run.span
     seen = one.run.at(np.union1d(np.linspace(first, last, 20_000), one.run.t))
     resting = seen["mode"] == 0

@@ -35,8 +35,9 @@ def excitation_section(found: PaperAudit) -> Section:
     row = found.table[0]
     mu_k = getattr(row.law, "kinetic_coefficient", 0.0)
     text = (
-        "“When the spring is released” and “applied force 10 N, applied time 0.1 s” describe"
-        f" different experiments. Same block, same $mu_k$ = {mu_k:g}, same {row.law.title} law:"
+        "“When the spring is released” and “the applied force is F=10N, the applied time is 0.1s”"
+        f" describe different experiments. Same block, same $mu_k$ = {mu_k:g}, same"
+        f" {row.law.title} law:"
     )
     travels = {f"{reading.criteria.travel:.2f}" for reading in row.readings}
     return Section(

@@ -1,92 +1,167 @@
-"""The paper's figures, drawn again.
+"""The paper's figures, drawn again under its captions."""
 
-The captions of the paper could not be read: which figure shows which model is our assignment, in
-the order of its Table II, and is said so on the page.
-"""
-
-from stickslip.friction import BristleLaw
+from stickslip.friction import BristleLaw, Stribeck
 from stickslip.paper.audit import PaperAudit, TableRow
+from stickslip.paper.stick_slip import SPEED
 from stickslip.plots.laws import (
     characteristic_sizes,
     draw_characteristics,
     draw_presliding,
+    draw_stribeck,
     presliding_sizes,
 )
 from stickslip.plots.motion import draw_motion
+from stickslip.plots.run import RUN_SIZES, draw_run
+from stickslip.plots.sketches import schematic
 from stickslip.plots.svg import inline_svg
-from stickslip.report import Figure, Paragraph, Section
+from stickslip.report import Columns, Figure, Paragraph, Section
+from stickslip.report.numbers import residue
 
-__all__ = ["figure_sections"]
+__all__ = ["figure_section", "phenomena_section", "schematic_section"]
 
-FIRST_RUN = 6
-"""Figs 6 to 10 are the runs of Table II's rows."""
+RUN_FIGURES = {"coulomb": 6, "dahl": 7, "stribeck": 8, "lugre": 9, "coulomb-viscous": 10}
+"""Numbers of the figures that show the block, by the law that their captions name."""
 
 
-def figure_sections(found: PaperAudit) -> tuple[Section, ...]:
-    """Return Figs 3 and 4, the laws, and Figs 6 to 10, the runs."""
-    text = (
-        "Figs 3 and 4 show the laws, Figs 6 to 10 the block, in the order of Table II. The"
-        " captions of the paper were not at hand: the numbers of the figures are our assignment."
-        " Figs 2 and 11, the cart, have sections of their own."
-    )
-    runs = [_run_figure(row, FIRST_RUN + i) for i, row in enumerate(found.table)]
-    return (
-        Section(
-            id="figures",
-            nav="Figures again",
-            heading="The paper’s other figures, recomputed",
-            blocks=(Paragraph(text=text), *_law_figures(found), *runs),
+def schematic_section(found: PaperAudit) -> Section:
+    """Return Figs 1 and 5: cart and rig with the paper's symbols."""
+    values = found.values
+    return Section(
+        id="systems",
+        nav="Figs 1 and 5",
+        heading="The two systems of the paper",
+        blocks=(
+            Columns(
+                left=(
+                    Figure(
+                        svg=schematic(
+                            "cart",
+                            alt="Cart of mass M with an inverted pendulum of length l and ball m",
+                            prefix="fig1",
+                        ),
+                        caption="**Fig. 1. Pendulum-driven cart.** Mass $M$, ball $m$ on a rod of"
+                        " length $l$, angle $theta$ from the vertical, displacement $x$, torque"
+                        " $tau$. The values are not printed.",
+                    ),
+                ),
+                right=(
+                    Figure(
+                        svg=schematic(
+                            "rig",
+                            alt="Steel block of mass m before a compressed spring of stiffness k",
+                            prefix="fig5",
+                        ),
+                        caption="**Fig. 5. Spring and steel block.** By Table I"
+                        f" $M$ = {values.rig.mass:g} kg, $K$ = {values.rig.stiffness:g} N/m,"
+                        f" $mu_d$ = {values.mu_k:g}, $mu_s$ = {values.mu_s:g}; $x$ is the"
+                        f" compression, $s$ the travel, measured as {found.measured:.2f} m.",
+                    ),
+                ),
+            ),
         ),
     )
 
 
-def _law_figures(found: PaperAudit) -> tuple[Figure, Figure]:
+def phenomena_section(found: PaperAudit) -> Section:
+    """Return stick-slip and Figs 3 and 4: the phenomena of friction that the paper reviews."""
+    pulled = found.stick_slip
+    error = max(
+        abs(pulled.stick_time / pulled.stick_formula - 1.0),
+        abs(pulled.slip_time / pulled.slip_formula - 1.0),
+    )
     laws = {row.law.title: row.law for row in found.table}
     bristle = {title: law for title, law in laws.items() if isinstance(law, BristleLaw)}
     load = found.values.load
-    characteristics = inline_svg(
-        draw_characteristics(laws, load=load, v_max=0.5),
-        alt="Friction force against slip velocity of the five models",
-        prefix="fig3",
-        **characteristic_sizes(len(laws)),
-    )
-    presliding = inline_svg(
-        draw_presliding(bristle, load=load),
-        alt="Friction force against displacement before slip",
-        prefix="fig4",
-        **presliding_sizes(len(bristle)),
-    )
-    return (
+    figures = [
         Figure(
-            svg=characteristics,
-            caption="**Fig. 3. Friction against velocity**, corrected laws. At rest any force up"
+            svg=inline_svg(
+                draw_run(pulled.run, until=pulled.run.span[1]),
+                alt="Displacement, velocity and friction of a block in stick-slip",
+                prefix="stick-slip",
+                **RUN_SIZES,
+            ),
+            caption=(
+                "**III.B.1, stick-slip motion.** The block of Table I, pulled through its spring at"
+                f" {1e3 * SPEED:g} mm/s (ours). It sticks for {pulled.stick_time:.3f} s and slips"
+                f" for {pulled.slip_time:.3f} s; the closed forms differ by {residue(error)}."
+            ),
+        )
+    ]
+    curve = next((law for law in laws.values() if isinstance(law, Stribeck)), None)
+    if curve is not None:
+        figures.append(
+            Figure(
+                svg=inline_svg(
+                    draw_stribeck(curve, load),
+                    alt="Stribeck curve with static level, Coulomb level and Stribeck velocity",
+                    prefix="fig3",
+                    wide=(880, 280),
+                    narrow=(358, 260),
+                ),
+                caption="**Fig. 3. Stribeck effect.** $F_s$ and $F_c$ by Table I; $v_s$ is not"
+                " printed and assumed. The upright line is what the contact holds at rest.",
+            )
+        )
+    figures += [
+        Figure(
+            svg=inline_svg(
+                draw_presliding(bristle, load=load),
+                alt="Friction force against displacement before slip",
+                prefix="fig4",
+                **presliding_sizes(len(bristle)),
+            ),
+            caption="**Fig. 4. Presliding displacement**: friction against a slow displacement to"
+            " and fro, before and at the onset of slip. The paper shows the measurement of its"
+            " reference [13]; this is what the laws make of it.",
+        ),
+        Figure(
+            svg=inline_svg(
+                draw_characteristics(laws, load=load, v_max=0.5),
+                alt="Friction force against slip velocity of the five models",
+                prefix="laws-of-table2",
+                **characteristic_sizes(len(laws)),
+            ),
+            caption="**The laws of Table II** against velocity, corrected. At rest any force up"
             " to break-away; bristle laws by their steady curve.",
         ),
-        Figure(
-            svg=presliding,
-            caption="**Fig. 4. Friction against displacement** before and at the onset of slip,"
-            " slowly pushed to and fro.",
-        ),
+    ]
+    return Section(
+        id="phenomena",
+        nav="Phenomena, Figs 3, 4",
+        heading="Stick-slip, Stribeck effect and presliding, recomputed",
+        blocks=tuple(figures),
+    )
+
+
+def figure_section(found: PaperAudit) -> Section:
+    """Return Figs 6 to 10, the block with each law, in the order of the paper."""
+    rows = {row.law.name: row for row in found.table}
+    figures = [
+        _run_figure(rows[name], number) for name, number in RUN_FIGURES.items() if name in rows
+    ]
+    text = (
+        "Displacement and velocity of the block in the three readings. Figs 2 and 11, the cart,"
+        " have sections of their own."
+    )
+    return Section(
+        id="figures",
+        nav="Figs 6 to 10",
+        heading="The block with each law, recomputed",
+        blocks=(Paragraph(text=text), *figures),
     )
 
 
 def _run_figure(row: TableRow, number: int) -> Figure:
     runs = {f"{reading.key}. {reading.title}": reading.run for reading in row.readings}
+    chosen = row.reading("B")
+    travels = [f"{r.key} {r.criteria.travel:.3f} m" for r in row.readings]
+    note = f" ({row.published.note})" if row.published.note else ""
     return Figure(
         svg=inline_svg(
-            draw_motion(runs, chosen=_chosen(row)),
+            draw_motion(runs, chosen=f"{chosen.key}. {chosen.title}"),
             alt=f"Displacement and velocity of the block with {row.law.title} friction",
             prefix=f"fig{number}",
         ),
         caption=f"**Fig. {number}. {row.law.title}.** Published travel"
-        f" {row.published.travel or 0.0:.2f} m; {_said(row)}",
+        f" {row.published.travel or 0.0:.2f} m{note}; ours {', '.join(travels)}.",
     )
-
-
-def _chosen(row: TableRow) -> str:
-    return next(f"{r.key}. {r.title}" for r in row.readings if r.key == "B")
-
-
-def _said(row: TableRow) -> str:
-    travels = [f"{r.key} {r.criteria.travel:.3f} m" for r in row.readings]
-    return f"ours {', '.join(travels)}."

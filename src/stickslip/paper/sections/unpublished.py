@@ -3,36 +3,49 @@
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.sections.common import counted
 from stickslip.paper.unpublished import Requirement
-from stickslip.report import Caption, Column, Paragraph, Row, Section, Table
+from stickslip.report import Caption, Column, Name, Paragraph, Row, Section, Table
 from stickslip.report.numbers import fixed, significant
 
 __all__ = ["unpublished_section"]
 
 
 def unpublished_section(found: PaperAudit) -> Section:
-    """Show the value behind each published row, with its range."""
-    reached = sum(need.value is not None for need in found.requirements)
-    total = len(found.requirements)
+    """Show the value behind each published row with its range, for a push and for a spring."""
+    total = len(found.table)
+    reached = {key: _reached(found, key) for key in "AB"}
     columns = (
         Column(head="row"),
-        Column(head="published\nm", numeric=True, phone="label", label="published"),
-        Column(head="would need", numeric=True),
-        Column(head="range for\nthe rounding", numeric=True, phone="label", label="range"),
+        Column(head="published\nm", numeric=True, phone="label", label="published, m"),
+        Column(head="A, push: would need", numeric=True, phone="label", label="A would need"),
+        Column(head="B, spring: would need", numeric=True, phone="label", label="B would need"),
         Column(head="what that means"),
     )
-    titles = {row.law.name: row.law.title for row in found.table}
-    rows = tuple(_row(need, titles.get(need.law, need.law)) for need in found.requirements)
+    needs = {(need.law, need.reading): need for need in found.requirements}
+    rows = tuple(
+        Row(
+            cells=(
+                row.law.title,
+                fixed(row.published.travel or 0.0, 2),
+                *(_value(needs[row.law.name, key]) for key in "AB"),
+                needs[row.law.name, "A"].text,
+            )
+        )
+        for row in found.table
+        if (row.law.name, "A") in needs
+    )
     return Section(
         id="unpublished",
         nav="Unpublished values",
-        heading=f"{counted(reached).capitalize()} of {counted(total)} rows can be had, each from"
-        " a value that is not published",
+        heading=(
+            f"As a push {counted(reached['A'])} of {counted(total)} rows can be had from a value"
+            f" that is not published, as a spring {counted(reached['B'])}"
+        ),
         blocks=(
             Paragraph(
                 text=(
                     "The paper prints no stiffness, Stribeck velocity or viscous coefficient. These"
-                    " values, found by root finding under reading A, the push it simulated, give"
-                    " its rows; the range is that of the travels that round to the printed figure."
+                    " values, found by root finding in readings A and B, give its rows; below each"
+                    " the range for travels that round to the printed figure."
                 )
             ),
             Table(columns=columns, rows=rows),
@@ -47,17 +60,18 @@ def unpublished_section(found: PaperAudit) -> Section:
     )
 
 
-def _row(need: Requirement, title: str) -> Row:
+def _reached(found: PaperAudit, key: str) -> int:
+    return sum(need.value is not None and need.reading == key for need in found.requirements)
+
+
+def _value(need: Requirement) -> Name:
     unit = "" if need.unit == "1" else f" {need.unit}"
     if need.value is None:
-        value = f"no ${need.symbol}$"
-        limits = f"nearest {fixed(need.start, 3)} m"
-    else:
-        value = f"${need.symbol}$ = {significant(need.value, 3)}{unit}"
-        limits = "one-sided"
-        if need.low is not None and need.high is not None:
-            limits = f"{significant(need.low, 3)} to {significant(need.high, 3)}"
-    return Row(cells=(title, fixed(need.published, 2), value, limits, need.text))
+        return Name(text=f"no ${need.symbol}$", aside=f"nearest {fixed(need.start, 3)} m")
+    limits = "one-sided"
+    if need.low is not None and need.high is not None:
+        limits = f"{significant(need.low, 3)} to {significant(need.high, 3)}"
+    return Name(text=f"${need.symbol}$ = {significant(need.value, 3)}{unit}", aside=limits)
 
 
 def _bristle_table(found: PaperAudit) -> Table:
@@ -87,7 +101,7 @@ def _bristle_table(found: PaperAudit) -> Table:
         for one, other in zip(dahl, lugre, strict=True)
     )
     caption = (
-        "The same push with softer and softer bristles. Published: Dahl 0.25 m, LuGre 0.13 m with"
-        " a velocity that becomes negative."
+        "The push of reading A with softer and softer bristles. Published: Dahl 0.25 m, LuGre"
+        " 0.13 m with a velocity that becomes negative."
     )
     return Table(columns=columns, rows=rows, caption=caption)

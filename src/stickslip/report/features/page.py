@@ -1,8 +1,9 @@
 """The page: sections in the order in which a reader decides."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
-from stickslip.report.documents import Page, Section, selection_document
+from stickslip.report.documents import Page, Section, made_sections, selection_document
 from stickslip.report.features.closing import next_section, record_section, reproduce_section
 from stickslip.report.features.force import force_section
 from stickslip.report.features.opening import opening_section
@@ -64,16 +65,16 @@ def feature_document(
     >>> [section.id for section in page.sections][:3]
     ['verdict', 'force', 'scores']
     """
-    sections = [
-        opening_section(verdict, kicker),
-        force_section(verdict),
-        scores_section(verdict),
-        parameters_section(verdict),
-        record_section(verdict),
-        next_section(verdict),
+    sections = made_sections(
+        partial(opening_section, verdict, kicker),
+        partial(force_section, verdict),
+        partial(scores_section, verdict),
+        partial(parameters_section, verdict),
+        partial(record_section, verdict),
+        partial(next_section, verdict),
         *extra,
-        reproduce_section(verdict, commands, versions, digest),
-    ]
+        partial(reproduce_section, verdict, commands, versions, digest),
+    )
     return selection_document(sections, title=title, subject=subject, versions=versions)
 
 

@@ -1,8 +1,9 @@
 """The page: sections in the order in which a reader decides."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
-from stickslip.report.documents import Page, Section, selection_document
+from stickslip.report.documents import Page, Section, made_sections, selection_document
 from stickslip.report.page import render
 from stickslip.report.records.certificate import certificate_section
 from stickslip.report.records.closing import dropped_section, next_section, record_section
@@ -74,22 +75,22 @@ def record_document(
     >>> [section.id for section in page.sections][:3]
     ['verdict', 'map', 'scores']
     """
-    sections = [
-        opening_section(verdict, kicker, remark),
-        map_section(verdict),
-        loops_section(verdict),
-        scores_section(verdict),
-        second_section(verdict),
-        trials_section(verdict),
-        parameters_section(verdict),
-        residuals_section(verdict),
-        dropped_section(verdict),
-        record_section(verdict),
-        certificate_section(verdict),
-        next_section(verdict),
+    sections = made_sections(
+        partial(opening_section, verdict, kicker, remark),
+        partial(map_section, verdict),
+        partial(loops_section, verdict),
+        partial(scores_section, verdict),
+        partial(second_section, verdict),
+        partial(trials_section, verdict),
+        partial(parameters_section, verdict),
+        partial(residuals_section, verdict),
+        partial(dropped_section, verdict),
+        partial(record_section, verdict),
+        partial(certificate_section, verdict),
+        partial(next_section, verdict),
         *extra,
-        reproduce_section(verdict, commands, versions, digest, files or {}),
-    ]
+        partial(reproduce_section, verdict, commands, versions, digest, files or {}),
+    )
     return selection_document(sections, title=title, subject=subject, versions=versions)
 
 

@@ -1,9 +1,15 @@
 """The page: sections in the order in which a reader decides."""
 
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from functools import partial
 
-from stickslip.report.documents import Page, Section, selection_document
+from stickslip.report.documents import (
+    Page,
+    Section,
+    SectionMaker,
+    made_sections,
+    selection_document,
+)
 from stickslip.report.selection.closing import (
     certificate_section,
     next_section,
@@ -15,12 +21,9 @@ from stickslip.report.selection.models import models_section
 from stickslip.report.selection.opening import opening_section
 from stickslip.report.selection.runs import fixed_steps_section, laws_section, run_section
 from stickslip.report.selection.trials import trials_section
-from stickslip.selection import FixedStepRow, TravelVerdict
-from stickslip.trajectory import Trajectory
+from stickslip.selection import TravelVerdict
 
 __all__ = ["selection_page"]
-
-NOTHING: Mapping[str, Trajectory] = MappingProxyType({})
 
 
 def selection_page(
@@ -31,11 +34,9 @@ def selection_page(
     versions: Mapping[str, str],
     digest: str,
     remark: str = "",
-    lead: Sequence[Section] = (),
-    extra: Sequence[Section] = (),
+    lead: Sequence[Section | SectionMaker] = (),
+    extra: Sequence[Section | SectionMaker] = (),
     reproduce: Sequence[str] = (),
-    fixed_steps: Sequence[FixedStepRow] = (),
-    fixed_step_runs: Mapping[str, Trajectory] = NOTHING,
 ) -> Page:
     """Return the report of a selection.
 
@@ -53,19 +54,16 @@ def selection_page(
         Hash of the inputs.
     remark : str
         A sentence of one's own, at the end of the lede.
-    lead, extra : sequence of Section
-        Sections of one's own: after the verdict, and before what to measure next.
+    lead, extra : sequence of Section or partial
+        Sections of one's own, or functions that make them: after the verdict, and before what to
+        measure next.
     reproduce : sequence of str
         Commands that give this report again.
-    fixed_steps : sequence of FixedStepRow
-        What `stickslip.selection.compare_fixed_steps` gave.
-    fixed_step_runs : mapping of str to Trajectory
-        Runs of the chosen law with fixed steps, by what they are called.
 
     Returns
     -------
     Page
-        The page; a section without content is left out.
+        The page; a section without content is left out, one that fails becomes one line.
 
     Examples
     --------
@@ -78,19 +76,19 @@ def selection_page(
     >>> page.sections[0].id
     'verdict'
     """
-    sections = [
-        opening_section(verdict, kicker, remark),
+    sections = made_sections(
+        partial(opening_section, verdict, kicker, remark),
         *lead,
-        models_section(verdict),
-        trials_section(verdict),
-        criteria_section(verdict),
-        run_section(verdict),
-        laws_section(verdict),
-        parameters_section(verdict),
-        fixed_steps_section(verdict, fixed_steps, fixed_step_runs),
+        partial(models_section, verdict),
+        partial(trials_section, verdict),
+        partial(criteria_section, verdict),
+        partial(run_section, verdict),
+        partial(laws_section, verdict),
+        partial(parameters_section, verdict),
+        partial(fixed_steps_section, verdict),
         *extra,
-        next_section(verdict),
-        certificate_section(verdict),
-        reproduce_section(verdict, reproduce, versions, digest),
-    ]
+        partial(next_section, verdict),
+        partial(certificate_section, verdict),
+        partial(reproduce_section, verdict, reproduce, versions, digest),
+    )
     return selection_document(sections, title=subject, subject=subject, versions=versions)

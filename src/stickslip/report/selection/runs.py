@@ -1,11 +1,13 @@
 """The chosen run, the laws as curves, and fixed steps beside the exact run."""
 
 from collections.abc import Mapping, Sequence
+from typing import Final
 
 import numpy as np
 
 from stickslip.experiments.wording import joined
 from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.identification.travel import trials_of
 from stickslip.plots.laws import (
     characteristic_sizes,
     draw_characteristics,
@@ -16,16 +18,21 @@ from stickslip.plots.run import FRICTION_SIZES, RUN_SIZES, draw_friction_velocit
 from stickslip.plots.steps import draw_fixed_steps, fixed_step_sizes
 from stickslip.plots.svg import inline_svg
 from stickslip.report import numbers
-from stickslip.report.blocks import Block, Figure
+from stickslip.report.blocks import Block, Caption, Figure
 from stickslip.report.documents import Section
 from stickslip.report.selection.texts import slip_and_rate, step_text
 from stickslip.report.tables import Column, Row, Table
-from stickslip.selection import FixedStepRow, TravelVerdict
+from stickslip.selection import FixedStepRow, TravelVerdict, compare_fixed_steps
+from stickslip.selection.discretisation import largest_step, rounded_step
 from stickslip.trajectory import Trajectory
 
 __all__ = ["fixed_steps_section", "laws_section", "run_section"]
 
 MOST_EVENTS = 4
+STEPS: Final = (50.0, 500.0)
+"""Fixed steps from the start to the stop, in the runs that are compared."""
+MOST_STEPS: Final = 2e4
+"""Steps to the end of a run that is made only because bristles need it: a second or two."""
 
 
 def run_section(verdict: TravelVerdict) -> Section | None:
@@ -129,15 +136,28 @@ def _presliding(laws: Mapping[str, BristleLaw], load: float, guessed: Sequence[s
     return Figure(svg=svg, caption=caption)
 
 
-def fixed_steps_section(
-    verdict: TravelVerdict, rows: Sequence[FixedStepRow], runs: Mapping[str, Trajectory]
-) -> Section | None:
-    """Return the section on what a fixed step makes of the run, None without rows."""
-    if not rows:
-        return None
-    blocks: list[Block] = [_steps_table(rows)]
+def fixed_steps_section(verdict: TravelVerdict) -> Section | None:
+    """Return the section on what fixed steps make of the run, None if no law was chosen."""
     best = verdict.best
-    if runs and best is not None and best.run is not None:
+    if best is None or best.fit is None or best.run is None:
+        return None
+    law, trial = best.fit.law, trials_of(verdict.mechanism, verdict.measurement)[0]
+    last = best.run.span[1]
+    stop = best.criteria.stop_time if best.criteria else None
+    until = min(2.0 * stop, last) if stop else last
+    limit = largest_step(trial.mechanism, law, best.run)
+    steps = _steps(stop or last / 20.0, until, limit)
+    rows = compare_fixed_steps(trial.mechanism, law, t_end=until, y0=trial.initial, steps=steps)
+    blocks: list[Block] = [_steps_table(rows)]
+    shown = [row for row in rows if row.dt is not None and not row.diverged]
+    if shown:
+        runs = {
+            f"{step_text(row.dt or 0.0)}, {'stick rule' if row.stick_rule else 'no stick rule'}": (
+                row.run
+            )
+            for row in reversed(shown)
+            if row.dt == shown[0].dt
+        }
         _, rate = slip_and_rate(verdict)
         svg = inline_svg(
             draw_fixed_steps(best.run, runs, rate=rate),
@@ -147,11 +167,29 @@ def fixed_steps_section(
         )
         caption = "**Velocity around the stop.** Each panel covers as many steps; dots are steps."
         blocks.insert(0, Figure(svg=svg, caption=caption))
-    heading = _steps_heading(rows)
-    return Section(id="steps", nav="Fixed steps", heading=heading, blocks=tuple(blocks))
+    if limit is not None and limit < max(steps):
+        text = (
+            f"The bristles of this law need steps below {step_text(float(f'{limit:.2g}'))}: with"
+            " larger ones forward Euler lets their deflection grow."
+        )
+        blocks.append(Caption(text=text))
+    return Section(
+        id="steps", nav="Fixed steps", heading=_steps_heading(rows), blocks=tuple(blocks)
+    )
+
+
+def _steps(stop: float, until: float, limit: float | None) -> tuple[float, ...]:
+    """Return the steps to compare: parts of the time to the stop, and one that bristles allow."""
+    steps = [rounded_step(stop / parts) for parts in STEPS]
+    if limit is not None and limit < steps[-1] and until < MOST_STEPS * limit:
+        steps.append(rounded_step(limit / 2.0))
+    return tuple(steps)
 
 
 def _steps_heading(rows: Sequence[FixedStepRow]) -> str:
+    grown = [row.dt for row in rows if row.dt is not None and row.diverged]
+    if grown:
+        return f"A fixed step of {step_text(min(grown))} is too large for this law"
     worst = max(rows, key=lambda row: row.reversals)
     exact = next((row.reversals for row in rows if row.dt is None), 0)
     extra = worst.reversals - exact
@@ -175,6 +213,11 @@ def _steps_table(rows: Sequence[FixedStepRow]) -> Table:
     exact = next((row.criteria.travel for row in rows if row.dt is None), None)
     out = []
     for row in rows:
+        if row.diverged and row.dt is not None:
+            when = f"grows beyond all numbers in {1e3 * row.run.span[1]:.3g} ms"
+            rule = "yes" if row.stick_rule else "no"
+            out.append(Row(cells=(step_text(row.dt), rule, when, "—", "—", "—")))
+            continue
         gap = None if exact is None or row.dt is None else row.criteria.travel - exact
         least = row.criteria.least_velocity
         out.append(
