@@ -25,3 +25,11 @@ def data_dir() -> Path:
     if os.environ.get("REQUIRE_DATA") == "1":
         pytest.fail(reason)
     pytest.skip(reason)
+
+
+@pytest.fixture(autouse=True, scope="session")
+def sections_raise() -> None:
+    """What fails in a section of a report becomes a line for users; in tests it is an error."""
+    from stickslip.report import documents
+
+    documents.CAUGHT = ()

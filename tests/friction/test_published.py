@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stickslip import PRINTED_FORMS, Coulomb, CoulombViscous, Dahl, LuGre, Stribeck
+from stickslip import PRINTED_FORMS, Coulomb, CoulombViscous, Dahl, LuGre, Stribeck, Viscous
 from stickslip.quantities import fields_of
 
 MU_K, MU_S, V_S, S0, S1, S2, N = 0.25, 0.35, 0.01, 1e3, 30.0, 0.4, 9.81
@@ -17,6 +17,8 @@ TYPICAL = {
     "bristle_stiffness": S0,
     "bristle_damping": S1,
     "viscous_coefficient": S2,
+    "exponent": 2.0,
+    "weight": N,
 }
 
 
@@ -26,7 +28,8 @@ def printed(name):
 
 
 COULOMB = Coulomb(kinetic_coefficient=MU_K)
-VISCOUS = CoulombViscous(kinetic_coefficient=MU_K, viscous_coefficient=S2)
+VISCOUS = Viscous(viscous_coefficient=S2)
+COULOMB_VISCOUS = CoulombViscous(kinetic_coefficient=MU_K, viscous_coefficient=S2)
 STRIBECK = Stribeck(
     kinetic_coefficient=MU_K,
     static_coefficient=MU_S,
@@ -43,20 +46,28 @@ LUGRE = LuGre.from_forces(
     bristle_stiffness=S0,
     bristle_damping=S1,
     viscous_coefficient=S2,
-    exponent=1,
 )
 RIGHT = {
     "printed-1": COULOMB,
-    "printed-3-4": VISCOUS,
+    "printed-3": COULOMB,
+    "printed-4": COULOMB,
     "printed-5": STRIBECK,
     "printed-6": DAHL,
     "printed-7": COULOMB,
     "printed-8": VISCOUS,
     "printed-9": LUGRE,
-    "printed-10": STRIBECK,
+    "printed-10": COULOMB_VISCOUS,
 }
 SWITCHED = ("printed-6", "printed-7", "printed-8", "printed-9", "printed-10")
-WRONG_BACKWARDS = ("printed-3-4", "printed-5", "printed-6", "printed-8", "printed-9", "printed-10")
+WRONG_BACKWARDS = (
+    "printed-3",
+    "printed-4",
+    "printed-5",
+    "printed-6",
+    "printed-8",
+    "printed-9",
+    "printed-10",
+)
 forward = st.floats(1e-6, 10.0)
 deflection = st.floats(-2.0 * MU_K * N / S0, 2.0 * MU_K * N / S0)
 
@@ -111,16 +122,41 @@ def test_equation_1_holds_nothing_at_rest(applied):
     assert force(printed("printed-1"), 0.0, 0.0, applied) == 0
 
 
+@pytest.mark.parametrize("name", ["printed-3", "printed-4"])
 @given(v=forward)
-def test_equations_3_and_4_push_a_body_that_moves_backwards(v):
-    dry = PRINTED_FORMS["printed-3-4"](kinetic_coefficient=MU_K)
-    assert force(dry, -v, 0.0) == MU_K * N
-    assert force(dry, -v, 0.0) * -v < 0
+def test_equations_3_and_4_push_a_body_that_moves_backwards(name, v):
+    assert math.isclose(force(printed(name), -v, 0.0), MU_K * N, rel_tol=1e-15)
+
+
+@pytest.mark.parametrize("name", ["printed-3", "printed-4"])
+@given(applied=st.floats(-100, 100))
+def test_equations_3_and_4_give_no_friction_at_rest_whatever_mu_is(name, applied):
+    # sgn 0 = 0 multiplies mu, and the load of a block is its weight
+    assert force(printed(name), 0.0, 0.0, applied) == 0
+
+
+@given(v=st.floats(0.01, 10.0), load=st.floats(1.0, 20.0))
+def test_equation_4_has_one_sign_for_the_pendulum_and_two_for_the_weight(v, load):
+    # by its terms: mu (N - W) with mu = mu_k sgn v, and mu_k W sgn v sgn v
+    form = printed("printed-4")
+    for speed, sense in ((v, 1.0), (-v, -1.0)):
+        expected = sense * MU_K * (load - N) + MU_K * N
+        assert math.isclose(form.force(speed, (), load, 0.0), expected, rel_tol=1e-12)
 
 
 @given(applied=st.floats(-100, 100))
-def test_equations_3_and_4_give_full_friction_at_rest_whatever_is_needed(applied):
-    assert force(printed("printed-3-4"), 0.0, 0.0, applied) == MU_K * N
+def test_equation_5_has_the_right_rule_for_rest(applied):
+    # F_x while it is below F_s, and F_s in its direction beyond
+    found = force(printed("printed-5"), 0.0, 0.0, applied)
+    assert found == max(-MU_S * N, min(applied, MU_S * N))
+
+
+@given(v=forward)
+def test_equation_8_is_purely_viscous_and_drives_backward_motion(v):
+    form = printed("printed-8")
+    assert force(form, v, 0.0) == S2 * v
+    assert force(form, -v, 0.0) == S2 * v
+    assert list(fields_of(type(form))) == ["viscous_coefficient"]
 
 
 def test_equation_5_has_the_wrong_sign_for_backward_motion():
@@ -139,10 +175,9 @@ def test_equation_6_pushes_the_wrong_way_after_a_reversal():
     assert force(printed("printed-6"), -1e-9, z) == -S0 * z
 
 
-@pytest.mark.parametrize("name", ["printed-8", "printed-10"])
 @given(v=st.floats(1.0, 10.0))
-def test_equations_8_and_10_have_a_viscous_part_that_pushes_backwards(name, v):
-    form = printed(name)
+def test_equation_10_has_a_viscous_part_that_pushes_backwards(v):
+    form = printed("printed-10")
     dry = force(type(form)(**{**form_values(form), "viscous_coefficient": 0.0}), -v, 0.0)
     viscous = force(form, -v, 0.0) - dry
     assert viscous * -v < 0
@@ -161,10 +196,29 @@ def test_equation_9_changes_all_signs_for_backward_motion():
     assert force(form, -0.1, z) == -(S0 * z + S1 * rate - S2 * 0.1)
 
 
-def test_equation_9_never_lets_the_bristle_yield_when_moving_backwards():
+def test_equation_9_yields_as_lugre_does_under_the_reading_that_favours_it():
+    # its exponent cannot be read: it is taken as in LuGre 1995, in which nothing is wrong
     form = printed("printed-9")
-    far = -100 * MU_S * N / S0  # a hundred times what break-away allows
-    (rate,) = form.bristle_rates(-0.5, (far,), N)
-    assert math.isclose(rate, -0.5, rel_tol=1e-9)  # e^-50 of yielding is left
-    (true,) = LUGRE.bristle_rates(-0.5, (far,), N)
-    assert true > 0
+    for v in (-0.5, -0.01, 0.02):
+        assert form.bristle_rates(v, (1e-3,), N) == pytest.approx(
+            LUGRE.bristle_rates(v, (1e-3,), N), rel=1e-12
+        )
+
+
+@pytest.mark.parametrize("name", PRINTED_FORMS)
+def test_formulas_are_in_the_symbols_of_the_paper(name):
+    symbols = {
+        "printed-1": [r"F_f = -\mu N", r"N = M g + F_y"],
+        "printed-3": [r"\operatorname{sign}(F_x) \mu_k", r"\operatorname{sign}(\dot x) \mu_k"],
+        "printed-4": [r"\mu (M+m) g \operatorname{sgn} \dot x = 0"],
+        "printed-5": [r"F_e = F_x", r"F_s \operatorname{sgn}(F_e)", r"e^{-\dot x / \dot x_s}"],
+        "printed-6": [r"F_d = \sigma_0 Z \operatorname{sgn}(\dot x)"],
+        "printed-7": [r"F_c = \mu N \operatorname{sgn}(\dot x)"],
+        "printed-8": [r"F_v = \mu_v \dot x \operatorname{sgn}(\dot x)"],
+        "printed-9": [r"\sigma_1 Z + \sigma_2 \frac{dz}{dt} + \sigma_3 \dot x"],
+        "printed-10": [r"F_c \operatorname{sgn}(\dot x) + \mu \dot x \operatorname{sgn}(\dot x)"],
+    }
+    form = PRINTED_FORMS[name]
+    assert form.equation == f"({name.removeprefix('printed-')})"
+    for part in symbols[name]:
+        assert part in form.formula.replace(r" \quad {}", "")

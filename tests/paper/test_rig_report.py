@@ -6,8 +6,8 @@ import pytest
 
 from stickslip import load_rig, select
 from stickslip.paper import rig_report
-from stickslip.paper.pages import nice
 from stickslip.report.selection.texts import step_text
+from stickslip.selection.discretisation import rounded_step
 
 TEXT = """
 title = "Thrown"
@@ -40,7 +40,7 @@ def ids(page):
 
 def test_the_bundled_rig_is_reported_beside_its_paper():
     page, _ = report(load_rig())
-    assert {"excitation", "table2", "equations"} <= set(ids(page))
+    assert {"excitation", "table2", "equations", "misprints"} <= set(ids(page))
 
 
 def test_a_changed_rig_is_not_mixed_with_the_rig_of_the_paper():
@@ -76,7 +76,7 @@ def test_fixed_steps_follow_the_time_that_the_body_takes_to_stop(tmp_path):
         page, verdict = report(load_rig(path))
         seen[v] = verdict.best.criteria.stop_time
         for parts in (50.0, 500.0):
-            assert step_text(nice(seen[v] / parts)) in page
+            assert step_text(rounded_step(seen[v] / parts)) in page
     assert seen[3.0] > 50.0 * seen[0.03]
 
 
@@ -85,4 +85,4 @@ def test_fixed_steps_follow_the_time_that_the_body_takes_to_stop(tmp_path):
     [(0.0095, 0.01), (0.95, 1.0), (3.1, 2.0), (3.3, 5.0), (1e-6, 1e-6), (7.9e3, 1e4)],
 )
 def test_a_nice_step_is_the_nearest_of_one_two_five(value, step):
-    assert nice(value) == step
+    assert rounded_step(value) == step

@@ -2,15 +2,16 @@
 
 import dataclasses
 import re
+from functools import partial
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 
 from stickslip import (
     Coulomb,
     CoulombViscous,
     Dahl,
-    FixedStep,
     LuGre,
     SpringBlock,
     Stribeck,
@@ -18,10 +19,13 @@ from stickslip import (
     select,
     simulate,
 )
+from stickslip.errors import SimulationError
 from stickslip.experiments import Measurement
-from stickslip.report import Paragraph, Section, markup
+from stickslip.report import Paragraph, Section, documents, markup
 from stickslip.report.page import render
 from stickslip.report.selection import selection_page
+from stickslip.report.selection.runs import steps_heading
+from stickslip.report.selection.texts import step_text
 from stickslip.selection import compare_fixed_steps
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -165,6 +169,7 @@ def test_the_sections_of_a_tie_stand_in_the_order_of_a_decision(tie_page):
         "run",
         "laws",
         "parameters",
+        "steps",
         "next",
         "certificate",
         "reproduce",
@@ -246,14 +251,15 @@ def test_where_nothing_fits_each_law_says_why_it_was_dropped(failed):
 
 
 def test_fixed_steps_are_reported_with_how_often_they_reverse_the_body(alone):
-    law = alone.best.fit.law
-    rows = compare_fixed_steps(RIG, law, t_end=1.0, steps=(0.01,))
-    runs = {"10 ms": simulate(RIG, law, t_end=1.0, solver=FixedStep(dt=0.01))}
-    reader = read(page_of(alone, fixed_steps=rows, fixed_step_runs=runs))
-    times = max(row.reversals for row in rows)
-    assert reader.headings["steps"] == (
-        f"A fixed step of 10 ms without a stick rule reverses the body {times} times"
+    reader = read(page_of(alone))
+    found = re.fullmatch(
+        r"A fixed step of (1|2|5|10) ms without a stick rule reverses the body (\d+) times",
+        reader.headings["steps"],
     )
+    dt = 1e-3 * float(found[1])
+    stop = alone.best.criteria.stop_time
+    rows = compare_fixed_steps(RIG, alone.best.fit.law, t_end=2.0 * stop, steps=(dt,))
+    assert int(found[2]) == max(row.reversals for row in rows)
     assert "Velocity around the stop, exact and with fixed steps" in reader.labels
 
 
@@ -264,12 +270,39 @@ def test_only_reversals_beyond_those_of_the_exact_run_are_counted(alone):
     turning = [
         dataclasses.replace(row, reversals=row.reversals + 2) for row in (exact, held, chattering)
     ]
-    heading = read(page_of(alone, fixed_steps=turning)).headings["steps"]
-    assert heading.endswith(
+    assert steps_heading(turning).endswith(
         f"reverses the body {chattering.reversals} times more than the exact run"
     )
-    plain = read(page_of(alone, fixed_steps=turning[:2])).headings["steps"]
-    assert plain == "Fixed steps beside the exact run"
+    assert steps_heading(turning[:2]) == "Fixed steps beside the exact run"
+
+
+@pytest.mark.parametrize("stiffness", [1e4, 1e5])
+def test_a_step_that_bristles_do_not_allow_is_said_and_costs_nothing(stiffness):
+    law = Dahl.from_forces(load=9.81, kinetic_force=2.5, bristle_stiffness=stiffness)
+    reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+    verdict = select(RIG, reading, {"dahl": law}, t_end=1.0)
+    reader = read(page_of(verdict))
+    run = verdict.best.run
+    # 2 g / (sigma_0 v) at the largest speed, with the fitted level
+    level = verdict.best.fit.law.kinetic_coefficient * 9.81
+    limit = 2.0 * level / (stiffness * float(run.at(np.linspace(0.0, 1.0, 4001))["v"].max()))
+    said = step_text(float(f"{limit:.2g}")).replace("\N{NO-BREAK SPACE}", " ")
+    assert f"need steps below {said}" in reader.text
+    assert "too large for this law" in reader.headings["steps"]
+    if stiffness == 1e5:
+        assert "grows beyond all numbers in" in reader.text
+
+
+def failing_section(_verdict):
+    raise SimulationError("a comparison that cannot be made")
+
+
+def test_a_section_that_fails_becomes_one_line(alone, monkeypatch):
+    monkeypatch.setattr(documents, "CAUGHT", (Exception,))
+    reader = read(page_of(alone, extra=[partial(failing_section, alone)]))
+    assert reader.headings["failing"] == "Failing"
+    assert "SimulationError: a comparison that cannot be made." in reader.text
+    assert reader.headings["models"]
 
 
 def test_a_spring_that_stays_attached_is_not_called_elastic_deflection():

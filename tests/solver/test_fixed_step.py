@@ -28,7 +28,7 @@ from stickslip.quantities import fields_of
 LAW = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
 RELEASED = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 PUSHED = SpringBlock(mass=1.0, drive=Pulse(level=10.0, duration=0.1))
-TYPICAL = {"1": 0.25, "m/s": 0.01, "N/m": 1e3, "N s/m": 0.4}
+TYPICAL = {"N": 9.81, "1": 0.25, "m/s": 0.01, "N/m": 1e3, "N s/m": 0.4}
 
 
 def printed(kind):
@@ -128,10 +128,19 @@ def test_a_form_that_holds_without_limit_never_starts():
     assert np.all(run["x"] == 0)
 
 
-def test_equations_3_and_4_push_a_resting_body_backwards():
-    form = printed(PRINTED_FORMS["printed-3-4"])
-    run = simulate(Axis(inertia=1.0), form, t_end=1.0, solver=FixedStep(dt=0.01, stick_rule=False))
-    assert run["x"][-1] < -0.1
+def test_equation_3_drives_a_body_that_moves_backwards_on():
+    form = printed(PRINTED_FORMS["printed-3"])
+    solver = FixedStep(dt=0.01, stick_rule=False)
+    run = simulate(Axis(inertia=1.0), form, t_end=1.0, y0={"v": -0.1}, solver=solver)
+    assert run["v"][-1] < -0.1
+
+
+def test_equation_5_holds_below_its_static_level_and_starts_above():
+    form = printed(PRINTED_FORMS["printed-5"])
+    for level, moves in ((0.9, False), (1.1, True)):
+        drive = Pulse(level=level * form.static_coefficient, duration=1.0)
+        run = simulate(Axis(inertia=1.0, drive=drive), form, t_end=1.0, solver=FixedStep(dt=1e-3))
+        assert (run["x"][-1] > 0) == moves
 
 
 def test_a_form_that_grows_beyond_all_numbers_ends_with_a_status():
@@ -144,6 +153,15 @@ def test_a_form_that_grows_beyond_all_numbers_ends_with_a_status():
     assert run.status is Status.NOT_FINITE
     with pytest.raises(SimulationError, match="beyond all numbers"):
         simulate(axis, form, t_end=10.0, y0={"v": -1.0}, solver=solver)
+
+
+@pytest.mark.parametrize("dt", [0.01, 0.001])
+def test_bristles_that_grow_to_no_number_at_all_end_with_a_status(dt):
+    # infinities of both signs meet: the sum is no error of arithmetic, but no number either
+    law = Dahl.from_forces(load=9.81, kinetic_force=2.5, bristle_stiffness=1e5)
+    run = simulate(RELEASED, law, t_end=1.0, solver=FixedStep(dt=dt), throw=False)
+    assert run.status is Status.NOT_FINITE
+    assert np.all(np.isfinite(run["x"]))
 
 
 def test_a_fixed_step_is_never_certified_and_says_what_it_cost():

@@ -108,7 +108,10 @@ class FixedStep(Solver):
         for t, following in itertools.pairwise(times):
             try:
                 y, held = self._step(diagram, t, following - t, y, held)
-                rows.append(diagram.sample(following, y, held))
+                row = diagram.sample(following, y, held)
+                if not all(map(math.isfinite, row)):
+                    return _trajectory(mechanism, diagram, np.array(rows), Status.NOT_FINITE)
+                rows.append(row)
                 if rows[-1][NORMAL] < 0.0:
                     return _trajectory(mechanism, diagram, np.array(rows), Status.LIFT_OFF)
             except (ArithmeticError, ValueError):

@@ -1,5 +1,6 @@
 """The chosen run, the laws as curves, and fixed steps beside the exact run."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Final
 
@@ -26,11 +27,13 @@ from stickslip.selection import FixedStepRow, TravelVerdict, compare_fixed_steps
 from stickslip.selection.discretisation import largest_step, rounded_step
 from stickslip.trajectory import Trajectory
 
-__all__ = ["fixed_steps_section", "laws_section", "run_section"]
+__all__ = ["fixed_steps_section", "laws_section", "run_section", "steps_heading"]
 
 MOST_EVENTS = 4
 STEPS: Final = (50.0, 500.0)
 """Fixed steps from the start to the stop, in the runs that are compared."""
+LOST: Final = 1e3
+"""Travel of a fixed-step run that is only garbage [m]; four decimals of it would be a line long."""
 MOST_STEPS: Final = 2e4
 """Steps to the end of a run that is made only because bristles need it: a second or two."""
 
@@ -174,7 +177,7 @@ def fixed_steps_section(verdict: TravelVerdict) -> Section | None:
         )
         blocks.append(Caption(text=text))
     return Section(
-        id="steps", nav="Fixed steps", heading=_steps_heading(rows), blocks=tuple(blocks)
+        id="steps", nav="Fixed steps", heading=steps_heading(rows, limit), blocks=tuple(blocks)
     )
 
 
@@ -186,10 +189,19 @@ def _steps(stop: float, until: float, limit: float | None) -> tuple[float, ...]:
     return tuple(steps)
 
 
-def _steps_heading(rows: Sequence[FixedStepRow]) -> str:
-    grown = [row.dt for row in rows if row.dt is not None and row.diverged]
-    if grown:
-        return f"A fixed step of {step_text(min(grown))} is too large for this law"
+def steps_heading(rows: Sequence[FixedStepRow], limit: float | None = None) -> str:
+    """Return what the comparison shows, or its topic if it shows nothing.
+
+    Examples
+    --------
+    >>> steps_heading([])
+    'Fixed steps beside the exact run'
+    """
+    large = [row.dt for row in rows if row.dt and (row.diverged or row.dt > (limit or math.inf))]
+    if large:
+        return f"A fixed step of {step_text(min(large))} is too large for this law"
+    if not rows:
+        return "Fixed steps beside the exact run"
     worst = max(rows, key=lambda row: row.reversals)
     exact = next((row.reversals for row in rows if row.dt is None), 0)
     extra = worst.reversals - exact
@@ -199,6 +211,10 @@ def _steps_heading(rows: Sequence[FixedStepRow]) -> str:
     rule = "" if worst.stick_rule else " without a stick rule"
     more = " more than the exact run" if exact else ""
     return f"A fixed step of {step_text(worst.dt)}{rule} reverses the body {times}{more}"
+
+
+def _travel(travel: float) -> str:
+    return numbers.fixed(travel, 4) if abs(travel) < LOST else numbers.significant(travel, 2)
 
 
 def _steps_table(rows: Sequence[FixedStepRow]) -> Table:
@@ -225,7 +241,7 @@ def _steps_table(rows: Sequence[FixedStepRow]) -> Table:
                 cells=(
                     "exact, event-driven" if row.dt is None else step_text(row.dt),
                     "located events" if row.dt is None else "yes" if row.stick_rule else "no",
-                    numbers.fixed(row.criteria.travel, 4),
+                    _travel(row.criteria.travel),
                     "—" if gap is None else numbers.significant(1e3 * gap, 2),
                     "0" if abs(least) < 1e-9 else numbers.significant(1e3 * least, 2),
                     f"{row.reversals:,}",

@@ -1,0 +1,86 @@
+"""What a page fails with must not cost the verdict, and nothing that is compared may fail."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+import stickslip.cli.select as command
+from stickslip import LuGre, SpringBlock, load_rig, simulate
+from stickslip.cli.app import app
+
+RIG = """
+title = "Own block"
+[mechanism]
+type = "spring-block"
+mass = "0.82 kg"
+stiffness = "145 N/m"
+compression = "80 mm"
+[run]
+t_end = "3 s"
+[friction]
+kinetic_coefficient = 0.2
+static_coefficient = 0.3
+[friction.lugre]
+stribeck_velocity = "10 mm/s"
+[friction.lugre.forces]
+load = "8.0442 N"
+bristle_stiffness = "{stiffness} N/m"
+bristle_damping = "300 N s/m"
+"""
+TRIAL = """
+[[trial]]
+travel = "{travel} m"
+uncertainty = "1 mm"
+set = {{ "mechanism.compression" = "{compression} mm" }}
+"""
+
+
+@pytest.fixture(params=[1e4, 1e6])
+def rig(request, tmp_path, monkeypatch):
+    """Write three travels of a block with stiff bristles."""
+    text = RIG.format(stiffness=request.param)
+    path = tmp_path / "rig.toml"
+    path.write_text(text)
+    law = load_rig(path).laws["lugre"]
+    assert isinstance(law, LuGre)
+    for compression in (60, 80, 110):
+        block = SpringBlock(mass=0.82, stiffness=145.0, compression=1e-3 * compression)
+        travel = float(simulate(block, law, t_end=3.0)["x"][-1])
+        text += TRIAL.format(travel=round(travel, 3), compression=compression)
+    path.write_text(text)
+    monkeypatch.chdir(tmp_path)
+    return path
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, list(arguments), terminal_width=200)
+
+
+def test_three_travels_of_a_stiff_law_have_a_verdict_and_a_page(rig):
+    result = run("select", "rig.toml", "--laws", "lugre")
+    assert result.exit_code == 0, result.output
+    files = {path.name for path in (rig.parent / "stickslip-report").iterdir()}
+    assert files == {"index.html", "verdict.json", "law.toml"}
+    page = (rig.parent / "stickslip-report" / "index.html").read_text(encoding="utf-8")
+    assert "The bristles of this law need steps below" in page
+
+
+def test_a_page_that_fails_costs_neither_the_verdict_nor_the_law(rig, monkeypatch):
+    def failing(*_arguments, **_settings):
+        raise ValueError("no ink")
+
+    monkeypatch.setattr(command, "rig_report", failing)
+    folder = rig.parent / "stickslip-report"
+    folder.mkdir()
+    (folder / "index.html").write_text("an earlier page")
+    result = run("select", "rig.toml", "--laws", "coulomb", "--force")
+    assert result.exit_code == 0, result.output
+    assert "Coulomb" in result.stdout
+    assert "The page could not be drawn (ValueError: no ink)" in result.stderr
+    # the page of an earlier verdict does not stand beside this one
+    assert {path.name for path in folder.iterdir()} == {"verdict.json", "law.toml"}
+    verdict = json.loads((folder / "verdict.json").read_text(encoding="utf-8"))
+    law = load_rig(folder / "law.toml").laws["coulomb"]
+    (estimate,) = verdict["candidates"][0]["fit"]["estimates"]
+    assert law.kinetic_coefficient == estimate["value"]
