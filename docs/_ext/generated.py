@@ -98,7 +98,9 @@ def printed_forms() -> Iterator[str]:
     for form in PRINTED_FORMS.values():
         yield from (f"## Eq. {form.equation}: {form.title}", "")
         yield from ("$$", form.formula, "$$", "")
-        yield from ("As printed", f": {form.defect}.", "")
+        yield from ("Wrong", f": {form.defect}.", "")
+        if form.right:
+            yield from ("Right", f": {form.right}.", "")
         yield from ("Used here", f": {form.cure}; the law `{form.corrected.name}`.", "")
         yield from ("Class", f": `stickslip.PRINTED_FORMS[{form.name!r}]`", "")
 

@@ -52,7 +52,9 @@ def _show_form(form: type[PrintedForm]) -> None:
     console = stdout()
     console.print(Text.assemble((f"eq. {form.equation} {form.title}", "bold"), f" ({form.name})"))
     console.print(f"  as printed  {form.formula}", markup=False)
-    console.print(f"  defect      {form.defect}", markup=False)
+    console.print(f"  wrong       {form.defect}", markup=False)
+    if form.right:
+        console.print(f"  right       {form.right}", markup=False)
     console.print(f"  used here   {form.cure} ({form.corrected.name})\n", markup=False)
 
 
@@ -116,6 +118,7 @@ def _form(form: type[PrintedForm]) -> dict[str, Any]:
         "equation": form.equation,
         "as_printed": form.formula,
         "defect": form.defect,
+        "right": form.right,
         "cure": form.cure,
         "corrected_law": form.corrected.name,
     }
