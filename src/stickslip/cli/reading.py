@@ -34,7 +34,7 @@ def _columns(given: Sequence[str] | None) -> dict[str, Column]:
     found: dict[str, list[str]] = {}
     name = ""
     for part in (part for text in given or () for part in text.split(",")):
-        if "=" in part or not name:
+        if "=" in part or not name or not part.strip():
             ((name, column),) = _pairs("--columns", "position=q_m", [part]).items()
             found[name] = [column]
         else:

@@ -16,7 +16,7 @@ from stickslip.experiments.reading import Column
 from stickslip.experiments.texts import culprit, grouped, read_text
 from stickslip.experiments.toml import check_file
 from stickslip.experiments.tracks import SEPARATOR, seconds
-from stickslip.experiments.units import factor, shown
+from stickslip.experiments.units import factor, is_pixel, shown
 
 __all__ = ["SECOND", "Frame", "read_frame"]
 
@@ -71,7 +71,9 @@ class Frame:
         the caller has an option that would.
         """
         column = self.data[self.names[name]]
-        if name == "time" and column.dtype == object:  # h:mm:ss:cc, as well as numbers
+        if name == "time" and not pd.api.types.is_numeric_dtype(
+            column.dtype
+        ):  # h:mm:ss:cc, as well as numbers
             column = column.map(lambda cell: cell if seconds(cell) is None else seconds(cell))
         values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
         wrong = ~np.isfinite(values)
@@ -102,7 +104,10 @@ class Frame:
         try:
             scale = factor(unit, target)
         except ParameterError as error:
-            raise ParameterError(f"{self.file}: column {self.names[name]!r} {error}.") from None
+            cure = f'; give metres per pixel as gain={{"{name}": ...}}' if is_pixel(unit) else ""
+            raise ParameterError(
+                f"{self.file}: column {self.names[name]!r} {error}{cure}."
+            ) from None
         # Division by a whole number rounds once, so that 35 mm is the float 0.035.
         whole = round(1.0 / scale) if scale < 1.0 else 0
         return values / whole if whole and 1.0 / whole == scale else values * scale

@@ -26,28 +26,26 @@ FIRST: Final = "t"
 """The column that Tracker writes first."""
 _BLOCKS: Final = "#kinovea trajectory"
 _STAMP: Final = re.compile(
-    r"\s*(?:(?:(?P<h>\d+):)?(?P<m>\d{1,2}):)(?P<s>\d{1,2})(?:[.,](?P<part>\d+))?\s*"
-    r"|\s*(?P<hours>\d+):(?P<minutes>\d\d):(?P<whole>\d\d):(?P<hundredths>\d\d)\s*"
+    r"\s*(?:(?P<hours>\d+):(?P<minutes>\d\d):(?P<seconds>\d\d)(?:[.,:](?P<part>\d+))?"
+    r"|(?P<m>\d+):(?P<s>\d\d)[.,](?P<rest>\d+))\s*"
 )
 _UNIT: Final = re.compile(r"(?P<name>.*\S)\s*\((?P<unit>[^()]+)\)\s*")
 
 
 def seconds(cell: object) -> float | None:
-    """Return a time such as ``h:mm:ss:cc`` or ``mm:ss.xxx`` in seconds; None if it is none.
+    """Return a time such as ``h:mm:ss:cc`` or ``m:ss.xxx`` in seconds; None if it is none.
 
     Examples
     --------
-    >>> seconds("0:00:01:07"), seconds("1:00:00.25"), seconds("02:03"), seconds("1.5")
-    (1.07, 3600.25, 123.0, None)
+    >>> seconds("0:00:01:07"), seconds("1:00:00.25"), seconds("2:03,5"), seconds("12:30")
+    (1.07, 3600.25, 123.5, None)
     """
     found = _STAMP.fullmatch(cell) if isinstance(cell, str) else None
     if found is None:
         return None
-    if found["hundredths"]:
-        hours, minutes, whole, part = found.group("hours", "minutes", "whole", "hundredths")
-    else:
-        hours, minutes, whole, part = found.group("h", "m", "s", "part")
-    return 60 * (60 * int(hours or 0) + int(minutes)) + float(f"{whole}.{part or 0}")
+    hours, minutes, whole = found["hours"] or 0, found["minutes"] or found["m"], found["seconds"]
+    part = found["part"] or found["rest"] or 0
+    return 60 * (60 * int(hours) + int(minutes)) + float(f"{whole or found['s']}.{part}")
 
 
 def is_named(names: Sequence[str], below: Sequence[str]) -> bool:
