@@ -76,7 +76,7 @@ def test_exports_of_tracker_are_read_without_preparation(write, layout, encoding
 
 
 def test_units_in_the_header_of_tracker_are_heeded(write):
-    file = write(tracker(100 * tilted(WAY, jitter=0), names="t,x (cm),y (cm)"))
+    file = write(tracker(100 * tilted(WAY, jitter=0), names="t (s),x (cm),y (cm)"))
     np.testing.assert_allclose(load_measurement(file, columns=PLANE).position, WAY, atol=2e-10)
 
 
@@ -219,6 +219,12 @@ def test_both_coordinates_have_one_unit(write):
         load_measurement(file, columns=PLANE)
     record = load_measurement(file, columns=PLANE, units={"position": "cm"})
     assert record.line.length == pytest.approx(0.0025, rel=0.01)  # jitter at both ends
+
+
+def test_an_angle_has_no_line_of_motion(write):
+    file = write("t,x,y\n0,0,0\n1,3,4\n", "data.csv")
+    with pytest.raises(InputError, match=r"data.csv: an angle has no line of motion"):
+        load_measurement(file, columns=PLANE, units={"position": "deg"})
 
 
 @pytest.mark.parametrize(

@@ -199,7 +199,8 @@ def _named(
             names["time"], found_units["time"] = names.pop(key), found_units.pop(key)
     for name, unit in units.items():
         if name not in names:
-            raise UnknownNameError(f"column in units of {file}:", name, names)
+            known = [one for one in names if one != SECOND]
+            raise UnknownNameError(f"column in units of {file}:", name, known)
         found_units[name] = "1" if unit in NO_UNIT else unit
     if SECOND in names:
         _check_plane(file, names, found_units, "position" in units)

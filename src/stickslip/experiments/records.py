@@ -250,6 +250,8 @@ class _Files:
             load_offset=reading.offset.get("load", 0.0),
         )
         values, turning = scaling.scaled(raw)
+        if line is not None and turning:
+            raise InputError("an angle has no line of motion: name one column of position.")
         if line is not None and line.length:
             line = line.scaled(float(np.ptp(values["position"])) / line.length)
         parts: dict[str, Any] = {**values, **self.common}

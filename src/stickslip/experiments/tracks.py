@@ -57,7 +57,8 @@ def is_named(names: Sequence[str], below: Sequence[str]) -> bool:
     (True, False)
     """
     given = any(name.strip() for name in names)
-    return given and names[0] != FIRST == below[0].strip() and len(names) <= len(below)
+    first = _with_unit(below[0]).partition(" ")[0]
+    return given and names[0] != FIRST == first and len(names) <= len(below)
 
 
 def header_of(names: Sequence[str], below: Sequence[str]) -> list[str]:
@@ -76,10 +77,14 @@ def header_of(names: Sequence[str], below: Sequence[str]) -> list[str]:
     for index, column in enumerate(below):
         own = names[index].strip() if index < len(names) else ""
         track = own or track
-        name = _UNIT.sub(r"\g<name> [\g<unit>]", column.strip())
+        name = _with_unit(column)
         named = several and track and name and index > 0
         found.append(f"{track}{SEPARATOR}{name}" if named else name)
     return found
+
+
+def _with_unit(column: str) -> str:
+    return _UNIT.sub(r"\g<name> [\g<unit>]", column.strip())
 
 
 def is_blocks(text: str) -> bool:
