@@ -57,7 +57,7 @@ def is_named(names: Sequence[str], below: Sequence[str]) -> bool:
     (True, False)
     """
     given = any(name.strip() for name in names)
-    first = _with_unit(below[0]).partition(" ")[0]
+    first = _with_unit(below[0]).partition(" [")[0]
     return given and names[0] != FIRST == first and len(names) <= len(below)
 
 
