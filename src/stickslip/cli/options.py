@@ -107,7 +107,11 @@ Data = Annotated[
 ]
 Columns = Annotated[
     list[str] | None,
-    typer.Option("--columns", metavar="NAME=COLUMN,...", help="E.g. position=q,force=u."),
+    typer.Option(
+        "--columns",
+        metavar="NAME=COLUMN,...",
+        help="E.g. position=q,force=u; of a video position=x,y.",
+    ),
 ]
 Units = Annotated[
     list[str] | None,

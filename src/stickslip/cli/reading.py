@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from stickslip.errors import InputError
-from stickslip.experiments.reading import Reading
+from stickslip.experiments.reading import Column, Reading, column_of
 
 __all__ = ["reading_of"]
 
@@ -20,13 +20,26 @@ def reading_of(
     texts = [part.strip() for given in repair or () for part in given.split(",")]
     names = [part.strip() for given in conditions or () for part in given.split(",")]
     return Reading(
-        columns=_pairs("--columns", "position=q_m", columns),
+        columns=_columns(columns),
         units=_pairs("--unit", "position=mm", units),
         gain=_numbers(_pairs("--gain", "force=35.15", gain)),
         repair=tuple(texts),  # type: ignore[arg-type]  # checked by Reading itself
         conditions=tuple(names),
         by="options",
     )
+
+
+def _columns(given: Sequence[str] | None) -> dict[str, Column]:
+    """Split ``name=column`` pairs; what has no name is the second column of the one before."""
+    found: dict[str, list[str]] = {}
+    name = ""
+    for part in (part for text in given or () for part in text.split(",")):
+        if "=" in part or not name or not part.strip():
+            ((name, column),) = _pairs("--columns", "position=q_m", [part]).items()
+            found[name] = [column]
+        else:
+            found[name].append(part.strip())
+    return {name: column_of(name, one[0] if len(one) == 1 else one) for name, one in found.items()}
 
 
 def _pairs(option: str, example: str, given: Sequence[str] | None) -> dict[str, str]:

@@ -232,6 +232,7 @@ def _signals(record: Measurement, moving: motion.Motion | None, enough: bool) ->
     yield from dynamics.missing(record)
     yield from values.plausible(record, moving)
     yield from sampling.usual(record)
+    yield from motion.straight(record)
     if not enough:
         return
     yield from values.jumps(record)

@@ -18,7 +18,7 @@ from stickslip.experiments.imports import imported
 from stickslip.experiments.laws import known_laws
 from stickslip.experiments.measurement import QUANTITIES, Measurement
 from stickslip.experiments.paths import PREFIX, canonical, quantity_at
-from stickslip.experiments.reading import Reading
+from stickslip.experiments.reading import Reading, column_of
 from stickslip.experiments.records import read_data
 from stickslip.experiments.rig import Published, Rig, check_record, state_units
 from stickslip.experiments.schema import ReadTable, RigTable, TrialTable, rig_table
@@ -150,8 +150,12 @@ def _reading(table: ReadTable, file: str, key: str = "data") -> Reading:
         except ParameterError as error:
             raise ParameterError(f"{file}: {key}.offset.{name} {error}") from None
         offset[name] = found.value if isinstance(found, Given) else found
+    try:
+        columns = {name: column_of(name, given) for name, given in table.columns.items()}
+    except InputError as error:
+        raise ParameterError(f"{file}: {key}.{error}") from None
     return Reading(
-        columns=table.columns,
+        columns=columns,
         units=table.units,
         gain=table.gain,
         offset=offset,

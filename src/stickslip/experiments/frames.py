@@ -1,10 +1,10 @@
 """Columns of CSV, Parquet and MATLAB files, by the quantity they hold."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -12,11 +12,18 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.matlab import read_mat
+from stickslip.experiments.reading import Column
 from stickslip.experiments.texts import culprit, grouped, read_text
 from stickslip.experiments.toml import check_file
-from stickslip.experiments.units import factor, shown
+from stickslip.experiments.tracks import SEPARATOR, seconds
+from stickslip.experiments.units import factor, is_pixel, shown
 
-__all__ = ["Frame", "read_frame"]
+__all__ = ["SECOND", "Frame", "read_frame"]
+
+SECOND: Final = "position, second coordinate"
+"""What the second column of a position in a plane is known by."""
+TIMES: Final = ("t", "time")
+"""Names of a column of times, in either case, where a position has none other."""
 
 NO_UNIT = ("-", "\N{EN DASH}", "\N{MINUS SIGN}")
 """What stands in the brackets of a header for the unit of a pure number."""
@@ -64,6 +71,10 @@ class Frame:
         the caller has an option that would.
         """
         column = self.data[self.names[name]]
+        if name == "time" and not pd.api.types.is_numeric_dtype(
+            column.dtype
+        ):  # h:mm:ss:cc, as well as numbers
+            column = column.map(lambda cell: cell if seconds(cell) is None else seconds(cell))
         values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
         wrong = ~np.isfinite(values)
         if holes:  # what is a number or nothing at all may stay
@@ -93,7 +104,10 @@ class Frame:
         try:
             scale = factor(unit, target)
         except ParameterError as error:
-            raise ParameterError(f"{self.file}: column {self.names[name]!r} {error}.") from None
+            cure = f'; give metres per pixel as gain={{"{name}": ...}}' if is_pixel(unit) else ""
+            raise ParameterError(
+                f"{self.file}: column {self.names[name]!r} {error}{cure}."
+            ) from None
         # Division by a whole number rounds once, so that 35 mm is the float 0.035.
         whole = round(1.0 / scale) if scale < 1.0 else 0
         return values / whole if whole and 1.0 / whole == scale else values * scale
@@ -110,9 +124,12 @@ def _is_other(column: "pd.Series[Any]") -> bool:
     )
 
 
-def read_frame(path: str | Path, *, columns: Mapping[str, str], units: Mapping[str, str]) -> Frame:
+def read_frame(
+    path: str | Path, *, columns: Mapping[str, Column], units: Mapping[str, str]
+) -> Frame:
     """Read a file and find out what its columns hold."""
     check_file(path)
+    single = dict(_single(columns))
     file, suffix = str(path), Path(path).suffix.lower()
     first_row = 1
     if suffix in {".csv", ".tsv", ".txt"}:
@@ -120,7 +137,7 @@ def read_frame(path: str | Path, *, columns: Mapping[str, str], units: Mapping[s
     elif suffix in {".parquet", ".pq"}:
         data = _parquet(Path(path))
     elif suffix == ".mat":
-        data = read_mat(Path(path), set(columns.values()))
+        data = read_mat(Path(path), set(single.values()))
     else:
         raise InputError(
             f"{file}: must be a .csv, .tsv, .txt, .parquet or .mat file, got"
@@ -129,7 +146,16 @@ def read_frame(path: str | Path, *, columns: Mapping[str, str], units: Mapping[s
         )
     if data.empty:
         raise InputError(f"{file}: has no rows.")
-    return _named(file, data, first_row, columns, units)
+    return _named(file, data, first_row, single, units)
+
+
+def _single(columns: Mapping[str, Column]) -> Iterator[tuple[str, str]]:
+    """Yield each column with what it is known by."""
+    for quantity, column in columns.items():
+        if isinstance(column, str):
+            yield quantity, column
+        else:
+            yield from zip((quantity, SECOND), column, strict=True)
 
 
 def _parquet(path: Path) -> pd.DataFrame:
@@ -167,15 +193,45 @@ def _named(
     for quantity, column in columns.items():
         key = _known_column(file, column, own)
         names[quantity], found_units[quantity] = own[key], own_units[key]
+    if "position" in names and "time" not in names:
+        key = next((name for name in names if name.casefold() in TIMES), "")
+        if key:
+            names["time"], found_units["time"] = names.pop(key), found_units.pop(key)
     for name, unit in units.items():
         if name not in names:
-            raise UnknownNameError(f"column in units of {file}:", name, names)
+            known = [one for one in names if one != SECOND]
+            raise UnknownNameError(f"column in units of {file}:", name, known)
         found_units[name] = "1" if unit in NO_UNIT else unit
+    if SECOND in names:
+        _check_plane(file, names, found_units, "position" in units)
     return Frame(file=file, data=data, names=names, units=found_units, first_row=first_row)
+
+
+def _check_plane(
+    file: str, names: Mapping[str, str], units: dict[str, str | None], said: bool
+) -> None:
+    """Give both coordinates of a position one unit, or say that they have two."""
+    if said:
+        units[SECOND] = units["position"]
+    if units[SECOND] != units["position"]:
+        raise InputError(
+            f"{file}: columns {names['position']!r} and {names[SECOND]!r} of one position have"
+            ' different units: give that of both, as units={"position": "..."}.'
+        )
 
 
 def _known_column(file: str, column: Any, own: Mapping[str, str]) -> str:
     for name, header in own.items():
         if column in (name, header):
             return name
+    # The coordinate of the only track has a short name too.
+    short = [name for name in own if name.rpartition(SEPARATOR)[2].lower() == str(column).lower()]
+    if len(short) == 1:
+        return short[0]
+    if short:
+        pair = [name for name in own if name.startswith(short[0].rpartition(SEPARATOR)[0])][:2]
+        raise InputError(
+            f"{file}: {len(short)} tracks have a column {column!r}: {', '.join(map(repr, short))}."
+            f' Say which, as columns={{"position": ["{pair[0]}", "{pair[-1]}"]}}.'
+        )
     raise UnknownNameError(f"column of {file}:", str(column), own)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.condition_values import plain_conditions
+from stickslip.experiments.line import Line
 from stickslip.quantities import Quantity
 
 __all__ = ["KINDS_OF_UNCERTAINTY", "QUANTITIES", "Array", "Kind", "Measurement", "Uncertainty"]
@@ -91,6 +92,8 @@ class Measurement:
         [N m].
     unused : mapping of str to float, str or None, optional
         Columns of its file that nothing was read from: their value, None if it changes.
+    line : Line, optional
+        The line on which positions in a plane were projected.
     name, provenance : str
         What the record is called and where it comes from.
     trials : tuple of Measurement
@@ -134,6 +137,7 @@ class Measurement:
     offset: Mapping[str, float] = field(default_factory=dict)
     turning: bool = False
     unused: Mapping[str, float | str | None] = field(default_factory=dict)
+    line: Line | None = None
     name: str = ""
     provenance: str = ""
     trials: tuple["Measurement", ...] = ()

@@ -4,13 +4,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.columns import check_columns
 from stickslip.experiments.condition_values import condition_name
+from stickslip.experiments.line import along
 from stickslip.experiments.measurement import SAMPLED, Array, Measurement, Uncertainty
-from stickslip.experiments.reading import Reading
+from stickslip.experiments.reading import Column, Reading
 from stickslip.experiments.repair import Repair, repaired, repairs
 from stickslip.experiments.scaling import Scaling, gains_of, load_stated
 from stickslip.experiments.spelling import spelled
@@ -26,7 +29,7 @@ __all__ = ["load_measurement", "read_data"]
 def load_measurement(
     path: str | Path | Iterable[str | Path],
     *,
-    columns: Mapping[str, str] | None = None,
+    columns: Mapping[str, str | Sequence[str]] | None = None,
     units: Mapping[str, str] | None = None,
     gain: Mapping[str, float] | None = None,
     uncertainty: Mapping[str, float] | float | None = None,
@@ -59,7 +62,11 @@ def load_measurement(
         measurement with several trials, each called like its file.
     columns : mapping of str to str, optional
         Quantity or parameter path -> name of its column, where they differ. A record then has
-        these columns and those whose names fit; a column is used once.
+        these columns and those whose names fit; a column is used once. A position in a plane, such
+        as a video gives, has two, ``{"position": ["x", "y"]}``: what is read is the way along the
+        line through all points, from the first of them, positive where the body went first; a
+        negative gain turns it. Its time may also be called ``t``, and of a column
+        ``track/x`` the last part is enough where there is one track.
     units : mapping of str to str, optional
         Quantity or parameter path -> unit of its column.
     gain : mapping of str to float, optional
@@ -105,7 +112,7 @@ def load_measurement(
     [(0.072, {'mechanism.compression': 0.06}), (0.2, {'mechanism.compression': 0.1})]
     """
     reading = Reading(
-        columns=columns or {},
+        columns=cast("Mapping[str, Column]", columns or {}),
         units=units or {},
         gain=gain or {},
         offset=offset or {},
@@ -213,11 +220,12 @@ class _Files:
     def _record(self, frame: "Frame", name: str) -> Measurement:
         """Return the record of a file, all columns that are quantities converted to SI."""
         from stickslip.experiments.condition_columns import TRIAL, conditions_in, unused_in
+        from stickslip.experiments.frames import SECOND
 
-        wanted, reading = ("time", *SAMPLED), self.reading
+        wanted, reading = ("time", *SAMPLED, SECOND), self.reading
         for key in reading.columns:  # those of trials, which a record has not
             if key not in (*wanted, TRIAL):
-                raise UnknownNameError("quantity of a record in columns", key, wanted)
+                raise UnknownNameError("quantity of a record in columns", key, wanted[:-1])
         conditions = conditions_in(frame, reading.conditions)
         holes = "gaps" in reading.repair
         raw: dict[str, Array] = {
@@ -229,8 +237,12 @@ class _Files:
         if not set(raw) - {"time"}:
             raise InputError(_nothing_known(frame))
         done: tuple[str, ...] = ()
+        used = {*raw}
         if reading.repair:
             raw, done = repaired(raw, reading.repair)
+        line = None
+        if SECOND in raw:
+            raw["position"], line = along(raw["position"], raw.pop(SECOND))
         scaling = Scaling(
             frame=frame,
             gains=gains,
@@ -238,13 +250,18 @@ class _Files:
             load_offset=reading.offset.get("load", 0.0),
         )
         values, turning = scaling.scaled(raw)
+        if line is not None and turning:
+            raise InputError("an angle has no line of motion: name one column of position.")
+        if line is not None and line.length:
+            line = line.scaled(float(np.ptp(values["position"])) / line.length)
         parts: dict[str, Any] = {**values, **self.common}
         return Measurement(
             **parts,
             offset=reading.offset,
             conditions=conditions,
-            unused=unused_in(frame, {*raw, TRIAL, *map(condition_name, conditions)}),
+            unused=unused_in(frame, {*used, TRIAL, *map(condition_name, conditions)}),
             turning=turning,
+            line=line,
             name=name,
             provenance="; ".join([Path(frame.file).name, *done]),
         )
@@ -265,7 +282,9 @@ def _no_file(given: object) -> str:
 
 def _nothing_known(frame: "Frame") -> str:
     listed = ", ".join(map(shown, list(frame.names)[:12]))
+    first = [name for name in frame.names if name.rpartition("/")[2].lower() == "x"]
+    plane = f'["{first[0]}", "{first[0][:-1]}{chr(ord(first[0][-1]) + 1)}"]' if first else '"..."'
     return (
         f"{frame.file}: no column is called {', '.join(SAMPLED)} or travel; it has {listed}."
-        ' Say which is which, as columns={"position": "..."}.'
+        f' Say which is which, as columns={{"position": {plane}}}.'
     )

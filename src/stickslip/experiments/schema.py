@@ -1,11 +1,12 @@
 """The schema of rig files."""
 
+import dataclasses
 import functools
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, create_model
-from pydantic_core import PydanticCustomError
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from stickslip.experiments.law_tables import FrictionTable, friction_table
 from stickslip.experiments.measurement import QUANTITIES
@@ -37,10 +38,24 @@ class RunTable(Table):
     t_end: Annotated[Any, Number(Quantity("t_end", "s", above=0))] = 10.0
 
 
+@dataclasses.dataclass(frozen=True)
+class Columns:
+    """Annotation of the name of a column, or of the two with a position in a plane."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        return core_schema.any_schema()  # `Reading` checks it, which knows the quantity
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        pair = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
+        return {"anyOf": [{"type": "string"}, pair]}
+
+
 class ReadTable(Table):
     """How the columns of a file are read."""
 
-    columns: dict[str, str] = Field(default={}, description="quantity: name of its column")
+    columns: dict[str, Annotated[Any, Columns()]] = Field(
+        default={}, description="quantity: name of its column; `position`: two, in a plane"
+    )
     units: dict[str, str] = Field(default={}, description="quantity: unit of its column")
     gain: dict[str, Annotated[Any, Number(Quantity("g"))]] = Field(
         default={},

@@ -10,7 +10,7 @@ Speaker: TypeAlias = Literal["python", "options", "rig"]
 
 _SETTING: Final = re.compile(
     r"""\b(?P<setting>columns|units|gain|repair|conditions)=
-        (?:"(?P<word>\w+)"|\{"(?P<name>[\w.]+)":\ (?P<value>"[^"]*"|[^"}]+)\})""",
+        (?:"(?P<word>\w+)"|\{"(?P<name>[\w.]+)":\ (?P<value>"[^"]*"|\[[^\]]*\]|[^"}]+)\})""",
     re.VERBOSE,
 )
 _OPTIONS: Final = {"units": "unit"}
@@ -49,7 +49,9 @@ def _option(found: re.Match[str]) -> str:
     setting = _OPTIONS.get(found["setting"], found["setting"])
     if found["word"]:
         return f"--{setting} {found['word']}"
-    return f"--{setting} {found['name']}={found['value'].strip(chr(34))}"
+    value = ",".join(part.strip(' "') for part in found["value"].strip("[]").split(","))
+    pair = f"{found['name']}={value}"
+    return f'--{setting} "{pair}"' if " " in pair else f"--{setting} {pair}"
 
 
 def _key(found: re.Match[str]) -> str:

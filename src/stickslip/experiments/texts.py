@@ -12,6 +12,7 @@ import pandas as pd
 
 from stickslip.errors import InputError
 from stickslip.experiments.toml import decode
+from stickslip.experiments.tracks import header_of, is_blocks, is_named, read_blocks
 from stickslip.experiments.units import shown
 
 __all__ = ["culprit", "grouped", "read_text"]
@@ -22,6 +23,7 @@ LOOKED_AT: Final = 50
 """Rows that are enough to see that a text is no table."""
 LONGEST_LINE: Final = 100_000
 LEAST_CODE: Final = 32
+SEPARATORS: Final = ",;\t"
 _NUMBER: Final = re.compile(r"\s*[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?\s*")
 _GROUPED: Final = re.compile(
     r"""\s*[+-]?\d{1,3}(?:
@@ -30,6 +32,8 @@ _GROUPED: Final = re.compile(
     re.VERBOSE,
 )
 """A number whose thousands are parted by a mark; 1,592 alone may be one with decimals."""
+_THOUSANDS: Final = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}\s*")
+"""A number with a comma that may stand between thousands or before decimals."""
 _WORDS: Final = {"", "nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none", "true", "false"}
 
 
@@ -40,28 +44,39 @@ def read_text(path: Path) -> tuple[pd.DataFrame, int]:
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}.") from None
     _check_text(path, data[:HEAD])
-    lines, start = _head(path, decode(data, str(path)))
+    text, encoding = _decoded(path, data)
+    if is_blocks(text):
+        try:
+            return read_blocks(text)
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from None
+    lines, start = _head(path, text)
+    named = _tracks(lines)
+    lines, start = (lines[1:], start + 1) if named else (lines, start)
     header, sample = lines[0], lines[1:]
-    separator = max(",;\t", key=header.count)
-    comma = separator != "," and re.search(r"\d,\d", "\n".join(sample[:20])) is not None
-    names = next(csv.reader([header], delimiter=separator))
+    separator = max(SEPARATORS, key=header.count)
+    names = named or next(csv.reader([header], delimiter=separator))
     _check_first(path, lines, start, separator)
     _check_table(path, names, sample, separator)
-    twice = [name for name in names if names.count(name) > 1]
+    twice = [name for name in names if names.count(name) > 1 and name.strip()]
     if twice:
         raise InputError(f"{path}: two columns are called {shown(twice[0])}.")
+    own = [name if name.strip() else f"Unnamed: {index}" for index, name in enumerate(names)]
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)
             table = pd.read_csv(
                 path,
                 sep=separator,
-                decimal="," if comma else ".",
+                decimal="," if _has_decimal_comma(sample[:20], separator) else ".",
+                names=own if named else None,
+                header=0,
                 skiprows=start,
                 index_col=False,
                 low_memory=False,
                 skip_blank_lines=False,
-                encoding="utf-8-sig",
+                encoding=encoding,
+                encoding_errors="replace",
             )
     except (pd.errors.ParserError, pd.errors.ParserWarning, ValueError) as error:
         # What stands before it names the parser's language and nothing in the file.
@@ -72,6 +87,37 @@ def read_text(path: Path) -> tuple[pd.DataFrame, int]:
         ) from None
     table = table[[column for column, name in zip(table, names, strict=True) if name.strip()]]
     return table.dropna(how="all"), start + 2
+
+
+def _decoded(path: Path, data: bytes) -> tuple[str, str]:
+    """Return a text and its encoding: UTF-8, or that of Windows where only names need one."""
+    try:
+        return data.decode("utf-8-sig"), "utf-8-sig"
+    except UnicodeDecodeError:
+        text = data.decode("cp1252", errors="replace")
+    foreign = [line for line in text.splitlines() if not line.isascii()]
+    if any(_NUMBER.fullmatch(cell) for line in foreign for cell in re.split("[,;\t]", line)):
+        decode(data, str(path))  # raises: who knows what these bytes are
+    return text, "cp1252"
+
+
+def _tracks(lines: list[str]) -> list[str]:
+    """Return the names of columns where names of tracks stand above them, else nothing."""
+    if len(lines) < 2:
+        return []
+    separator = max(SEPARATORS, key=lines[1].count)
+    above, below = _cells(lines[0], separator), _cells(lines[1], separator)
+    return header_of(above, below) if above and below and is_named(above, below) else []
+
+
+def _has_decimal_comma(rows: list[str], separator: str) -> bool:
+    """Whether numbers have decimal commas; beside commas that part cells these are in quotes."""
+    if separator != ",":
+        return re.search(r"\d,\d", "\n".join(rows)) is not None
+    cells = [cell for row in rows if '"' in row for cell in _cells(row, separator)]
+    found = [cell for cell in cells if _NUMBER.fullmatch(cell)]
+    sure = any("," in cell and not _THOUSANDS.fullmatch(cell) for cell in found)
+    return sure and not any("." in cell for cell in found)
 
 
 def _check_text(path: Path, head: bytes) -> None:
@@ -112,7 +158,7 @@ def _check_first(path: Path, lines: list[str], start: int, separator: str) -> No
     width = len(_cells(lines[0], separator))
     rows = [(index, line) for index, line in enumerate(lines) if line.strip()]
     for (index, line), (_, below) in itertools.pairwise(rows):
-        for mark in ",;\t":
+        for mark in SEPARATORS:
             names, numbers = _cells(line, mark), _cells(below, mark)
             if len(names) < 2 or len(names) != len(numbers) or len(names) == width:
                 continue

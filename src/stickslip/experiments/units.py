@@ -13,7 +13,7 @@ from stickslip.quantities import Quantity
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["allowed", "factor", "is_of", "read_number", "shown", "turned"]
+__all__ = ["allowed", "factor", "is_of", "is_pixel", "read_number", "shown", "turned"]
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _FACTOR = r"[^\W\d_%°]+(?:\^?-?\d|[⁻¹²³]+)?|%|°"
@@ -164,6 +164,17 @@ def is_of(unit: str, target: str) -> bool:
     return True
 
 
+def is_pixel(unit: str) -> bool:
+    """Whether a unit is the distance of points in a picture, which has no length of its own.
+
+    Examples
+    --------
+    >>> is_pixel("px"), is_of("px", "m")
+    (True, False)
+    """
+    return unit in {"px", "pixel", "pixels"}
+
+
 @functools.cache
 def _registry() -> "pint.UnitRegistry[Any]":
     import pint
@@ -195,6 +206,8 @@ def _one(unit: str) -> Any:
     if re.fullmatch(_UNIT, unit) is None:
         raise ParameterError(f"has a unit that cannot be read: {shown(unit)}")
     try:
+        # To the unit library px is that of web pages, which has a length.
+        unit = "pixel" if is_pixel(unit) else unit
         found = registry.parse_units(unit.replace("·", "*").replace("°", "deg"))
         one = registry.Quantity(Decimal(1), found)
     except Exception:

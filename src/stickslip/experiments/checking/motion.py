@@ -20,9 +20,11 @@ from stickslip.experiments.signals import (
 )
 from stickslip.experiments.wording import count, number, percent, quantities, quantity
 
-__all__ = ["Motion", "motion_of", "rests", "reversals", "slow"]
+__all__ = ["Motion", "motion_of", "rests", "reversals", "slow", "straight"]
 
 SLOW: Final = 0.05
+BENT: Final = 0.01
+"""Distance from the line of motion over its length up to which a motion counts as straight."""
 HYSTERESIS: Final = 0.01
 """Speed over the largest below which a direction is not believed, where there is no noise."""
 RESTING: Final = 1e-3
@@ -124,6 +126,34 @@ def reversals(motion: Motion) -> Iterator[Finding]:
             " number here."
         ),
         numbers=numbers,
+    )
+
+
+def straight(record: Measurement) -> Iterator[Finding]:
+    """Say on which line positions in a plane were projected, and whether they lie along it."""
+    line = record.line
+    if line is None:
+        return
+    bent = line.wander > max(BENT * line.length, line.jitter)
+    tilt, across = f"{number(float(np.degrees(line.tilt)))}°", quantity(line.across, "m")
+    way = f"Position is the way along a line of {quantity(line.length, 'm')}, tilted by {tilt}"
+    text = f"{way}; the samples lie {across} beside it (root mean square)."
+    if bent:
+        text = (
+            f"The motion is not straight: it wanders {quantity(line.wander, 'm')} (root mean"
+            f" square) across its line of {quantity(line.length, 'm')}, tilted by {tilt}. The body"
+            " turned, its track is curved, or the camera did not look square at it."
+        )
+    yield Finding(
+        kind="line",
+        severity="warning" if bent else "info",
+        sentence=text,
+        numbers={
+            "tilt": line.tilt,
+            "length": line.length,
+            "across": line.across,
+            "jitter": line.jitter,
+        },
     )
 
 

@@ -109,12 +109,13 @@ def gaps(time: Array) -> Iterator[Finding]:
 
 
 def usual(record: Measurement) -> Iterator[Finding]:
-    """Ask for the unit of times at which no controller takes forces and positions.
+    """Ask for the unit of times at which no controller or camera takes forces and positions.
 
     Friction itself may be slow: rock is sampled once a second.
     """
     known = {*record.quantities()}
-    if record.time is None or "force" not in known or not known & {"position", "velocity"}:
+    driven = "force" in known and bool(known & {"position", "velocity"})
+    if record.time is None or not (driven or record.line is not None):
         return
     dt = interval_of(record.time)
     if known & {"friction", "spring_force", "pull"} or SLOWEST <= 1.0 / dt <= FASTEST:
@@ -123,7 +124,8 @@ def usual(record: Measurement) -> Iterator[Finding]:
         kind="units",
         severity="warning",
         sentence=(
-            f"Force and motion were sampled every {quantity(dt, 's')}, {quantity(1.0 / dt, 'Hz')}:"
+            f"{'Force and motion' if driven else 'Positions'} were sampled every"
+            f" {quantity(dt, 's')}, {quantity(1.0 / dt, 'Hz')}:"
             " are times really in seconds?"
         ),
         numbers={"interval": dt},

@@ -1,0 +1,161 @@
+"""Tracks that programs for video analysis write: names above the header, and blocks without one.
+
+Tracker [1]_ puts the name of a track above its columns, ``mass_A``; with several tracks a line
+has one name where the columns of each begin. Kinovea [2]_ writes them into one CSV file, whose
+columns are called ``track/point/X``, or for gnuplot as blocks of rows parted by blanks.
+
+.. [1] https://github.com/OpenSourcePhysics/tracker, class ExportDataDialog.
+.. [2] https://github.com/Kinovea/Kinovea, classes ExporterCSV and ExporterTXTTrajectory; older
+   versions wrote the times of blocks as h:mm:ss:cc.
+"""
+
+import re
+from collections.abc import Sequence
+from typing import Final
+
+import pandas as pd
+
+from stickslip.errors import InputError
+from stickslip.experiments.units import shown
+
+__all__ = ["SEPARATOR", "header_of", "is_blocks", "is_named", "read_blocks", "seconds"]
+
+SEPARATOR: Final = "/"
+"""Stands between the name of a track and that of its coordinate."""
+FIRST: Final = "t"
+"""The column that Tracker writes first."""
+_BLOCKS: Final = "#kinovea trajectory"
+_STAMP: Final = re.compile(
+    r"\s*(?:(?P<hours>\d+):(?P<minutes>\d\d):(?P<seconds>\d\d)(?:[.,:](?P<part>\d+))?"
+    r"|(?P<m>\d+):(?P<s>\d\d)[.,](?P<rest>\d+))\s*"
+)
+_UNIT: Final = re.compile(r"(?P<name>.*\S)\s*\((?P<unit>[^()]+)\)\s*")
+
+
+def seconds(cell: object) -> float | None:
+    """Return a time such as ``h:mm:ss:cc`` or ``m:ss.xxx`` in seconds; None if it is none.
+
+    Examples
+    --------
+    >>> seconds("0:00:01:07"), seconds("1:00:00.25"), seconds("2:03,5"), seconds("12:30")
+    (1.07, 3600.25, 123.5, None)
+    """
+    found = _STAMP.fullmatch(cell) if isinstance(cell, str) else None
+    if found is None:
+        return None
+    hours, minutes, whole = found["hours"] or 0, found["minutes"] or found["m"], found["seconds"]
+    part = found["part"] or found["rest"] or 0
+    return 60 * (60 * int(hours) + int(minutes)) + float(f"{whole or found['s']}.{part}")
+
+
+def is_named(names: Sequence[str], below: Sequence[str]) -> bool:
+    """Whether a line has the names of tracks, to which the columns in the line below it belong.
+
+    Examples
+    --------
+    >>> is_named(["mass_A"], ["t", "x", "y"]), is_named(["Tribometer"], ["time", "position"])
+    (True, False)
+    """
+    given = any(name.strip() for name in names)
+    first = _with_unit(below[0]).partition(" [")[0]
+    return given and names[0] != FIRST == first and len(names) <= len(below)
+
+
+def header_of(names: Sequence[str], below: Sequence[str]) -> list[str]:
+    """Return the columns of Tracker with their units, and with their tracks if there are several.
+
+    Examples
+    --------
+    >>> header_of(["mass_A"], ["t", "x (cm)", "y (cm)"])
+    ['t', 'x [cm]', 'y [cm]']
+    >>> header_of(["", "mass A", "", "mass B"], ["t", "x", "y", "x", "y", ""])
+    ['t', 'mass A/x', 'mass A/y', 'mass B/x', 'mass B/y', '']
+    """
+    known = [column.strip() for column in below if column.strip()]
+    several = len(set(known)) < len(known)
+    track, found = "", []
+    for index, column in enumerate(below):
+        own = names[index].strip() if index < len(names) else ""
+        track = own or track
+        name = _with_unit(column)
+        named = several and track and name and index > 0
+        found.append(f"{track}{SEPARATOR}{name}" if named else name)
+    return found
+
+
+def _with_unit(column: str) -> str:
+    return _UNIT.sub(r"\g<name> [\g<unit>]", column.strip())
+
+
+def is_blocks(text: str) -> bool:
+    r"""Whether a text has the tracks of Kinovea as blocks of rows.
+
+    Examples
+    --------
+    >>> is_blocks("#Kinovea Trajectory data export\n#T X Y\n")
+    True
+    """
+    return text[: len(_BLOCKS)].lower() == _BLOCKS
+
+
+def read_blocks(text: str) -> tuple[pd.DataFrame, int]:
+    r"""Return blocks of rows as one table over all their times, and the line of its first row.
+
+    Cells stay texts. The line is 1 where there are several blocks, whose rows are merged.
+
+    Examples
+    --------
+    >>> text = "#Kinovea Trajectory data export\n#T X Y\n0:00:00:00 866.0 320,5 \n"
+    >>> table, line = read_blocks(text)
+    >>> table.to_dict("records"), line
+    ([{'T': '0:00:00:00', 'X': '866.0', 'Y': '320.5'}], 3)
+    """
+    tracks: list[tuple[str, list[list[str]], list[int]]] = []
+    name, begun = "", False
+    for number, line in enumerate(text.splitlines(), 1):
+        cells = line.replace(",", ".").split()
+        if not cells or line.startswith("#"):
+            begun = False
+            name = line[1:].strip() if line.startswith("# ") else name
+            continue
+        if not begun:
+            tracks.append((name or f"track {len(tracks) + 1}", [], []))
+            name, begun = "", True
+        tracks[-1][1].append(cells)
+        tracks[-1][2].append(number)
+    several = len(tracks) > 1
+    tables = [_block(rows, f"{track}{SEPARATOR}" if several else "") for track, rows, _ in tracks]
+    if not several:
+        first = tracks[0][2][0] if tracks else 1
+        whole = tables[0] if tables else pd.DataFrame()
+        return whole.set_axis([line - first for line in tracks[0][2]] if tracks else []), first
+    by_time = [table.set_index("T") for table in tables]
+    for (track, _, _), table in zip(tracks, by_time, strict=True):
+        if not table.index.is_unique:
+            twice = table.index[table.index.duplicated()][0]
+            raise InputError(
+                f"{track!r} has the time {twice} twice: export times with more digits, such as"
+                " milliseconds."
+            )
+    merged = pd.concat(by_time, axis=1)
+    return merged.loc[sorted(merged.index, key=_moment)].reset_index(), 1
+
+
+def _moment(cell: str) -> float:
+    stamp = seconds(cell)
+    try:
+        return float(cell) if stamp is None else stamp
+    except ValueError:
+        raise InputError(f"a row begins with {shown(cell)}, which is no time.") from None
+
+
+def _block(rows: list[list[str]], track: str) -> pd.DataFrame:
+    """Return one block; a track of several points has more than one pair of columns."""
+    width = max(len(cells) for cells in rows)
+    pairs = (width - 1) // 2
+    names = ["T"]
+    for pair in range(pairs):
+        point = f"{pair}{SEPARATOR}" if pairs > 1 else ""
+        names += [f"{track}{point}X", f"{track}{point}Y"]
+    names += [f"{track}{index}" for index in range(len(names), width)]
+    return pd.DataFrame(rows, columns=names)
