@@ -41,7 +41,7 @@ def rigs(rig: SpringBlock) -> dict[str, tuple[str, str, SpringBlock]]:
     return {
         "A": (
             "Push",
-            f"{force:g} N for {PUSH_DURATION:g} s, then coasting. As the paper writes.",
+            f"{force:g} N for {PUSH_DURATION:g} s, then coasting.",
             push,
         ),
         "B": (
