@@ -1,6 +1,7 @@
 """Experiments: rigs, measurements and trials, from files or arrays, and what is wrong with them."""
 
 from stickslip.experiments.checks import Checks, Finding, check
+from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.load import load_rig, rig_schema
 from stickslip.experiments.measurement import QUANTITIES, Measurement
 from stickslip.experiments.records import load_measurement
@@ -10,6 +11,7 @@ __all__ = [
     "QUANTITIES",
     "Checks",
     "Finding",
+    "LawEstimates",
     "Measurement",
     "Published",
     "Rig",
