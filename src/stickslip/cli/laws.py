@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli.output import note, overrides
+from stickslip.cli.output import note, overrides, plain
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import LawEstimates, Rig, load_rig
 from stickslip.experiments.carrying import carried
@@ -50,7 +50,7 @@ class ChosenLaw:
         found: dict[str, Any] = {"law": self.law.name}
         if self.source is not None:
             found["law_file"] = {"file": self.source.path, "digest": self.source.digest}
-            found["remarks"] = list(self.remarks)
+            found["remarks"] = list(map(plain, self.remarks))
         return found
 
 
@@ -90,7 +90,7 @@ def rig_and_law(
         source = load_rig(file["path"], overrides=changed, allow_import=allow_import)
         found = carried(source, rig.mechanism, law=name, load=load)
     for remark in found.remarks:
-        note(remark)
+        note(plain(remark))
     return rig, ChosenLaw(
         law=found.law, estimates=found.estimates, remarks=found.remarks, source=source
     )

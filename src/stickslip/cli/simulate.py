@@ -15,6 +15,7 @@ from stickslip.cli.output import (
     command_line,
     document,
     note,
+    plain,
     print_json,
     refuse_overwriting,
     show_table,
@@ -304,7 +305,7 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
         },
     }
     if ran.remarks:
-        content["remarks"] = list(ran.remarks)
+        content["remarks"] = list(map(plain, ran.remarks))
     if ran.cycles:
         content["cycles"] = [
             asdict(one) | {"mean_velocity": one.mean_velocity} for one in ran.cycles

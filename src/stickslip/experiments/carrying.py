@@ -28,7 +28,7 @@ class CarriedLaw:
     estimates: LawEstimates | None
     """How well it is known, if its file says so."""
     remarks: tuple[str, ...]
-    """What does not carry over to this mechanism, in sentences."""
+    """What does not carry over to this mechanism, in sentences; symbols between dollar signs."""
     source: str
     """The file it is from."""
 
@@ -177,7 +177,7 @@ def _about_unit_load(mechanism: Mechanism, levels: Levels, here: Levels) -> list
 
 def _about_viscosity(law: FrictionLaw, known: LawEstimates | None) -> list[str]:
     found = [
-        f"{one.symbol} = {number(value)} {one.unit}"
+        f"${one.symbol}$ = {number(value)} {one.unit}"
         for path, one, value in parameters(law, "friction")
         if one.unit.startswith("N") and value
     ]
@@ -194,7 +194,7 @@ def _about_viscosity(law: FrictionLaw, known: LawEstimates | None) -> list[str]:
 
 def _about_bristles(law: FrictionLaw) -> list[str]:
     found = [
-        f"{one.symbol} = {number(value)} {one.unit}"
+        f"${one.symbol}$ = {number(value)} {one.unit}"
         for _, one, value in parameters(law, "friction")
         if one.unit in PER_LOAD[1:] and value
     ]
@@ -217,11 +217,10 @@ def _about_doubt(law: FrictionLaw, known: LawEstimates | None) -> list[str]:
     assumed = [name for name in known.not_fitted if getattr(law, name, None)]
     if assumed:
         were = "was" if len(assumed) == 1 else "were"
-        said.append(
-            f"{joined([symbols[name] for name in assumed])} {were} given or assumed, not fitted."
-        )
+        names = joined([f"${symbols[name]}$" for name in assumed])
+        said.append(f"{names} {were} given or assumed, not fitted.")
     said += [
-        f"{symbols[name]} is not identified ({reason}): its value is one of many."
+        f"${symbols[name]}$ is not identified ({reason}): its value is one of many."
         for name, reason in known.not_identified.items()
     ]
     return said

@@ -16,6 +16,8 @@ __all__ = ["DrivenCycle", "cycle_of", "cycles_in", "slip_names"]
 
 GRID = 1000
 """Evenly spaced times of a cycle at which extremes are sought, beside the solver's own."""
+STILL = 1e-6
+"""Share of the ways to and fro below which a travel is rounding, or what is left of a transient."""
 MOST_TIMES = 400_000
 """Times of all cycles together: of very many cycles each has fewer."""
 
@@ -88,6 +90,11 @@ class DrivenCycle:
     def mean_velocity(self) -> float:
         """Travel over duration [m/s] or [rad/s]."""
         return self.travel / self.period
+
+    @property
+    def moves_on(self) -> bool:
+        """Whether the travel is more than rounding of the ways to and fro."""
+        return abs(self.travel) > STILL * (abs(self.travel) + self.back_slip)
 
 
 def cycles_in(run: Trajectory, mechanism: Mechanism, period: float) -> tuple[DrivenCycle, ...]:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stickslip.experiments.wording import joined, number, quantity
+from stickslip.experiments.wording import capital, count, joined, number, quantity
 from stickslip.plots import animation_html
 from stickslip.plots.cycles import CYCLE_SIZES, draw_cycles
 from stickslip.plots.run import (
@@ -99,12 +99,12 @@ def cycles_section(about: RunReport) -> Section | None:
                 slip=about.slip,
                 rate=about.rate,
             ),
-            alt="Displacement in all cycles, and the velocity near zero in the last",
+            alt="Displacement in all cycles, and the velocity in the last",
             prefix="cycles",
             **CYCLE_SIZES,
         ),
-        caption="**All cycles, and the velocity near zero in the last one.** Yellow: the body"
-        " sticks.",
+        caption="**All cycles, and the velocity in the last one**, near zero if the body moves back"
+        " in it. Yellow: the body sticks.",
     )
     blocks: list[Block] = [figure, _cycle_table(about)]
     if len(cycles) > FIRST_ROWS + LAST_ROWS:
@@ -114,6 +114,8 @@ def cycles_section(about: RunReport) -> Section | None:
 
 
 def _cycles_heading(about: RunReport) -> str:
+    if not about.cycles[-1].moves_on:
+        return "The last cycle ends where it began"
     travels = [one.travel for one in about.cycles]
     if len(travels) == 1:
         return f"One cycle brings {about.of(travels[0])}"
@@ -128,8 +130,8 @@ def _cycle_table(about: RunReport) -> Table:
     heads = [f"travel\n{unit}"]
     heads += ["95 % band\n" + unit] if about.band is not None else []
     heads += [f"mean\n{unit}/s", f"way back\n{unit}", f"lowest velocity\n{unit}/s"]
-    heads.append("lowest normal\nforce, N")
-    columns = [Column(head="cycle")]
+    heads.append("least normal force\nN")
+    columns = [Column(head="cycle", phone="label", label="cycle")]
     columns += [
         Column(head=head, numeric=True, phone="label", label=head.replace("\n", ", "))
         for head in heads
@@ -210,8 +212,7 @@ def events_section(about: RunReport) -> Section:
         Column(head="first\ns", numeric=True, phone="label", label="first, s"),
         Column(head="last\ns", numeric=True, phone="label", label="last, s"),
     )
-    often = "once" if len(events) == 1 else f"{len(events):,} times"
-    heading = f"The motion changes {often}: {joined(kinds)}"
+    heading = f"{capital(count(len(events), 'event'))}: {joined(kinds)}"
     table = Table(columns=columns, rows=tuple(rows))
     return Section(id="events", nav="Events", heading=heading, blocks=(table,))
 

@@ -1,6 +1,6 @@
 """The opening of the report of a run: how it ended, how far the body came."""
 
-from stickslip.experiments.wording import count, quantity
+from stickslip.experiments.wording import capital, count, quantity
 from stickslip.report.blocks import Fact
 from stickslip.report.documents import Opening, Section
 from stickslip.report.runs.subject import RunReport, spread_text
@@ -28,8 +28,8 @@ def _headline(about: RunReport) -> str:
         return f"The run ends early, at {quantity(run.span[1], 's')}"
     if about.cycles:
         last = about.cycles[-1]
-        if last.travel == 0.0:
-            return "The body stays where it is, cycle after cycle"
+        if not last.moves_on:
+            return "The body does not move on: no cycle ends elsewhere than it began"
         return f"The body moves {about.of(last.travel)} in a cycle of {quantity(last.period, 's')}"
     if seen.stop_time is not None:
         after = quantity(seen.stop_time, "s")
@@ -41,12 +41,14 @@ def _lede(about: RunReport) -> str:
     said = [about.run.status.value]
     if about.cycles:
         number = count(len(about.cycles), "whole cycle")
-        said.append(f"{number}, {about.of(about.criteria.travel, 4)} in all.")
+        brought = "brings" if len(about.cycles) == 1 else "bring"
+        travel = sum(one.travel for one in about.cycles)
+        said.append(f"{capital(number)} {brought} {about.of(travel, 4)}.")
     band = about.band
     if band is not None:
+        travels = spread_text(band.travel, about.unit)
         said.append(
-            f"With the doubt of the law, travel is {spread_text(band.travel, about.unit)} in 95 %"
-            f" of {band.count} runs."
+            f"With the doubt of the law the whole travel is {travels} in 95 % of {band.count} runs."
         )
         if band.ended_early:
             said.append(f"{band.ended_early} of them ended early and are left out.")
