@@ -8,9 +8,8 @@ from typing import Any
 
 from stickslip.cli.output import note, overrides, plain
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import LawEstimates, Rig, load_rig
-from stickslip.experiments.carrying import carried
-from stickslip.experiments.law_tables import LOAD
+from stickslip.experiments import LawEstimates, Rig, carried, load_rig
+from stickslip.experiments.estimates import LOAD
 from stickslip.experiments.units import read_number
 from stickslip.friction import PRINTED_FORMS, FrictionLaw, law_type
 from stickslip.identification import starting_law

@@ -79,7 +79,6 @@ class Ran:
     rig: Rig
     chosen: ChosenLaw
     run: Trajectory
-    cycles: tuple[DrivenCycle, ...]
     band: Band | None
     remarks: tuple[str, ...]
     """What does not carry over from where the law was fitted."""
@@ -164,7 +163,6 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
         rig=rig,
         chosen=chosen,
         run=run,
-        cycles=_cycles(rig.mechanism, run),
         band=band,
         remarks=(*chosen.remarks, *beyond),
     )
@@ -306,10 +304,9 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
     }
     if ran.remarks:
         content["remarks"] = list(map(plain, ran.remarks))
-    if ran.cycles:
-        content["cycles"] = [
-            asdict(one) | {"mean_velocity": one.mean_velocity} for one in ran.cycles
-        ]
+    cycles = _cycles(ran.rig.mechanism, run)
+    if cycles:
+        content["cycles"] = [asdict(one) | {"mean_velocity": one.mean_velocity} for one in cycles]
     if ran.band is not None:
         content["band"] = ran.band.to_dict()
     if settings.report is not None:

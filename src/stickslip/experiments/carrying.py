@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.estimates import LawEstimates, Levels, levels_at
-from stickslip.experiments.law_tables import LOAD
+from stickslip.experiments.estimates import LOAD, LawEstimates, Levels, levels_at
 from stickslip.experiments.rig import Rig
 from stickslip.experiments.wording import joined, number, quantity
 from stickslip.friction import FrictionLaw
@@ -87,7 +86,8 @@ def carried(
     if load is not None:
         _check_load(rig, levels, load)
         factors = dict.fromkeys(divided, 1.0 / load)
-        found = vary(found, "friction", {f"friction.{k}": v / load for k, v in divided.items()})
+        changes = {f"friction.{name}": factors[name] * x for name, x in divided.items()}
+        found = vary(found, "friction", changes)
         known = None if known is None else known.scaled(factors)
         remarks.append(
             f"Levels were forces and are divided by the load of {quantity(load, 'N')} that was"

@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import parameters, vary
+from stickslip.quantities import Quantity, parameters, vary
 
-__all__ = ["HARD", "LawEstimates", "Levels", "levels_at", "spread_of"]
+__all__ = ["HARD", "LOAD", "LawEstimates", "Levels", "levels_at", "spread_of"]
 
 Array: TypeAlias = NDArray[np.float64]
 Levels: TypeAlias = Literal["per load", "forces", "torques"]
 """What a law's levels are: over the normal force, or forces or torques where no load is known."""
 
+LOAD: Final = Quantity("N", "N", above=0)
+"""A normal force at which levels are given as forces."""
 PREFIX: Final = "friction"
 NORMAL_95: Final = 1.959963984540054
 HARD: Final = ("rounding range", "stated interval")

@@ -18,7 +18,7 @@ GRID = 1000
 """Evenly spaced times of a cycle at which extremes are sought, beside the solver's own."""
 STILL = 1e-6
 """Share of the ways to and fro below which a travel is rounding, or what is left of a transient."""
-MOST_TIMES = 400_000
+MOST_TIMES = 100_000
 """Times of all cycles together: of very many cycles each has fewer."""
 
 WHOLE = 1e-9

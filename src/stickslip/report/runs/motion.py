@@ -35,6 +35,8 @@ STEADY = 1e-3
 """Share of the travel within which cycles count as the same."""
 FIRST_ROWS, LAST_ROWS = 6, 4
 """Cycles of which a table shows the first and the last."""
+MOST_DRAWN, DRAWN = 12, 8
+"""Cycles up to which all are drawn against time, and how many of more than that."""
 ANIMATED = 12.0
 """Frames a second."""
 SHORTEST, LONGEST = 3.0, 8.0
@@ -49,6 +51,10 @@ def motion_section(about: RunReport) -> Section:
     varies = bool(np.ptp(force) > 1e-9 * np.abs(force).max(initial=0.0))
     what = "Displacement, velocity, friction" + (" and normal force" if varies else "")
     caption = f"**{what}** against time; yellow: the body sticks."
+    until = None
+    if len(about.cycles) > MOST_DRAWN:
+        until = about.cycles[DRAWN].begin
+        caption += f" Of {len(about.cycles)} cycles the first {DRAWN} are shown."
     if about.band is not None:
         caption += (
             f" Pale: where 95 % of {about.band.count} runs lie with the law's parameters drawn from"
@@ -61,6 +67,7 @@ def motion_section(about: RunReport) -> Section:
                     about.run,
                     slip=about.slip,
                     rate=about.rate,
+                    until=until,
                     normal_force=varies,
                     band=about.band,
                 ),
@@ -72,7 +79,7 @@ def motion_section(about: RunReport) -> Section:
         ),
         Figure(
             svg=inline_svg(
-                draw_friction_velocity(about.run, rate=about.rate, slip=about.slip),
+                draw_friction_velocity(about.run, rate=about.rate, slip=about.slip, until=until),
                 alt="Friction against velocity along the run",
                 prefix="friction-velocity",
                 **FRICTION_SIZES,
