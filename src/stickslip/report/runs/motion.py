@@ -102,7 +102,7 @@ def cycles_section(about: RunReport) -> Section | None:
             draw_cycles(
                 runs,
                 chosen=about.law.title,
-                cycle=(last.begin, last.begin + last.period),
+                cycle=(last.begin, min(last.begin + last.period, about.run.span[1])),
                 slip=about.slip,
                 rate=about.rate,
             ),
