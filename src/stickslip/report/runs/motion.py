@@ -39,6 +39,8 @@ MOST_DRAWN, DRAWN = 12, 8
 """Cycles up to which all are drawn against time, and how many of more than that."""
 ANIMATED = 12.0
 """Frames a second."""
+STACKED = (520.0, 560.0)
+"""Scene above time plots, so that both can be read on a phone [CSS px]."""
 SHORTEST, LONGEST = 3.0, 8.0
 """How long an animation takes [s]: what is faster is shown in slow motion, what is longer is cut
 or sped up."""
@@ -138,7 +140,7 @@ def _cycle_table(about: RunReport) -> Table:
     heads += ["95 % band\n" + unit] if about.band is not None else []
     heads += [f"mean\n{unit}/s", f"way back\n{unit}", f"lowest velocity\n{unit}/s"]
     heads.append("least normal force\nN")
-    columns = [Column(head="cycle", phone="label", label="cycle")]
+    columns = [Column(head="")]
     columns += [
         Column(head=head, numeric=True, phone="label", label=head.replace("\n", ", "))
         for head in heads
@@ -151,7 +153,7 @@ def _cycle_table(about: RunReport) -> Table:
 
 
 def _cycle_row(about: RunReport, place: int, one: DrivenCycle) -> Row:
-    cells: list[Cell] = [str(place + 1), _thousandth(one.travel, 4)]
+    cells: list[Cell] = [f"cycle {place + 1}", _thousandth(one.travel, 4)]
     if about.band is not None:
         spreads = about.band.cycles
         low, _, high = spreads[place]
@@ -192,6 +194,7 @@ def animation_section(about: RunReport) -> Section | None:
         fps=ANIMATED,
         speed=speed,
         until=until,
+        size=STACKED,
     )
     caption = (
         f"**The first {quantity(length, 's')}**, to scale and {pace}. The body that rubs is yellow"
