@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-__all__ = ["ensemble", "simulate"]
+__all__ = ["ensemble", "refuse", "simulate"]
 
 ALWAYS = ("friction", "normal_force", "mode")
 """Columns that every run has beside its states."""
@@ -79,13 +79,38 @@ def simulate(
         raise InputError(f"solver must be an EventDriven(...) or FixedStep(...), got {solver!r}.")
     told = _told(mechanism, y0)
     run = solver.run(mechanism, law, y0=start, t_end=last, told=told)
-    if throw and not run.status.complete:
+    if throw:
+        refuse(run, certified=isinstance(solver, EventDriven))
+    return run
+
+
+def refuse(run: Trajectory, *, certified: bool = True) -> None:
+    """Raise if a run ended early, or is not certified where it should be, as `simulate` does.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    certified : bool
+        Whether it has to be; runs in fixed steps never are.
+
+    Raises
+    ------
+    SimulationError
+        With what happened, in words.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> refuse(simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=1.0, throw=False))
+    """
+    if not run.status.complete:
         raise SimulationError(
             f"{run.status.value}{_numbers(run)} It ended at t = {run.span[1]:g} s."
         )
-    if throw and isinstance(solver, EventDriven) and not run.certificate.certified:
+    if certified and not run.certificate.certified:
         raise SimulationError("The run is not certified: " + "; ".join(run.certificate.problems))
-    return run
 
 
 def ensemble(

@@ -8,10 +8,9 @@ from typing import Any
 
 from rich.text import Text
 
-from stickslip.cli.laws import law_of
+from stickslip.cli.laws import ChosenLaw, LawAsked, rig_and_law
 from stickslip.cli.output import (
     document,
-    overrides,
     print_json,
     refuse_overwriting,
     stdout,
@@ -19,7 +18,7 @@ from stickslip.cli.output import (
 from stickslip.cli.progress import Drawing
 from stickslip.cli.simulate import start_of
 from stickslip.errors import InputError
-from stickslip.experiments import Rig, load_rig
+from stickslip.experiments import Rig
 from stickslip.friction import FrictionLaw
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory
@@ -42,7 +41,7 @@ class Look:
 def run(
     path: Path | None,
     changes: Sequence[str],
-    law_name: str | None,
+    asked: LawAsked,
     t_end: float | None,
     look: Look,
     output: Path,
@@ -58,8 +57,8 @@ def run(
     size = _size(look.size)
     encoder_of(output)
     refuse_overwriting(output, output.parent, force=force)
-    rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
-    law = law_of(rig, law_name)
+    rig, chosen = rig_and_law(path, changes, asked, allow_import=allow_import)
+    law = chosen.law
     end = rig.t_end if t_end is None else t_end
     start = start_of(rig, law)
     seen = simulate(rig.mechanism, law, t_end=end, y0=start, throw=False)
@@ -77,18 +76,18 @@ def run(
             progress=progress,
         )
     if as_json:
-        print_json(document("animate", _content(rig, law, seen, int(count), output)))
+        print_json(document("animate", _content(rig, chosen, seen, int(count), output)))
     else:
         _show(rig, law, seen, int(count), output)
 
 
 def _content(
-    rig: Rig, law: FrictionLaw, seen: Trajectory, count: int, output: Path
+    rig: Rig, chosen: ChosenLaw, seen: Trajectory, count: int, output: Path
 ) -> dict[str, Any]:
     return {
         "rig": rig.title,
         "digest": rig.digest,
-        "law": law.name,
+        **chosen.to_dict(),
         "status": seen.status.name,
         "meaning": seen.status.value,
         "certified": seen.certificate.certified,

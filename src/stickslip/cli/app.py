@@ -24,6 +24,7 @@ from stickslip.cli.options import (
     Json,
     Law,
     LawFile,
+    LawLoad,
     Laws,
     Purpose,
     Repair,
@@ -195,6 +196,7 @@ def check(
 def simulate(
     rig: Rig = None,
     law: Law = None,
+    law_load: LawLoad = None,
     changes: Set = None,
     allow_import: AllowImport = False,
     t_end: Annotated[
@@ -216,20 +218,44 @@ def simulate(
     no_stick_rule: Annotated[
         bool, typer.Option("--no-stick-rule", help="Fixed step: never hold the body.")
     ] = False,
+    ensemble: Annotated[
+        int | None,
+        typer.Option(
+            "--ensemble",
+            metavar="N",
+            min=2,
+            help="Also run N draws of the law's parameters from the estimates in its file.",
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of these draws.")] = 0,
+    report: Annotated[
+        bool, typer.Option("--report", help="Write a page of the run, stickslip-run/index.html.")
+    ] = False,
+    report_to: Annotated[
+        Path | None, typer.Option("--report-to", metavar="FOLDER", help="The same, elsewhere.")
+    ] = None,
     force: Force = False,
     as_json: Json = False,
     enforce: Enforce = False,
 ) -> None:
-    """Simulate the rig with one law; show events and certificate, export the run."""
+    """Simulate the rig with one law; show events and certificate, export the run, draw a page.
+
+    With a law from the file of a fit, --ensemble runs its doubt: a band, not a line.
+    """
+    from stickslip.cli.laws import LawAsked
     from stickslip.cli.simulate import Settings, run
 
+    folder = report_to if report_to is not None else Path("stickslip-run") if report else None
     settings = Settings(
-        law=law,
+        law=LawAsked(law=law, load=law_load),
         t_end=t_end,
         samples=samples,
         fixed_step=fixed_step,
         method=method,
         stick_rule=not no_stick_rule,
+        ensemble=ensemble,
+        seed=seed,
+        report=folder,
     )
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json, enforce=enforce)
     start(rig, changes or [], settings, output)
@@ -239,6 +265,7 @@ def simulate(
 def animate(
     rig: Rig = None,
     law: Law = None,
+    law_load: LawLoad = None,
     changes: Set = None,
     allow_import: AllowImport = False,
     t_end: Annotated[
@@ -262,16 +289,18 @@ def animate(
 ) -> None:
     """Simulate the rig with one law and draw what moves, to scale, beside its time plots."""
     from stickslip.cli.animate import Look, run
+    from stickslip.cli.laws import LawAsked
 
     look = Look(fps=fps, speed=speed, size=size, dpi=dpi)
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
-    start(rig, changes or [], law, t_end, look, output)
+    start(rig, changes or [], LawAsked(law=law, load=law_load), t_end, look, output)
 
 
 @app.command()
 def sweep(
     rig: Rig = None,
     law: Law = None,
+    law_load: LawLoad = None,
     changes: Set = None,
     allow_import: AllowImport = False,
     vary: Annotated[
@@ -293,10 +322,12 @@ def sweep(
     as_json: Json = False,
 ) -> None:
     """Mean velocity of a driven rig over a grid of parameters: a table and a figure."""
+    from stickslip.cli.laws import LawAsked
     from stickslip.cli.sweep import run
 
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
-    start(rig, changes or [], law, vary or [], cycles, settle, output)
+    asked = LawAsked(law=law, load=law_load)
+    start(rig, changes or [], asked, vary or [], cycles, settle, output)
 
 
 @app.command()

@@ -17,6 +17,7 @@ from stickslip.cli.options import (
     Kind,
     Knots,
     Law,
+    LawLoad,
     LoadShare,
     Position,
     Rate,
@@ -79,6 +80,7 @@ def profile_optimise(
     goal: Goal = "travel",
     kind: Kind = "spline",
     law: Law = None,
+    law_load: LawLoad = None,
     interval: Interval = None,
     changes: Set = None,
     knots: Knots = 12,
@@ -93,6 +95,7 @@ def profile_optimise(
 
     Ctrl-C once ends with the best so far, twice cancels; --resume goes on from where it was.
     """
+    from stickslip.cli.laws import LawAsked
     from stickslip.cli.profile import Settings, run
 
     settings = Settings(
@@ -105,7 +108,7 @@ def profile_optimise(
         },
         goal=goal,
         kind=kind,
-        law=law,
+        law=LawAsked(law=law, load=law_load),
         interval=interval or [],
         knots=knots,
         evaluations=evaluations,

@@ -29,6 +29,7 @@ __all__ = [
     "Knots",
     "Law",
     "LawFile",
+    "LawLoad",
     "Laws",
     "LoadShare",
     "Position",
@@ -71,8 +72,19 @@ Law = Annotated[
     str | None,
     typer.Option(
         "--law",
-        help="Friction law, see `stickslip models`; if not given, the only one that the rig file"
-        " has values for, else coulomb.",
+        metavar="NAME|FILE",
+        help="Friction law, see `stickslip models`, or a file that has one, such as the law.toml of"
+        " `stickslip select`; if not given, the only one that the rig file has values for, else"
+        " coulomb.",
+    ),
+]
+LawLoad = Annotated[
+    str | None,
+    typer.Option(
+        "--law-load",
+        metavar="FORCE",
+        help='Normal force at which the law of a file was fitted, e.g. "50 N", where its levels are'
+        " forces: they are divided by it.",
     ),
 ]
 FittedLaw = Annotated[

@@ -6,12 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli.interrupts import Interrupts
-from stickslip.cli.laws import law_of
+from stickslip.cli.laws import LawAsked, rig_and_law
 from stickslip.cli.output import (
     document,
     json_text,
     note,
-    overrides,
     print_json,
     refuse_overwriting,
     show_table,
@@ -20,7 +19,7 @@ from stickslip.cli.output import (
 )
 from stickslip.cli.progress import Improving
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Rig, load_rig
+from stickslip.experiments import Rig
 from stickslip.experiments.units import read_number
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
@@ -54,7 +53,7 @@ class Settings:
     limits: Mapping[str, str | None]
     goal: str
     kind: str
-    law: str | None
+    law: LawAsked
     interval: Sequence[str]
     knots: int
     evaluations: int
@@ -74,10 +73,10 @@ def run(
     """Search, write rig file, figure and numbers, print what was found."""
     if not as_json:
         refuse_overwriting(output, output, force=force)
-    rig = load_rig(path, overrides=overrides(changes))
-    law = law_of(rig, settings.law)
-    found = _found(rig, law, settings)
-    content = document("profile", {"rig": rig.title, "digest": rig.digest, **found.to_dict()})
+    rig, chosen = rig_and_law(path, changes, settings.law)
+    found = _found(rig, chosen.law, settings)
+    head = {"rig": rig.title, "digest": rig.digest, **chosen.to_dict()}
+    content = document("profile", head | found.to_dict())
     if as_json:
         print_json(content)
     else:

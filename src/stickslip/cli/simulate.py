@@ -6,27 +6,37 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import typer
 from rich.text import Text
 
-from stickslip.cli.laws import law_of
+from stickslip.cli.laws import ChosenLaw, LawAsked, rig_and_law
 from stickslip.cli.output import (
+    command_line,
     document,
     note,
-    overrides,
+    plain,
     print_json,
     refuse_overwriting,
     show_table,
     stdout,
     write_file,
+    write_folder,
 )
+from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
-from stickslip.experiments import Rig, load_rig
-from stickslip.friction import FrictionLaw, PrintedForm, bristles_of
+from stickslip.experiments import Rig
+from stickslip.experiments.estimates import levels_at
+from stickslip.experiments.wording import number, quantity
+from stickslip.friction import FrictionLaw, bristles_of
+from stickslip.mechanisms import Mechanism
+from stickslip.optimisation.cycles import weight_of
 from stickslip.report.numbers import residue
 from stickslip.selection import criteria_of
-from stickslip.simulation import simulate
+from stickslip.simulation import refuse, simulate
 from stickslip.solver import FixedStep, Solver
+from stickslip.sweep import Band, DrivenCycle, Spread, band_of, cycle_of, cycles_in
+from stickslip.sweep.cycles import slip_names
 from stickslip.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -40,16 +50,38 @@ EVENT_CHECKS = ("guard_violation", "event_residual", "stick_drift")
 MODES = {0: "stick", 1: "slip +", -1: "slip -", 2: "at stop +", -2: "at stop -"}
 
 
+PAGE = "index.html"
+SAMPLES = 4001
+"""Even times at which the extremes of a run are sought."""
+BEYOND = 1.05
+"""Speeds and loads by which a run exceeds what was fitted, over it, before it is said."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Settings:
     """What to run and how."""
 
-    law: str | None
+    law: LawAsked
     t_end: float | None
     samples: int
     fixed_step: float | None
     method: str
     stick_rule: bool
+    ensemble: int | None = None
+    seed: int = 0
+    report: Path | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ran:
+    """What was run, and what came of it."""
+
+    rig: Rig
+    chosen: ChosenLaw
+    run: Trajectory
+    band: Band | None
+    remarks: tuple[str, ...]
+    """What does not carry over from where the law was fitted."""
 
 
 def run(
@@ -63,29 +95,158 @@ def run(
     as_json: bool,
     enforce: bool,
 ) -> None:
-    """Simulate, export, show."""
+    """Simulate, export, show; then draw the page."""
     if output is not None:
         check_table(output)
         refuse_overwriting(output, output.parent, force=force)
-    rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
-    law = law_of(rig, settings.law)
-    t_end = rig.t_end if settings.t_end is None else settings.t_end
-    start = start_of(rig, law)
-    trajectory = simulate(rig.mechanism, law, t_end=t_end, y0=start, solver=_solver(settings))
-    seen = criteria_of(trajectory, rig.mechanism)
+    if settings.report is not None:
+        refuse_overwriting(settings.report / PAGE, settings.report, force=force)
+    rig, chosen = rig_and_law(path, changes, settings.law, allow_import=allow_import)
+    ran = _ran(rig, chosen, settings)
+    seen = criteria_of(ran.run, rig.mechanism)
     if output is not None:
-        frame = trajectory.sampled(settings.samples).to_dataframe()
-        write_file(output, table_bytes(frame, output))
+        write_file(output, table_bytes(_table(ran, settings.samples), output))
     if as_json:
-        content = _content(rig, law, trajectory, settings) | {"criteria": asdict(seen)}
+        content = _content(ran, settings) | {"criteria": asdict(seen)}
         print_json(document("simulate", content))
     else:
-        _show(rig, law, trajectory, settings)
+        _show(ran, settings)
         if output is not None:
             stdout().print(f"\nExported: {output}", markup=False)
+    if settings.report is not None:
+        _write_page(ran, settings, settings.report, quiet=as_json)
+    refuse(ran.run, certified=settings.fixed_step is None)
     if enforce and not (seen.velocity_never_negative and seen.displacement_never_decreases):
         note("A criterion of the paper fails: the body moves backwards.")
         raise typer.Exit(CRITERIA_FAILED)
+
+
+def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
+    """Make the run, and the ensemble if one was asked for."""
+    if settings.ensemble is not None and settings.fixed_step is not None:
+        raise InputError("--ensemble runs with located events: leave --fixed-step out.")
+    if settings.ensemble is not None and chosen.estimates is None:
+        raise InputError(
+            "--ensemble draws from the estimates of a law, and there are none: give the law.toml of"
+            " `stickslip select`, or of `stickslip fit -o law.toml`, as --law law.toml."
+        )
+    t_end = rig.t_end if settings.t_end is None else settings.t_end
+    start = start_of(rig, chosen.law)
+    wanted = settings.report is None and settings.ensemble is None
+    run = simulate(
+        rig.mechanism,
+        chosen.law,
+        t_end=t_end,
+        y0=start,
+        solver=_solver(settings),
+        throw=wanted,  # a page is drawn of a run that ended early, too
+    )
+    band = None
+    if settings.ensemble is not None and chosen.estimates is not None and run.status.complete:
+        times = np.linspace(*run.span, settings.samples)
+        with Drawing("Running") as progress:
+            band = band_of(
+                rig.mechanism,
+                chosen.law,
+                chosen.estimates,
+                t_end=t_end,
+                count=settings.ensemble,
+                seed=settings.seed,
+                times=times,
+                y0=start,
+                progress=progress,
+            )
+    beyond = _beyond(chosen, rig.mechanism, run)
+    for remark in beyond:
+        note(remark)
+    return Ran(
+        rig=rig,
+        chosen=chosen,
+        run=run,
+        band=band,
+        remarks=(*chosen.remarks, *beyond),
+    )
+
+
+def _cycles(mechanism: Mechanism, run: Trajectory) -> tuple[DrivenCycle, ...]:
+    """Return the whole cycles of a run, none where the drives do not repeat themselves."""
+    try:
+        return cycles_in(run, mechanism, cycle_of(mechanism))
+    except InputError:
+        return ()
+
+
+def _beyond(chosen: ChosenLaw, mechanism: Mechanism, run: Trajectory) -> tuple[str, ...]:
+    """Say where a run leaves the speeds and loads at which a law was fitted."""
+    known, source = chosen.estimates, chosen.source
+    if source is None:
+        return ()
+    said = []
+    _, rate = slip_names(mechanism)
+    seen = run.at(np.union1d(np.linspace(*run.span, SAMPLES), run.t))
+    speed, unit = float(np.abs(seen[rate]).max()), run.units[rate]
+    if known is not None and known.largest_speed is not None:
+        most = known.largest_speed
+        if speed > BEYOND * most:
+            said.append(
+                f"The run reaches {quantity(speed, unit)}; the law was fitted at up to"
+                f" {quantity(most, unit)}, and beyond that it is an extrapolation."
+            )
+    contacts = source.mechanism.contacts()
+    if len(contacts) == 1 and levels_at(source.mechanism) == levels_at(mechanism) == "per load":
+        load, forces = weight_of(source.mechanism), seen["normal_force"]
+        low, high = float(forces.min()), float(forces.max())
+        if low * BEYOND < load or high > BEYOND * load:
+            said.append(
+                f"The law was fitted at a normal force of {quantity(load, 'N')}; here it is"
+                f" {number(low)} to {quantity(high, 'N')}. That levels are in proportion to it was"
+                " not measured."
+            )
+    return tuple(said)
+
+
+def _table(ran: Ran, samples: int) -> "pd.DataFrame":
+    """Return the run at even times; with a band, its ends beside the columns they are of."""
+    sampled = ran.run.sampled(samples)
+    frame = sampled.to_dataframe()
+    if ran.band is not None:
+        for name in ran.band.states:
+            low, median, high = ran.band.at(name, sampled.t)
+            frame[f"{name}_low"], frame[f"{name}_median"], frame[f"{name}_high"] = low, median, high
+    return frame
+
+
+def _write_page(ran: Ran, settings: Settings, folder: Path, *, quiet: bool) -> None:
+    """Draw the page of a run that is told already: what fails here costs the page only."""
+    from stickslip.report.runs import RunReport, run_page
+    from stickslip.report.versions import versions
+
+    source = ran.chosen.source
+    digests = {"the rig": ran.rig.digest}
+    digests |= {} if source is None else {"the law": source.digest}
+    note("Writing the report ...")
+    try:
+        page = run_page(
+            RunReport(
+                rig=ran.rig,
+                law=ran.chosen.law,
+                run=ran.run,
+                estimates=ran.chosen.estimates,
+                remarks=ran.remarks,
+                law_file="" if source is None else source.path,
+                band=ran.band,
+                fixed_step=settings.fixed_step,
+                commands=(command_line(),),
+                versions=versions(),
+                digests=digests,
+            )
+        )
+        write_folder(folder, {PAGE: page})
+    except Exception as error:  # the result is told already, and worth more than its page
+        note(f"The report could not be written: {error}")
+        return
+    if not quiet:
+        stdout().print(f"\nReport: {folder / PAGE}", markup=False)
 
 
 def start_of(rig: Rig, law: FrictionLaw) -> Mapping[str, float]:
@@ -123,15 +284,14 @@ def table_bytes(frame: "pd.DataFrame", output: Path) -> bytes:
     return buffer.getvalue()
 
 
-def _content(
-    rig: Rig, law: FrictionLaw | PrintedForm, run: Trajectory, settings: Settings
-) -> dict[str, Any]:
+def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
+    run = ran.run
     ends = run.at(run.span)
     unchecked = EVENT_CHECKS if settings.fixed_step is not None else ()
-    return {
-        "rig": rig.title,
-        "digest": rig.digest,
-        "law": law.name,
+    content: dict[str, Any] = {
+        "rig": ran.rig.title,
+        "digest": ran.rig.digest,
+        **ran.chosen.to_dict(),
         "status": run.status.name,
         "meaning": run.status.value,
         "final": {name: float(ends[name][1]) for name in run.names},
@@ -142,11 +302,21 @@ def _content(
             "certified": run.certificate.certified,
         },
     }
+    if ran.remarks:
+        content["remarks"] = list(map(plain, ran.remarks))
+    cycles = _cycles(ran.rig.mechanism, run)
+    if cycles:
+        content["cycles"] = [asdict(one) | {"mean_velocity": one.mean_velocity} for one in cycles]
+    if ran.band is not None:
+        content["band"] = ran.band.to_dict()
+    if settings.report is not None:
+        content["report"] = str(settings.report / PAGE)
+    return content
 
 
-def _show(rig: Rig, law: FrictionLaw, run: Trajectory, settings: Settings) -> None:
-    console = stdout()
-    console.print(Text.assemble((rig.title, "bold"), f", {law.title} friction"))
+def _show(ran: Ran, settings: Settings) -> None:
+    console, run = stdout(), ran.run
+    console.print(Text.assemble((ran.rig.title, "bold"), f", {ran.chosen.law.title} friction"))
     console.print(run.status.value, markup=False)
     rows = [
         [f"{event.t:.6f}", event.reason, MODES[event.from_mode], MODES[event.to_mode]]
@@ -169,3 +339,28 @@ def _show(rig: Rig, law: FrictionLaw, run: Trajectory, settings: Settings) -> No
         console.print(f"Near a limit: {warning}", markup=False)
     for problem in trust.problems:
         console.print(f"Not certified: {problem}", markup=False)
+    if ran.band is not None:
+        _show_band(ran.band, run, slip_names(ran.rig.mechanism)[0])
+
+
+def _show_band(band: Band, run: Trajectory, slip: str) -> None:
+    """Print what the doubt of the law makes of the motion."""
+    unit = run.units[slip]
+    rows = [["travel", *_cells(band.travel, unit)]]
+    rows += [
+        [f"cycle {k + 1}", *_cells(one, unit)]
+        for k, one in enumerate(band.cycles)
+        if k in (0, len(band.cycles) - 1)
+    ]
+    rows.append(["mean velocity", *_cells(band.mean_velocity, f"{unit}/s")])
+    stdout().print()
+    title = f"{band.count} runs with draws of {', '.join(band.draws)}, seed {band.seed}"
+    show_table(title, ["", "median", "95 % from", "to", "unit"], rows)
+    if band.ended_early:
+        early = f"{band.ended_early} of {band.count} runs ended early and are left out."
+        stdout().print(early, markup=False)
+
+
+def _cells(spread: Spread, unit: str) -> list[str]:
+    values = (spread.median, spread.low, spread.high)
+    return [*(f"{value + 0.0:.6g}" for value in values), unit]

@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 from rich.text import Text
 
-from stickslip.cli.laws import law_of
+from stickslip.cli.laws import LawAsked, rig_and_law
 from stickslip.cli.output import (
     document,
-    overrides,
     print_json,
     refuse_overwriting,
     show_table,
@@ -20,7 +19,6 @@ from stickslip.cli.output import (
 from stickslip.cli.progress import Drawing
 from stickslip.cli.simulate import check_table, start_of, table_bytes
 from stickslip.errors import InputError
-from stickslip.experiments import load_rig
 from stickslip.sweep import VelocityMap, average_velocity
 
 __all__ = ["run"]
@@ -32,7 +30,7 @@ MOST_AXES = 2
 def run(
     path: Path | None,
     changes: Sequence[str],
-    law_name: str | None,
+    asked: LawAsked,
     vary: Sequence[str],
     cycles: int,
     settle: int,
@@ -48,8 +46,8 @@ def run(
     for file in (output, figure):
         refuse_overwriting(file, output.parent, force=force)
     axes = _axes(vary)
-    rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
-    law = law_of(rig, law_name)
+    rig, chosen = rig_and_law(path, changes, asked, allow_import=allow_import)
+    law = chosen.law
     start = start_of(rig, law)
     with Drawing("Running") as progress:
         found = average_velocity(
@@ -58,7 +56,7 @@ def run(
     _write(found, output, figure)
     turns = found.reversals().tolist() if len(found.axes) == 1 else []
     if as_json:
-        head = {"rig": rig.title, "digest": rig.digest, "law": law.name}
+        head = {"rig": rig.title, "digest": rig.digest, **chosen.to_dict()}
         files = [str(output), str(figure)]
         print_json(document("sweep", head | _content(found, turns) | {"files": files}))
         return

@@ -1,6 +1,8 @@
 """Experiments: rigs, measurements and trials, from files or arrays, and what is wrong with them."""
 
+from stickslip.experiments.carrying import CarriedLaw, carried
 from stickslip.experiments.checks import Checks, Finding, check
+from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.line import Line
 from stickslip.experiments.load import load_rig, rig_schema
 from stickslip.experiments.measurement import QUANTITIES, Measurement
@@ -9,12 +11,15 @@ from stickslip.experiments.rig import Published, Rig
 
 __all__ = [
     "QUANTITIES",
+    "CarriedLaw",
     "Checks",
     "Finding",
+    "LawEstimates",
     "Line",
     "Measurement",
     "Published",
     "Rig",
+    "carried",
     "check",
     "load_measurement",
     "load_rig",

@@ -14,14 +14,21 @@ from stickslip.drives import Drive, Sum
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.complaints import complaint, place
 from stickslip.experiments.digests import with_files
+from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.imports import imported
-from stickslip.experiments.laws import known_laws
+from stickslip.experiments.laws import Known, known_laws
 from stickslip.experiments.measurement import QUANTITIES, Measurement
 from stickslip.experiments.paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.reading import Reading, column_of
 from stickslip.experiments.records import read_data
 from stickslip.experiments.rig import Published, Rig, check_record, state_units
-from stickslip.experiments.schema import ReadTable, RigTable, TrialTable, rig_table
+from stickslip.experiments.schema import (
+    EstimatesTable,
+    ReadTable,
+    RigTable,
+    TrialTable,
+    rig_table,
+)
 from stickslip.experiments.tables import Given, Number, Table
 from stickslip.experiments.toml import LARGEST, apply, parse, read_bytes
 from stickslip.experiments.units import read_number
@@ -32,6 +39,7 @@ from stickslip.quantities import Quantity
 __all__ = ["read_rig"]
 
 BUNDLED = "paper_rig.toml"
+LAWS = "friction"
 
 
 def read_rig(
@@ -68,6 +76,7 @@ def read_rig(
         reading=reading,
         hold=table.data.hold,
         t_end=table.run.t_end,
+        estimates=_estimates(table.estimates, known, file, overrides),
         published=tuple(Published(**row.given()) for row in table.published),
         digest=with_files(_digest(data, overrides), _paths(table, file)),
         path=file,
@@ -135,6 +144,33 @@ def _measured(
     if names and table.trial:
         raise InputError(f"{file}: [data] and [[trial]] both say what was measured: leave one out.")
     return _files(names, mechanism, reading, file) or _trials(table, mechanism, reading, file)
+
+
+def _estimates(
+    table: EstimatesTable | None, known: Known, file: str, overridden: Collection[str]
+) -> LawEstimates | None:
+    """Return how well a law is known; of what was overridden nothing is."""
+    if table is None:
+        return None
+    given = table.given()
+    if table.law not in known.laws:
+        raise UnknownNameError(f"law in {file}: estimates.law:", table.law, known.laws)
+    for name, ends in table.intervals.items():
+        if len(ends) != 2:
+            raise ParameterError(
+                f"{file}: estimates.intervals.{name} must be a lower and an upper end, got {ends}."
+            )
+    given["intervals"] = {name: (low, high) for name, (low, high) in table.intervals.items()}
+    given["covariance"] = tuple(map(tuple, table.covariance))
+    given |= {name: tuple(given[name]) for name in ("not_fitted", "covariance_of") if name in given}
+    own = f"{LAWS}.{table.law}."
+    changed = [path.removeprefix(own) for path in overridden if path.startswith(own)]
+    try:
+        return LawEstimates(**given).without(changed).checked(known.laws[table.law])
+    except UnknownNameError as error:
+        raise UnknownNameError(f"{error.kind} in {file}:", error.name, error.known) from None
+    except InputError as error:
+        raise type(error)(f"{file}: {error}") from None
 
 
 def _reading(table: ReadTable, file: str, key: str = "data") -> Reading:

@@ -10,13 +10,12 @@ from typing import Annotated, Any
 
 from pydantic import Field, create_model
 
+from stickslip.experiments.estimates import LOAD
 from stickslip.experiments.tables import Number, Table
 from stickslip.friction import LAWS, FrictionLaw, laws
 from stickslip.quantities import Quantity, fields_of
 
-__all__ = ["LOAD", "FrictionTable", "force_parameters", "friction_table", "python_name"]
-
-LOAD = Quantity("N", "N", above=0)
+__all__ = ["FrictionTable", "force_parameters", "friction_table", "python_name"]
 
 _PER_LOAD = {"1/m": "N/m", "s/m": "N s/m"}
 

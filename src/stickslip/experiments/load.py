@@ -63,7 +63,7 @@ def rig_schema() -> dict[str, Any]:
     Examples
     --------
     >>> sorted(rig_schema()["properties"])[:3]
-    ['data', 'friction', 'mechanism']
+    ['data', 'estimates', 'friction']
     """
     from stickslip.experiments.schema import json_schema
 

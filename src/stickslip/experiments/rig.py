@@ -8,6 +8,7 @@ from typing import Literal, final
 from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.measurement import Measurement
 from stickslip.experiments.paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.reading import Reading
@@ -86,6 +87,8 @@ class Rig:
         `RecordSettings.hold`, to which `stickslip fit` and `select` hand it.
     t_end : float
         Last time of runs [s].
+    estimates : LawEstimates, optional
+        How well one of the laws is known, if it was fitted.
     published : tuple of Published
         What a publication reports.
     digest : str
@@ -119,6 +122,7 @@ class Rig:
     reading: Reading = field(default_factory=Reading)
     hold: Literal["zero", "first"] = "zero"
     t_end: float = 10.0
+    estimates: LawEstimates | None = None
     published: tuple[Published, ...] = ()
     digest: str = ""
     path: str = ""
@@ -135,6 +139,10 @@ class Rig:
                 raise InputError(f"Rig.laws of {name!r} must be that law, got {law!r}.")
         if self.hold not in ("zero", "first"):
             raise InputError(f"Rig.hold must be 'zero' or 'first', got {self.hold!r}.")
+        if self.estimates is not None:
+            if self.estimates.law not in self.laws:
+                raise UnknownNameError("law in Rig.estimates", self.estimates.law, self.laws)
+            self.estimates.checked(self.laws[self.estimates.law])
         for name in self.assumed:
             if name not in self.laws:
                 raise UnknownNameError("law in Rig.assumed", name, self.laws)

@@ -18,6 +18,7 @@ from stickslip.quantities import Quantity
 
 __all__ = [
     "DataTable",
+    "EstimatesTable",
     "PublishedTable",
     "ReadTable",
     "RigTable",
@@ -121,6 +122,33 @@ class PublishedTable(Table):
     note: str = ""
 
 
+class EstimatesTable(Table):
+    """How well the values of one law are known, as fits write it; all in SI."""
+
+    law: str = Field(description="whose values these are")
+    interval: Literal["95 %", "rounding range", "stated interval"] = "95 %"
+    levels: Literal["per load", "forces", "torques"] = Field(
+        default="per load",
+        description="whether levels and bristles are over the normal force, or none was known",
+    )
+    largest_speed: float | None = Field(
+        default=None, description="largest slip speed in what was fitted"
+    )
+    not_fitted: list[str] = Field(default=[], description="parameters that were given or assumed")
+    not_identified: dict[str, str] = Field(
+        default={}, description="parameter: why the data do not tell it"
+    )
+    intervals: dict[str, list[float]] = Field(
+        default={}, description="parameter: lower and upper end"
+    )
+    covariance_of: list[str] = Field(
+        default=[], description="parameters of the rows and columns of the covariance"
+    )
+    covariance: list[list[float]] = Field(
+        default=[], description="of the normal distribution that has these intervals"
+    )
+
+
 class RigTable(Table):
     """A rig: what moves, which friction values are known, and what was measured."""
 
@@ -131,6 +159,7 @@ class RigTable(Table):
     trial: list[TrialTable] = Field(default=[], min_length=1)
     data: DataTable = DataTable()
     published: list[PublishedTable] = Field(default=[], min_length=1)
+    estimates: EstimatesTable | None = None
     mechanism: Any
     friction: FrictionTable
 

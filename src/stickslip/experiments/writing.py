@@ -5,6 +5,7 @@ import json
 from collections.abc import Mapping
 
 from stickslip.drives.registry import PROFILES
+from stickslip.experiments.estimates import LawEstimates
 from stickslip.friction import FrictionLaw, laws
 from stickslip.mechanisms import MOTORS, Mechanism, Motor, mechanisms
 from stickslip.quantities import Parametrised, fields_of
@@ -13,9 +14,14 @@ __all__ = ["rig_toml"]
 
 
 def rig_toml(
-    mechanism: Mechanism, law: FrictionLaw, *, title: str = "", t_end: float | None = None
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    *,
+    title: str = "",
+    t_end: float | None = None,
+    estimates: LawEstimates | None = None,
 ) -> str:
-    """Return the text of a rig file with a mechanism and one law, in SI.
+    """Return the text of a rig file with a mechanism, one law and how well it is known, in SI.
 
     Numbers, texts, truth values, motors and profiles are written; a drive is left out, which in an
     identified mechanism is the record itself. What is in no registry is named by its import path.
@@ -51,6 +57,8 @@ def rig_toml(
     ]
     if t_end is not None:
         lines += ["", "[run]", f"t_end = {float(t_end)!r}"]
+    if estimates is not None:
+        lines += ["", *_estimates(estimates)]
     return "\n".join(lines) + "\n"
 
 
@@ -63,6 +71,34 @@ def _parts(root: Parametrised, path: str) -> list[str]:
         name = next((name for name, kind in kinds.items() if type(part) is kind), None)
         if name is not None:
             lines += ["", f"[{below}]", f'type = "{name}"', *_values(part), *_parts(part, below)]
+    return lines
+
+
+def _estimates(known: LawEstimates) -> list[str]:
+    """Return the tables that say how well a law is known."""
+    lines = ["[estimates]", f'law = "{known.law}"', f'interval = "{known.interval}"']
+    lines.append(f'levels = "{known.levels}"')
+    if known.largest_speed is not None:
+        lines.append(f"largest_speed = {known.largest_speed!r}")
+    if known.not_fitted:
+        lines.append(f"not_fitted = {json.dumps(known.not_fitted)}")
+    if known.covariance_of:
+        rows = (f"  [{', '.join(map(repr, row))}]," for row in known.covariance)
+        lines += [
+            f"covariance_of = {json.dumps(known.covariance_of)}",
+            "covariance = [",
+            *rows,
+            "]",
+        ]
+    if known.intervals:
+        lines += ["", "[estimates.intervals]"]
+        lines += [f"{name} = [{low!r}, {high!r}]" for name, (low, high) in known.intervals.items()]
+    if known.not_identified:
+        lines += ["", "[estimates.not_identified]"]
+        lines += [
+            f"{name} = {json.dumps(reason, ensure_ascii=False)}"
+            for name, reason in known.not_identified.items()
+        ]
     return lines
 
 

@@ -48,6 +48,7 @@ def fit_one(model: TravelModel, trial: Trial) -> TravelFit:
         predicted=(model.travel(trial, [best]),),
         runs=model.runs,
         others=tuple(others),
+        trials=(trial,),
     )
 
 

@@ -163,7 +163,7 @@ def _result(
     own = {path: value for path, value in pairs.items() if path.startswith("mechanism.")}
     others = {path: value for path, value in pairs.items() if path not in own}
     predicted = observed.compared * np.exp(-best.residual)
-    estimates = estimates_of(unknowns, best, observed.covariance)
+    estimates, correlation = estimates_of(unknowns, best, observed.covariance)
     errors = errors_of(predicted, observed)
     said = sentences_of(estimates, observed, held, errors)
     if observed.frequency > FASTER * observed.natural_frequency and MASS not in pairs:
@@ -180,6 +180,7 @@ def _result(
         runs=end.runs,
         sentences=said,
         measurement=measurement,
+        correlation=correlation,
         cancelled=end.cancelled,
     )
 

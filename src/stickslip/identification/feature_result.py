@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.experiments import Measurement
+from stickslip.experiments.estimates import LawEstimates, levels_at
 from stickslip.identification.feature_problem import SETTLING
 from stickslip.identification.features import (
     COMPARED,
@@ -21,7 +22,7 @@ from stickslip.identification.features import (
     load_of,
 )
 from stickslip.identification.problem import Linearised
-from stickslip.identification.results import Estimate, Fit
+from stickslip.identification.results import Estimate, Fit, estimates_for
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import TowedBlock
 from stickslip.simulation import simulate
@@ -68,8 +69,20 @@ class FeatureFit(Fit):
     """Runs simulated."""
     sentences: tuple[str, ...]
     """What can be said, in words."""
+    correlation: Array
+    """Of the estimates (p, p), along what the features tell."""
     cancelled: bool = False
     """Whether the search was ended before its end."""
+
+    @override
+    def law_estimates(self) -> LawEstimates:
+        return estimates_for(
+            self.law,
+            self.estimates,
+            self.correlation,
+            levels=levels_at(self.mechanism),
+            largest_speed=None,
+        )
 
     @property
     def rms(self) -> float:
@@ -152,8 +165,10 @@ def errors_of(predicted: Array, observed: StickSlipFeatures) -> dict[str, float]
     return dict(zip(COMPARED, map(float, predicted / observed.compared - 1.0), strict=True))
 
 
-def estimates_of(unknowns: Unknowns, best: Linearised, covariance: Array) -> tuple[Estimate, ...]:
-    """Return what was looked for, and which of it no feature tells."""
+def estimates_of(
+    unknowns: Unknowns, best: Linearised, covariance: Array
+) -> tuple[tuple[Estimate, ...], Array]:
+    """Return what was looked for and which of it no feature tells; its correlation (p, p)."""
     at = unknowns.coordinates(best.values)
     # what other starts came to with the same features
     alike = np.atleast_2d(best.values if best.memory is None else np.asarray(best.memory))
@@ -165,7 +180,11 @@ def estimates_of(unknowns: Unknowns, best: Linearised, covariance: Array) -> tup
     # the share of each coordinate in changes that leave every feature as it is
     hidden = np.sqrt(np.sum(right[rank:] ** 2, axis=0))
     inverse = to_values @ np.linalg.pinv(table, rcond=TOLD)
-    errors = np.sqrt(np.diag(inverse @ covariance @ inverse.T))
+    spread = inverse @ covariance @ inverse.T
+    errors = np.sqrt(np.diag(spread))
+    sizes = np.where(errors > 0.0, errors, 1.0)
+    correlation = spread / np.outer(sizes, sizes)
+    np.fill_diagonal(correlation, 1.0)
     loose = hidden > FLAT
     found = []
     for i, (item, value) in enumerate(zip(unknowns.items, best.values, strict=True)):
@@ -186,7 +205,7 @@ def estimates_of(unknowns: Unknowns, best: Linearised, covariance: Array) -> tup
                 reason=reason,
             )
         )
-    return tuple(found)
+    return tuple(found), correlation
 
 
 def sentences_of(

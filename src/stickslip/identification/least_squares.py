@@ -161,7 +161,7 @@ class _Problem:
         """Return what the best unknowns are, with intervals."""
         residuals = self.residuals(best)
         values = (self.matrix @ best).tolist()
-        errors, condition = self._errors(best)
+        errors, condition, correlation = self._errors(best)
         freedom = len(residuals) - len(values)
         variance = variance_of(float(np.sum(residuals**2)), freedom, stated=self.stated)
         found = zip(self.model.free, values, errors.tolist(), self.scale.tolist(), strict=True)
@@ -174,24 +174,29 @@ class _Problem:
             standard_errors=tuple(self.errors.tolist()),
             stated=self.stated,
             condition=condition,
+            correlation=tuple(map(tuple, correlation.tolist())),
+            trials=tuple(self.trials),
             runs=self.model.runs,
         )
 
-    def _errors(self, best: Array) -> tuple[Array, float]:
-        """Return standard errors of the values (p,), and the condition of the scaled Jacobian.
+    def _errors(self, best: Array) -> tuple[Array, float, Array]:
+        """Return standard errors of the values (p,), condition of the scaled Jacobian, correlation.
 
         A direction that the travels do not determine has an infinite error, not none.
         """
         jacobian = self.jacobian(best) @ np.linalg.inv(self.matrix)
         sizes = np.linalg.norm(jacobian, axis=0)
         if not np.all(np.isfinite(jacobian)) or not np.all(sizes > 0.0):
-            return np.full(len(best), np.inf), math.inf
+            return np.full(len(best), np.inf), math.inf, np.eye(len(best))
         _, singular, rows = np.linalg.svd(jacobian / sizes, full_matrices=False)
         condition = float(singular[0] / max(singular[-1], 1e-300))
         inverse = np.where(singular > FLAT * singular[0], 1.0 / np.maximum(singular, 1e-300), 0.0)
         cut = np.abs(rows[inverse == 0.0]).max(axis=0, initial=0.0) > FLAT
-        errors = np.linalg.norm(rows * inverse[:, None], axis=0) / sizes
-        return np.where(cut, np.inf, errors), condition
+        spread = np.linalg.norm(rows * inverse[:, None], axis=0)
+        unit = rows * inverse[:, None] / np.where(spread > 0.0, spread, 1.0)
+        correlation = unit.T @ unit
+        np.fill_diagonal(correlation, 1.0)
+        return np.where(cut, np.inf, spread / sizes), condition, correlation
 
     def _estimate(
         self, path: str, value: float, error: float, scale: float, variance: tuple[float, float]

@@ -13,6 +13,7 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.experiments import QUANTITIES, Measurement
+from stickslip.experiments.estimates import LawEstimates, levels_at
 from stickslip.experiments.refusals import refuse_lack, refuse_unused
 from stickslip.experiments.units import turned
 from stickslip.identification.containment import FittedLaw
@@ -21,7 +22,7 @@ from stickslip.identification.inference import Inference, bootstrap
 from stickslip.identification.model_error import ModelError
 from stickslip.identification.optimise import Found, improve
 from stickslip.identification.problem import Held, Linearised, Problem, RecordProblem
-from stickslip.identification.results import Fit
+from stickslip.identification.results import Fit, estimates_for
 from stickslip.identification.unknowns import Unknowns
 
 if TYPE_CHECKING:
@@ -138,6 +139,20 @@ class RecordFit(Fit):
     """Estimates from either half of a record in time; None if a half alone cannot be fitted."""
     model_errors: tuple[ModelError, ...] = ()
     """What the residuals show to be wrong with model, rig or record; intervals leave it out."""
+
+    @override
+    def law_estimates(self) -> LawEstimates:
+        records = self.measurement.records()
+        weighed = any("load" in record.quantities() for record in records)
+        weighed = weighed or any("mechanism.load" in record.overrides for record in records)
+        speeds = [speed for speed in map(_largest_speed, records) if speed is not None]
+        return estimates_for(
+            self.law,
+            self.estimates,
+            self.inference.correlation,
+            levels="per load" if weighed else levels_at(self.mechanism),
+            largest_speed=max(speeds, default=None),
+        )
 
     @override
     def __str__(self) -> str:
@@ -312,6 +327,23 @@ class RecordFit(Fit):
             "cannot_tell": list(self.sentences),
             "remarks": list(self.remarks),
         }
+
+
+LAGS = 200
+"""Stretches of a record over which a mean velocity is taken, so that noise does not count."""
+
+
+def _largest_speed(record: Measurement) -> float | None:
+    """Return the largest slip speed of a record: as measured, or as positions change."""
+    if record.velocity is not None:
+        return float(np.max(np.abs(record.velocity)))
+    if record.position is None or record.time is None:
+        return None
+    x, t = np.asarray(record.position), np.asarray(record.time)
+    lag = max(len(x) // LAGS, 1)
+    return (
+        float(np.max(np.abs((x[lag:] - x[:-lag]) / (t[lag:] - t[:-lag])))) if len(x) > 1 else None
+    )
 
 
 def check_horizon(horizon: float) -> None:

@@ -3,20 +3,25 @@
 import html
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
+import numpy as np
+from numpy.typing import ArrayLike
 from typing_extensions import override
 
 from stickslip.digits import NO_BREAK_SPACE, interval, significant, within
+from stickslip.experiments.estimates import HARD, LawEstimates, Levels, levels_at, spread_of
 from stickslip.experiments.writing import rig_toml
 from stickslip.friction import FrictionLaw
+from stickslip.identification.travel import Trial
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity, full_path
+from stickslip.quantities import Quantity, full_path, parameters
+from stickslip.simulation import simulate
 
-__all__ = ["Estimate", "Fit", "TravelFit", "variance_of"]
+__all__ = ["Estimate", "Fit", "TravelFit", "estimates_for", "variance_of"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,14 +118,19 @@ class Fit(ABC):
 
     @final
     def to_toml(self) -> str:
-        """Return mechanism and law as the text of a rig file, which `load_rig` reads."""
-        text = rig_toml(self.mechanism, self.law, title=f"{self.law.title}, fitted")
+        """Return mechanism, law and estimates as the text of a rig file, which `load_rig` reads."""
+        title = f"{self.law.title}, fitted"
+        text = rig_toml(self.mechanism, self.law, title=title, estimates=self.law_estimates())
         return "".join(f"# {remark}\n" for remark in self.remarks) + text
 
     @final
     def save(self, path: str | Path) -> None:
         """Write `to_toml` to a file that ``stickslip simulate`` takes."""
         Path(path).write_text(self.to_toml(), encoding="utf-8")
+
+    @abstractmethod
+    def law_estimates(self) -> LawEstimates:
+        """Return how well the law is known: intervals, covariance, and what was not fitted."""
 
     @override
     def __repr__(self) -> str:
@@ -132,6 +142,79 @@ class Fit(ABC):
     @abstractmethod
     def to_dict(self) -> Mapping[str, Any]:
         """Return the fit as plain numbers and strings."""
+
+
+FRICTION = "friction."
+
+
+def estimates_for(
+    law: FrictionLaw,
+    estimates: Sequence[Estimate],
+    correlation: ArrayLike,
+    *,
+    levels: Levels,
+    largest_speed: float | None,
+) -> LawEstimates:
+    """Return what estimates say of a law; those of the mechanism are left out.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        With its fitted values.
+    estimates : sequence of Estimate
+        What was fitted.
+    correlation : array_like (p, p)
+        Of the estimates, in their order.
+    levels : {"per load", "forces", "torques"}
+        What the levels are.
+    largest_speed : float or None
+        Largest slip speed in what was fitted, if it is known.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> level = Estimate(
+    ...     path="friction.kinetic_coefficient",
+    ...     quantity=Quantity("mu_k"),
+    ...     value=0.25,
+    ...     low=0.24,
+    ...     high=0.26,
+    ...     interval="95 %",
+    ... )
+    >>> law = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.3)
+    >>> found = estimates_for(law, [level], [[1.0]], levels="per load", largest_speed=None)
+    >>> found.intervals, found.not_fitted
+    ({'kinetic_coefficient': (0.24, 0.26)}, ('static_coefficient',))
+    """
+    own = {e.path: e for e in estimates if e.path.startswith(FRICTION)}
+    bounded = [i for i, e in enumerate(estimates) if e.path in own and e.bounded]
+    names = {i: estimates[i].path.removeprefix(FRICTION) for i in bounded}
+    kinds = [e.interval for e in own.values() if e.interval in HARD]
+    kind = kinds[0] if kinds else "95 %"
+    spreads = np.array([spread_of(e.value, e.low, e.high, kind) for e in own.values() if e.bounded])
+    table = np.asarray(correlation)[np.ix_(bounded, bounded)] * np.outer(spreads, spreads)
+    table = 0.5 * (table + table.T)
+    paths = [path for path, _, _ in parameters(law, "friction")]
+    return LawEstimates(
+        law=law.name,
+        intervals={name: _around(estimates[i]) for i, name in names.items()},
+        interval=kind,
+        covariance_of=tuple(names.values()),
+        covariance=tuple(map(tuple, table.tolist())),
+        not_identified={
+            path.removeprefix(FRICTION): e.reason or "the data do not bound it"
+            for path, e in own.items()
+            if not e.bounded and path in paths
+        },
+        not_fitted=tuple(path.removeprefix(FRICTION) for path in paths if path not in own),
+        levels=levels,
+        largest_speed=largest_speed,
+    )
+
+
+def _around(one: Estimate) -> tuple[float, float]:
+    """Return an interval that has its value inside: an end may be a rounding error off."""
+    return float(min(one.low, one.value)), float(max(one.high, one.value))
 
 
 SIGNIFICANT = 0.99
@@ -153,6 +236,20 @@ def variance_of(chi_square: float, freedom: int, *, stated: bool) -> tuple[float
     if stated and (freedom <= 0 or chi_square <= chi2.ppf(SIGNIFICANT, freedom)):
         return 1.0, math.inf
     return max(1.0, chi_square / freedom) if freedom > 0 else 1.0, float(max(freedom, 0))
+
+
+LONG = 10.0
+"""Time in which a body that comes to rest has had its largest speed [s]."""
+SAMPLES = 2001
+
+
+def _largest_speed(trial: Trial, law: FrictionLaw) -> float:
+    """Return the largest slip speed of a run that a travel was measured of [m/s]."""
+    mechanism = trial.mechanism
+    slip = mechanism.contacts()[0].slip
+    run = simulate(mechanism, law, t_end=LONG, y0=trial.start(law), throw=False)
+    seen = run.at(np.union1d(np.linspace(*run.span, SAMPLES), run.t))
+    return float(np.abs(seen[mechanism.rates[mechanism.coordinates.index(slip)]]).max())
 
 
 @final
@@ -184,6 +281,22 @@ class TravelFit(Fit):
     """Whether an uncertainty of the travels was stated."""
     condition: float = 1.0
     """Condition number of the Jacobian with scaled columns."""
+    correlation: tuple[tuple[float, ...], ...] = ((1.0,),)
+    """Of the estimates (p, p); 0 with what the travels do not tell."""
+    trials: tuple[Trial, ...] = ()
+    """What was fitted."""
+
+    @override
+    def law_estimates(self) -> LawEstimates:
+        settings = {trial.setting: trial for trial in self.trials}.values()
+        speeds = [_largest_speed(trial, self.law) for trial in settings]
+        return estimates_for(
+            self.law,
+            self.estimates,
+            self.correlation,
+            levels=levels_at(self.mechanism),
+            largest_speed=max(speeds, default=None),
+        )
 
     @override
     def __str__(self) -> str:

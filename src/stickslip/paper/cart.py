@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
 from stickslip.drives import ThreePhase
 from stickslip.friction import Coulomb, FrictionLaw, PrintedForm
 from stickslip.friction.published import PrintedCartDynamics, PrintedCoulomb
 from stickslip.mechanisms import PendulumCart, Prescribed
 from stickslip.simulation import simulate
 from stickslip.solver import EventDriven, FixedStep
+from stickslip.sweep import DrivenCycle, cycles_in
 from stickslip.trajectory import Trajectory
 
 __all__ = ["CYCLES", "STEP", "CartRun", "CartStudy", "Share", "study_cart"]
@@ -29,8 +28,6 @@ KINETIC = 0.2
 """Coefficient of the runs that are compared with the printed equations."""
 SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
 CART = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING))
-GRID = 2000
-"""Times in a cycle at which the lowest velocity and normal force are sought, beside the steps."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,14 +38,27 @@ class CartRun:
     title: str
     law: FrictionLaw | PrintedForm
     run: Trajectory
-    travels: tuple[float, ...]
-    """Of each cycle [m]."""
-    returns: tuple[float, ...]
-    """All ways backwards of each cycle [m]."""
-    least_velocities: tuple[float, ...]
-    """Of each cycle [m/s]."""
-    least_normal_force: float
-    """[N]."""
+    cycles: tuple[DrivenCycle, ...]
+
+    @property
+    def travels(self) -> tuple[float, ...]:
+        """Of each cycle [m]."""
+        return tuple(cycle.travel for cycle in self.cycles)
+
+    @property
+    def returns(self) -> tuple[float, ...]:
+        """All ways backwards of each cycle [m]."""
+        return tuple(cycle.back_slip for cycle in self.cycles)
+
+    @property
+    def least_velocities(self) -> tuple[float, ...]:
+        """Of each cycle [m/s]."""
+        return tuple(cycle.least_velocity for cycle in self.cycles)
+
+    @property
+    def least_normal_force(self) -> float:
+        """Of all cycles [N]."""
+        return min(cycle.least_normal_force for cycle in self.cycles)
 
     @property
     def travel(self) -> float:
@@ -230,20 +240,4 @@ def _run(
     """Drive the cart for all cycles."""
     period = float(SWING.period)
     run = simulate(CART, law, t_end=CYCLES * period, solver=solver)
-    cycles = [_cycle(run, k * period, min((k + 1) * period, run.span[1])) for k in range(CYCLES)]
-    return CartRun(
-        key=key,
-        title=title,
-        law=law,
-        run=run,
-        travels=tuple(float(seen["x"][-1] - seen["x"][0]) for seen in cycles),
-        returns=tuple(float(-np.minimum(np.diff(seen["x"]), 0.0).sum()) for seen in cycles),
-        least_velocities=tuple(float(seen["v"].min()) for seen in cycles),
-        least_normal_force=float(min(seen["normal_force"].min() for seen in cycles)),
-    )
-
-
-def _cycle(run: Trajectory, first: float, last: float) -> Trajectory:
-    """Return a run in a cycle, at its own times among others: the velocity changes sign there."""
-    own = run.t[(run.t > first) & (run.t < last)]
-    return run.at(np.union1d(np.linspace(first, last, GRID), own))
+    return CartRun(key=key, title=title, law=law, run=run, cycles=cycles_in(run, CART, period))

@@ -107,4 +107,4 @@ def _near_zero(
     axes.set_xlim(first, last)
     if reach > 0.0:
         axes.set_ylim(-factor * reach, factor * reach)
-    axes.set_ylabel(f"velocity near zero, {unit}")
+    axes.set_ylabel(f"velocity{' near zero' if reach > 0.0 else ''}, {unit}")

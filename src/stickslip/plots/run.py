@@ -11,20 +11,36 @@ from stickslip.plots.marks import name_events, name_modes, within
 from stickslip.plots.series import Sizes, dense, grouped, horizon, looks, scale_of, wrapped
 from stickslip.plots.svg import Draw
 from stickslip.plots.theme import C1, INK, MUTED, SURFACE, label_at, shade
+from stickslip.sweep import Band
 from stickslip.trajectory import Trajectory
 
-__all__ = ["FRICTION_SIZES", "RUN_SIZES", "draw_friction_velocity", "draw_run", "draw_runs"]
+__all__ = [
+    "FORCE_SIZES",
+    "FRICTION_SIZES",
+    "RUN_SIZES",
+    "draw_friction_velocity",
+    "draw_run",
+    "draw_runs",
+]
 
 RUN_SIZES: Final = Sizes(wide=(880, 440), narrow=(358, 440))
+FORCE_SIZES: Final = Sizes(wide=(880, 560), narrow=(358, 560))
+"""Of `draw_run` with the normal force."""
 FRICTION_SIZES: Final = Sizes(wide=(880, 280), narrow=(358, 250))
 
 MOST_MARKED: Final = 40
 
 
 def draw_run(
-    run: Trajectory, *, slip: str = "x", rate: str = "v", until: float | None = None
+    run: Trajectory,
+    *,
+    slip: str = "x",
+    rate: str = "v",
+    until: float | None = None,
+    normal_force: bool = False,
+    band: Band | None = None,
 ) -> Draw:
-    """Return a drawing of displacement, velocity and friction against time.
+    """Return a drawing of displacement, velocity, friction and perhaps normal force against time.
 
     Parameters
     ----------
@@ -34,6 +50,10 @@ def draw_run(
         Names of the slipping coordinate and its rate.
     until : float, optional
         Last time shown [s]; some time after the body has arrived if not given.
+    normal_force : bool
+        Whether the normal force has a panel too.
+    band : Band, optional
+        Where 95 % of the runs lie that have a law's parameters from its estimates; shown pale.
 
     Returns
     -------
@@ -42,15 +62,20 @@ def draw_run(
     """
     last = horizon(run, slip) if until is None else min(until, run.span[1])
     seen = dense(run, last)
+    titles = {slip: "displacement", rate: "velocity", "friction": "friction"}
+    titles |= {"normal_force": "normal force"} if normal_force else {}
 
     def draw(figure: Figure, narrow: bool) -> None:
-        panels = figure.subplots(3, 1, sharex=True)
-        titles = {slip: "displacement", rate: "velocity", "friction": "friction"}
+        panels = figure.subplots(len(titles), 1, sharex=True)
         events = [event for event in run.events if event.t <= last][:MOST_MARKED]
         for axes, (name, title) in zip(panels, titles.items(), strict=True):
             factor, unit = scale_of(seen[name], run.units[name])
             axes.plot(seen.t, factor * seen[name], color=C1, linewidth=2.0)
             axes.set_ylabel(f"{title}, {unit}")
+            if band is not None and name in band.states:
+                shown = band.t <= last
+                low, _, high = factor * band.states[name][:, shown]
+                axes.fill_between(band.t[shown], low, high, color=C1, alpha=0.22, linewidth=0)
             axes.margins(x=0, y=0.12)
             axes.grid(axis="y")
             shade(axes, within(run.stick_spans(), last))

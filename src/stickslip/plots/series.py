@@ -31,6 +31,10 @@ DASHES: Final = ("-", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)))
 SETTLED: Final = 0.01
 """Share of its largest excursion within which a body counts as having arrived."""
 SAMPLES: Final = 700
+MOST_STEPS: Final = 20_000
+"""Steps of a run up to which jumps are looked for at each."""
+JUMP: Final = 1e-3
+"""Share of its largest size by which a force jumps, or more."""
 SMALL: Final = ("m", "m/s", "rad", "rad/s")
 """Units that are shown in thousandths where they would need leading zeros."""
 
@@ -105,8 +109,27 @@ def dense(run: Trajectory, until: float | None = None, samples: int = SAMPLES) -
     events = [event.t for event in run.events if event.t <= last]
     # Also just before an event: friction jumps there, and the jump must be upright.
     before = [max(math.nextafter(t, -math.inf), first) for t in events]
-    times = np.union1d(np.linspace(first, last, samples), [*before, *events])
+    steps = _jumps(run, first, last)
+    times = np.union1d(np.linspace(first, last, samples), [*before, *events, *steps])
     return run.at(times)
+
+
+def _jumps(run: Trajectory, first: float, last: float) -> Array:
+    """Return the solver's times at which a contact force jumps, and those just before.
+
+    So it does where a drive or a swing steps, without an event.
+    """
+    after = run.t[(run.t > first) & (run.t <= last)]
+    if not after.size or after.size > MOST_STEPS:
+        return np.empty(0)
+    before = np.nextafter(after, -np.inf)
+    now, then = run.at(after), run.at(before)
+    apart = np.zeros(after.size, dtype=np.bool_)
+    for force in ("friction", "normal_force"):
+        if force in run.names:
+            size = max(float(np.abs(now[force]).max()), 1e-300)
+            apart |= np.abs(now[force] - then[force]) > JUMP * size
+    return np.concatenate([before[apart], after[apart]])
 
 
 def horizon(run: Trajectory, slip: str = "x") -> float:

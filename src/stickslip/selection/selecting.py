@@ -48,8 +48,8 @@ def select(
         friction, measured directly; or one record of the force of a spring that pulls a block.
     laws : mapping, sequence or a single law, optional
         The candidates, as instances, types or names; instances bring start values and, for
-        travels, assumptions. If not given, for travels Coulomb, viscous, both, Stribeck, Dahl and LuGre, for
-        records ten, for features of stick-slip those with a step above sliding.
+        travels, assumptions. If not given, for travels Coulomb, viscous, both, Stribeck, Dahl
+        and LuGre, for records ten, for features of stick-slip those with a step above sliding.
     unknown : str or sequence of str
         Parameters of the mechanism that are looked for too, such as ``"inertia"``.
     purpose : {"simulate", "position", "compensate"}

@@ -49,8 +49,8 @@ def select_travels(
         One travel or several trials.
     laws : mapping or sequence, optional
         The candidates; instances bring start values and assumptions, types take ordinary ones.
-        If not given, or an empty mapping, Coulomb, viscous, both, Stribeck, Dahl and LuGre. Parameters that
-        a type cannot do without, and that are not fitted, count as invented.
+        If not given, or an empty mapping, Coulomb, viscous, both, Stribeck, Dahl and LuGre.
+        Parameters that a type cannot do without, and that are not fitted, count as invented.
     t_end : float
         Time after which a body counts as stopped [s].
     watch : callable, optional

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Final, Literal
+from typing import Final
 
 from stickslip.experiments.wording import joined
 from stickslip.friction import SOURCES, FrictionLaw
@@ -23,6 +23,7 @@ from stickslip.report.blocks import (
     Reference,
     References,
 )
+from stickslip.report.certificates import evidence
 from stickslip.report.documents import Section
 from stickslip.report.selection.texts import (
     estimate_range,
@@ -32,7 +33,6 @@ from stickslip.report.selection.texts import (
 from stickslip.report.tables import Column, Row, Table
 from stickslip.selection import TravelVerdict
 from stickslip.selection.separation import Proposal
-from stickslip.trajectory import Trajectory
 
 __all__ = [
     "certificate_section",
@@ -181,7 +181,7 @@ def _as_code(verdict: TravelVerdict) -> str:
 def certificate_section(verdict: TravelVerdict) -> Section:
     """Return the section that says how far to trust the computation."""
     best = verdict.best
-    items = [] if best is None or best.run is None else _evidence(best.run)
+    items = [] if best is None or best.run is None else list(evidence(best.run))
     runs = [c.run for c in verdict.candidates if c.run is not None]
     passed = sum(run.certificate.certified for run in runs)
     if runs:
@@ -199,40 +199,6 @@ def certificate_section(verdict: TravelVerdict) -> Section:
         heading="Certificate of the computation",
         blocks=(KeyValues(items=tuple(items)),),
     )
-
-
-def _evidence(run: Trajectory) -> list[KeyValue]:
-    """Return the certificate of the chosen run, check by check."""
-    book = run.certificate
-    mark: Literal["ok", "warn"] = "ok" if book.certified else "warn"
-    at_rest = book.stick_drift == 0
-    stops = f" + {book.work_stops:.4f} J by stops" if book.work_stops else ""
-    energy = (
-        f"{book.energy_start + book.work_supplied:.4f} J in = {book.work_friction:.4f} J taken by"
-        f" friction{stops} + {_left(book.energy_end)} left;"
-        f" mismatch {numbers.residue(book.energy_error)}"
-    )
-    events = f"{len(run.events)} located, each to {numbers.residue(book.event_residual)}"
-    return [
-        KeyValue(key="Energy", value=energy, mark=mark),
-        KeyValue(
-            key="Mode conditions",
-            value=f"largest violation {numbers.residue(book.guard_violation)}",
-            mark=mark,
-        ),
-        KeyValue(key="Events", value=f"{events} of its condition", mark=mark),
-        KeyValue(
-            key="Drift at rest",
-            value="exactly 0" if at_rest else numbers.length(book.stick_drift, 1),
-            mark="ok" if at_rest else "warn",
-        ),
-        KeyValue(key="Steps", value=f"{book.steps:,} accepted, {book.rejected:,} rejected"),
-        *[KeyValue(key="Problem", value=text, mark="bad") for text in book.problems],
-    ]
-
-
-def _left(energy: float) -> str:
-    return "exactly 0 J" if energy == 0 else numbers.with_unit(numbers.significant(energy, 2), "J")
 
 
 def _data(verdict: TravelVerdict) -> KeyValue:

@@ -1,0 +1,226 @@
+"""A fitted law on another mechanism than the one it was fitted on, and what does not carry over."""
+
+from dataclasses import dataclass
+from typing import Final, final
+
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments.estimates import LOAD, LawEstimates, Levels, levels_at
+from stickslip.experiments.rig import Rig
+from stickslip.experiments.wording import joined, number, quantity
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import fields_of, parameters, vary
+
+__all__ = ["CarriedLaw", "carried"]
+
+PER_LOAD: Final = ("1", "1/m", "s/m")
+"""Units of what stands over the normal force: levels, stiffness and damping of bristles."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CarriedLaw:
+    """A law for a mechanism, and where it is from."""
+
+    law: FrictionLaw
+    """The law, its levels over the normal force where the mechanism has one."""
+    estimates: LawEstimates | None
+    """How well it is known, if its file says so."""
+    remarks: tuple[str, ...]
+    """What does not carry over to this mechanism, in sentences; symbols between dollar signs."""
+    source: str
+    """The file it is from."""
+
+
+def carried(
+    rig: Rig, mechanism: Mechanism, *, law: str | None = None, load: float | None = None
+) -> CarriedLaw:
+    """Return a law of a rig as it is on another mechanism.
+
+    Levels over the normal force carry over. Levels that are forces, because the rig's normal force
+    was not known, do so only where they are divided by it.
+
+    Parameters
+    ----------
+    rig : Rig
+        Whose law it is, such as `load_rig` reads from a ``law.toml``.
+    mechanism : Mechanism
+        What it is for.
+    law : str, optional
+        Which of the rig's laws; the only one that has a table of its own if not given.
+    load : float, optional
+        Normal force [N] in the rig, where its levels are forces.
+
+    Returns
+    -------
+    CarriedLaw
+        The law, its estimates, and remarks on what does not carry over.
+
+    Raises
+    ------
+    InputError
+        If the rig has several laws or none, or levels are forces and no load is given.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, SpringBlock
+    >>> axis = Rig(
+    ...     mechanism=Axis(inertia=1.0),
+    ...     laws={"coulomb": Coulomb(kinetic_coefficient=5.0)},
+    ...     path="law.toml",
+    ... )
+    >>> carried(axis, SpringBlock(mass=1.0), load=20.0).law
+    Coulomb(kinetic_coefficient=0.25, static_coefficient=None)
+    >>> carried(axis, SpringBlock(mass=1.0))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ...
+    stickslip.errors.InputError: law.toml: the levels of coulomb are forces, ...
+    """
+    name = _name(rig, law)
+    found, known = rig.laws[name], rig.estimates
+    known = known if known is not None and known.law == name else None
+    levels = levels_at(rig.mechanism) if known is None else known.levels
+    divided = _per_load(found)
+    here = levels_at(mechanism)
+    remarks: list[str] = []
+    if load is not None:
+        _check_load(rig, levels, load)
+        factors = dict.fromkeys(divided, 1.0 / load)
+        changes = {f"friction.{name}": factors[name] * x for name, x in divided.items()}
+        found = vary(found, "friction", changes)
+        known = None if known is None else known.scaled(factors)
+        remarks.append(
+            f"Levels were forces and are divided by the load of {quantity(load, 'N')} that was"
+            " given."
+        )
+    elif divided and levels != "per load" and here == "per load":
+        raise InputError(_refusal(rig, name, levels))
+    elif divided and here != "per load":
+        remarks += _about_unit_load(mechanism, levels, here)
+    remarks += _about_viscosity(found, known)
+    if here == "per load":
+        remarks += _about_bristles(found)
+    remarks += _about_doubt(found, known)
+    return CarriedLaw(law=found, estimates=known, remarks=tuple(remarks), source=rig.path)
+
+
+def _name(rig: Rig, law: str | None) -> str:
+    if law is not None:
+        if law not in rig.laws:
+            raise UnknownNameError(f"law of {rig.path}:", law, rig.laws)
+        return law
+    for known in (rig.named, tuple(rig.laws)):
+        if len(known) == 1 and known[0] in rig.laws:
+            return known[0]
+    if not rig.laws:
+        raise InputError(
+            f"{rig.path} has no law: a file for --law has a table such as [friction.coulomb], as"
+            " the law.toml of `stickslip select` and of `stickslip fit -o law.toml` has."
+        )
+    raise InputError(
+        f"{rig.path} has several laws, {', '.join(rig.laws)}: say which, such as"
+        f" {rig.path}:{next(iter(rig.laws))}."
+    )
+
+
+def _per_load(law: FrictionLaw) -> dict[str, float]:
+    """Return what is over the normal force, by field; shapes, such as exponents, are not."""
+    quantities = fields_of(type(law))
+    return {
+        name: float(getattr(law, name))
+        for name, one in quantities.items()
+        if one.unit in PER_LOAD and not one.structural and getattr(law, name)
+    }
+
+
+def _check_load(rig: Rig, levels: Levels, load: float) -> None:
+    LOAD.check("carried", "load", load)
+    if levels == "per load":
+        raise ParameterError(
+            f"{rig.path}: the levels of its law are over the normal force already; leave --law-load"
+            " out."
+        )
+    if levels == "torques":
+        raise InputError(_torques(rig))
+
+
+def _refusal(rig: Rig, name: str, levels: Levels) -> str:
+    if levels == "torques":
+        return _torques(rig)
+    return (
+        f"{rig.path}: the levels of {name} are forces, since the load of its"
+        f" {type(rig.mechanism).__name__} is 1 for want of a normal force. A force does not carry"
+        " over to a body with another normal force: give the normal force at which it was measured,"
+        ' such as --law-load "50 N" (in Python load=50.0), by which levels are divided.'
+    )
+
+
+def _torques(rig: Rig) -> str:
+    return (
+        f"{rig.path}: the levels of its law are torques about a pivot, which do not carry over to a"
+        " body that slides. A coefficient is the torque over normal force and radius: write it into"
+        " a rig file of its own."
+    )
+
+
+def _about_unit_load(mechanism: Mechanism, levels: Levels, here: Levels) -> list[str]:
+    kind = type(mechanism).__name__
+    if levels == "per load":
+        return [
+            f"The load of the {kind} is 1: its friction is a coefficient times 1 N. Set"
+            " mechanism.load to the normal force, if it has another."
+        ]
+    if levels != here:
+        return [f"Levels were fitted as {levels} and are taken as {here} here, as they are."]
+    return []
+
+
+def _about_viscosity(law: FrictionLaw, known: LawEstimates | None) -> list[str]:
+    found = [
+        f"${one.symbol}$ = {number(value)} {one.unit}"
+        for path, one, value in parameters(law, "friction")
+        if one.unit.startswith("N") and value
+    ]
+    if not found:
+        return []
+    speed = known.largest_speed if known is not None else None
+    reach = "" if speed is None else f", and was fitted at up to {quantity(speed, 'm/s')}"
+    are = "is that" if len(found) == 1 else "are those"
+    return [
+        f"{joined(found)} {are} of the contact it was fitted on: viscous friction does not grow"
+        f" with the normal force in this law{reach}."
+    ]
+
+
+def _about_bristles(law: FrictionLaw) -> list[str]:
+    found = [
+        f"${one.symbol}$ = {number(value)} {one.unit}"
+        for _, one, value in parameters(law, "friction")
+        if one.unit in PER_LOAD[1:] and value
+    ]
+    if not found:
+        return []
+    are = "is" if len(found) == 1 else "are"
+    return [
+        f"{joined(found)} {are} over the normal force: bristles are taken to stiffen in proportion"
+        " to it, which was not measured."
+    ]
+
+
+def _about_doubt(law: FrictionLaw, known: LawEstimates | None) -> list[str]:
+    if known is None:
+        return []
+    symbols = {
+        path.removeprefix("friction."): one.symbol for path, one, _ in parameters(law, "friction")
+    }
+    said = []
+    assumed = [name for name in known.not_fitted if getattr(law, name, None)]
+    if assumed:
+        were = "was" if len(assumed) == 1 else "were"
+        names = joined([f"${symbols[name]}$" for name in assumed])
+        said.append(f"{names} {were} given or assumed, not fitted.")
+    said += [
+        f"${symbols[name]}$ is not identified ({reason}): its value is one of many."
+        for name, reason in known.not_identified.items()
+    ]
+    return said

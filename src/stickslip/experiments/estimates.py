@@ -1,0 +1,354 @@
+"""How well the values of a fitted law are known: intervals, covariance, and what was not fitted."""
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final, Literal, TypeAlias, final, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity, parameters, vary
+
+__all__ = ["HARD", "LOAD", "LawEstimates", "Levels", "levels_at", "spread_of"]
+
+Array: TypeAlias = NDArray[np.float64]
+Levels: TypeAlias = Literal["per load", "forces", "torques"]
+"""What a law's levels are: over the normal force, or forces or torques where no load is known."""
+
+LOAD: Final = Quantity("N", "N", above=0)
+"""A normal force at which levels are given as forces."""
+PREFIX: Final = "friction"
+NORMAL_95: Final = 1.959963984540054
+HARD: Final = ("rounding range", "stated interval")
+"""Intervals that have an end beyond which the value cannot lie; others are of 95 %."""
+KINDS: Final = ("95 %", *HARD)
+SAME: Final = 1e-9
+"""How far apart the two halves of a covariance may be, over their standard deviations."""
+FEWEST: Final = 0.01
+"""Share of draws that must lie in the valid ranges of a law, or too few are left of them."""
+
+
+def levels_at(mechanism: Mechanism) -> Levels:
+    """Return what levels of a law on this mechanism are.
+
+    A load that was left at 1 says that no normal force is known.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Pendulum, SpringBlock
+    >>> [
+    ...     levels_at(one)
+    ...     for one in (
+    ...         SpringBlock(mass=1.0),
+    ...         Axis(inertia=1.0),
+    ...         Axis(inertia=1.0, load=20.0),
+    ...         Pendulum(mass=1.0, length=0.5),
+    ...     )
+    ... ]
+    ['per load', 'forces', 'per load', 'torques']
+    """
+    unit = any(
+        one.name == "load" and one.default == 1.0 == getattr(mechanism, "load")  # noqa: B009  # not every mechanism has one
+        for one in dataclasses.fields(mechanism)
+    )
+    if not unit:
+        return "per load"
+    slip = mechanism.contacts()[0].slip
+    turns = mechanism.units[mechanism.coordinates.index(slip)] == "rad"
+    return "torques" if turns else "forces"
+
+
+def spread_of(value: float, low: float, high: float, kind: str = "95 %") -> float:
+    """Return the standard deviation that an interval stands for.
+
+    The longer side counts of an interval of 95 %: the other may be cut off where values end.
+
+    Examples
+    --------
+    >>> round(spread_of(0.25, 0.25 - 1.96, 0.25 + 1.96), 3)
+    1.0
+    >>> round(spread_of(0.5, 0.0, 1.0, "rounding range") ** 2, 4)
+    0.0833
+    """
+    if kind in HARD:
+        return (high - low) / math.sqrt(12.0)
+    return max(high - value, value - low) / NORMAL_95
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class LawEstimates:
+    """Intervals and covariance of the parameters of one law.
+
+    Parameters
+    ----------
+    law : str
+        Name of the law.
+    intervals : mapping of str to tuple of float
+        By parameter, lower and upper end of its interval.
+    interval : str
+        What they are: ``"95 %"``, or ``"rounding range"`` or ``"stated interval"`` of one reading,
+        beyond which the value cannot lie.
+    covariance_of : tuple of str
+        Parameters of the rows and columns of `covariance`.
+    covariance : tuple of tuple of float (p, p)
+        Of the normal distribution that has these intervals. Where few readings were left over it is
+        wider than that of the estimates, as Student's t is. Parameters without a row are
+        independent of the others.
+    not_identified : mapping of str to str
+        Parameters that were fitted and that the data do not tell, and why.
+    not_fitted : tuple of str
+        Parameters that were taken as given or assumed.
+    levels : {"per load", "forces", "torques"}
+        Whether levels, and stiffness and damping of bristles, are over the normal force, or are
+        forces or torques because no normal force was known.
+    largest_speed : float, optional
+        Largest slip speed in what was fitted [m/s] or [rad/s].
+
+    Raises
+    ------
+    InputError
+        If names, ends or the matrix cannot be used.
+
+    Examples
+    --------
+    >>> from stickslip import CoulombViscous
+    >>> known = LawEstimates(
+    ...     law="coulomb-viscous",
+    ...     intervals={"kinetic_coefficient": (0.23, 0.27), "viscous_coefficient": (0.1, 0.9)},
+    ...     covariance_of=("kinetic_coefficient", "viscous_coefficient"),
+    ...     covariance=((1e-4, -1.9e-3), (-1.9e-3, 0.04)),
+    ... )
+    >>> law = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.5)
+    >>> draws = known.draw(law, 200, seed=1)
+    >>> {path: values.shape for path, values in draws.items()}
+    {'friction.kinetic_coefficient': (200,), 'friction.viscous_coefficient': (200,)}
+    >>> bool(np.corrcoef(*draws.values())[0, 1] < -0.9)
+    True
+    """
+
+    law: str
+    intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    interval: str = "95 %"
+    covariance_of: tuple[str, ...] = ()
+    covariance: tuple[tuple[float, ...], ...] = ()
+    not_identified: Mapping[str, str] = field(default_factory=dict)
+    not_fitted: tuple[str, ...] = ()
+    levels: Levels = "per load"
+    largest_speed: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check what can be checked without the law."""
+        if self.interval not in KINDS:
+            raise UnknownNameError("estimates.interval", self.interval, KINDS)
+        if self.levels not in get_args(Levels):
+            raise UnknownNameError("estimates.levels", self.levels, get_args(Levels))
+        seen: set[str] = set()
+        for name in (*self.intervals, *self.not_identified, *self.not_fitted):
+            if name in seen:
+                raise InputError(
+                    f"estimates: {name} stands twice; give it once, in intervals, not_identified"
+                    " or not_fitted."
+                )
+            seen.add(name)
+        for name, (low, high) in self.intervals.items():
+            if not (math.isfinite(low) and math.isfinite(high) and low <= high):
+                raise InputError(
+                    f"estimates.intervals.{name} must be two finite numbers, the lower one first,"
+                    f" got {low:g} and {high:g}. What the data do not bound stands in"
+                    " estimates.not_identified."
+                )
+        speed = self.largest_speed
+        if speed is not None and not (math.isfinite(speed) and speed >= 0.0):
+            raise InputError(f"estimates.largest_speed must be at least 0 m/s, got {speed:g}.")
+        self._check_covariance()
+
+    def _check_covariance(self) -> None:
+        names = self.covariance_of
+        for name in names:
+            if name not in self.intervals:
+                raise UnknownNameError("estimates.covariance_of", name, self.intervals)
+        if len(set(names)) < len(names):
+            raise InputError(f"estimates.covariance_of must have each name once, got {names}.")
+        rows = [len(row) for row in self.covariance]
+        if rows != [len(names)] * len(names):
+            raise InputError(
+                f"estimates.covariance must have {len(names)} rows of {len(names)} numbers, as"
+                f" covariance_of names them, got rows of {rows}."
+            )
+        if not names:
+            return
+        table = np.array(self.covariance)
+        spreads = np.sqrt(np.maximum(np.diag(table), 0.0))
+        if not np.all(np.isfinite(table)) or np.any(np.diag(table) < 0.0):
+            raise InputError(
+                "estimates.covariance must be made of finite numbers, with variances of at least 0"
+                f" on its diagonal, got {table.tolist()}."
+            )
+        scale = np.where(spreads > 0.0, spreads, 1.0)
+        scaled = table / np.outer(scale, scale)
+        if np.max(np.abs(scaled - scaled.T)) > SAME:
+            raise InputError(
+                "estimates.covariance must be symmetric; the two halves differ by up to"
+                f" {np.max(np.abs(table - table.T)):.3g}."
+            )
+        least = float(np.linalg.eigvalsh(scaled)[0])
+        if least < -SAME * len(names):
+            raise InputError(
+                "estimates.covariance must be positive semi-definite, as every covariance is; with"
+                f" variances scaled to 1 its least eigenvalue is {least:.3g}."
+            )
+
+    def checked(self, law: FrictionLaw) -> "LawEstimates":
+        """Return this where it fits a law, or say which name or value does not.
+
+        Raises
+        ------
+        InputError
+            If the law has another name, lacks a parameter, or a value lies outside its interval.
+        """
+        if law.name != self.law:
+            raise UnknownNameError("law in estimates", self.law, [law.name])
+        values = _values(law)
+        for name in (*self.intervals, *self.not_identified, *self.not_fitted):
+            if name not in values:
+                raise UnknownNameError(f"parameter of {law.name} in estimates", name, values)
+        for name, (low, high) in self.intervals.items():
+            if not low <= values[name] <= high:
+                raise ParameterError(
+                    f"estimates.intervals.{name}: the value {values[name]:g} lies outside its"
+                    f" interval, {low:g} to {high:g}. Mend the value, or take the parameter out of"
+                    " [estimates]."
+                )
+        return self
+
+    def without(self, names: Sequence[str]) -> "LawEstimates":
+        """Return what is known of the other parameters; these are taken as given.
+
+        Examples
+        --------
+        >>> known = LawEstimates(law="coulomb", intervals={"kinetic_coefficient": (0.2, 0.3)})
+        >>> known.without(["kinetic_coefficient"]).not_fitted
+        ('kinetic_coefficient',)
+        """
+        mine = [name for name in names if name in self.intervals or name in self.not_identified]
+        if not mine:
+            return self
+        kept = [i for i, name in enumerate(self.covariance_of) if name not in mine]
+        return dataclasses.replace(
+            self,
+            intervals={k: v for k, v in self.intervals.items() if k not in mine},
+            not_identified={k: v for k, v in self.not_identified.items() if k not in mine},
+            not_fitted=(*self.not_fitted, *mine),
+            covariance_of=tuple(self.covariance_of[i] for i in kept),
+            covariance=tuple(tuple(self.covariance[i][j] for j in kept) for i in kept),
+        )
+
+    def scaled(self, factors: Mapping[str, float]) -> "LawEstimates":
+        """Return the same with parameters multiplied by factors, per load from now on.
+
+        Examples
+        --------
+        >>> known = LawEstimates(
+        ...     law="coulomb", intervals={"kinetic_coefficient": (2.0, 3.0)}, levels="forces"
+        ... )
+        >>> known.scaled({"kinetic_coefficient": 0.1}).intervals
+        {'kinetic_coefficient': (0.2, 0.30000000000000004)}
+        """
+        by = [factors.get(name, 1.0) for name in self.covariance_of]
+        return dataclasses.replace(
+            self,
+            intervals={
+                name: (factors.get(name, 1.0) * low, factors.get(name, 1.0) * high)
+                for name, (low, high) in self.intervals.items()
+            },
+            covariance=tuple(
+                tuple(by[i] * by[j] * x for j, x in enumerate(row))
+                for i, row in enumerate(self.covariance)
+            ),
+            levels="per load",
+        )
+
+    def draw(self, law: FrictionLaw, count: int, *, seed: int = 0) -> dict[str, Array]:
+        """Return values (count,) of the parameters that have an interval, by full path.
+
+        Normal with the covariance, and independent without one; even between the ends of a rounding
+        range or a stated interval. Draws outside the valid ranges of the law are drawn again. Other
+        parameters keep their values and are not among those returned.
+
+        Raises
+        ------
+        InputError
+            If no parameter has an interval, or hardly a draw lies in the valid ranges.
+        """
+        self.checked(law)
+        if count < 1:
+            raise InputError(f"draws must be 1 or more, got {count}.")
+        if not self.intervals:
+            raise InputError(
+                f"no parameter of {law.name} has an interval: there is nothing to draw from."
+            )
+        values, names = _values(law), list(self.intervals)
+        paths = [f"{PREFIX}.{name}" for name in names]
+        random = np.random.default_rng(seed)
+        kept: list[Array] = []
+        tried = 0
+        while len(kept) < count:
+            for row in self._proposed(values, names, random, count):
+                tried += 1
+                if len(kept) < count and _is_valid(
+                    law, dict(zip(paths, row.tolist(), strict=True))
+                ):
+                    kept.append(row)
+            if len(kept) < FEWEST * tried:
+                raise InputError(
+                    f"hardly any draw of {', '.join(names)} is valid for {law.name}: the intervals"
+                    " lie outside what the law allows."
+                )
+        table = np.array(kept)
+        return {path: table[:, i] for i, path in enumerate(paths)}
+
+    def _proposed(
+        self, values: Mapping[str, float], names: list[str], random: np.random.Generator, count: int
+    ) -> Array:
+        ends = np.array([self.intervals[name] for name in names])
+        if self.interval in HARD:
+            even: Array = random.uniform(ends[:, 0], ends[:, 1], size=(count, len(names)))
+            return even
+        centre = np.array([values[name] for name in names])
+        share, axes = np.linalg.eigh(self._whole(centre, ends, names))
+        root = axes * np.sqrt(np.maximum(share, 0.0))
+        found: Array = centre + random.standard_normal((count, len(names))) @ root.T
+        return found
+
+    def _whole(self, centre: Array, ends: Array, names: list[str]) -> Array:
+        """Return the covariance of all that have an interval (p, p)."""
+        spreads = [
+            spread_of(value, low, high)
+            for value, (low, high) in zip(centre.tolist(), ends.tolist(), strict=True)
+        ]
+        table = np.diag(np.square(spreads))
+        at = [names.index(name) for name in self.covariance_of]
+        if at:
+            table[np.ix_(at, at)] = self.covariance
+        return table
+
+
+def _values(law: FrictionLaw) -> dict[str, float]:
+    """Return the parameters of a law without their prefix."""
+    return {
+        path.removeprefix(f"{PREFIX}."): float(value) for path, _, value in parameters(law, PREFIX)
+    }
+
+
+def _is_valid(law: FrictionLaw, changes: Mapping[str, float]) -> bool:
+    try:
+        vary(law, PREFIX, changes)
+    except ParameterError:
+        return False
+    return True

@@ -1,0 +1,269 @@
+"""The motion in figures and tables: run, cycles, events, criteria."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from stickslip.experiments.wording import capital, count, joined, number, quantity
+from stickslip.plots import animation_html
+from stickslip.plots.cycles import CYCLE_SIZES, draw_cycles
+from stickslip.plots.run import (
+    FORCE_SIZES,
+    FRICTION_SIZES,
+    RUN_SIZES,
+    draw_friction_velocity,
+    draw_run,
+)
+from stickslip.plots.series import horizon
+from stickslip.plots.svg import inline_svg
+from stickslip.report.animations import Animation
+from stickslip.report.blocks import Block, Caption, Figure, KeyValue, KeyValues
+from stickslip.report.documents import Section
+from stickslip.report.runs.subject import RunReport
+from stickslip.report.tables import Cell, Column, Row, Table
+from stickslip.sweep import DrivenCycle
+
+__all__ = [
+    "animation_section",
+    "criteria_section",
+    "cycles_section",
+    "events_section",
+    "motion_section",
+]
+
+STEADY = 1e-3
+"""Share of the travel within which cycles count as the same."""
+FIRST_ROWS, LAST_ROWS = 6, 4
+"""Cycles of which a table shows the first and the last."""
+MOST_DRAWN, DRAWN = 12, 8
+"""Cycles up to which all are drawn against time, and how many of more than that."""
+ANIMATED = 12.0
+"""Frames a second."""
+STACKED = (520.0, 560.0)
+"""Scene above time plots, so that both can be read on a phone [CSS px]."""
+SHORTEST, LONGEST = 3.0, 8.0
+"""How long an animation takes [s]: what is faster is shown in slow motion, what is longer is cut
+or sped up."""
+ANIMATED_CYCLES = 2
+
+
+def motion_section(about: RunReport) -> Section:
+    """Return the run against time, and friction against velocity."""
+    force = about.run["normal_force"]
+    varies = bool(np.ptp(force) > 1e-9 * np.abs(force).max(initial=0.0))
+    what = "Displacement, velocity, friction" + (" and normal force" if varies else "")
+    caption = f"**{what}** against time; yellow: the body sticks."
+    until = None
+    if len(about.cycles) > MOST_DRAWN:
+        until = about.cycles[DRAWN].begin
+        caption += f" Of {len(about.cycles)} cycles the first {DRAWN} are shown."
+    if about.band is not None:
+        caption += (
+            f" Pale: where 95 % of {about.band.count} runs lie with the law's parameters drawn from"
+            " its estimates, for displacement and velocity."
+        )
+    blocks = (
+        Figure(
+            svg=inline_svg(
+                draw_run(
+                    about.run,
+                    slip=about.slip,
+                    rate=about.rate,
+                    until=until,
+                    normal_force=varies,
+                    band=about.band,
+                ),
+                alt=f"{what} against time",
+                prefix="motion",
+                **(FORCE_SIZES if varies else RUN_SIZES),
+            ),
+            caption=caption,
+        ),
+        Figure(
+            svg=inline_svg(
+                draw_friction_velocity(about.run, rate=about.rate, slip=about.slip, until=until),
+                alt="Friction against velocity along the run",
+                prefix="friction-velocity",
+                **FRICTION_SIZES,
+            ),
+            caption="**Friction against velocity** along the run.",
+        ),
+    )
+    return Section(id="motion", nav="Motion", heading="The motion", blocks=blocks)
+
+
+def cycles_section(about: RunReport) -> Section | None:
+    """Return what each cycle of the drives brings, None without whole cycles."""
+    cycles = about.cycles
+    if not cycles:
+        return None
+    last = cycles[-1]
+    runs = {about.law.title: about.run}
+    figure = Figure(
+        svg=inline_svg(
+            draw_cycles(
+                runs,
+                chosen=about.law.title,
+                cycle=(last.begin, min(last.begin + last.period, about.run.span[1])),
+                slip=about.slip,
+                rate=about.rate,
+            ),
+            alt="Displacement in all cycles, and the velocity in the last",
+            prefix="cycles",
+            **CYCLE_SIZES,
+        ),
+        caption="**All cycles, and the velocity in the last one**, near zero if the body moves back"
+        " in it. Yellow: the body sticks.",
+    )
+    blocks: list[Block] = [figure, _cycle_table(about)]
+    if len(cycles) > FIRST_ROWS + LAST_ROWS:
+        left = f"{FIRST_ROWS + 1} to {len(cycles) - LAST_ROWS}"
+        blocks.append(Caption(text=f"Cycles {left} of {len(cycles)} are left out."))
+    return Section(id="cycles", nav="Cycles", heading=_cycles_heading(about), blocks=tuple(blocks))
+
+
+def _cycles_heading(about: RunReport) -> str:
+    if not about.cycles[-1].moves_on:
+        return "The last cycle ends where it began"
+    travels = [one.travel for one in about.cycles]
+    if len(travels) == 1:
+        return f"One cycle brings {about.of(travels[0])}"
+    change = abs(travels[-1] - travels[-2])
+    if change <= STEADY * abs(travels[-1]):
+        return f"Each cycle brings {about.of(travels[-1])} once the motion has settled"
+    return f"The last cycle brings {about.of(travels[-1])}, and the motion has not settled"
+
+
+def _cycle_table(about: RunReport) -> Table:
+    unit = "mm" if about.unit == "m" else f"m{about.unit}"
+    heads = [f"travel\n{unit}"]
+    heads += ["95 % band\n" + unit] if about.band is not None else []
+    heads += [f"mean\n{unit}/s", f"way back\n{unit}", f"lowest velocity\n{unit}/s"]
+    heads.append("least normal force\nN")
+    columns = [Column(head="")]
+    columns += [
+        Column(head=head, numeric=True, phone="label", label=head.replace("\n", ", "))
+        for head in heads
+    ]
+    cycles = about.cycles
+    shown = list(range(len(cycles)))
+    if len(cycles) > FIRST_ROWS + LAST_ROWS:
+        shown = [*shown[:FIRST_ROWS], *shown[-LAST_ROWS:]]
+    return Table(columns=tuple(columns), rows=tuple(_cycle_row(about, k, cycles[k]) for k in shown))
+
+
+def _cycle_row(about: RunReport, place: int, one: DrivenCycle) -> Row:
+    cells: list[Cell] = [f"cycle {place + 1}", _thousandth(one.travel, 4)]
+    if about.band is not None:
+        spreads = about.band.cycles
+        low, _, high = spreads[place]
+        cells.append(f"{_thousandth(low)} to {_thousandth(high)}")
+    cells += [_thousandth(value) for value in (one.mean_velocity, one.back_slip)]
+    cells += [_thousandth(one.least_velocity), number(one.least_normal_force)]
+    return Row(cells=tuple(cells))
+
+
+def _thousandth(value: float, digits: int = 3) -> str:
+    return number(1e3 * value + 0.0, digits) if abs(value) > 1e-12 else "0"
+
+
+def animation_section(about: RunReport) -> Section | None:
+    """Return the run as a moving picture, None where it is over at once."""
+    first, last = about.run.span
+    if about.cycles:
+        until = first + ANIMATED_CYCLES * about.cycles[0].period
+    else:
+        until = horizon(about.run, about.slip)
+    until = min(until, last)
+    length = until - first
+    if length <= 0.0:
+        return None
+    speed = length / min(max(length, SHORTEST), LONGEST)
+    pace = "as fast as it is"
+    if abs(speed - 1.0) > 1e-9:
+        pace = (
+            f"{number(1.0 / speed, 2)} times slower"
+            if speed < 1.0
+            else f"{number(speed, 2)} times faster"
+        )
+        pace += " than it is"
+    html = animation_html(
+        about.run,
+        about.rig.mechanism,
+        alt=f"The mechanism moves, with {about.law.title} friction",
+        fps=ANIMATED,
+        speed=speed,
+        until=until,
+        size=STACKED,
+    )
+    caption = (
+        f"**The first {quantity(length, 's')}**, to scale and {pace}. The body that rubs is yellow"
+        " where it sticks; arrows are forces."
+    )
+    block = Animation(html=html, caption=caption)
+    return Section(id="animation", nav="Animation", heading="To be seen", blocks=(block,))
+
+
+def events_section(about: RunReport) -> Section:
+    """Return what happened how often, first and last."""
+    events = about.run.events
+    if about.fixed_step is not None or not events:
+        text = "Fixed steps locate no events." if about.fixed_step is not None else "No event."
+        blocks: Sequence[Block] = (Caption(text=text),)
+        return Section(id="events", nav="Events", heading="Events", blocks=tuple(blocks))
+    kinds = list(dict.fromkeys(event.reason for event in events))
+    rows = []
+    for kind in kinds:
+        times = [event.t for event in events if event.reason == kind]
+        rows.append(Row(cells=(kind, f"{len(times):,}", f"{times[0]:.6f}", f"{times[-1]:.6f}")))
+    columns = (
+        Column(head="event"),
+        Column(head="count", numeric=True, phone="label", label="count:"),
+        Column(head="first\ns", numeric=True, phone="label", label="first, s"),
+        Column(head="last\ns", numeric=True, phone="label", label="last, s"),
+    )
+    heading = f"{capital(count(len(events), 'event'))}: {joined(kinds)}"
+    table = Table(columns=columns, rows=tuple(rows))
+    return Section(id="events", nav="Events", heading=heading, blocks=(table,))
+
+
+def criteria_section(about: RunReport) -> Section:
+    """Return the three criteria of the source paper, evaluated on the run."""
+    seen = about.criteria
+    error = seen.relative_error
+    items = (
+        KeyValue(
+            key="1. The velocity never becomes negative",
+            value=_held(
+                seen.velocity_never_negative,
+                f"lowest velocity {about.of(seen.least_velocity, 3, per_second=True)}",
+            ),
+            mark="ok" if seen.velocity_never_negative else "warn",
+        ),
+        KeyValue(
+            key="2. The displacement never decreases",
+            value=_held(
+                seen.displacement_never_decreases,
+                f"largest way back {about.of(seen.largest_return)}",
+            ),
+            mark="ok" if seen.displacement_never_decreases else "warn",
+        ),
+        KeyValue(
+            key="3. Relative error of the travel",
+            value="no travel of this rig was measured"
+            if error is None
+            else f"{number(100.0 * error, 3)} % of the measured one",
+        ),
+    )
+    text = (
+        "A body that a drive pulls back harder than friction holds it does move backwards, and one"
+        " on elastic bristles springs back as it stops: a no to 1 or 2 need be no fault of the law."
+    )
+    blocks = (KeyValues(items=items), Caption(text=text))
+    return Section(
+        id="criteria", nav="Criteria", heading="The criteria of the source paper", blocks=blocks
+    )
+
+
+def _held(holds: bool, found: str) -> str:
+    return f"{'holds' if holds else 'does not hold'}: {found}"

@@ -1,0 +1,98 @@
+"""The opening of the report of a run: how it ended, how far the body came."""
+
+from stickslip.experiments.wording import capital, count, quantity
+from stickslip.report.blocks import Fact
+from stickslip.report.documents import Opening, Section
+from stickslip.report.runs.subject import RunReport, spread_text
+
+__all__ = ["opening_section"]
+
+
+def opening_section(about: RunReport) -> Section:
+    """Return the headline with its numbers, and what the run cannot tell."""
+    opening = Opening(
+        kicker=f"{about.rig.title or about.rig.mechanism.name}, {about.law.title} friction",
+        verdict=_headline(about),
+        lede=_lede(about),
+        facts=_facts(about),
+        settles=_settles(about),
+        cannot_tell=_cannot_tell(about),
+        record="run",
+    )
+    return Section(id="result", nav="Result", heading="", blocks=(opening,))
+
+
+def _headline(about: RunReport) -> str:
+    run, seen = about.run, about.criteria
+    if not run.status.complete:
+        return f"The run ends early, at {quantity(run.span[1], 's')}"
+    if about.cycles:
+        last = about.cycles[-1]
+        if not last.moves_on:
+            return "The body does not move on: no cycle ends elsewhere than it began"
+        return f"The body moves {about.of(last.travel)} in a cycle of {quantity(last.period, 's')}"
+    if seen.stop_time is not None:
+        after = quantity(seen.stop_time, "s")
+        return f"The body comes to rest {about.of(seen.travel)} from its start, after {after}"
+    return f"The body has moved {about.of(seen.travel)} after {quantity(run.span[1], 's')}"
+
+
+def _lede(about: RunReport) -> str:
+    said = [about.run.status.value]
+    if about.cycles:
+        number = count(len(about.cycles), "whole cycle")
+        brought = "brings" if len(about.cycles) == 1 else "bring"
+        travel = sum(one.travel for one in about.cycles)
+        said.append(f"{capital(number)} {brought} {about.of(travel, 4)}.")
+    band = about.band
+    if band is not None:
+        travels = spread_text(band.travel, about.unit)
+        said.append(
+            f"With the doubt of the law the whole travel is {travels} in 95 % of {band.count} runs."
+        )
+        if band.ended_early:
+            said.append(f"{band.ended_early} of them ended early and are left out.")
+    return " ".join(said)
+
+
+def _facts(about: RunReport) -> tuple[Fact, ...]:
+    band, seen = about.band, about.criteria
+    travel = Fact(
+        value=about.of(seen.travel, 4),
+        aside="" if band is None else spread_text(band.travel, about.unit),
+        what="travel in the whole run",
+    )
+    mean = Fact(
+        value=about.of(about.mean_velocity, per_second=True),
+        aside="" if band is None else spread_text(band.mean_velocity, f"{about.unit}/s"),
+        what="mean velocity over whole cycles" if about.cycles else "mean velocity of the run",
+    )
+    if about.cycles:
+        back = Fact(value=about.of(about.cycles[-1].back_slip), what="way back in the last cycle")
+    else:
+        back = Fact(value=about.of(seen.largest_return), what="largest way back")
+    return travel, mean, back
+
+
+def _settles(about: RunReport) -> tuple[str, ...]:
+    if about.fixed_step is not None:
+        step = quantity(about.fixed_step, "s")
+        return (f"What steps of {step} make of the equations; no event is located.",)
+    if not about.run.certificate.certified:
+        return ()
+    return ("The motion of these equations with this law: the run is certified.",)
+
+
+def _cannot_tell(about: RunReport) -> tuple[str, ...]:
+    said = []
+    if about.law_file:
+        said.append("Whether this contact rubs as the one did on which the law was fitted.")
+    if about.estimates is None:
+        said.append("How well the law is known: its values are taken as they stand.")
+    elif about.band is None:
+        said.append("What the intervals of the law make of the motion; `--ensemble 200` runs them.")
+    else:
+        said.append("What another law, fitted as well, would make of the motion.")
+    if not about.run.status.complete:
+        said.append("What comes after its end.")
+    return tuple(said)

@@ -1,0 +1,129 @@
+"""What a report of a run is about, and the words that its sections share."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import final
+
+from stickslip.errors import InputError
+from stickslip.experiments import LawEstimates, Rig
+from stickslip.experiments.wording import quantities, quantity
+from stickslip.friction import FrictionLaw
+from stickslip.selection import Criteria, criteria_of
+from stickslip.sweep import Band, DrivenCycle, Spread, cycle_of, cycles_in
+from stickslip.sweep.cycles import slip_names
+from stickslip.trajectory import Trajectory
+
+__all__ = ["RunReport", "spread_text"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunReport:
+    """A run with what is known of it.
+
+    Parameters
+    ----------
+    rig : Rig
+        What moved.
+    law : FrictionLaw
+        With what friction.
+    run : Trajectory
+        How.
+    estimates : LawEstimates, optional
+        How well the law is known.
+    remarks : tuple of str
+        What does not carry over from where the law was fitted.
+    law_file : str
+        Where that was, if it was another file than the rig's.
+    band : Band, optional
+        What the doubt of the law makes of the motion.
+    fixed_step : float, optional
+        The step [s], where the run was made in fixed steps.
+    commands : tuple of str
+        Commands that give this report again.
+    versions : mapping of str to str
+        What the result may depend on.
+    digests : mapping of str to str
+        Hashes of the inputs.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock, simulate
+    >>> rig = Rig(title="Block", mechanism=SpringBlock(mass=1.0, stiffness=100.0, compression=0.1))
+    >>> law = Coulomb(kinetic_coefficient=0.25)
+    >>> subject = RunReport(rig=rig, law=law, run=simulate(rig.mechanism, law, t_end=1.0))
+    >>> subject.unit, subject.cycles, round(subject.criteria.travel, 4)
+    ('m', (), 0.2039)
+    """
+
+    rig: Rig
+    law: FrictionLaw
+    run: Trajectory
+    estimates: LawEstimates | None = None
+    remarks: tuple[str, ...] = ()
+    law_file: str = ""
+    band: Band | None = None
+    fixed_step: float | None = None
+    commands: tuple[str, ...] = ()
+    versions: Mapping[str, str] = field(default_factory=dict)
+    digests: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def slip(self) -> str:
+        """Name of the slipping coordinate."""
+        return slip_names(self.rig.mechanism)[0]
+
+    @property
+    def rate(self) -> str:
+        """Name of its rate."""
+        return slip_names(self.rig.mechanism)[1]
+
+    @property
+    def unit(self) -> str:
+        """Unit of the slipping coordinate."""
+        return self.run.units[self.slip]
+
+    @property
+    def mean_velocity(self) -> float:
+        """Over all whole cycles, or without any over the run."""
+        if self.cycles:
+            return sum(one.travel for one in self.cycles) / (
+                len(self.cycles) * self.cycles[0].period
+            )
+        first, last = self.run.span
+        return self.criteria.travel / (last - first)
+
+    @cached_property
+    def criteria(self) -> Criteria:
+        """What the run does, in the terms of the source paper."""
+        measurement = self.rig.measurement
+        records = () if measurement is None else measurement.records()
+        travel = records[0].travel if len(records) == 1 else None
+        return criteria_of(self.run, self.rig.mechanism, None if travel is None else float(travel))
+
+    @cached_property
+    def cycles(self) -> tuple[DrivenCycle, ...]:
+        """The whole cycles of a run whose drives repeat themselves."""
+        try:
+            period = cycle_of(self.rig.mechanism)
+        except InputError:
+            return ()
+        return cycles_in(self.run, self.rig.mechanism, period)
+
+    def of(self, value: float, digits: int = 3, *, per_second: bool = False) -> str:
+        """Return a distance or a speed of the slipping coordinate, with its unit."""
+        return quantity(value + 0.0, self.unit + ("/s" if per_second else ""), digits)
+
+
+def spread_text(spread: Spread, unit: str, digits: int = 3) -> str:
+    """Return the ends of a band in words.
+
+    Examples
+    --------
+    >>> spread_text(Spread(0.061, 0.063, 0.0644), "m")
+    '61 to 64.4 mm'
+    """
+    low, high = quantities([spread.low, spread.high], unit, digits)
+    shared = low.partition(" ")[2] == high.partition(" ")[2]
+    return f"{low.partition(' ')[0] if shared else low} to {high}"

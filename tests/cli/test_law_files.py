@@ -1,0 +1,234 @@
+"""From a selection to another mechanism: a law from a file, its band, and the page of the run."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from stickslip import Axis, Coulomb, CoulombViscous, LuGre, SpringBlock, ThreePhase, load_rig
+from stickslip.cli import main
+from stickslip.experiments import LawEstimates
+from stickslip.experiments.writing import rig_toml
+
+CART = Path(__file__).parents[2] / "docs" / "howto" / "files" / "pendulum-cart.toml"
+PERIOD = float(ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0).period)
+"""Of the swing of that file [s]."""
+SIX = ("coulomb", "coulomb-viscous", "viscous", "stribeck", "dahl", "lugre")
+BLOCK = """
+title = "Own block"
+[mechanism]
+type = "spring-block"
+mass = "0.82 kg"
+stiffness = "145 N/m"
+compression = "60 mm"
+"""
+TRAVELS = ((60, 105), (80, 188), (100, 292))
+"""Compression and travel [mm], as Coulomb friction of 0.308 gives them to a millimetre."""
+TRIAL = """
+[[trial]]
+travel = "{travel} mm"
+uncertainty = "1 mm"
+set = {{ "mechanism.compression" = "{compression} mm" }}
+"""
+KNOWN = LawEstimates(
+    law="coulomb", intervals={"kinetic_coefficient": (0.19, 0.21)}, largest_speed=2.0
+)
+LAW = Coulomb(kinetic_coefficient=0.2)
+
+
+@pytest.fixture
+def walk(tmp_path, monkeypatch, capsys):
+    """Run commands in a folder of their own; return exit code, stdout, stderr on one line."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments):
+        try:
+            code = main([str(one) for one in arguments])
+        except SystemExit as leaving:
+            code = leaving.code or 0
+        seen = capsys.readouterr()
+        return code, seen.out, " ".join(seen.err.split())
+
+    return call
+
+
+def write(path, mechanism, law, estimates=None):
+    Path(path).write_text(rig_toml(mechanism, law, estimates=estimates), encoding="utf-8")
+    return path
+
+
+def test_the_cart_runs_with_the_law_of_a_file_as_with_its_own(walk):
+    write("law.toml", SpringBlock(mass=1.0), LAW)
+    code, out, err = walk("simulate", CART, "--law", "law.toml", "--t-end", 5 * PERIOD, "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert found["law_file"]["file"] == "law.toml"
+    # the reference cart: 24.8596 mm in the first cycle, 63.4659 mm in each further one
+    travels = [cycle["travel"] for cycle in found["cycles"]]
+    np.testing.assert_allclose(travels, [0.0248596, *[0.0634659] * 4], atol=5e-8)
+    assert found["final"]["x"] == pytest.approx(math.fsum(travels), abs=1e-9)
+    assert "normal force of 9.81 N" in err  # here it is less, and that is said
+
+
+def test_an_author_walks_from_three_travels_to_a_page_of_his_cart(walk):
+    text = BLOCK + "".join(TRIAL.format(compression=c, travel=t) for c, t in TRAVELS)
+    Path("block.toml").write_text(text)
+    assert walk("select", "block.toml")[0] == 0
+    law = Path("stickslip-report/law.toml")
+    assert load_rig(law).estimates.covariance_of
+    code, out, _ = walk("simulate", CART, "--law", law, "--report")
+    assert code == 0
+    assert "Report: stickslip-run/index.html" in out
+    page = Path("stickslip-run/index.html").read_text()
+    assert "could not be made" not in page
+    assert "<script" not in page
+
+
+@pytest.mark.parametrize("name", SIX)
+def test_each_of_the_six_models_gets_to_the_page(walk, name):
+    text = BLOCK + "".join(TRIAL.format(compression=c, travel=t) for c, t in TRAVELS)
+    Path("block.toml").write_text(text)
+    assert walk("fit", "block.toml", "--law", name, "-o", "law.toml")[0] == 0
+    code, _, err = walk("simulate", CART, "--law", "law.toml", "--report", "--t-end", 2.2)
+    assert (code, "could not" in err) == (0, False)
+    page = Path("stickslip-run/index.html").read_text()
+    assert "could not be made" not in page
+    assert load_rig("law.toml").laws[name].title in page
+
+
+def test_a_band_is_the_spread_of_the_law_in_screen_table_page_and_json(walk):
+    # the block without a static surplus: travel k x0^2 / (2 mu m g), which falls with mu
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    write("law.toml", block, LAW, KNOWN)
+    asked = ("simulate", "law.toml", "--t-end", 2, "--ensemble", 400, "--seed", 3, "--json")
+    code, out, _ = walk(*asked, "-o", "run.csv", "--report-to", "page")
+    band = json.loads(out)["band"]
+    assert code == 0
+    for end, mu in (("low", 0.21), ("median", 0.2), ("high", 0.19)):
+        # quantiles of 400 draws lie within 0.3 standard deviations of those drawn from, 0.8 %
+        expected = 100.0 * 0.1**2 / (2.0 * mu * 9.81)
+        assert band["travel"][end] == pytest.approx(expected, rel=0.012)
+    table = pd.read_csv("run.csv")
+    assert table["x_low"].iloc[-1] == pytest.approx(band["travel"]["low"], rel=1e-12)
+    assert (table["x_low"] <= table["x_median"] + 1e-15).all()
+    assert (table["x_median"] <= table["x_high"] + 1e-15).all()
+    assert "400 runs" in Path("page/index.html").read_text()
+    again = json.loads(walk(*asked)[1])["band"]
+    assert again == band
+
+
+def test_levels_that_are_forces_need_the_load_at_which_they_were_fitted(walk):
+    write("law.toml", Axis(inertia=1.0), Coulomb(kinetic_coefficient=10.0))
+    code, _, err = walk("simulate", CART, "--law", "law.toml")
+    assert (code, '--law-load "50 N"' in err) == (2, True)
+    code, out, err = walk("simulate", CART, "--law", "law.toml", "--law-load", "50 N", "--json")
+    assert code == 0
+    assert "divided by the load of 50 N" in err
+    write("other.toml", SpringBlock(mass=1.0), LAW)
+    same = json.loads(walk("simulate", CART, "--law", "other.toml", "--json")[1])
+    assert json.loads(out)["final"] == same["final"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--law", "none.toml"], "there is no such file"),
+        (["--law", "two.toml"], "two.toml:coulomb"),
+        (["--law", "two.toml:dahl"], "coulomb, lugre"),
+        (["--law", "bare.toml"], "has no law"),
+        (["--law", "law.toml", "--law-load", "50 N"], "leave --law-load out"),
+        (["--law", "law.toml", "--law-load", "0 N"], "--law-load"),
+        (["--law-load", "50 N"], "--law law.toml"),
+        (["--law", "law.toml", "--ensemble", "50"], "law.toml of `stickslip select`"),
+        (["--ensemble", "50", "--fixed-step", "0.01"], "leave --fixed-step out"),
+    ],
+)
+def test_what_cannot_be_meant_is_one_message(walk, arguments, said):
+    block = SpringBlock(mass=1.0)
+    lugre = LuGre(
+        kinetic_coefficient=0.2,
+        static_coefficient=0.3,
+        stribeck_velocity=0.01,
+        bristle_stiffness=1e3,
+        bristle_damping=10.0,
+    )
+    one = rig_toml(block, LAW)
+    Path("law.toml").write_text(one)
+    Path("two.toml").write_text(one + rig_toml(block, lugre).partition("\n\n")[2])
+    Path("bare.toml").write_text(one.partition("[friction")[0])
+    code, out, err = walk("simulate", CART, *arguments)
+    assert (code, out, "Traceback" in err) == (2, "", False)
+    assert said in err
+
+
+def test_one_of_several_laws_is_named_after_a_colon(walk):
+    text = rig_toml(SpringBlock(mass=1.0), LAW)
+    Path("two.toml").write_text(text + "[friction.viscous]\nviscous_coefficient = 2.0\n")
+    code, out, err = walk("simulate", CART, "--law", "two.toml:viscous", "--json")
+    assert (code, json.loads(out)["law"]) == (0, "viscous")
+    assert "does not grow with the normal force" in err
+
+
+def test_friction_that_is_set_is_set_in_the_file_of_the_law(walk):
+    write("law.toml", SpringBlock(mass=1.0), LAW, KNOWN)
+    write("other.toml", SpringBlock(mass=1.0), Coulomb(kinetic_coefficient=0.3))
+    law = ("--law", "law.toml", "--set", "friction.kinetic_coefficient=0.3")
+    changed = json.loads(walk("simulate", CART, *law, "--json")[1])
+    meant = json.loads(walk("simulate", CART, "--law", "other.toml", "--json")[1])
+    assert changed["final"] == meant["final"]
+    assert walk("simulate", CART, *law, "--ensemble", 50)[0] == 2  # it is no estimate any more
+
+
+def test_a_run_far_faster_than_what_was_fitted_is_said_to_be_so(walk):
+    known = LawEstimates(
+        law="coulomb", intervals={"kinetic_coefficient": (0.19, 0.21)}, largest_speed=0.05
+    )
+    write("law.toml", SpringBlock(mass=1.0), LAW, known)
+    _, out, err = walk("simulate", CART, "--law", "law.toml", "--json")
+    assert "extrapolation" in err
+    assert any("extrapolation" in line for line in json.loads(out)["remarks"])
+
+
+def test_a_run_that_ends_early_has_its_page_and_its_exit_code(walk):
+    # so fast a swing lifts the cart off
+    faster = ("--set", "mechanism.pendulum.profile.slow=300", "--report")
+    code, out, err = walk("simulate", CART, *faster)
+    assert code == 3
+    assert "Report: stickslip-run/index.html" in out
+    assert "It ended at" in err
+    assert "The run ends early" in Path("stickslip-run/index.html").read_text()
+
+
+def test_a_page_that_cannot_be_drawn_costs_nothing_else(walk, monkeypatch):
+    from stickslip.report import runs
+
+    def fails(_):
+        raise RuntimeError("no ink")
+
+    monkeypatch.setattr(runs, "run_page", fails)
+    code, out, err = walk("simulate", CART, "--report")
+    assert (code, "could not be written: no ink" in err) == (0, True)
+    assert "At 3 s: x = " in out
+
+
+def test_a_page_is_not_replaced_unasked(walk):
+    Path("stickslip-run").mkdir()
+    Path("stickslip-run/index.html").write_text("mine")
+    code, _, err = walk("simulate", CART, "--report")
+    assert (code, "--force" in err) == (2, True)
+    assert Path("stickslip-run/index.html").read_text() == "mine"
+
+
+def test_a_sweep_and_an_animation_take_the_same_file(walk):
+    law = CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=0.1)
+    write("law.toml", SpringBlock(mass=1.0), law)
+    options = ("--law", "law.toml", "--json")
+    code, out, err = walk("animate", CART, *options, "--t-end", 0.3, "--fps", 5, "-o", "a.gif")
+    assert (code, json.loads(out)["law_file"]["file"]) == (0, "law.toml")
+    assert "sigma_2 = 0.1 N s/m is that of the contact" in err
+    vary = ("--vary", "mechanism.pendulum.profile.slow=25:30:2", "--cycles", 2, "--settle", 2)
+    code, out, _ = walk("sweep", CART, *options, *vary)
+    assert (code, json.loads(out)["law"]) == (0, "coulomb-viscous")

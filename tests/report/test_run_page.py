@@ -1,0 +1,162 @@
+"""The report of a run, for any mechanism and any end."""
+
+import dataclasses
+import math
+import re
+
+import pytest
+
+from stickslip import (
+    Axis,
+    Capsule,
+    Coulomb,
+    Dahl,
+    FixedStep,
+    LuGre,
+    Pendulum,
+    PendulumCart,
+    Prescribed,
+    Pulse,
+    Rig,
+    Sine,
+    SpringBlock,
+    Stribeck,
+    ThreePhase,
+    TowedBlock,
+    Viscous,
+    load_rig,
+    simulate,
+)
+from stickslip.errors import SimulationError
+from stickslip.experiments import LawEstimates
+from stickslip.report import documents
+from stickslip.report.runs import RunReport, page, run_page
+from stickslip.sweep import band_of
+
+STROKE = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
+COULOMB = Coulomb(kinetic_coefficient=0.2)
+LUGRE = LuGre(
+    kinetic_coefficient=0.2,
+    static_coefficient=0.3,
+    stribeck_velocity=0.01,
+    bristle_stiffness=1e3,
+    bristle_damping=10.0,
+    static_switch=True,
+)
+STRIBECK = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.02)
+CART = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING))
+BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+RUNS = {
+    "a block that comes to rest": (BLOCK, COULOMB, 2.0),
+    "a block that springs back": (BLOCK, Dahl(kinetic_coefficient=0.2, bristle_stiffness=1e3), 2.0),
+    "a block that never moves": (
+        SpringBlock(mass=1.0, drive=Pulse(level=0.1, duration=0.1)),
+        COULOMB,
+        1.0,
+    ),
+    "a towed block": (TowedBlock(mass=1.0, stiffness=20.0, speed=0.1), STRIBECK, 5.0),
+    "an axis under a sine": (
+        Axis(inertia=1.0, drive=Sine(amplitude=2.0, frequency=2.0)),
+        Coulomb(kinetic_coefficient=1.0),
+        6.0,
+    ),
+    "a pendulum": (Pendulum(mass=0.2, length=0.5), Coulomb(kinetic_coefficient=0.02), 2.0),
+    "a capsule": (
+        Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=STROKE)),
+        COULOMB,
+        1.0,
+    ),
+    "a cart on bristles": (CART, LUGRE, 1.0),
+    "a cart that only rocks": (CART, Viscous(viscous_coefficient=4.0), 4.0),
+}
+
+
+def texts(html):
+    """Return what a reader reads, tags and no-break spaces taken out."""
+    body = re.sub(r"<(style|svg)\b.*?</\1>", "", html, flags=re.DOTALL)
+    return " ".join(re.sub(r"<[^>]+>", " ", body).replace("\N{NO-BREAK SPACE}", " ").split())
+
+
+def about(mechanism, law, t_end, **more):
+    start = {"theta": 0.5} if isinstance(mechanism, Pendulum) else None
+    run = simulate(mechanism, law, t_end=t_end, y0=start, throw=False)
+    return RunReport(rig=Rig(title="Rig", mechanism=mechanism), law=law, run=run, **more)
+
+
+@pytest.mark.parametrize("case", RUNS)
+def test_every_section_can_be_made_of(case):
+    html = run_page(about(*RUNS[case]))
+    assert "could not be made" not in html
+    assert "<script" not in html
+    said = texts(html)
+    assert "nan" not in said.split()
+    assert "The run is certified" in said
+
+
+def test_the_page_of_the_reference_cart_says_its_numbers():
+    said = texts(run_page(about(CART, COULOMB, 5 * SWING.period)))
+    assert "The body moves 63.5 mm in a cycle of 0.724 s" in said
+    assert "5 whole cycles bring 0.2787 m" in said
+    assert "24.86" in said  # the first cycle
+    assert "does not hold: lowest velocity −6.1" in said
+    assert "0.314 mm way back in the last cycle" in said
+
+
+def test_of_very_many_cycles_some_are_shown_and_the_others_are_said_to_be_left_out():
+    said = texts(run_page(about(CART, COULOMB, 30 * SWING.period)))
+    assert "Of 30 cycles the first 8 are shown" in said
+    assert "Cycles 7 to 26 of 30 are left out" in said
+
+
+def test_a_run_in_fixed_steps_has_no_certificate():
+    run = simulate(BLOCK, COULOMB, t_end=1.0, solver=FixedStep(dt=0.01))
+    subject = RunReport(
+        rig=Rig(title="Rig", mechanism=BLOCK), law=COULOMB, run=run, fixed_step=0.01
+    )
+    said = texts(run_page(subject))
+    assert "Fixed steps have no certificate" in said
+    assert "could not be made" not in said
+
+
+def test_a_measured_travel_is_compared_with():
+    rig = load_rig()
+    law = rig.laws["coulomb"]
+    run = simulate(rig.mechanism, law, t_end=rig.t_end)
+    said = texts(run_page(RunReport(rig=rig, law=law, run=run)))
+    assert "1.94 % of the measured one" in said  # 0.2038736 m of 0.20 m
+
+
+def test_what_was_not_fitted_and_what_was_drawn_is_said():
+    known = LawEstimates(
+        law="stribeck",
+        intervals={"kinetic_coefficient": (0.18, 0.22)},
+        not_identified={"stribeck_velocity": "the record does not show it"},
+        not_fitted=("static_coefficient",),
+    )
+    band = band_of(BLOCK, STRIBECK, known, t_end=2.0, count=40)
+    said = texts(run_page(about(BLOCK, STRIBECK, 2.0, estimates=known, band=band)))
+    assert "not identified: the record does not show it" in said
+    assert "given or assumed" in said
+    assert "40 draws (seed 0) of kinetic coefficient" in said
+    assert "Kept at their values: static coefficient, stribeck velocity" in said
+
+
+def test_a_band_of_runs_of_which_none_lasts_says_why():
+    # so fast a swing lifts the cart off, whatever its friction is
+    fast = dataclasses.replace(SWING, slow=300.0)
+    cart = dataclasses.replace(CART, pendulum=Prescribed(profile=fast))
+    known = LawEstimates(law="coulomb", intervals={"kinetic_coefficient": (0.19, 0.21)})
+    with pytest.raises(SimulationError, match="none of 20 runs"):
+        band_of(cart, COULOMB, known, t_end=1.0, count=20)
+
+
+def test_a_section_that_fails_is_one_line(monkeypatch):
+    def motion_section(_):
+        raise ZeroDivisionError("no motion")
+
+    monkeypatch.setattr(documents, "CAUGHT", (Exception,))
+    monkeypatch.setattr(page, "SECTIONS", (motion_section, *page.SECTIONS[4:]))
+    said = texts(run_page(about(BLOCK, COULOMB, 1.0)))
+    assert "This section could not be made. ZeroDivisionError: no motion." in said
+    assert "The run is certified" in said
