@@ -27,6 +27,7 @@ COMMANDS = [
     if kind == "console"
     for part in re.findall(r"^\$ stickslip (.*)\n((?:(?!\$ ).*\n)*)", text, re.MULTILINE)
 ]
+CHAIN = next(text for kind, text in BLOCKS if kind == "sh" and text.startswith("stickslip "))
 
 
 def words(text: str) -> list[list[str]]:
@@ -64,6 +65,25 @@ def test_a_command_prints_the_lines_that_are_shown(
         main(shlex.split(arguments))
     assert not left.value.code
     assert words(capsys.readouterr().out)[: len(words(shown))] == words(shown)
+
+
+def test_the_chain_leads_from_a_selection_to_the_page_of_a_cart(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "docs").symlink_to(ROOT / "docs")
+    for line in CHAIN.splitlines():
+        with pytest.raises(SystemExit) as left:
+            main(shlex.split(line.removeprefix("stickslip ")))
+        assert not left.value.code, line
+    said = re.search(r"moves (\S+) mm a cycle, (\S+) to (\S+) mm", README)
+    assert said is not None
+    printed = capsys.readouterr().out
+    row = re.findall(r"cycle \d+ +(\S+) +(\S+) +(\S+)", printed)[-1]
+    assert [f"{1e3 * float(number):.1f}" for number in row[1:]] == [said[2], said[3]]
+    page = (tmp_path / "stickslip-run" / "index.html").read_text(encoding="utf-8")
+    assert f"The body moves {said[1]}" in page.replace("\N{NO-BREAK SPACE}", " ")
+    assert "This section could not be made" not in page
 
 
 @pytest.mark.parametrize("target", sorted(set(LINK.findall(README))))

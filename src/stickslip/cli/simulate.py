@@ -344,7 +344,7 @@ def _show(ran: Ran, settings: Settings) -> None:
 
 
 def _show_band(band: Band, run: Trajectory, slip: str) -> None:
-    """Print what the doubt of the law makes of the motion."""
+    """Print the spread of the motion over draws of the law's parameters."""
     unit = run.units[slip]
     rows = [["travel", *_cells(band.travel, unit)]]
     rows += [

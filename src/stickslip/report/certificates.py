@@ -45,7 +45,7 @@ def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
             ),
             KeyValue(
                 key="Sticking and slipping",
-                value=f"conditions of the modes hold to {numbers.residue(book.guard_violation)}",
+                value=f"largest violation of a condition: {numbers.residue(book.guard_violation)}",
             ),
             KeyValue(
                 key="Drift at rest",

@@ -197,11 +197,11 @@ def animation_section(about: RunReport) -> Section | None:
         size=STACKED,
     )
     caption = (
-        f"**The first {quantity(length, 's')}**, to scale and {pace}. The body that rubs is yellow"
+        f"**The first {quantity(length, 's')}**, to scale and {pace}. The sliding body is yellow"
         " where it sticks; arrows are forces."
     )
     block = Animation(html=html, caption=caption)
-    return Section(id="animation", nav="Animation", heading="To be seen", blocks=(block,))
+    return Section(id="animation", nav="Animation", heading="Animation", blocks=(block,))
 
 
 def events_section(about: RunReport) -> Section:

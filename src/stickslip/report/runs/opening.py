@@ -48,7 +48,8 @@ def _lede(about: RunReport) -> str:
     if band is not None:
         travels = spread_text(band.travel, about.unit)
         said.append(
-            f"With the doubt of the law the whole travel is {travels} in 95 % of {band.count} runs."
+            f"With the uncertainty of the law's parameters the whole travel is {travels} in 95 % of"
+            f" {band.count} runs."
         )
         if band.ended_early:
             said.append(f"{band.ended_early} of them ended early and are left out.")
@@ -86,13 +87,13 @@ def _settles(about: RunReport) -> tuple[str, ...]:
 def _cannot_tell(about: RunReport) -> tuple[str, ...]:
     said = []
     if about.law_file:
-        said.append("Whether this contact rubs as the one did on which the law was fitted.")
+        said.append("Whether this contact has the friction of the one on which the law was fitted.")
     if about.estimates is None:
         said.append("How well the law is known: its values are taken as they stand.")
     elif about.band is None:
         said.append("What the intervals of the law make of the motion; `--ensemble 200` runs them.")
     else:
-        said.append("What another law, fitted as well, would make of the motion.")
+        said.append("How the body would move with another law that fits the data as well.")
     if not about.run.status.complete:
         said.append("What comes after its end.")
     return tuple(said)

@@ -37,7 +37,7 @@ class RunReport:
     law_file : str
         Where that was, if it was another file than the rig's.
     band : Band, optional
-        What the doubt of the law makes of the motion.
+        The motion with the law's parameters drawn from their estimates.
     fixed_step : float, optional
         The step [s], where the run was made in fixed steps.
     commands : tuple of str
