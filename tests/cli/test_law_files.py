@@ -16,7 +16,7 @@ from stickslip.experiments.writing import rig_toml
 CART = Path(__file__).parents[2] / "docs" / "howto" / "files" / "pendulum-cart.toml"
 PERIOD = float(ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0).period)
 """Of the swing of that file [s]."""
-SIX = ("coulomb", "coulomb-viscous", "viscous", "stribeck", "dahl", "lugre")
+SIX = ("coulomb", "coulomb-viscous", "coulomb-viscous-static", "stribeck", "dahl", "lugre")
 BLOCK = """
 title = "Own block"
 [mechanism]
