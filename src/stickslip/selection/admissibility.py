@@ -65,7 +65,9 @@ def improves(richer: TravelFit, simpler: TravelFit, extra: int) -> bool:
         return False
     known = math.isinf(freedom)
     needed = stats.chi2.ppf(LEVEL, extra) if known else extra * stats.f.ppf(LEVEL, extra, freedom)
-    return simpler.chi_square - richer.chi_square > factor * float(needed)
+    drop = (simpler.chi_square - richer.chi_square) / factor
+    # uncertain settings move the travels of each law by as much as that law says
+    return drop + simpler.log_determinant - richer.log_determinant > float(needed)
 
 
 def chosen(candidates: Sequence[Candidate]) -> Candidate | None:
