@@ -31,6 +31,7 @@ __all__ = [
     "LawFile",
     "Laws",
     "LoadShare",
+    "PlannedLaws",
     "Position",
     "Purpose",
     "Rate",
@@ -95,6 +96,14 @@ Free = Annotated[
     ),
 ]
 Laws = Annotated[str | None, typer.Option("--laws", help="Only these, e.g. coulomb,viscous.")]
+PlannedLaws = Annotated[
+    str | None,
+    typer.Option(
+        "--law",
+        "--laws",
+        help="What to tell apart, e.g. coulomb,viscous; the laws of the rig file if not given.",
+    ),
+]
 
 Data = Annotated[
     list[Path] | None,

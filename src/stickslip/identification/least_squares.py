@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
@@ -15,7 +16,7 @@ from stickslip.identification.starts import Start, starting_points
 from stickslip.identification.travel import TravelModel, Trial, standard_errors
 from stickslip.quantities import Quantity, parameters
 
-__all__ = ["fit_several"]
+__all__ = ["expected_fit", "fit_several"]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -77,6 +78,26 @@ def fit_several(
         )
     if problem.weighed(best):
         best = min(best, problem.polished(best, REFINED), key=problem.cost)
+    return problem.fit(best)
+
+
+def expected_fit(model: TravelModel, trials: Sequence[Trial], values: Sequence[float]) -> TravelFit:
+    """Return the fit to travels that values of the free parameters give: its intervals to expect.
+
+    Parameters
+    ----------
+    model : TravelModel
+        The law, and which of its parameters are free.
+    trials : sequence of Trial
+        Settings with standard errors and uncertainties; what was measured there is not looked at.
+    values : sequence of float
+        Values of the free parameters.
+    """
+    measured = model.travels(trials, values)
+    pairs = zip(trials, measured.tolist(), strict=True)
+    problem = _Problem(model, [replace(trial, travel=travel) for trial, travel in pairs])
+    best = problem.unknowns(values)
+    problem.weighed(best)
     return problem.fit(best)
 
 
