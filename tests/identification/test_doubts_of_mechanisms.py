@@ -167,6 +167,21 @@ def test_residuals_that_exceed_do_not_scale_what_trials_share():
     assert common / other.value == pytest.approx(0.03, rel=1e-2)
 
 
+def test_sources_are_those_of_the_scatter_that_residuals_show():
+    s = [0.0740, 0.0728, 0.1320, 0.1290, 0.2010, 0.2070]
+    trials = tuple(
+        Measurement(travel=one, overrides={X: x})
+        for x, one in zip(np.repeat([0.06, 0.08, 0.1], 2), s, strict=True)
+    )
+    fitted = fit(BLOCK, Coulomb, Measurement(trials=trials, doubts={K: 1.0}))
+    (one,) = fitted.estimates
+    scatter = math.sqrt(fitted.variance[0]) * fitted.standard_errors[0]
+    assert scatter == pytest.approx(math.sqrt(sum(r * r for r in fitted.residuals) / 5), rel=1e-3)
+    weight = math.sqrt(sum(p * p for p in fitted.predicted))
+    assert one.sources["readings"] / one.value == pytest.approx(scatter / weight, rel=1e-3)
+    assert one.sources[K] / one.value == pytest.approx(0.01, rel=1e-3)
+
+
 def test_without_uncertainties_of_the_rig_nothing_changes():
     s = [0.0735, 0.1300, 0.2039]
     found = fit(BLOCK, CoulombViscous, travels([0.06, 0.08, 0.1], s))

@@ -22,7 +22,7 @@ from stickslip.experiments import Rig, load_rig
 from stickslip.experiments.measurement import QUANTITIES
 from stickslip.identification.travel import trials_of
 from stickslip.quantities import Quantity, parameters
-from stickslip.report.numbers import fixed
+from stickslip.report.numbers import fixed, significant
 from stickslip.selection import Plan, plan
 from stickslip.selection.lab_sheet import in_unit, unit_of
 from stickslip.selection.separation import knob_of, setting_text
@@ -194,7 +194,7 @@ def _show_laws(found: Plan, titles: Mapping[str, str]) -> None:
         [
             titles[one.law],
             one.estimate.quantity.symbol,
-            f"{one.estimate.value:.3g}",
+            significant(one.estimate.value, 3),
             "" if one.estimate.quantity.unit == "1" else one.estimate.quantity.unit,
             one.estimate.range,
             "" if one.identified else "not identified",

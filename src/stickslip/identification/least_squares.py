@@ -267,6 +267,10 @@ class _Problem:
         from scipy import stats
 
         factor, freedom = variance
+        sources = {
+            name: part * (1.0 if name in self.spread.shared else math.sqrt(factor))
+            for name, part in sources.items()
+        }
         common = math.hypot(*(sources[name] for name in self.spread.shared))
         own = math.hypot(*(sources[name] for name in sources if name not in self.spread.shared))
         error = math.hypot(common, own)
@@ -276,7 +280,7 @@ class _Problem:
         elif not math.isfinite(error) or error > 1e6 * max(abs(value), scale):
             spread, reason = math.inf, "the trials do not depend on it enough"
         else:
-            scattered = float(stats.t.ppf(0.975, freedom)) * own * math.sqrt(factor)
+            scattered = float(stats.t.ppf(0.975, freedom)) * own
             spread = math.hypot(scattered, float(stats.norm.ppf(0.975)) * common)
         quantity = self.known[path][0]
         least = max(quantity.low, quantity.above or 0.0, 0.0)

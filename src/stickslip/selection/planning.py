@@ -133,9 +133,10 @@ def plan(
         READING.check("plan", "uncertainty", uncertainty)
     done = _done(mechanism, measurement)
     knob = _knob(mechanism, done)
-    levelled, remarks = _levelled(mechanism, _candidates(mechanism, laws, t_end), done, t_end)
-    named = next((n for n, one in levelled.items() if _has_level(one)), next(iter(levelled)))
-    _check_rest(mechanism, levelled[named], t_end)
+    candidates = _candidates(mechanism, laws, t_end)
+    _check_rest(mechanism, candidates[_first(candidates)], t_end)
+    levelled, remarks = _levelled(mechanism, candidates, done, t_end)
+    named = _first(levelled)
     rows, idle = _rows(mechanism, knob, between, count, levelled, named, t_end)
     error = _error(uncertainty, done)
     size = error or SCATTER * max(abs(row.predicted[named]) for row in rows)
@@ -339,6 +340,11 @@ def _ordinary(mechanism: Mechanism, kind: type[FrictionLaw], t_end: float) -> Fr
     one = Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
     slope = doubling_slope(TravelModel(law, [path], t_end), [one], [level])
     return vary(law, "friction", {"friction.viscous_coefficient": VISCOUS * slope})
+
+
+def _first(laws: Mapping[str, FrictionLaw]) -> str:
+    """Return the name of the first law with a level, or of the first one."""
+    return next((name for name, law in laws.items() if _has_level(law)), next(iter(laws)))
 
 
 def _has_level(law: FrictionLaw) -> bool:

@@ -12,7 +12,7 @@ from stickslip.selection.lab_sheet import in_unit
 __all__ = ["how_to", "otherwise"]
 
 PLAIN = {
-    "mass": "Weigh all that slides, to {needed}. A light spring: a third of it moves along.",
+    "mass": "Weigh all that slides, to {needed}. Take a light spring: a third of it moves along.",
     "level": "Measure the push with the force sensor that will record it, to {needed}.",
     "amplitude": "Measure the force with the sensor that will record it, to {needed}.",
     "duration": "Read the push off a record of its force, to {needed}.",
