@@ -51,7 +51,7 @@ def plan_page(
     >>> sheet = plan(rig, ["coulomb", "viscous"], uncertainty=0.004)
     >>> page = plan_page(sheet, title="Block", subject="rig.toml", save_as="", versions={})
     >>> [section.id for section in page.sections]
-    ['before', 'settings', 'apart', 'values', 'runs', 'reproduce']
+    ['before', 'settings', 'apart', 'values', 'runs']
     """
     sections = [
         _before(plan),

@@ -124,7 +124,7 @@ def plan(
     >>> [one.value for one in sheet.settings], sheet.repeats
     ([0.04, 0.06, 0.08, 0.1], 3)
     >>> {one.path: f"{one.needed:.2g}" for one in sheet.preparations}
-    {'mechanism.mass': '0.0045', 'mechanism.stiffness': '0.45', 'mechanism.compression': '0.0006'}
+    {'mechanism.mass': '0.0045', 'mechanism.stiffness': '0.45', 'mechanism.compression': '0.00054'}
     >>> sheet.csv().splitlines()[:2]
     ['name,mechanism.compression [mm],travel [mm]', 'run 1,40,']
     """
