@@ -80,7 +80,12 @@ def _before(plan: Plan) -> Section:
     columns = (
         Column(head="parameter"),
         Column(head="in the rig file", numeric=True, phone="label"),
-        Column(head="know it to\n(standard uncertainty)", numeric=True, phone="label"),
+        Column(
+            head="know it to\n(standard uncertainty)",
+            numeric=True,
+            phone="label",
+            label="know it to",
+        ),
         Column(head="stated", phone="label"),
         Column(head="how"),
     )
@@ -175,7 +180,7 @@ def _apart(plan: Plan) -> Section | None:
     columns = (
         Column(head="if this law holds"),
         Column(head="this one is ruled out", phone="label", label="rules out"),
-        Column(head="largest\ndifference", numeric=True, phone="label"),
+        Column(head="largest\ndifference", numeric=True, phone="label", label="difference"),
         Column(head="at", numeric=True, phone="label"),
         Column(head="by"),
     )
