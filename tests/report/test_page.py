@@ -107,6 +107,10 @@ def everything(extra: str = "") -> report.Page:
             columns=(report.Column(head=f"h {extra}"), report.Column(head="travel, m")),
             rows=(report.Row(cells=(f"r {extra}", ring)),),
         ),
+        report.Table(
+            columns=(report.Column(head="run"), report.Column(head="travel, mm")),
+            rows=(report.Row(cells=("run 1", report.Blank(what=f"travel {extra}"))),),
+        ),
         report.Caption(text=f"Caption {extra}"),
         report.Columns(
             left=(
@@ -204,7 +208,7 @@ def test_a_page_with_figures_is_smaller_than_six_hundred_kilobytes(text):
 
 def test_twenty_five_rows_may_break_over_printed_pages_and_short_tables_may_not(text):
     assert text.count('<tr class="muted">') == 22
-    assert re.findall(r'<table class="(rows[^"]*)"', text) == ["rows long", "rows"]
+    assert re.findall(r'<table class="(rows[^"]*)"', text) == ["rows long", "rows", "rows"]
 
 
 def test_a_name_of_forty_characters_may_be_broken(text):

@@ -26,6 +26,7 @@ from stickslip.cli.options import (
     LawFile,
     LawLoad,
     Laws,
+    PlannedLaws,
     Purpose,
     Repair,
     Rig,
@@ -328,6 +329,46 @@ def sweep(
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
     asked = LawAsked(law=law, load=law_load)
     start(rig, changes or [], asked, vary or [], cycles, settle, output)
+
+
+@app.command()
+def plan(
+    rig: Rig = None,
+    laws: PlannedLaws = None,
+    changes: Set = None,
+    allow_import: AllowImport = False,
+    between: Annotated[
+        str | None,
+        typer.Option(
+            "--between",
+            metavar="LOW..HIGH",
+            help="Settings that the rig can take, e.g. 40mm..100mm; if not given, 0.4 of what the"
+            " rig file sets to all of it.",
+        ),
+    ] = None,
+    settings: Annotated[int, typer.Option("--settings", help="How many, from 2 to 12.")] = 4,
+    uncertainty: Annotated[
+        str | None,
+        typer.Option(
+            "--uncertainty",
+            help="Standard uncertainty of one travel, scatter and reading together, e.g. 2mm; if"
+            " not given, that of the rig's trials, or else 2 % of the longest travel.",
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", help="Sheet to print (HTML); its table as CSV beside it, to fill in."
+        ),
+    ] = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Plan travels: what to measure, how often and how well, and which laws that tells apart."""
+    from stickslip.cli.plan import run
+
+    start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
+    start(rig, changes or [], laws, between, settings, uncertainty, output)
 
 
 @app.command()

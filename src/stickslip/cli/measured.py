@@ -109,7 +109,7 @@ def measured(rig: Rig, asked: Asked, *, given: bool) -> Measured:
     reading = rig.reading.with_changes(asked.reading)
     measurement, validate = rig.measurement, rig.validate
     if asked.data:
-        measurement = read_data(asked.data, reading, mechanism=rig.mechanism)
+        measurement = rig.doubting(read_data(asked.data, reading, mechanism=rig.mechanism))
     elif asked.reading != Reading() and asked.validate is None:
         raise InputError(
             "--columns, --unit, --gain, --repair and --conditions are for --data or --validate."

@@ -32,6 +32,7 @@ __all__ = [
     "LawLoad",
     "Laws",
     "LoadShare",
+    "PlannedLaws",
     "Position",
     "Purpose",
     "Rate",
@@ -107,6 +108,14 @@ Free = Annotated[
     ),
 ]
 Laws = Annotated[str | None, typer.Option("--laws", help="Only these, e.g. coulomb,viscous.")]
+PlannedLaws = Annotated[
+    str | None,
+    typer.Option(
+        "--law",
+        "--laws",
+        help="What to tell apart, e.g. coulomb,viscous; the laws of the rig file if not given.",
+    ),
+]
 
 Data = Annotated[
     list[Path] | None,

@@ -7,6 +7,7 @@ from typing import Any
 
 from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.laws import LawAsked, rig_and_law
+from stickslip.cli.numbers import range_of
 from stickslip.cli.output import (
     document,
     json_text,
@@ -131,8 +132,7 @@ def _limits(mechanism: Mechanism, given: Mapping[str, str | None]) -> Limits:
 def _interval(mechanism: Mechanism, law: FrictionLaw, text: str) -> tuple[str, tuple[float, float]]:
     """Read ``path=low..high``, with units or in SI."""
     path, equals, ends = text.partition("=")
-    low, dots, high = ends.partition("..")
-    if not (equals and dots and path.strip() and low.strip() and high.strip()):
+    if not (equals and ".." in ends and path.strip()):
         raise InputError(
             "--interval takes PATH=LOW..HIGH such as friction.kinetic_coefficient=0.15..0.25,"
             f" got {text!r}."
@@ -143,20 +143,7 @@ def _interval(mechanism: Mechanism, law: FrictionLaw, text: str) -> tuple[str, t
         for full, quantity, _ in parameters(root, prefix)
     }
     full = full_path(path.strip(), list(known))
-    try:
-        first, last = (_number(end.strip(), known[full]) for end in (low, high))
-    except ParameterError as error:
-        raise ParameterError(f"--interval {full} {error}") from None
-    return full, (first, last)
-
-
-def _number(text: str, quantity: Quantity) -> float:
-    """Return a number in SI, given plainly or with a unit."""
-    try:
-        plain: str | float = float(text)
-    except ValueError:
-        plain = text
-    return read_number(plain, quantity)
+    return full, range_of(f"--interval {full}", ends, known[full])
 
 
 def _files(found: Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]:

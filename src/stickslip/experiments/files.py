@@ -71,6 +71,7 @@ def read_rig(
         given=known.given,
         assumed=known.assumed,
         unknown=_unknown(table.mechanism),
+        doubts=_doubts(table.mechanism),
         measurement=_measured(table, mechanism, reading, file),
         validate=_files([table.data.second], mechanism, replace(reading, conditions=()), file),
         reading=reading,
@@ -105,6 +106,15 @@ def _unknown(mechanism: Table) -> tuple[str, ...]:
         for name, value in mechanism.given().items()
         if isinstance(value, Given) and value.marked
     )
+
+
+def _doubts(mechanism: Table) -> dict[str, float]:
+    """Return the uncertainties of the mechanism's parameters by path."""
+    return {
+        f"{PREFIX}.{name}": value.uncertainty
+        for name, value in mechanism.given().items()
+        if isinstance(value, Given) and value.uncertainty is not None
+    }
 
 
 def _build(table: Table, key: str, file: str, overridden: Collection[str]) -> Any:
@@ -255,11 +265,12 @@ def _filed(
     label, given = f"{file}: {key}", trial.given()
     _check_keys(given, TRAVEL_ONLY, f"{label}: {{}} is for a travel, and file names a record")
     own = reading.with_changes(_reading(trial, file, key))
+    settings, doubts = _overrides(trial.set, mechanism, f"{label}.set")
     try:
         found = read_data(
             [Path(file).parent / trial.file],
             own,
-            overrides=_overrides(trial.set, mechanism, f"{label}.set"),
+            overrides=settings,
             initial=_initial(trial.initial, mechanism, f"{label}.initial"),
             name=trial.name,
             mechanism=mechanism,
@@ -271,7 +282,7 @@ def _filed(
     for record in found.records():
         check_record(mechanism, record, label)
     return tuple(
-        replace(record, conditions={**record.conditions, **trial.conditions})
+        replace(record, conditions={**record.conditions, **trial.conditions}, doubts=doubts)
         for record in found.records()
     )
 
@@ -295,29 +306,38 @@ def _record(trial: TrialTable, mechanism: Mechanism, file: str, index: int) -> M
     overrides, initial = given.pop("set", {}), given.pop("initial", {})
     if "uncertainty_kind" in given and "uncertainty" not in given:
         raise ParameterError(f"{label}.uncertainty is missing, but uncertainty_kind is given.")
+    settings, doubts = _overrides(overrides, mechanism, f"{label}.set")
     record = Measurement(
         **given,
-        overrides=_overrides(overrides, mechanism, f"{label}.set"),
+        overrides=settings,
+        doubts=doubts,
         initial=_initial(initial, mechanism, f"{label}.initial"),
     )
     check_record(mechanism, record, label)
     return record
 
 
-def _overrides(given: Mapping[str, Any], mechanism: Mechanism, label: str) -> dict[str, float]:
+def _overrides(
+    given: Mapping[str, Any], mechanism: Mechanism, label: str
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Return what a trial sets, by path, and the uncertainties of that."""
     found: dict[str, float] = {}
+    doubts: dict[str, float] = {}
     for name, value in _flat(given, ""):
         try:
             path = canonical(mechanism, name)
-            number = read_number(value, quantity_at(mechanism, path))
+            number = Number(quantity_at(mechanism, path), measured=True).read(value)
         except UnknownNameError as error:
             raise InputError(f"{label}: {error}") from None
         except ParameterError as error:
             raise ParameterError(f"{label}: {name} {error}") from None
         if path in found:
             raise InputError(f"{label}: {path} is given twice.")
-        found[path] = number
-    return found
+        assert isinstance(number, Given)
+        found[path] = number.value
+        if number.uncertainty is not None:
+            doubts[path] = number.uncertainty
+    return found, doubts
 
 
 def _initial(given: Mapping[str, Any], mechanism: Mechanism, label: str) -> dict[str, float]:
@@ -336,7 +356,7 @@ def _initial(given: Mapping[str, Any], mechanism: Mechanism, label: str) -> dict
 def _flat(given: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
     """Yield dotted paths: TOML makes tables of a dotted key that is not in quotes."""
     for name, value in given.items():
-        if isinstance(value, dict):
+        if isinstance(value, dict) and "value" not in value:
             yield from _flat(value, f"{prefix}{name}.")
         else:
             yield f"{prefix}{name}", value

@@ -2,7 +2,7 @@
 
 import html
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, final
 
 from typing_extensions import override
@@ -76,8 +76,11 @@ class Rig:
         By law, the fields whose values are assumed and not measured.
     unknown : tuple of str
         Parameters of the mechanism that fits look for too, by path or last name.
+    doubts : mapping of str to float
+        Standard uncertainties of parameters of the mechanism, by path or last name; of what a
+        trial sets, each trial has one of its own.
     measurement : Measurement, optional
-        What was measured.
+        What was measured, to which the doubts are added.
     validate : Measurement, optional
         A second record, which no fit sees.
     reading : Reading
@@ -117,6 +120,7 @@ class Rig:
     given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     unknown: tuple[str, ...] = ()
+    doubts: Mapping[str, float] = field(default_factory=dict)
     measurement: Measurement | None = None
     validate: Measurement | None = None
     reading: Reading = field(default_factory=Reading)
@@ -148,9 +152,25 @@ class Rig:
                 raise UnknownNameError("law in Rig.assumed", name, self.laws)
         paths = tuple(canonical(self.mechanism, name) for name in self.unknown)
         object.__setattr__(self, "unknown", paths)
+        doubts = {canonical(self.mechanism, name): one for name, one in self.doubts.items()}
+        object.__setattr__(self, "doubts", doubts)
+        if self.measurement is not None and doubts:
+            object.__setattr__(self, "measurement", self.doubting(self.measurement))
         records = () if self.measurement is None else self.measurement.records()
         for index, record in enumerate(records):
             check_record(self.mechanism, record, f"trial {record.name or index}")
+
+    def doubting(self, measurement: Measurement) -> Measurement:
+        """Return a measurement of this rig with the doubts of its mechanism beside its own.
+
+        Examples
+        --------
+        >>> from stickslip import SpringBlock
+        >>> rig = Rig(mechanism=SpringBlock(mass=1.0), doubts={"mass": 0.01})
+        >>> rig.doubting(Measurement(travel=0.2)).doubts
+        {'mechanism.mass': 0.01}
+        """
+        return replace(measurement, doubts={**self.doubts, **measurement.doubts})
 
     def _lines(self) -> tuple[str, ...]:
         """Return what moves, which laws are known and what was measured, a line each."""

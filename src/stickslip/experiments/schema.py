@@ -77,7 +77,9 @@ class TrialTable(ReadTable):
     uncertainty_kind: Literal["rounding", "standard", "interval"] = "standard"
     name: str = ""
     provenance: str = ""
-    set: dict[str, Any] = Field(default={}, description="parameter path: value in this trial")
+    set: dict[str, Any] = Field(
+        default={}, description="parameter path: value in this trial, perhaps with its uncertainty"
+    )
     initial: dict[str, Any] = Field(default={}, description="state name: value at the start")
     conditions: dict[str, float | str] = Field(
         default={}, description="what else was different, by name: a number or a text"
@@ -173,7 +175,9 @@ def rig_table(
     A mechanism of the user's, with its ``type``, and more laws may come to them.
     """
     known = {**mechanisms(), **({} if own is None else dict([own]))}
-    options = choice({name: table_of(cls, name, UNKNOWN) for name, cls in known.items()})
+    options = choice(
+        {name: table_of(cls, name, UNKNOWN, measured=True) for name, cls in known.items()}
+    )
     friction = friction_table(laws)
     return create_model(
         "Rig", __base__=RigTable, mechanism=(options, ...), friction=(friction, friction())

@@ -25,6 +25,9 @@ from stickslip.quantities import Parametrised, Quantity, fields_of
 
 __all__ = ["Given", "Number", "Table", "choice", "table_of"]
 
+UNCERTAINTY = "uncertainty"
+"""Key of the standard uncertainty of a number."""
+
 
 @dataclasses.dataclass(frozen=True)
 class Given:
@@ -32,6 +35,8 @@ class Given:
 
     value: float
     marked: bool
+    uncertainty: float | None = None
+    """Its standard uncertainty, in the unit of the number."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -43,24 +48,48 @@ class Number:
     """What may be said of it, such as ``"assumed"``: ``{ value = ..., assumed = true }``."""
     alternatives: tuple[Quantity, ...] = ()
     """Other ranges that would do, where several owners share the field."""
+    measured: bool = False
+    """Whether it may have an uncertainty: ``{ value = ..., uncertainty = "2 %" }``."""
 
     def read(self, value: Any) -> float | Given:
-        """Return the number in SI, with its mark where it may have one."""
-        if not self.mark:
+        """Return the number in SI, with its mark and its uncertainty where it may have them."""
+        keys = (*([self.mark] if self.mark else []), *([UNCERTAINTY] if self.measured else []))
+        if not keys:
             return self._number(value)
         marked: object = False
+        doubt: object = None
         if isinstance(value, dict):
-            if "value" not in value or set(value) - {"value", self.mark}:
+            if "value" not in value or set(value) - {"value", *keys}:
                 raise ParameterError(
-                    f"({self.quantity.symbol}) as a table must have the keys value and {self.mark},"
-                    f" got {', '.join(map(repr, value)) or 'none'}."
+                    f"({self.quantity.symbol}) as a table must have the keys value and"
+                    f" {' or '.join(keys)}, got {', '.join(map(repr, value)) or 'none'}."
                 )
-            value, marked = value["value"], value.get(self.mark, False)
+            marked, doubt = value.get(self.mark, False), value.get(UNCERTAINTY)
+            value = value["value"]
         if not isinstance(marked, bool):
             raise ParameterError(
                 f"({self.quantity.symbol}) has {self.mark} = {shown(marked)}: write true or false."
             )
-        return Given(self._number(value), marked)
+        if marked and doubt is not None:
+            raise ParameterError(
+                f"({self.quantity.symbol}) has {self.mark} = true and an uncertainty: what is"
+                " fitted has none before. Leave one of them out."
+            )
+        number = self._number(value)
+        return Given(number, marked, None if doubt is None else self._doubt(doubt, number))
+
+    def _doubt(self, given: object, value: float) -> float:
+        """Return a standard uncertainty in the unit of the value, of which it may be a share."""
+        symbol = f"u_{self.quantity.symbol}"
+        if isinstance(given, str) and given.rstrip().endswith("%"):
+            share = read_number(given, Quantity(symbol, "1", above=0))
+            if value == 0.0:
+                raise ParameterError(
+                    f"({symbol}) is {given.strip()} of a value of 0: give it in"
+                    f" {self.quantity.unit}."
+                )
+            return share * abs(value)
+        return read_number(given, Quantity(symbol, self.quantity.unit, above=0))
 
     def _number(self, value: object) -> float:
         try:
@@ -85,8 +114,15 @@ class Number:
             number["exclusiveMinimum"] = quantity.above
         plain = [number, {"type": "string", "description": "number with a unit"}]
         kinds: list[dict[str, Any]] = list(plain)
+        members: dict[str, Any] = {"value": {"anyOf": plain}}
         if self.mark:
-            members = {"value": {"anyOf": plain}, self.mark: {"type": "boolean", "default": False}}
+            members[self.mark] = {"type": "boolean", "default": False}
+        if self.measured:
+            members[UNCERTAINTY] = {
+                "anyOf": [{"type": "number", "exclusiveMinimum": 0}, plain[1]],
+                "description": "standard uncertainty, with its unit or in % of the value",
+            }
+        if len(members) > 1:
             kinds.append(
                 {
                     "type": "object",
@@ -170,16 +206,19 @@ class _Numbers:
 
 
 @functools.cache  # Registries do not change while a program runs.
-def table_of(cls: type, kind: str, mark: str = "", moved: str = "") -> type[Table]:
+def table_of(
+    cls: type, kind: str, mark: str = "", moved: str = "", measured: bool = False
+) -> type[Table]:
     """Return the table of a mechanism or drive; `kind` is what its ``type`` must say.
 
-    With a `mark`, that may be said of its own numbers. What is `moved`, in m or in rad, decides
+    With a `mark`, that may be said of its own numbers, and where they are `measured` they may have
+    an uncertainty. What is `moved`, in m or in rad, decides
     between the units of a motor or a profile; without it both will do.
     """
     fields: dict[str, Any] = {"type": (Literal[kind], ...)}
     for field in dataclasses.fields(cls):
         default = ... if field.default is dataclasses.MISSING else field.default
-        fields[field.name] = (_hint(cls, field.name, mark, moved), default)
+        fields[field.name] = (_hint(cls, field.name, mark, moved, measured), default)
     model = create_model(f"{cls.__name__}_{moved}".rstrip("_"), __base__=Table, **fields)
     model.__doc__ = (cls.__doc__ or "").strip().partition("\n")[0]
     model.target = cls
@@ -194,14 +233,15 @@ def choice(tables: Mapping[str, type[Table]]) -> Any:
     return Annotated[Union[options], Field(discriminator="type")]  # noqa: UP007  # the options are found at run time
 
 
-def _hint(cls: type[Parametrised], name: str, mark: str, moved: str) -> Any:
+def _hint(cls: type[Parametrised], name: str, mark: str, moved: str, measured: bool) -> Any:
     quantity = fields_of(cls).get(name)
     if quantity is not None:
         straight = dataclasses.replace(quantity, unit=quantity.or_unit or quantity.unit)
         if moved:
-            return Annotated[Any, Number(straight if moved == "m" else quantity, mark=mark)]
+            of_motion = straight if moved == "m" else quantity
+            return Annotated[Any, Number(of_motion, mark=mark, measured=measured)]
         others = (straight,) if quantity.or_unit else ()
-        return Annotated[Any, Number(quantity, mark=mark, alternatives=others)]
+        return Annotated[Any, Number(quantity, mark=mark, alternatives=others, measured=measured)]
     hint = typing.get_type_hints(cls, include_extras=True)[name]
     if hint == tuple[float, ...]:
         return Annotated[Any, _Numbers()]

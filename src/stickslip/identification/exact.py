@@ -2,12 +2,16 @@
 
 import math
 from collections.abc import Callable, Collection
+from dataclasses import replace
+
+import numpy as np
 
 from stickslip.errors import ConvergenceError
 from stickslip.friction import FrictionLaw
 from stickslip.identification.bracketing import NEAR, positive_root, positive_roots
+from stickslip.identification.propagation import covariance_of, propagated
 from stickslip.identification.results import Estimate, TravelFit
-from stickslip.identification.travel import TravelModel, Trial
+from stickslip.identification.travel import TravelModel, Trial, standard_errors
 from stickslip.quantities import Quantity, fields_of, parameters
 
 __all__ = ["INTERVALS", "fit_one", "room_for"]
@@ -15,6 +19,8 @@ __all__ = ["INTERVALS", "fit_one", "room_for"]
 INTERVALS = {"rounding": "rounding range", "interval": "stated interval", "standard": "95 %"}
 """What the interval of an estimate is called, by the kind of uncertainty of the reading."""
 NORMAL_95 = 1.959963984540054
+STEP = 1e-4
+"""Step of a finite difference over the value; see `least_squares`."""
 
 
 def fit_one(model: TravelModel, trial: Trial) -> TravelFit:
@@ -35,15 +41,25 @@ def fit_one(model: TravelModel, trial: Trial) -> TravelFit:
             f" {trial.travel:g} m; with {start:g} it is {model.travel(trial, [start]):.4g} m."
         )
     best, *others = found
-    spread = trial.half_width * (NORMAL_95 if trial.kind == "standard" else 1.0)
+    half_width, kind, sources = trial.half_width, trial.kind, {}
+    doubts = propagated(model, [trial], [best])
+    errors, stated = standard_errors([trial])
+    if stated and (doubts.own or doubts.shared):
+        # a range that readings cannot leave joins standard errors as one of them
+        total = covariance_of(doubts.scatter(errors), doubts.shared)
+        half_width, kind = math.sqrt(float(total[0, 0])), "standard"
+        slope = model.travel(trial, [best * (1.0 + STEP)]) - model.travel(trial, [best])
+        (sources,) = doubts.sources(errors, np.array([[STEP * best / slope]]))
+    spread = half_width * (NORMAL_95 if kind == "standard" else 1.0)
     ends = [
         positive_root(miss(trial.travel + side * spread), best, low=low, high=high, reach=NEAR)
         for side in (-1.0, 1.0)
     ]
+    one = _estimate(path, quantity, best, ends if spread else [], kind)
     return TravelFit(
         law=model.with_values([best]),
         mechanism=trial.mechanism,
-        estimates=(_estimate(path, quantity, best, ends if spread else [], trial.kind),),
+        estimates=(replace(one, sources=sources),),
         measured=(trial.travel,),
         predicted=(model.travel(trial, [best]),),
         runs=model.runs,

@@ -1,7 +1,8 @@
 """Several travels: weighted least squares, with intervals from the readings' standard errors."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
@@ -9,12 +10,13 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, ParameterError, SimulationError
 from stickslip.identification.exact import room_for
+from stickslip.identification.propagation import Propagated, covariance_of, propagated
 from stickslip.identification.results import Estimate, TravelFit, variance_of
 from stickslip.identification.starts import Start, starting_points
 from stickslip.identification.travel import TravelModel, Trial, standard_errors
 from stickslip.quantities import Quantity, parameters
 
-__all__ = ["fit_several"]
+__all__ = ["expected_fit", "fit_several"]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -44,6 +46,10 @@ def fit_several(
     is estimated from the residuals, and t has as many degrees of freedom as there are readings more
     than parameters; see `TravelFit.variance`.
 
+    Uncertainties of the mechanism make the covariance of the travels, at a first fit without those
+    that trials share: what was set for each trial adds to its variance, what trials share moves
+    them together. Residuals tell nothing of the latter, which is never scaled by them.
+
     Parameters
     ----------
     model : TravelModel
@@ -70,11 +76,33 @@ def fit_several(
         raise ConvergenceError(
             f"no values of {', '.join(model.free)} were found with which every trial can be run."
         )
+    if problem.weighed(best):
+        best = min(best, problem.polished(best, REFINED), key=problem.cost)
+    return problem.fit(best)
+
+
+def expected_fit(model: TravelModel, trials: Sequence[Trial], values: Sequence[float]) -> TravelFit:
+    """Return the fit to travels that values of the free parameters give: its intervals to expect.
+
+    Parameters
+    ----------
+    model : TravelModel
+        The law, and which of its parameters are free.
+    trials : sequence of Trial
+        Settings with standard errors and uncertainties; what was measured there is not looked at.
+    values : sequence of float
+        Values of the free parameters.
+    """
+    measured = model.travels(trials, values)
+    pairs = zip(trials, measured.tolist(), strict=True)
+    problem = _Problem(model, [replace(trial, travel=travel) for trial, travel in pairs])
+    best = problem.unknowns(values)
+    problem.weighed(best)
     return problem.fit(best)
 
 
 class _Problem:
-    """Residuals over standard errors, as a function of unknowns that keep a law's inequalities.
+    """Whitened residuals, as a function of unknowns that keep a law's inequalities.
 
     An unknown is the parameter itself, or how much it lies above another free parameter that it
     must not fall below.
@@ -83,7 +111,12 @@ class _Problem:
     def __init__(self, model: TravelModel, trials: Sequence[Trial]) -> None:
         self.model, self.trials = model, trials
         self.measured = np.array([trial.travel for trial in trials])
-        self.errors, self.stated = standard_errors(trials)
+        self.readings, self.stated = standard_errors(trials)
+        """Standard errors of the readings alone (n,)."""
+        self.spread = Propagated(own={}, shared={})
+        """What the uncertainties of the mechanism make of the travels."""
+        self.whitening = np.diag(1.0 / self.readings)
+        """Makes uncorrelated residuals of variance 1 (n, n)."""
         known = parameters(model.law, "friction")
         self.known: dict[str, tuple[Quantity, float]] = {p: (q, v) for p, q, v in known}
         self.scale = np.array([self.known[path][1] or 0.1 for path in model.free])
@@ -109,17 +142,34 @@ class _Problem:
         clipped: Array = np.clip(found, self.least, self.high)
         return clipped
 
-    def residuals(self, unknowns: Array) -> Array:
-        """Return measured less predicted travels over their standard errors (n,)."""
+    def weighed(self, unknowns: Array) -> bool:
+        """Weigh residuals by what the mechanism's uncertainties make of them; False without any."""
+        if not any((*trial.doubts, *trial.shared) for trial in self.trials):
+            return False
+        values = (self.matrix @ unknowns).tolist()
+        self.spread = propagated(self.model, self.trials, values)
+        scatter = self.spread.scatter(self.readings)
+        root = np.linalg.cholesky(covariance_of(scatter, self.spread.shared))
+        self.whitening = np.linalg.inv(root)
+        return True
+
+    def predicted(self, unknowns: Array) -> Array:
+        """Return the travels [m] (n,); NaN where a run cannot be made."""
         key = tuple(unknowns.tolist())
         if key not in self._seen:
             values = (self.matrix @ unknowns).tolist()
             try:
-                predicted = self.model.travels(self.trials, values)
+                self._seen[key] = self.model.travels(self.trials, values)
             except (SimulationError, ParameterError):
-                return np.full(len(self.trials), FAILED)
-            self._seen[key] = (self.measured - predicted) / self.errors
+                self._seen[key] = np.full(len(self.trials), math.nan)
         return self._seen[key]
+
+    def residuals(self, unknowns: Array) -> Array:
+        """Return measured less predicted travels, whitened (n,)."""
+        left = self.measured - self.predicted(unknowns)
+        if not np.all(np.isfinite(left)):
+            return np.full(len(self.trials), FAILED)
+        return np.asarray(self.whitening @ left)
 
     def cost(self, unknowns: Array) -> float:
         return float(np.sum(self.residuals(unknowns) ** 2))
@@ -161,57 +211,79 @@ class _Problem:
         """Return what the best unknowns are, with intervals."""
         residuals = self.residuals(best)
         values = (self.matrix @ best).tolist()
-        errors, condition, correlation = self._errors(best)
+        gain, condition = self._gain(best)
         freedom = len(residuals) - len(values)
         variance = variance_of(float(np.sum(residuals**2)), freedom, stated=self.stated)
-        found = zip(self.model.free, values, errors.tolist(), self.scale.tolist(), strict=True)
+        scatter = self.spread.scatter(self.readings)
+        doubtful = bool(self.spread.own or self.spread.shared)
+        sources = self.spread.sources(self.readings, gain)
+        found = [
+            self._estimate(path, value, scale, variance, source, stated=doubtful)
+            for path, value, scale, source in zip(
+                self.model.free, values, self.scale.tolist(), sources, strict=True
+            )
+        ]
         return TravelFit(
             law=self.model.with_values(values),
             mechanism=self.trials[0].mechanism,
-            estimates=tuple(self._estimate(*one, variance) for one in found),
+            estimates=tuple(found),
             measured=tuple(self.measured.tolist()),
-            predicted=tuple((self.measured - residuals * self.errors).tolist()),
-            standard_errors=tuple(self.errors.tolist()),
+            predicted=tuple(self.predicted(best).tolist()),
+            standard_errors=tuple(scatter.tolist()),
+            shared={path: tuple(part.tolist()) for path, part in self.spread.shared.items()},
             stated=self.stated,
             condition=condition,
-            correlation=tuple(map(tuple, correlation.tolist())),
+            correlation=_correlation(gain, covariance_of(scatter, self.spread.shared)),
             trials=tuple(self.trials),
             runs=self.model.runs,
         )
 
-    def _errors(self, best: Array) -> tuple[Array, float, Array]:
-        """Return standard errors of the values (p,), condition of the scaled Jacobian, correlation.
+    def _gain(self, best: Array) -> tuple[Array, float]:
+        """Return derivatives of values by travels (p, n), and the condition of the scaled Jacobian.
 
-        A direction that the travels do not determine has an infinite error, not none.
+        A value on which a direction bears that the travels do not determine has infinite ones.
         """
         jacobian = self.jacobian(best) @ np.linalg.inv(self.matrix)
         sizes = np.linalg.norm(jacobian, axis=0)
         if not np.all(np.isfinite(jacobian)) or not np.all(sizes > 0.0):
-            return np.full(len(best), np.inf), math.inf, np.eye(len(best))
-        _, singular, rows = np.linalg.svd(jacobian / sizes, full_matrices=False)
+            return np.full(jacobian.shape[::-1], np.inf), math.inf
+        left, singular, rows = np.linalg.svd(jacobian / sizes, full_matrices=False)
         condition = float(singular[0] / max(singular[-1], 1e-300))
         inverse = np.where(singular > FLAT * singular[0], 1.0 / np.maximum(singular, 1e-300), 0.0)
         cut = np.abs(rows[inverse == 0.0]).max(axis=0, initial=0.0) > FLAT
-        spread = np.linalg.norm(rows * inverse[:, None], axis=0)
-        unit = rows * inverse[:, None] / np.where(spread > 0.0, spread, 1.0)
-        correlation = unit.T @ unit
-        np.fill_diagonal(correlation, 1.0)
-        return np.where(cut, np.inf, spread / sizes), condition, correlation
+        # the Jacobian is that of residuals, which fall as a prediction rises
+        gain = -(rows.T * inverse / sizes[:, None]) @ left.T @ self.whitening
+        return np.where(cut[:, None], np.inf, gain), condition
 
     def _estimate(
-        self, path: str, value: float, error: float, scale: float, variance: tuple[float, float]
+        self,
+        path: str,
+        value: float,
+        scale: float,
+        variance: tuple[float, float],
+        sources: Mapping[str, float],
+        *,
+        stated: bool,
     ) -> Estimate:
         """Return an estimate with its interval by Student's t; see `fit_several`."""
         from scipy import stats
 
         factor, freedom = variance
+        sources = {
+            name: part * (1.0 if name in self.spread.shared else math.sqrt(factor))
+            for name, part in sources.items()
+        }
+        common = math.hypot(*(sources[name] for name in self.spread.shared))
+        own = math.hypot(*(sources[name] for name in sources if name not in self.spread.shared))
+        error = math.hypot(common, own)
         reason = ""
         if freedom == 0:
             spread, reason = math.inf, "no reading is left over to estimate the uncertainty from"
         elif not math.isfinite(error) or error > 1e6 * max(abs(value), scale):
             spread, reason = math.inf, "the trials do not depend on it enough"
         else:
-            spread = float(stats.t.ppf(0.975, freedom)) * error * math.sqrt(factor)
+            scattered = float(stats.t.ppf(0.975, freedom)) * own
+            spread = math.hypot(scattered, float(stats.norm.ppf(0.975)) * common)
         quantity = self.known[path][0]
         least = max(quantity.low, quantity.above or 0.0, 0.0)
         return Estimate(
@@ -222,4 +294,18 @@ class _Problem:
             high=value + spread,
             interval="95 %",
             reason=reason,
+            sources=sources if stated and not reason else {},
         )
+
+
+def _correlation(gain: Array, covariance: Array) -> tuple[tuple[float, ...], ...]:
+    """Return the correlation of estimates (p, p) from that of travels (n, n) and the gain (p, n).
+
+    It is 0 with what the travels do not tell.
+    """
+    known = np.where(np.isfinite(gain), gain, 0.0)
+    table = known @ covariance @ known.T
+    sizes = np.sqrt(np.diag(table))
+    table = table / np.outer(np.where(sizes > 0.0, sizes, 1.0), np.where(sizes > 0.0, sizes, 1.0))
+    np.fill_diagonal(table, 1.0)
+    return tuple(map(tuple, table.tolist()))

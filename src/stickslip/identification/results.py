@@ -4,24 +4,27 @@ import html
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from typing_extensions import override
 
 from stickslip.digits import NO_BREAK_SPACE, interval, significant, within
 from stickslip.experiments.estimates import HARD, LawEstimates, Levels, levels_at, spread_of
 from stickslip.experiments.writing import rig_toml
 from stickslip.friction import FrictionLaw
+from stickslip.identification.propagation import covariance_of
 from stickslip.identification.travel import Trial
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters
 from stickslip.simulation import simulate
 
 __all__ = ["Estimate", "Fit", "TravelFit", "estimates_for", "variance_of"]
+
+Array: TypeAlias = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +45,9 @@ class Estimate:
     """What the interval is: ``"rounding range"``, ``"stated interval"`` or ``"95 %"``."""
     reason: str = ""
     """Why an end is infinite, in words."""
+    sources: Mapping[str, float] = field(default_factory=dict)
+    """Standard errors by where they come from: ``"readings"``, and parameters of the mechanism by
+    path; empty where no uncertainty of the mechanism was stated."""
 
     @property
     def bounded(self) -> bool:
@@ -84,6 +90,7 @@ class Estimate:
             "high": self.high if math.isfinite(self.high) else None,
             "interval": self.interval,
             "reason": self.reason,
+            **({"standard_error_from": dict(self.sources)} if self.sources else {}),
         }
 
 
@@ -276,7 +283,11 @@ class TravelFit(Fit):
     others: tuple[float, ...] = ()
     """Further values of a single free parameter that give the same travel."""
     standard_errors: tuple[float, ...] = ()
-    """Standard errors of several travels [m]: as stated, or else lower bounds."""
+    """Standard errors of several travels [m]: as stated, or else lower bounds; with those of what
+    was set for each trial by hand."""
+    shared: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    """How far the standard uncertainty of a parameter that trials share moves each travel [m], by
+    path."""
     stated: bool = True
     """Whether an uncertainty of the travels was stated."""
     condition: float = 1.0
@@ -319,14 +330,38 @@ class TravelFit(Fit):
         return len(self.measured) - len(self.estimates)
 
     @property
+    def travel_covariance(self) -> Array:
+        """Covariance of several travels (n, n) [m^2], with what trials share."""
+        shared = {path: np.array(part) for path, part in self.shared.items()}
+        return covariance_of(np.array(self.standard_errors), shared)
+
+    @property
     def standardised(self) -> tuple[float, ...]:
-        """Residuals over the standard errors of several travels, one a trial."""
-        return tuple(r / e for r, e in zip(self.residuals, self.standard_errors, strict=True))
+        """Residuals over the standard deviations of several travels, one a trial."""
+        spread = np.sqrt(np.diag(self.travel_covariance)).tolist()
+        return tuple(r / e for r, e in zip(self.residuals, spread, strict=True))
 
     @property
     def chi_square(self) -> float:
-        """Sum of squares of `standardised`."""
-        return sum(one * one for one in self.standardised)
+        """Residuals squared over their covariance.
+
+        Where trials share no uncertainty, it is the sum of squares of `standardised`.
+        """
+        if not self.standard_errors:
+            return 0.0
+        residuals = np.array(self.residuals)
+        return float(residuals @ np.linalg.solve(self.travel_covariance, residuals))
+
+    @property
+    def log_determinant(self) -> float:
+        """Logarithm of the determinant of the covariance over that of uncorrelated micrometres.
+
+        It is the part of minus twice the log-likelihood that `chi_square` leaves out, which is the
+        same for all laws where the mechanism is known.
+        """
+        if not self.standard_errors:
+            return 0.0
+        return float(np.linalg.slogdet(1e12 * self.travel_covariance)[1])
 
     @property
     def variance(self) -> tuple[float, float]:

@@ -16,7 +16,15 @@ from stickslip.identification.travel import TravelModel, Trial
 from stickslip.quantities import fields_of, vary
 from stickslip.simulation import ensemble, simulate
 
-__all__ = ["Start", "check_known", "required_of", "starting_law", "starting_points", "with_known"]
+__all__ = [
+    "Start",
+    "check_known",
+    "doubling_slope",
+    "required_of",
+    "starting_law",
+    "starting_points",
+    "with_known",
+]
 
 Start: TypeAlias = Sequence[float]
 """Values of the free parameters where a search begins."""
@@ -85,7 +93,9 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     table = np.array([_travels(model, trials, row) for row in rows])
     costs = _costs(table, trials)
     best = rows[int(np.argmin(costs))]
-    centre |= {p: _slope(model, trials, best) for p in others if names[p] == "viscous_coefficient"}
+    centre |= {
+        p: doubling_slope(model, trials, best) for p in others if names[p] == "viscous_coefficient"
+    }
     scanned = len(others) <= 1 and span is LEVELS and not isinstance(model.law, BristleLaw)
     if scanned and _branched(table):
         return _best(*_dense(model, trials, ends, centre))
@@ -108,7 +118,7 @@ def _least(model: TravelModel, path: str, centre: float) -> float:
     return centre if quantity.above is not None or quantity.at_least is not None else 0.0
 
 
-def _slope(model: TravelModel, trials: Sequence[Trial], values: Start) -> float:
+def doubling_slope(model: TravelModel, trials: Sequence[Trial], values: Start) -> float:
     """Return the slope [N s/m] that doubles the friction of a law at the largest speed of a run."""
     trial = max(trials, key=lambda one: abs(one.travel))
     law = model.with_values(values)

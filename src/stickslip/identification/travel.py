@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from typing import TypeAlias
 
@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.experiments.paths import canonical
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import vary
+from stickslip.quantities import parameters, vary
 from stickslip.simulation import simulate
 
 __all__ = ["TravelModel", "Trial", "standard_errors", "trials_of"]
@@ -37,6 +38,14 @@ class Trial:
     """Uncertainty of the travel [m]; 0 if none was given."""
     kind: str = "standard"
     """What the uncertainty is, as in `Measurement`."""
+    doubts: Mapping[str, float] = field(default_factory=dict)
+    """Standard uncertainties of the mechanism's parameters that are of this trial alone."""
+    shared: Mapping[str, float] = field(default_factory=dict)
+    """Those that all trials share."""
+
+    def with_mechanism(self, mechanism: Mechanism) -> "Trial":
+        """Return the trial as if it had been made with another mechanism."""
+        return replace(self, mechanism=mechanism)
 
     def start(self, law: FrictionLaw) -> Mapping[str, float]:
         """Return the initial states that a mechanism with a law has."""
@@ -56,25 +65,47 @@ def trials_of(mechanism: Mechanism, measurement: Measurement) -> tuple[Trial, ..
     Raises
     ------
     InputError
-        If a record has no travel.
+        If a record has no travel, or an uncertainty is of no parameter.
     """
     trials = []
-    for record in measurement.records():
+    records = measurement.records()
+    common = _doubts(mechanism, measurement.doubts) if measurement.trials else {}
+    # What any trial sets was set anew for each of them; what none sets is one number for all.
+    anew = {path for record in records for path in record.overrides}
+    shared = {path: one for path, one in common.items() if path not in anew}
+    by_hand = {path: one for path, one in common.items() if path in anew}
+    for record in records:
         if record.travel is None:
             raise InputError(
                 f"this fit uses travels, and record {record.name or 'without a name'!r} has none;"
                 f" it has {', '.join(record.quantities())}."
             )
+        changed = vary(mechanism, "mechanism", record.overrides)
+        own = {**by_hand, **_doubts(changed, record.doubts)}
         trials.append(
             Trial(
-                mechanism=vary(mechanism, "mechanism", record.overrides),
+                mechanism=changed,
                 initial=record.initial,
                 travel=float(record.travel),
                 half_width=float(record.uncertainty.get("travel", 0.0)),
                 kind=record.uncertainty_kind,
+                doubts=own,
+                shared={path: one for path, one in shared.items() if path not in own},
             )
         )
     return tuple(trials)
+
+
+def _doubts(mechanism: Mechanism, given: Mapping[str, float]) -> dict[str, float]:
+    """Return uncertainties by full path, of parameters that have a value."""
+    known = {path for path, _, _ in parameters(mechanism, "mechanism")}
+    found = {canonical(mechanism, path): doubt for path, doubt in given.items()}
+    for path in found:
+        if path not in known:
+            raise InputError(
+                f"{path} has an uncertainty, but {type(mechanism).__name__} has no value of it."
+            )
+    return found
 
 
 def standard_errors(trials: Sequence[Trial]) -> tuple[Array, bool]:

@@ -24,12 +24,13 @@ from stickslip.report.documents import LawLine, Opening, Page, Section
 from stickslip.report.markup import inline, mathml, symbol, symbol_text
 from stickslip.report.page import render, write
 from stickslip.report.rowplots import Axis, Mark, RowPlot
-from stickslip.report.tables import Cell, Column, Correlations, Name, Number, Row, Table
+from stickslip.report.tables import Blank, Cell, Column, Correlations, Name, Number, Row, Table
 from stickslip.report.verdicts import write_report
 
 __all__ = [
     "Animation",
     "Axis",
+    "Blank",
     "Block",
     "Caption",
     "Cell",

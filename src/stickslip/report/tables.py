@@ -8,7 +8,7 @@ from stickslip.errors import InputError
 from stickslip.report import markup
 from stickslip.report.rowplots import Axis, RowPlot
 
-__all__ = ["Cell", "Column", "Correlations", "Name", "Number", "Row", "Table"]
+__all__ = ["Blank", "Cell", "Column", "Correlations", "Name", "Number", "Row", "Table"]
 
 _MANY_ROWS: Final = 12
 
@@ -60,7 +60,26 @@ class Name:
     aside: str = ""
 
 
-Cell: TypeAlias = str | Number | Name | RowPlot
+@final
+@dataclass(frozen=True, kw_only=True)
+class Blank:
+    """A cell to write into by hand.
+
+    Parameters
+    ----------
+    what : str
+        What is written there, for who cannot see the line.
+
+    Examples
+    --------
+    >>> Blank(what="travel").what
+    'travel'
+    """
+
+    what: str
+
+
+Cell: TypeAlias = str | Number | Name | Blank | RowPlot
 """What a cell may hold; plain text has the markup of `stickslip.report.markup.inline`."""
 
 
@@ -109,7 +128,7 @@ class Row:
 
     Parameters
     ----------
-    cells : tuple of str, Number, Name or RowPlot
+    cells : tuple of str, Number, Name, Blank or RowPlot
         One for each column.
     chosen : bool
         Whether it is the model that the page recommends.
@@ -277,7 +296,10 @@ def _check(column: Column, cell: Cell) -> None:
         if cell.axis is None and column.axis is None:
             raise InputError(f"Table: the plots of column {column.head!r} have no axis.")
         return
-    text = cell.value if isinstance(cell, Number) else cell.text if isinstance(cell, Name) else cell
+    if isinstance(cell, Number | Blank):
+        text = cell.value if isinstance(cell, Number) else cell.what
+    else:
+        text = cell.text if isinstance(cell, Name) else cell
     if not text.strip():
         raise InputError(
             f"Table: an empty cell in column {column.head!r}; say in words what is not known."

@@ -4,6 +4,8 @@ from stickslip.selection.criteria import Criteria, criteria_of
 from stickslip.selection.discretisation import FixedStepRow, compare_fixed_steps
 from stickslip.selection.feature_verdict import FeatureCandidate, FeatureVerdict, OtherSpeed
 from stickslip.selection.features import select_features
+from stickslip.selection.lab_sheet import Plan
+from stickslip.selection.planning import plan
 from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
 from stickslip.selection.records import PURPOSES, select_records
 from stickslip.selection.selecting import select
@@ -18,12 +20,14 @@ __all__ = [
     "FeatureVerdict",
     "FixedStepRow",
     "OtherSpeed",
+    "Plan",
     "RecordCandidate",
     "RecordVerdict",
     "TravelVerdict",
     "Verdict",
     "compare_fixed_steps",
     "criteria_of",
+    "plan",
     "select",
     "select_features",
     "select_records",

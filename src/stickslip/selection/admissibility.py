@@ -4,11 +4,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate, TravelFit
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.verdict import Candidate
 
-__all__ = ["chosen", "doubts", "improves", "mark_passed_over", "told_apart"]
+__all__ = ["chosen", "doubts", "improves", "limit_of", "mark_passed_over", "told_apart"]
 
 LEVEL = 0.975
 """Of the test. A viscous part that is not there is taken for real in 1.25 of 100 sets of readings:
@@ -20,7 +21,7 @@ def doubts(candidate: Candidate) -> dict[str, str]:
     found = {}
     for estimate in candidate.fit.estimates if candidate.fit else ():
         name = estimate.path.rpartition(".")[2]
-        limit = _limit(candidate, name)
+        limit = limit_of(candidate.fit.law, name) if candidate.fit else 0.0
         if not estimate.bounded:
             found[name] = "not bounded by these trials"
         elif estimate.low <= limit:
@@ -28,10 +29,16 @@ def doubts(candidate: Candidate) -> dict[str, str]:
     return found
 
 
-def _limit(candidate: Candidate, name: str) -> float:
-    """Return the lowest value that a parameter may have beside the others."""
-    assert candidate.fit is not None
-    law = candidate.fit.law
+def limit_of(law: FrictionLaw, name: str) -> float:
+    """Return the lowest value that a parameter of a law may have beside the others.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> law = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.3)
+    >>> limit_of(law, "kinetic_coefficient"), limit_of(law, "static_coefficient")
+    (0.0, 0.2)
+    """
     quantity = fields_of(type(law))[name]
     limits = [quantity.low, quantity.above or 0.0]
     if quantity.at_least is not None:
@@ -65,7 +72,9 @@ def improves(richer: TravelFit, simpler: TravelFit, extra: int) -> bool:
         return False
     known = math.isinf(freedom)
     needed = stats.chi2.ppf(LEVEL, extra) if known else extra * stats.f.ppf(LEVEL, extra, freedom)
-    return simpler.chi_square - richer.chi_square > factor * float(needed)
+    drop = (simpler.chi_square - richer.chi_square) / factor
+    # uncertain settings move the travels of each law by as much as that law says
+    return drop + simpler.log_determinant - richer.log_determinant > float(needed)
 
 
 def chosen(candidates: Sequence[Candidate]) -> Candidate | None:

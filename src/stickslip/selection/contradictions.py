@@ -5,8 +5,11 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from stickslip.experiments.wording import number
-from stickslip.identification.travel import Trial, standard_errors
+from stickslip.identification.travel import Trial
 from stickslip.quantities import parameters
 from stickslip.selection.verdict import Candidate, misfit
 
@@ -48,16 +51,16 @@ def contradiction(trials: Sequence[Trial], closest: Candidate) -> Contradiction 
     """
     if closest.fit is None or len(trials) < 2:
         return None
-    repeats = _repeats(trials)
+    errors, stated = np.array(closest.fit.standard_errors), closest.fit.stated
+    repeats = _repeats(trials, errors, stated=stated)
     if repeats is not None:
         return repeats
-    errors, stated = standard_errors(trials)
     residuals, freedom = closest.fit.residuals, closest.fit.freedom
     if freedom <= 0:
         return None
     size = math.sqrt(sum(t.travel**2 for t in trials) / len(trials))
     left = math.sqrt(sum(r * r for r in residuals) / freedom)
-    standardised = [r / e for r, e in zip(residuals, errors.tolist(), strict=True)]
+    standardised = closest.fit.standardised
     many = math.sqrt(sum(s * s for s in standardised) / freedom) > MANY
     if stated and not many and max(map(abs, standardised)) <= WORST:
         return None
@@ -77,9 +80,10 @@ def _mm(metres: float) -> str:
     return f"{number(1e3 * metres, 3)} mm"
 
 
-def _repeats(trials: Sequence[Trial]) -> Contradiction | None:
+def _repeats(
+    trials: Sequence[Trial], errors: NDArray[np.float64], *, stated: bool
+) -> Contradiction | None:
     """Return the repeats of one setting that contradict each other most, None if none do."""
-    errors, stated = standard_errors(trials)
     groups: dict[Hashable, list[int]] = {}
     for i, trial in enumerate(trials):
         groups.setdefault(trial.setting, []).append(i)

@@ -1,0 +1,268 @@
+"""What a plan of travels gives back: a sheet to take to the rig."""
+
+import csv
+import html
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, final
+
+from typing_extensions import override
+
+from stickslip.experiments.wording import joined, number
+from stickslip.friction import FrictionLaw
+from stickslip.identification import Estimate
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity
+from stickslip.selection.separation import Separation, setting_text
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Expectation", "Plan", "Preparation", "Telling", "in_unit", "unit_of"]
+
+
+def in_unit(value: float, unit: str, digits: int = 2) -> str:
+    """Return a number with its unit, lengths in millimetres and masses below 1 kg in grams.
+
+    Examples
+    --------
+    >>> in_unit(0.00055, "m"), in_unit(0.0046, "kg"), in_unit(0.2, "1")
+    ('0.55 mm', '4.6 g', '0.2')
+    """
+    small = unit == "m" or (unit == "kg" and abs(value) < 1.0)
+    factor, name = (1e3, {"m": "mm", "kg": "g"}[unit]) if small else (1.0, unit)
+    return f"{number(factor * value, digits)} {'' if name == '1' else name}".rstrip()
+
+
+def unit_of(unit: str) -> tuple[str, float]:
+    """Return the unit that a sheet is written in, and its numbers over those in SI.
+
+    Examples
+    --------
+    >>> unit_of("m"), unit_of("N")
+    (('mm', 1000.0), ('N', 1.0))
+    """
+    return ("mm", 1e3) if unit == "m" else (unit, 1.0)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Preparation:
+    """A parameter to measure before the runs, and how well."""
+
+    path: str
+    """Parameter path, such as ``"mechanism.stiffness"``."""
+    quantity: Quantity
+    """Symbol and unit."""
+    value: float
+    """As it stands in the rig, SI."""
+    needed: float
+    """Standard uncertainty at which it adds half as much as the readings to the level's."""
+    stated: float | None
+    """Standard uncertainty that was stated; None without."""
+    how: str
+    """How it is measured, with the resolution that is needed."""
+
+    @property
+    def name(self) -> str:
+        """What it is called, in words."""
+        return self.path.rpartition(".")[2].replace("_", " ")
+
+    @property
+    def verdict(self) -> str:
+        """Whether what was stated is as good as needed."""
+        if self.stated is None:
+            return "not stated"
+        enough = self.stated <= self.needed * (1.0 + 1e-9)
+        return f"{in_unit(self.stated, self.quantity.unit)}, {'enough' if enough else 'too large'}"
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the preparation as plain numbers and strings."""
+        return {
+            "parameter": self.path,
+            "symbol": self.quantity.symbol,
+            "unit": self.quantity.unit,
+            "value": self.value,
+            "needed_uncertainty": self.needed,
+            "stated_uncertainty": self.stated,
+            "how": self.how,
+        }
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Telling:
+    """What it takes to rule out one law where another one holds."""
+
+    holds: str
+    """Key of the law that is taken to hold."""
+    rival: str
+    """Key of the law that is to be ruled out, with its parameters fitted to the same travels."""
+    gap: float
+    """Largest difference of their travels that the fit leaves [m]."""
+    setting: Separation
+    """Where that is."""
+    repeats: int | None
+    """Runs at each setting that rule it out in nine of ten such sets; None if more than `most`."""
+    most: int
+    """Runs at each setting beyond which none are asked for."""
+    uncertainty: float
+    """Standard uncertainty of one reading at which the planned runs do [m]; 0 if none is small
+    enough, since the rig itself is not known well enough."""
+
+    @property
+    def effort(self) -> str:
+        """What it takes, in words."""
+        if self.repeats is not None:
+            return f"{self.repeats} run{'s' if self.repeats > 1 else ''} at each setting"
+        if self.uncertainty > 0.0:
+            return f"travels to {in_unit(self.uncertainty, 'm')}"
+        return "not by travels: the rig is not known well enough"
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return it as plain numbers and strings."""
+        return {
+            "holds": self.holds,
+            "ruled_out": self.rival,
+            "largest_difference": self.gap,
+            "at": {self.setting.path: self.setting.value},
+            "repeats": self.repeats,
+            "needed_uncertainty": self.uncertainty,
+        }
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Expectation:
+    """The interval of a parameter that the planned runs will give, if its law holds."""
+
+    law: str
+    """Key of the law."""
+    estimate: Estimate
+    """The value that was assumed, and its interval."""
+    fitted: bool
+    """Whether `select` fits it; else it is fitted beside what that fits, to see if it could."""
+    identified: bool
+    """Whether the interval ends above the least value that the law allows."""
+    advice: str = ""
+    """What would tell it, where these travels do not."""
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return it as plain numbers and strings."""
+        return {
+            "law": self.law,
+            **self.estimate.to_dict(),
+            "fitted_by_select": self.fitted,
+            "identified": self.identified,
+            "advice": self.advice.replace("$", ""),
+        }
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """Which travels to measure, how often and how well, and what they will tell."""
+
+    mechanism: Mechanism
+    """The rig."""
+    laws: Mapping[str, FrictionLaw]
+    """The laws by name, with values that give the same travel at the present setting."""
+    reference: str
+    """Key of the law whose level the preparations are for."""
+    settings: tuple[Separation, ...]
+    """What to set, with the travels that the laws predict."""
+    repeats: int
+    """Runs at each setting."""
+    uncertainty: float
+    """Standard uncertainty of one travel that was counted on, scatter and reading together [m]."""
+    assumed: bool
+    """Whether nobody stated it."""
+    preparations: tuple[Preparation, ...]
+    """What to measure before."""
+    rest: Mapping[str, str]
+    """How to measure the level at rest, which travels do not tell, by what it is done with."""
+    tellings: tuple[Telling, ...]
+    """Which laws can be told apart, the easiest first."""
+    expectations: tuple[Expectation, ...]
+    """What the runs will tell of each law's parameters."""
+    remarks: tuple[str, ...] = ()
+    """What else is to be known."""
+
+    @property
+    def knob(self) -> str:
+        """What is set, in words."""
+        return self.settings[0].path.rpartition(".")[2].replace("_", " ")
+
+    @property
+    def sentence(self) -> str:
+        """What to measure and what it tells, in two sentences."""
+        values = joined([setting_text(one) for one in self.settings])
+        count = len(self.settings) * self.repeats
+        said = (
+            f"Set the {self.knob} to {values}, {self.repeats} runs each: {count} travels, each"
+            f" known to {in_unit(self.uncertainty, 'm')}."
+        )
+        told = [one for one in self.tellings if one.repeats is not None]
+        if not self.tellings:
+            return said
+        return f"{said} They tell {len(told)} of {len(self.tellings)} pairs of laws apart."
+
+    def csv(self) -> str:
+        """Return the table of runs to fill in, as `load_measurement` and ``select --data`` read it.
+
+        Settings go up and then down again, so that wear and drift do not look like their effect.
+        """
+        text = io.StringIO()
+        unit, factor = unit_of(self.settings[0].unit)
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(["name", f"{self.settings[0].path} [{unit}]", "travel [mm]"])
+        writer.writerows(
+            [name, f"{factor * one.value:.10g}", ""] for name, one in self.runs().items()
+        )
+        return text.getvalue()
+
+    def runs(self) -> Mapping[str, Separation]:
+        """Return the runs by name, in the order in which to make them."""
+        found: dict[str, Separation] = {}
+        for repeat in range(self.repeats):
+            for one in self.settings[:: -1 if repeat % 2 else 1]:
+                found[f"run {len(found) + 1}"] = one
+        return found
+
+    def table(self) -> "pd.DataFrame":
+        """Return the settings and the travels that each law predicts, as a pandas DataFrame."""
+        import pandas as pd
+
+        rows = [{one.path: one.value, **one.predicted} for one in self.settings]
+        return pd.DataFrame(rows)
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the plan as plain numbers and strings, ready for JSON."""
+        return {
+            "plan": self.sentence,
+            "repeats": self.repeats,
+            "uncertainty": self.uncertainty,
+            "uncertainty_assumed": self.assumed,
+            "laws": {
+                name: {p: v for p, v in vars(law).items() if v is not None}
+                for name, law in self.laws.items()
+            },
+            "settings": [one.to_dict() for one in self.settings],
+            "prepare": [one.to_dict() for one in self.preparations],
+            "measure_otherwise": {
+                head.replace("$", ""): text.replace("$", "") for head, text in self.rest.items()
+            },
+            "tells_apart": [one.to_dict() for one in self.tellings],
+            "expected": [one.to_dict() for one in self.expectations],
+            "remarks": [line.replace("$", "") for line in self.remarks],
+            "sheet": self.csv(),
+        }
+
+    @override
+    def __repr__(self) -> str:
+        return f"<Plan: {self.sentence}>"
+
+    def _repr_html_(self) -> str:
+        table = self.table().to_html(index=False, na_rep="", border=0)
+        return f"<p>{html.escape(self.sentence)}</p>{table}"

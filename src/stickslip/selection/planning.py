@@ -1,0 +1,506 @@
+"""The verb `plan`: which travels to measure for a law, how often and how well.
+
+All numbers come from runs. Each law has the level with which the body travels equally far at the
+present setting; rivals are fitted to the travels of the law that is taken to hold; intervals follow
+from the slopes of the travels there.
+"""
+
+import contextlib
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import permutations
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import ConvergenceError, InputError, StickslipError
+from stickslip.experiments import Measurement
+from stickslip.experiments.paths import canonical
+from stickslip.experiments.wording import joined
+from stickslip.friction import LAWS, FrictionLaw, law_type
+from stickslip.identification import TravelFit, starting_law
+from stickslip.identification.arguments import Laws, check_given, laws_of
+from stickslip.identification.fitting import fit_trials, payable
+from stickslip.identification.least_squares import expected_fit
+from stickslip.identification.propagation import READINGS, covariance_of
+from stickslip.identification.starts import doubling_slope, required_of
+from stickslip.identification.travel import TravelModel, Trial, standard_errors, trials_of
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity, parameters, vary
+from stickslip.selection.admissibility import limit_of
+from stickslip.selection.lab_sheet import Expectation, Plan, Preparation, Telling
+from stickslip.selection.preparing import how_to, otherwise
+from stickslip.selection.separation import Separation, knob_of, separations, setting_text
+from stickslip.selection.words import ADVICE
+from stickslip.simulation import simulate
+
+__all__ = ["plan"]
+
+Array: TypeAlias = NDArray[np.float64]
+
+USUAL = ("coulomb", "viscous", "coulomb-viscous", "stribeck")
+"""Laws that travels of a block may tell apart."""
+RANGE = (0.4, 1.0)
+"""Settings planned, over the present one, where no range is given."""
+COUNT = Quantity("settings", low=2, high=12)
+READING = Quantity("u_s", "m", above=0)
+SCATTER = 0.02
+"""Standard deviation of a travel over the longest one where nothing was stated: repeats of dry
+friction scatter by a few per cent."""
+LEAST, MOST = 3, 10
+"""Runs at each setting: fewer do not show their scatter, more are not asked for."""
+TELLING = 3.523
+"""Standard deviations that tell two laws apart: 2.241 for the test of `select` (97.5 % quantile of
+chi-square with one degree of freedom), 1.282 more for nine of ten such sets to pass it."""
+HALF = 0.5
+"""Part of a parameter of the rig in the level's uncertainty, over that of the readings: three as
+large widen the interval by a third."""
+TINY = 1e-6
+"""Share of a parameter that stands for its uncertainty where only the slope is asked for."""
+VISCOUS = 0.25
+"""Viscous part over the level at the largest speed, where nobody gave a value: a fifth of both."""
+NEAR = 0.9
+"""A second point, over the first, where the search of a rival's parameters begins."""
+AT_REST = 1e-2
+"""Speed at the last time over the mean speed of the run, above which a body does not stop."""
+MOVES = 0.05
+"""Share of the longest travel below which a setting is not worth a run."""
+
+
+def plan(
+    mechanism: Mechanism,
+    laws: Laws | FrictionLaw | type[FrictionLaw] | str | None = None,
+    *,
+    measurement: Measurement | None = None,
+    doubts: Mapping[str, float] | None = None,
+    between: tuple[float, float] | None = None,
+    settings: int = 4,
+    uncertainty: float | None = None,
+    t_end: float = 10.0,
+) -> Plan:
+    """Plan travels that tell friction laws apart and fix their parameters.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What a compressed spring or a push sets in motion and friction stops, as it stands.
+    laws : mapping, sequence or a single law, optional
+        The candidates, as instances, types or names; of an instance the values are taken for
+        plausible, but for its level. Coulomb, viscous, both together and Stribeck if not given.
+    measurement : Measurement, optional
+        Travels that were measured before: levels are fitted to them, and their uncertainty is
+        counted on. Without it all laws travel as far as the first one at the present setting.
+    doubts : mapping of str to float, optional
+        Standard uncertainties of the mechanism's parameters, by path or last name; those of the
+        measurement if not given. Where none is known, that which is needed is counted on.
+    between : tuple of float, optional
+        Least and largest setting of what is turned, SI; two fifths of the present one and itself
+        if not given.
+    settings : int
+        How many settings, from 2 to 12.
+    uncertainty : float, optional
+        Standard uncertainty of one travel [m], the scatter of repeats and that of the reading
+        together; if not given that of the measurement, or else 2 % of the longest travel.
+    t_end : float
+        Time after which a body counts as stopped [s].
+
+    Returns
+    -------
+    Plan
+        Settings, repeats, what to measure before and how well, and what the runs will tell.
+
+    Raises
+    ------
+    InputError
+        If no travel can be planned for the mechanism, or an argument is out of its range.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> sheet = plan(rig, ["coulomb", "viscous"], uncertainty=0.004)
+    >>> [one.value for one in sheet.settings], sheet.repeats
+    ([0.04, 0.06, 0.08, 0.1], 3)
+    >>> {one.path: f"{one.needed:.2g}" for one in sheet.preparations}
+    {'mechanism.mass': '0.0045', 'mechanism.stiffness': '0.45', 'mechanism.compression': '0.00054'}
+    >>> sheet.csv().splitlines()[:2]
+    ['name,mechanism.compression [mm],travel [mm]', 'run 1,40,']
+    """
+    count = int(COUNT.check("plan", "settings", settings))
+    if uncertainty is not None:
+        READING.check("plan", "uncertainty", uncertainty)
+    done = _done(mechanism, measurement)
+    knob = _knob(mechanism, done)
+    candidates = _candidates(mechanism, laws, t_end)
+    _check_rest(mechanism, candidates[_first(candidates)], t_end)
+    levelled, remarks = _levelled(mechanism, candidates, done, t_end)
+    named = _first(levelled)
+    rows, idle = _rows(mechanism, knob, between, count, levelled, named, t_end)
+    error = _error(uncertainty, done)
+    size = error or SCATTER * max(abs(row.predicted[named]) for row in rows)
+    stated = _stated(mechanism, measurement, doubts)
+    bench = _Bench(mechanism=mechanism, rows=rows, error=size, stated=stated, t_end=t_end)
+    contrasts = _contrasts(bench.known(levelled[named], LEAST), levelled)
+    needed = [one.repeats(size) for one in contrasts]
+    repeats = max([LEAST, *(n for n in needed if n is not None)])
+    bench = bench.known(levelled[named], repeats)
+    share = bench.share(levelled[named], repeats)
+    return Plan(
+        mechanism=mechanism,
+        laws=levelled,
+        reference=named,
+        settings=rows,
+        repeats=repeats,
+        uncertainty=size,
+        assumed=error is None,
+        preparations=bench.preparations(levelled[named], repeats),
+        rest=otherwise(mechanism, levelled[named], share),
+        tellings=tuple(one.telling(size, repeats) for one in contrasts),
+        expectations=tuple(_expected(bench, levelled, repeats)),
+        remarks=(*remarks, *idle),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Bench:
+    """The rig at the planned settings, and how well it and its readings are known."""
+
+    mechanism: Mechanism
+    rows: Sequence[Separation]
+    error: float
+    stated: Mapping[str, float]
+    t_end: float
+    doubts: Mapping[str, float] | None = None
+    """What is counted on: as stated, or else as needed."""
+
+    def trials(self, repeats: int = 1) -> list[Trial]:
+        """Return the planned trials, none measured yet."""
+        found = []
+        path, doubts = self.rows[0].path, dict(self.doubts or {})
+        by_hand = {path: doubts.pop(path)} if path in doubts else {}
+        for row in self.rows:
+            changed = vary(self.mechanism, "mechanism", {path: row.value})
+            one = Trial(
+                mechanism=changed, initial={}, travel=0.0, half_width=self.error,
+                doubts=by_hand, shared=doubts,
+            )  # fmt: skip
+            found += [one] * repeats
+        return found
+
+    def fit(self, law: FrictionLaw, free: Sequence[str], repeats: int) -> TravelFit:
+        """Return the fit to expect of some of a law's parameters."""
+        known = {path: value for path, _, value in parameters(law, "friction")}
+        values = [known[path] for path in free]
+        return expected_fit(TravelModel(law, free, self.t_end), self.trials(repeats), values)
+
+    def share(self, law: FrictionLaw, repeats: int) -> float:
+        """Return the standard uncertainty of a law's level over itself."""
+        (level,) = self.fit(law, payable(law, self.trials())[:1], repeats).estimates
+        return math.hypot(*level.sources.values()) / level.value if level.sources else math.inf
+
+    def needed(self, law: FrictionLaw, repeats: int) -> dict[str, float]:
+        """Return by path how well the rig is to be known for its part in a law's level to be small.
+
+        Gravity and what the travels do not depend on are left out.
+        """
+        known = {path: value for path, _, value in parameters(self.mechanism, "mechanism")}
+        known |= {self.rows[0].path: max(row.value for row in self.rows)}
+        units = {p: TINY * abs(v) for p, v in known.items() if v and not p.endswith(".gravity")}
+        exact = replace(self, doubts=units)
+        (level,) = exact.fit(law, payable(law, self.trials())[:1], repeats).estimates
+        found = {}
+        for path, unit in units.items():
+            part = level.sources.get(path, 0.0)
+            if part > TINY * unit / abs(known[path]) * level.value:
+                found[path] = HALF * level.sources[READINGS] * unit / part
+        return found
+
+    def known(self, law: FrictionLaw, repeats: int) -> "_Bench":
+        """Return the rig known as well as stated, or else as needed for a law's level."""
+        return replace(self, doubts={**self.needed(law, repeats), **self.stated})
+
+    def preparations(self, law: FrictionLaw, repeats: int) -> tuple[Preparation, ...]:
+        """Return what to measure before, and how well."""
+        known = {path: (q, v) for path, q, v in parameters(self.mechanism, "mechanism")}
+        largest = max(abs(row.value) for row in self.rows)
+        return tuple(
+            Preparation(
+                path=path,
+                quantity=known[path][0],
+                value=known[path][1],
+                needed=needed,
+                stated=self.stated.get(path),
+                how=how_to(self.mechanism, path, needed, largest),
+            )
+            for path, needed in self.needed(law, repeats).items()
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Contrast:
+    """What a rival's fit to the travels of a law leaves, and how the rig spreads it."""
+
+    holds: str
+    rival: str
+    rows: Sequence[Separation]
+    left: Array
+    """Differences of the travels (n,) [m]."""
+    by_hand: Array
+    """Standard errors from what is set anew for each run (n,) [m]."""
+    shared: Mapping[str, Array]
+
+    def sigmas(self, error: float, repeats: int) -> float:
+        """Return the differences over their uncertainty, with so many runs at each setting."""
+        scatter = np.sqrt((error**2 + self.by_hand**2) / repeats)
+        weighed = np.linalg.solve(covariance_of(scatter, self.shared), self.left)
+        return math.sqrt(float(self.left @ weighed))
+
+    def repeats(self, error: float) -> int | None:
+        """Return how many runs at each setting tell the laws apart; None beyond `MOST`."""
+        return next((n for n in range(1, MOST + 1) if self.sigmas(error, n) >= TELLING), None)
+
+    def uncertainty(self, repeats: int) -> float:
+        """Return the uncertainty of a reading at which so many runs do [m]; 0 if none is."""
+        low, high = 1e-9, float(np.abs(self.left).max()) * math.sqrt(len(self.left) * repeats)
+        if high <= low or self.sigmas(low, repeats) < TELLING:
+            return 0.0
+        for _ in range(60):
+            middle = math.sqrt(low * high)
+            low, high = (middle, high) if self.sigmas(middle, repeats) >= TELLING else (low, middle)
+        return low
+
+    def telling(self, error: float, repeats: int) -> Telling:
+        """Return it as it stands in a plan."""
+        worst = int(np.argmax(np.abs(self.left)))
+        return Telling(
+            holds=self.holds,
+            rival=self.rival,
+            gap=float(np.abs(self.left[worst])),
+            setting=self.rows[worst],
+            repeats=self.repeats(error),
+            most=MOST,
+            uncertainty=self.uncertainty(repeats),
+        )
+
+
+def _done(mechanism: Mechanism, measurement: Measurement | None) -> tuple[Trial, ...]:
+    """Return the trials of what was measured before."""
+    if measurement is None:
+        measurement = Measurement(travel=0.0)  # to check the mechanism alone
+        check_given("plan", mechanism, measurement)
+        return ()
+    check_given("plan", mechanism, measurement)
+    return trials_of(mechanism, measurement)
+
+
+def _knob(mechanism: Mechanism, done: Sequence[Trial]) -> str:
+    """Return the path of what is set to get other travels."""
+    knob = knob_of(mechanism, done)
+    contacts = mechanism.contacts()
+    if knob is None or len(contacts) != 1:
+        raise InputError(
+            f"a plan is for travels so far: of a body that a compressed spring or a push"
+            f" (compression, drive.level or drive.amplitude, not 0) sets in motion and friction"
+            f" stops. {type(mechanism).__name__} as it stands is none. For records in time take a"
+            " first one: check says what it can tell, and select which to take next."
+        )
+    return knob[0]
+
+
+def _candidates(
+    mechanism: Mechanism, given: Laws | FrictionLaw | type[FrictionLaw] | str | None, t_end: float
+) -> dict[str, FrictionLaw]:
+    """Return the laws by name with plausible values."""
+    laws = laws_of(given)
+    if isinstance(laws, Mapping):
+        found = dict(laws)
+        if found:
+            return found
+        laws = None
+    chosen = [LAWS[name] for name in USUAL] if laws is None else list(laws)
+    found = {}
+    for one in chosen:
+        kind = law_type(one) if isinstance(one, str) else one
+        law = _ordinary(mechanism, kind, t_end) if isinstance(kind, type) else kind
+        found[law.name] = law
+    if not found:
+        raise InputError("there is no friction law to plan for: give at least one in `laws`.")
+    return found
+
+
+def _ordinary(mechanism: Mechanism, kind: type[FrictionLaw], t_end: float) -> FrictionLaw:
+    """Return a law with ordinary values; a viscous part beside a level is a fifth of both."""
+    law = starting_law(kind)
+    if not {"kinetic_coefficient", "viscous_coefficient"} <= {*required_of(kind)}:
+        return law
+    path = "friction.kinetic_coefficient"
+    level = {p: v for p, _, v in parameters(law, "friction")}[path]
+    one = Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
+    slope = doubling_slope(TravelModel(law, [path], t_end), [one], [level])
+    return vary(law, "friction", {"friction.viscous_coefficient": VISCOUS * slope})
+
+
+def _first(laws: Mapping[str, FrictionLaw]) -> str:
+    """Return the name of the first law with a level, or of the first one."""
+    return next((name for name, law in laws.items() if _has_level(law)), next(iter(laws)))
+
+
+def _has_level(law: FrictionLaw) -> bool:
+    return any(path == "friction.kinetic_coefficient" for path, _, _ in parameters(law, "friction"))
+
+
+def _levelled(
+    mechanism: Mechanism, laws: Mapping[str, FrictionLaw], done: Sequence[Trial], t_end: float
+) -> tuple[dict[str, FrictionLaw], list[str]]:
+    """Return laws with the level that travels measured before call for, or else the first law's.
+
+    The sentences say which laws have none.
+    """
+    trials = list(done)
+    found, remarks = {}, []
+    for name, law in sorted(laws.items(), key=lambda item: not _has_level(item[1])):
+        if not trials:
+            one = Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
+            trials = [replace(one, travel=TravelModel(law, (), t_end).travel(one, ()))]
+            if trials[0].travel == 0.0:
+                raise InputError(
+                    f"{law.title} friction with {law!r} does not let the body move: give other"
+                    " values, or set the rig higher."
+                )
+        try:
+            found[name] = fit_trials(law, trials, free=payable(law, trials)[:1], t_end=t_end).law
+        except (ConvergenceError, InputError) as error:
+            remarks.append(f"{law.title} friction is left out: {error}")
+    if not found:
+        raise InputError(f"no law can be planned for. {' '.join(remarks)}")
+    return {name: found[name] for name in laws if name in found}, remarks
+
+
+def _check_rest(mechanism: Mechanism, law: FrictionLaw, t_end: float) -> None:
+    """Refuse what does not stop: its distance would be that of an arbitrary time."""
+    run = simulate(mechanism, law, t_end=t_end)
+    (contact,) = mechanism.contacts()
+    index = mechanism.coordinates.index(contact.slip)
+    end = run.at(run.span)
+    travel, speed = end[contact.slip], abs(float(end[mechanism.rates[index]][1]))
+    if speed > AT_REST * abs(float(travel[1] - travel[0])) / t_end:
+        raise InputError(
+            f"the body does not come to rest within {t_end:g} s with {law.title} friction (it moves"
+            f" at {speed:.2g} {mechanism.units[index]}/s then), so there is no travel to plan."
+        )
+
+
+def _rows(
+    mechanism: Mechanism,
+    path: str,
+    between: tuple[float, float] | None,
+    count: int,
+    laws: Mapping[str, FrictionLaw],
+    named: str,
+    t_end: float,
+) -> tuple[tuple[Separation, ...], list[str]]:
+    """Return settings at which the body moves, and which were left out, as sentences."""
+    known = {p: (q, value) for p, q, value in parameters(mechanism, "mechanism")}
+    quantity, present = known[path]
+    low, high = between or (RANGE[0] * present, RANGE[1] * present)
+    for value in (low, high):
+        quantity.check("plan", "between", value)
+    if between is not None and not 0.0 < low < high:
+        raise InputError(
+            f"between must be two settings of {path} ({quantity.symbol}) above 0 {quantity.unit},"
+            f" the smaller one first, got {low:g} and {high:g}."
+        )
+    factors = np.linspace(low, high, count) / present
+    rows = separations(mechanism, laws, t_end=t_end, factors=factors.tolist())
+    least = MOVES * max((abs(row.predicted[named]) for row in rows), default=0.0)
+    kept = tuple(row for row in rows if abs(row.predicted[named]) > least)
+    if len(kept) < 2:
+        raise InputError(
+            f"the body moves at {len(kept)} of {count} settings of {path} from {low:g} to"
+            f" {high:g} {quantity.unit}: plan for larger ones."
+        )
+    idle = [setting_text(row) for row in rows if row not in kept]
+    said = [f"At {joined(idle)} the body hardly moves: no runs there."] if idle else []
+    return kept, said
+
+
+def _error(given: float | None, done: Sequence[Trial]) -> float | None:
+    """Return the standard uncertainty of a reading as it was given or stated [m]."""
+    if given is not None or not done:
+        return given
+    errors, stated = standard_errors(done)
+    return float(errors.max()) if stated else None
+
+
+def _stated(
+    mechanism: Mechanism, measurement: Measurement | None, doubts: Mapping[str, float] | None
+) -> dict[str, float]:
+    """Return stated uncertainties of the mechanism by full path."""
+    given = doubts if doubts is not None else measurement.doubts if measurement else {}
+    found = {canonical(mechanism, path): float(one) for path, one in given.items()}
+    for path, one in found.items():
+        Quantity("u", above=0).check("plan.doubts", path, one)
+    return found
+
+
+def _contrasts(bench: _Bench, laws: Mapping[str, FrictionLaw]) -> list[_Contrast]:
+    """Return for each pair of laws what it takes to rule one out, the easiest first.
+
+    The law with more parameters is taken to hold: the other one cannot imitate it. Of two with as
+    many, whichever is harder to rule out.
+    """
+    sizes = {name: len(required_of(type(law))) for name, law in laws.items()}
+    found: dict[frozenset[str], _Contrast] = {}
+    for holds, rival in permutations(laws, 2):
+        if sizes[rival] > sizes[holds]:
+            continue
+        one = _contrast(bench, holds, rival, laws)
+        known = found.get(frozenset((holds, rival)))
+        if known is None or one.sigmas(bench.error, 1) < known.sigmas(bench.error, 1):
+            found[frozenset((holds, rival))] = one
+    return sorted(found.values(), key=lambda one: -one.sigmas(bench.error, 1))
+
+
+def _contrast(bench: _Bench, holds: str, rival: str, laws: Mapping[str, FrictionLaw]) -> _Contrast:
+    """Return what a rival's fit to the travels of a law leaves."""
+    pairs = zip(bench.trials(), bench.rows, strict=True)
+    trials = [replace(trial, travel=row.predicted[holds]) for trial, row in pairs]
+    free = payable(laws[rival], trials)
+    values = {path: value for path, _, value in parameters(laws[rival], "friction")}
+    near = [[factor * values[path] for path in free] for factor in (1.0, NEAR)]
+    fit = fit_trials(laws[rival], trials, free=free, starts=near, t_end=bench.t_end)
+    return _Contrast(
+        holds=holds,
+        rival=rival,
+        rows=bench.rows,
+        left=np.array(fit.residuals),
+        by_hand=np.sqrt(np.maximum(np.square(fit.standard_errors) - bench.error**2, 0.0)),
+        shared={path: np.array(part) for path, part in fit.shared.items()},
+    )
+
+
+def _expected(bench: _Bench, laws: Mapping[str, FrictionLaw], repeats: int) -> list[Expectation]:
+    """Return the intervals to expect: of what `select` fits, and of each other parameter beside."""
+    found = []
+    for name, law in laws.items():
+        fitted = payable(law, bench.trials())
+        estimates = [*bench.fit(law, fitted, repeats).estimates]
+        for path, _, _ in parameters(law, "friction"):
+            if path not in fitted:
+                with contextlib.suppress(StickslipError):
+                    estimates.append(bench.fit(law, [*fitted, path], repeats).estimate(path))
+        for one in estimates:
+            # off its limit, as `select` asks it to be
+            settled = one.bounded and one.low > limit_of(law, one.path.rpartition(".")[2])
+            found.append(
+                Expectation(
+                    law=name,
+                    estimate=one,
+                    fitted=one.path in fitted,
+                    identified=settled,
+                    advice="" if settled else ADVICE.get(one.path.rpartition(".")[2], ""),
+                )
+            )
+    return found

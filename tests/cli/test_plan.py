@@ -1,0 +1,141 @@
+"""``stickslip plan``: the sheet, its table, and the way back through ``stickslip select``."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from stickslip.cli import main
+
+RIG = """
+title = "Own block"
+[mechanism]
+type = "spring-block"
+mass = { value = "0.82 kg", uncertainty = "2 g" }
+stiffness = { value = "145 N/m", uncertainty = "1 %" }
+compression = { value = "80 mm", uncertainty = "0.3 mm" }
+"""
+LAWS = ("--law", "coulomb,coulomb-viscous,viscous")
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Write the rig of somebody who has measured no travel yet."""
+    (tmp_path / "rig.toml").write_text(RIG)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def run(folder, capsys):
+    """Run a command as the console script does; return exit code, stdout and stderr."""
+
+    def one(*arguments):
+        with pytest.raises(SystemExit) as leaving:
+            main(arguments)
+        out, err = capsys.readouterr()
+        return leaving.value.code, out, err
+
+    return one
+
+
+def test_a_plan_is_printed(run, folder):
+    code, out, _ = run("plan", "rig.toml", *LAWS, "--uncertainty", "2mm")
+    assert code == 0
+    text = re.sub(r"\s+", " ", out)
+    assert "Set the compression to 32 mm, 48 mm, 64 mm and 80 mm, 3 runs each" in text
+    assert "12 travels, each known to 2 mm. They tell 3 of 3 pairs of laws apart." in text
+    assert "Hang 1.18 kg on the spring" in text
+    assert "name,mechanism.compression [mm],travel [mm]" in text
+    assert "is assumed" not in text
+
+
+def test_an_uncertainty_that_nobody_stated_is_said_to_be_assumed(run, folder):
+    code, out, _ = run("plan", "rig.toml", "--law", "coulomb")
+    assert code == 0
+    assert "2 % of the longest travel, is assumed" in out
+
+
+def test_one_json_document_is_printed(run, folder):
+    options = ("--law", "coulomb", "--between", "50mm..80mm", "--settings", "3")
+    code, out, _ = run("plan", "rig.toml", *options, "--json")
+    assert code == 0
+    content = json.loads(out)
+    assert content["schema"] == "stickslip/plan/1"
+    assert [row["set"]["mechanism.compression"] for row in content["settings"]] == [
+        0.05, 0.065, 0.08,
+    ]  # fmt: skip
+    assert {one["parameter"] for one in content["prepare"]} == {
+        "mechanism.mass", "mechanism.stiffness", "mechanism.compression",
+    }  # fmt: skip
+    assert content["files"] == []
+
+
+def test_a_filled_sheet_is_read_by_select(run, folder):
+    """Travels of Coulomb friction with mu_k = 0.21, read to 1 mm: the verdict and its interval."""
+    code, *_ = run("plan", "rig.toml", *LAWS, "-o", "sheet.html")
+    assert code == 0
+    page = (folder / "sheet.html").read_text()
+    assert "stickslip select rig.toml --data sheet.csv" in page
+    head, *rows = (folder / "sheet.csv").read_text().splitlines()
+    draw = np.random.default_rng(5)
+    filled = [head]
+    for row in rows:
+        x = float(row.split(",")[1]) / 1e3 + 0.0003 * draw.normal()
+        s = 145.0 * x**2 / (2.0 * 0.21 * 0.82 * 9.81)
+        filled.append(f"{row}{1e3 * s + draw.normal():.0f}")
+    (folder / "sheet.csv").write_text("\n".join(filled) + "\n")
+    code, out, err = run("select", "rig.toml", "--data", "sheet.csv", "--laws", LAWS[1], "--json")
+    assert code == 0, err
+    verdict = json.loads(out)
+    assert verdict["best"] == "coulomb"
+    (level,) = verdict["candidates"][0]["fit"]["estimates"]
+    assert level["low"] < 0.21 < level["high"]
+    assert level["standard_error_from"].keys() == {
+        "readings", "mechanism.mass", "mechanism.stiffness", "mechanism.compression",
+    }  # fmt: skip
+    # 1 % of the stiffness is shared by all runs: no number of readings makes it smaller
+    assert level["standard_error_from"]["mechanism.stiffness"] == pytest.approx(0.0021, rel=0.05)
+    assert "The stiffness (1 %) limits it more than the readings do." in " ".join(
+        verdict["settles"]
+    )
+
+
+def test_a_sheet_that_is_not_filled_in_is_refused_by_its_line(run, folder):
+    run("plan", "rig.toml", "--law", "coulomb", "-o", "sheet.html")
+    code, _, err = run("select", "rig.toml", "--data", "sheet.csv")
+    assert code == 2
+    assert "column 'travel [mm]', line 2: must be a finite number, got nothing" in err
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("-o", "sheet.pdf"), "written as .html"),
+        (("--between", "50mm"), "--between takes LOW..HIGH"),
+        (("--between", "50kg..80kg"), "--between .*must be in m"),
+        (("--uncertainty", "2 kg"), "--uncertainty .*must be in m"),
+        (("--settings", "40"), "at most 12, got 40"),
+        (("--law", "culomb"), "culomb"),
+    ],
+)
+def test_a_wrong_option_is_named(run, folder, options, said):
+    code, _, err = run("plan", "rig.toml", *options)
+    assert code == 2
+    assert re.search(said, err)
+    assert sorted(path.name for path in folder.iterdir()) == ["rig.toml"]
+
+
+def test_a_sheet_is_not_overwritten(run, folder):
+    (folder / "sheet.csv").write_text("mine")
+    code, _, err = run("plan", "rig.toml", "-o", "sheet.html")
+    assert code == 2
+    assert "sheet.csv is already there" in err
+
+
+def test_a_rig_with_records_is_told_what_a_plan_is_for(run, folder):
+    (folder / "axis.toml").write_text('[mechanism]\ntype = "axis"\ninertia = "80 kg"\n')
+    code, _, err = run("plan", "axis.toml")
+    assert code == 2
+    assert "a plan is for travels so far" in err

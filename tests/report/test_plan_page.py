@@ -1,0 +1,59 @@
+"""The sheet of a plan as a page."""
+
+import re
+
+import pytest
+
+from stickslip import SpringBlock, plan
+from stickslip.report.page import render
+from stickslip.report.plans import plan_page
+
+BLOCK = SpringBlock(mass=0.82, stiffness=145.0, compression=0.08)
+
+
+@pytest.fixture(scope="module")
+def sheet():
+    return plan(BLOCK, ["coulomb", "coulomb-viscous", "viscous"], doubts={"stiffness": 2.9})
+
+
+@pytest.fixture(scope="module")
+def page(sheet):
+    made = plan_page(
+        sheet,
+        title="Own block",
+        subject="rig.toml",
+        save_as="stickslip select rig.toml --data sheet.csv",
+        reproduce=["stickslip plan rig.toml"],
+        versions={"stickslip": "0.1.0"},
+        digest="abc",
+    )
+    return render(made).replace("\N{NO-BREAK SPACE}", " ")
+
+
+def test_there_is_a_line_to_write_on_for_each_run(sheet, page):
+    runs = len(sheet.runs())
+    assert page.count('aria-label="travel, to fill in"') == runs
+    assert len(re.findall(r">run \d+<", page)) == runs
+
+
+def test_it_says_what_the_file_is_to_look_like(page):
+    assert "name,mechanism.compression [mm],travel [mm]" in page
+    assert "stickslip select rig.toml --data sheet.csv" in page
+
+
+def test_it_says_how_well_the_rig_is_to_be_known(page):
+    assert "2.9 N/m, too large" in page
+    assert "Hang 1.18 kg on the spring" in page
+    assert "2 % of the longest: an assumption" in page
+
+
+def test_no_mark_of_the_markup_is_left(page):
+    text = re.sub(r"<style>.*?</style>|<pre>.*?</pre>", "", page, flags=re.DOTALL)
+    assert "$" not in text
+    assert "**" not in text
+
+
+def test_a_single_law_has_no_section_on_pairs():
+    alone = plan(BLOCK, ["coulomb"])
+    made = plan_page(alone, title="Own block", subject="", save_as="", versions={})
+    assert [section.id for section in made.sections] == ["before", "settings", "values", "runs"]
