@@ -71,7 +71,7 @@ def test_models_names_the_parameter_that_another_must_not_fall_below(run):
 
 def test_models_published_names_defect_and_cure(run):
     _, out, _ = run("models", "--published")
-    assert out.count("as printed") == 8
+    assert out.count("as printed") == 9
     assert "sgn 0 = 0" in out
 
 
@@ -299,7 +299,7 @@ def test_a_reason_that_looks_like_markup_is_printed_as_it_is(capsys):
 
 def test_one_printed_equation_is_shown_as_text_like_the_others(run):
     _, out, _ = run("models", "printed-1")
-    assert out.startswith("eq. (1) Coulomb (printed-1)")
+    assert out.startswith("eq. (1) Coulomb, of [6] (printed-1)")
     assert "sgn 0 = 0" in out
     _, out, _ = run("models", "printed-1", "--json")
     assert json.loads(out)["name"] == "printed-1"
@@ -316,7 +316,7 @@ def test_where_no_law_fits_the_report_is_written_and_the_exit_code_is_3(run, rig
     # released at 1 m/s at most, the block cannot come so far in 10 s
     code, out, err = run("select", rig(travel=50.0), "--laws", "coulomb", "-o", "report")
     assert code == 3
-    assert "No law explains the measurement" in err
+    assert "No law is recommended" in err
     assert (tmp_path / "report" / "index.html").is_file()
     assert "0.204 m" not in out  # there is no fitted travel
     assert run("select", "rig.toml", "--laws", "coulomb", "--json")[0] == 3

@@ -213,7 +213,7 @@ def test_the_page_says_what_is_ours_and_shows_both_figures(study):
     assert "Fig. 2." in page
     assert "Fig. 11." in page
     assert "Those here are ours" in page
-    assert "drive the cart 12.7\xa0m backwards" in page
+    assert "drive the cart assumed here 12.7\xa0m backwards" in page
     assert "−6.13" in page
     assert ">nan<" not in page.lower()
 

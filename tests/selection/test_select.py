@@ -54,7 +54,7 @@ def paper_verdict():
 
 
 def test_one_travel_is_explained_by_every_law_and_ranks_none(paper_verdict):
-    assert len(paper_verdict.explained) == 6
+    assert len(paper_verdict.explained) == 7
     assert not paper_verdict.ranked
     assert all(candidate.score is None for candidate in paper_verdict.candidates)
     assert "So does every other model" in paper_verdict.words.verdict

@@ -37,7 +37,7 @@ Sigma2 = Annotated[float, Quantity("sigma_2", "N s/m", low=0)]
 Vs = Annotated[float, Quantity("v_s", "m/s", above=0)]
 
 NO_LIMIT = (
-    "at rest friction equals the applied force without a limit, so a resting body never starts"
+    "at rest friction equals the resultant force without a limit, so a resting body never starts"
 )
 LIMIT = "at rest F_x only up to mu_s N"
 
@@ -103,7 +103,7 @@ class PrintedCoulomb(_Memoryless):
     """Eq. (1), of the paper's reference [6]: sgn(0) = 0, so nothing is held at rest."""
 
     name: ClassVar[str] = "printed-1"
-    title: ClassVar[str] = "Coulomb"
+    title: ClassVar[str] = "Coulomb, of [6]"
     equation: ClassVar[str] = "(1)"
     formula: ClassVar[str] = r"F_f = -\mu N \operatorname{sgn}(\dot x), \quad N = M g + F_y"
     defect: ClassVar[str] = "no stiction: sgn 0 = 0 lets any small force move a resting body"
@@ -125,7 +125,7 @@ class PrintedImprovedCoulomb(_Memoryless):
     """Eq. (3), of the paper's reference [7]: the coefficient and the force carry the sign of v."""
 
     name: ClassVar[str] = "printed-3"
-    title: ClassVar[str] = "improved Coulomb"
+    title: ClassVar[str] = "improved Coulomb, of [7]"
     equation: ClassVar[str] = "(3)"
     formula: ClassVar[str] = (
         r"F_f = -\mu N \operatorname{sgn}(\dot x), \quad N = M g + F_y, \quad"
@@ -133,8 +133,8 @@ class PrintedImprovedCoulomb(_Memoryless):
         r" \operatorname{sign}(\dot x) \mu_k & (\dot x \neq 0) \end{cases}"
     )
     defect: ClassVar[str] = (
-        "the sign of the velocity enters twice and cancels: friction pushes a body that moves"
-        " backwards on; at rest sgn 0 = 0 removes it, whatever mu is"
+        "the sign of the velocity enters twice and cancels: friction accelerates a body that moves"
+        " backwards; at rest sgn 0 = 0 removes it, whatever mu is"
     )
     cure: ClassVar[str] = "one sign: mu_k N sgn v; stick while the needed force is at most mu_s N"
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
@@ -159,7 +159,7 @@ class PrintedCartDynamics(_Memoryless):
     """
 
     name: ClassVar[str] = "printed-4"
-    title: ClassVar[str] = "dynamics of the cart with (3)"
+    title: ClassVar[str] = "dynamic model with (3), of [7]"
     equation: ClassVar[str] = "(4)"
     formula: ClassVar[str] = (
         r"(M+m) \ddot x - m l \ddot\theta (\mu \sin\theta + \cos\theta)"
@@ -167,8 +167,8 @@ class PrintedCartDynamics(_Memoryless):
         r" \quad {} + \mu (M+m) g \operatorname{sgn} \dot x = 0"
     )
     defect: ClassVar[str] = (
-        "mu of (3) has a sign already, which the terms of the pendulum use once and that of the"
-        " weight twice: the weight's friction pushes a cart that moves backwards on"
+        "with mu of (3), sgn enters the terms of the pendulum once and that of the weight twice:"
+        " friction of the weight accelerates a cart that moves backwards"
     )
     cure: ClassVar[str] = "(2), with the stick rule"
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
@@ -239,9 +239,9 @@ class PrintedDahl(PrintedForm):
         r" F_x & (\dot x = 0) \end{cases}"
     )
     defect: ClassVar[str] = (
-        f"Z has a sign already: moving backwards, sgn turns the bristle's force round; {NO_LIMIT}"
+        f"Z has a sign already: moving backwards, sgn reverses the bristle force; {NO_LIMIT}"
     )
-    cure: ClassVar[str] = f"F = sigma_0 z; {LIMIT}"
+    cure: ClassVar[str] = "F = sigma_0 z, at rest too, which ends at F_c"
     corrected: ClassVar[type[FrictionLaw]] = Dahl
     bristles: ClassVar[tuple[str, ...]] = ("z",)
 
@@ -270,7 +270,7 @@ class PrintedCoulombSwitch(_Memoryless):
     """Eq. (7): Coulomb with the static switch; at rest friction equals the applied force."""
 
     name: ClassVar[str] = "printed-7"
-    title: ClassVar[str] = "Coulomb, switched"
+    title: ClassVar[str] = "Coulomb"
     equation: ClassVar[str] = "(7)"
     formula: ClassVar[str] = (
         r"F_f = \begin{cases} F_c = \mu N \operatorname{sgn}(\dot x) & (\dot x \neq 0) \\"
@@ -296,13 +296,15 @@ class PrintedViscousSwitch(_Memoryless):
     """Eq. (8): purely viscous, multiplied by sgn v; at rest it equals the applied force."""
 
     name: ClassVar[str] = "printed-8"
-    title: ClassVar[str] = "viscous, switched"
+    title: ClassVar[str] = "viscous"
     equation: ClassVar[str] = "(8)"
     formula: ClassVar[str] = (
         r"F_f = \begin{cases} F_v = \mu_v \dot x \operatorname{sgn}(\dot x) & (\dot x \neq 0) \\"
         r" F_x & (\dot x = 0) \end{cases}"
     )
-    defect: ClassVar[str] = f"a sgn too many: it pushes a body that moves backwards on; {NO_LIMIT}"
+    defect: ClassVar[str] = (
+        f"a sgn too many: it accelerates a body that moves backwards; {NO_LIMIT}"
+    )
     cure: ClassVar[str] = "sigma_2 v"
     corrected: ClassVar[type[FrictionLaw]] = Viscous
 
@@ -321,13 +323,13 @@ class PrintedViscousSwitch(_Memoryless):
 class PrintedLuGre(PrintedForm):
     """Eq. (9): all three parts multiplied by sgn v; at rest it equals the applied force.
 
-    The exponent cannot be read: two signs, and alpha beside the fraction. It is taken as
+    The exponent is malformed: two minus signs, and alpha beside the fraction. It is taken as
     -|v / v_s|^alpha, which no other equation of the paper contradicts. The paper numbers the sigmas
     1 to 3; they are named here as everywhere else.
     """
 
     name: ClassVar[str] = "printed-9"
-    title: ClassVar[str] = "LuGre, switched"
+    title: ClassVar[str] = "LuGre"
     equation: ClassVar[str] = "(9)"
     formula: ClassVar[str] = (
         r"\frac{dz}{dt} = \dot x - \frac{\sigma_1 |\dot x|}{F_v} Z, \quad"
@@ -336,8 +338,9 @@ class PrintedLuGre(PrintedForm):
         r" \operatorname{sgn}(\dot x) & (\dot x \neq 0) \\ F_x & (\dot x = 0) \end{cases}"
     )
     defect: ClassVar[str] = (
-        "moving backwards, sgn turns all three parts round, and the body is driven; F_v stands for"
-        f" two things, the exponent is illegible; {NO_LIMIT}"
+        "moving backwards, sgn reverses all three parts, which accelerate the body; F_v stands for"
+        " two things, the exponent is malformed (two minus signs, alpha beside the fraction);"
+        f" {NO_LIMIT}"
     )
     cure: ClassVar[str] = f"sigma_0 z + sigma_1 z' + sigma_2 v with exp(-|v/v_s|^n); {LIMIT}"
     corrected: ClassVar[type[FrictionLaw]] = LuGre
@@ -379,14 +382,15 @@ class PrintedCoulombViscousSwitch(_Memoryless):
     """Eq. (10): the viscous part is multiplied by sgn v; no limit at rest."""
 
     name: ClassVar[str] = "printed-10"
-    title: ClassVar[str] = "Coulomb + viscous, switched"
+    title: ClassVar[str] = "Coulomb + viscous"
     equation: ClassVar[str] = "(10)"
     formula: ClassVar[str] = (
         r"F_f = \begin{cases} F_c \operatorname{sgn}(\dot x) + \mu \dot x"
         r" \operatorname{sgn}(\dot x) & (\dot x \neq 0) \\ F_x & (\dot x = 0) \end{cases}"
     )
     defect: ClassVar[str] = (
-        f"the viscous part has a sgn too many and pushes a body that moves backwards on; {NO_LIMIT}"
+        "the viscous part has a sgn too many and accelerates a body that moves backwards;"
+        f" {NO_LIMIT}"
     )
     cure: ClassVar[str] = f"F_c sgn v + sigma_2 v; {LIMIT}"
     corrected: ClassVar[type[FrictionLaw]] = CoulombViscous

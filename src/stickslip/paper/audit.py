@@ -6,16 +6,18 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from stickslip.experiments import Published, Rig, load_rig
-from stickslip.friction import FrictionLaw
+from stickslip.friction import PRINTED_FORMS, FrictionLaw
 from stickslip.paper.bristles import BristleRow, bristle_rows
 from stickslip.paper.cart import CartStudy, study_cart
-from stickslip.paper.excitations import Excitation, excitations
+from stickslip.paper.excitations import Excitation, excitations, rigs
 from stickslip.paper.misprints import Consequence, consequences
 from stickslip.paper.springback import Springback, springbacks
 from stickslip.paper.stick_slip import StickSlip, stick_slip
-from stickslip.paper.unpublished import Requirement, requirements
+from stickslip.paper.unpublished import Requirement, StepTravel, requirements, step_travels
 from stickslip.paper.values import PaperValues
+from stickslip.quantities import fields_of, vary
 from stickslip.selection import FixedStepRow, TravelVerdict, compare_fixed_steps, select_travels
+from stickslip.simulation import simulate
 
 __all__ = ["PaperAudit", "TableRow", "audit"]
 
@@ -47,6 +49,10 @@ class PaperAudit:
     """Table II."""
     requirements: tuple[Requirement, ...]
     """What the unpublished parameters would have to be."""
+    step_travels: tuple[StepTravel, ...]
+    """What steps of 10 ms make of the push."""
+    viscous_travels: Mapping[str, float]
+    """Travel in reading B [m] of the laws whose viscous part was left out, with that of (10)."""
     consequences: tuple[Consequence, ...]
     """What the printed equations do where they are wrong."""
     fixed_steps: tuple[FixedStepRow, ...]
@@ -105,6 +111,16 @@ class PaperAudit:
                 key: self.ranking(key) for key in ("published", "A", "B")
             },
             "unpublished_parameters": [asdict(r) for r in self.requirements],
+            "steps_of_10_ms": [
+                {
+                    "law": one.law.name,
+                    "viscous_coefficient": getattr(one.law, "viscous_coefficient", 0.0),
+                    "published": one.published,
+                    "travel": one.travel,
+                }
+                for one in self.step_travels
+            ],
+            "travel_with_a_viscous_part": dict(self.viscous_travels),
             "misprints": [_consequence_dict(c) for c in self.consequences],
             "bristles": [asdict(row) for row in self.bristles],
             "springbacks": [
@@ -197,6 +213,8 @@ def audit(
         measured=values.measured,
         table=tuple(_row(rig, values, row) for row in published.values()),
         requirements=requirements(values, travels, t_end=rig.t_end),
+        step_travels=step_travels(values, travels, t_end=rig.t_end),
+        viscous_travels=_viscous_travels(rig, values),
         consequences=consequences(values),
         fixed_steps=compare_fixed_steps(values.rig, rig.laws["coulomb"], t_end=1.0),
         bristles=bristle_rows(values, t_end=rig.t_end),
@@ -213,6 +231,23 @@ def _named(verdict: TravelVerdict) -> FrictionLaw | None:
     """Return the law that a selection names, with the parameters that it fitted."""
     best = verdict.best
     return None if best is None or best.fit is None else best.fit.law
+
+
+def _viscous_travels(rig: Rig, values: PaperValues) -> dict[str, float]:
+    """Return the travels in reading B with the viscous part that (5) and (9) have as (10) has."""
+    _, _, spring = rigs(values.rig)["B"]
+    viscous = {
+        form.corrected.name
+        for form in PRINTED_FORMS.values()
+        if "viscous_coefficient" in fields_of(form)
+    }
+    found = {}
+    for name in (row.law for row in rig.published):
+        law = rig.laws[name]
+        if name in viscous and getattr(law, "viscous_coefficient", None) == 0.0:
+            full = vary(law, "friction", {"friction.viscous_coefficient": values.viscous})
+            found[name] = float(simulate(spring, full, t_end=rig.t_end).at(rig.t_end)["x"][0])
+    return found
 
 
 def _row(rig: Rig, values: PaperValues, published: Published) -> TableRow:

@@ -1,4 +1,4 @@
-"""Three readings of how the rig sets the block in motion."""
+"""Two readings of how the rig sets the block in motion, and a control."""
 
 from dataclasses import dataclass, replace
 
@@ -51,7 +51,7 @@ def rigs(rig: SpringBlock) -> dict[str, tuple[str, str, SpringBlock]]:
         ),
         "C": (
             "Fixed spring",
-            "As B, but the block stays fastened and is pulled back.",
+            "A control, not in the paper: as B, but the block stays fastened.",
             replace(rig, attached=True),
         ),
     }

@@ -14,9 +14,14 @@ from stickslip.mechanisms import SpringBlock
 from stickslip.paper.excitations import rigs
 from stickslip.paper.values import PaperValues
 from stickslip.simulation import simulate
+from stickslip.solver import FixedStep
 
-__all__ = ["Requirement", "dahl_row", "lugre_row", "requirements"]
+__all__ = ["Requirement", "StepTravel", "dahl_row", "lugre_row", "requirements", "step_travels"]
 
+STEP = 0.01
+"""Sample time that the paper states for its cart [s]."""
+VISCOUS = (0.1, 0.2)
+"""Viscous coefficients that are tried with it [N s/m]."""
 ROUNDING = 0.005
 """Half of the last printed digit of Table II [m]."""
 
@@ -40,6 +45,9 @@ class Requirement:
     high: float | None
     start: float
     """Travel with the least value tried [m]."""
+    kept: bool
+    """Whether the model and all that is published are kept, so that only unpublished values"
+    " differ."""
     text: str
     """What that means, in words."""
 
@@ -69,11 +77,11 @@ def requirements(
 
 READINGS = ("A", "B")
 """Readings in which values are sought; in C the block ends where the spring pulls it back to."""
-Case = tuple[str, str, float, Callable[[float], FrictionLaw], str]
+Case = tuple[str, str, float, Callable[[float], FrictionLaw], bool, str]
 
 
 def _cases(values: PaperValues) -> dict[str, Case]:
-    """Return symbol, unit, first value to try, law as a function of it, and remark, by row."""
+    """Return symbol, unit, first value, law as a function of it, what is kept, remark, by row."""
     mu_k = values.mu_k
     return {
         "coulomb": (
@@ -81,13 +89,15 @@ def _cases(values: PaperValues) -> dict[str, Case]:
             "1",
             mu_k,
             lambda mu: Coulomb(kinetic_coefficient=mu),
-            "not the coefficient of Table I",
+            False,
+            "another coefficient than that of Table I",
         ),
         "dahl": (
             "sigma_0",
             "N/m",
             50.0,
             lambda sigma: dahl_row(values, sigma),
+            True,
             "bristles that give way by centimetres, the block held at its first stop",
         ),
         "lugre": (
@@ -95,23 +105,71 @@ def _cases(values: PaperValues) -> dict[str, Case]:
             "N/m",
             1e3,
             lambda sigma: lugre_row(values, sigma),
-            "with the damping of LuGre 1995, the root of $sigma_0$, and no hold at rest",
+            True,
+            "with $sigma_1$ the root of $sigma_0$, $sigma_2$ 0.4 N s/m and $v_s$ 1 mm/s, as in"
+            " LuGre 1995, and no hold at rest",
         ),
         "stribeck": (
             "sigma_2",
             "N s/m",
             2.0,
             lambda sigma: Viscous(viscous_coefficient=sigma),
-            "of a purely viscous law: without any dry friction",
+            False,
+            "another model: purely viscous, without the dry friction of Table I",
         ),
         "coulomb-viscous": (
             "sigma_2",
             "N s/m",
             0.1,
             lambda sigma: CoulombViscous(kinetic_coefficient=mu_k, viscous_coefficient=sigma),
+            True,
             "with $mu_k$ of Table I, whose travel a viscous part can only shorten",
         ),
     }
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepTravel:
+    """What a fixed step makes of a published travel, with the stick rule."""
+
+    law: FrictionLaw
+    published: float
+    """Printed travel [m]."""
+    travel: float
+    """Of the push by forward Euler [m]."""
+
+
+def step_travels(
+    values: PaperValues, published: Mapping[str, float], *, t_end: float
+) -> tuple[StepTravel, ...]:
+    """Push the block with the laws that have no free value left, in steps of the paper's 10 ms.
+
+    The paper states this sample time for its cart. Where sgn 0 = 0, friction misses the first step.
+
+    Parameters
+    ----------
+    values : PaperValues
+        The paper's rig and coefficients.
+    published : mapping
+        Printed travel [m] by law.
+    t_end : float
+        Length of the paper's runs [s].
+    """
+    level = {"kinetic_coefficient": values.mu_k, "static_coefficient": values.mu_s}
+    laws = [
+        Coulomb(**level),
+        *(CoulombViscous(**level, viscous_coefficient=viscous) for viscous in VISCOUS),
+    ]
+    _, _, push = rigs(values.rig)["A"]
+    return tuple(
+        StepTravel(
+            law=law,
+            published=published[law.name],
+            travel=float(simulate(push, law, t_end=t_end, solver=FixedStep(dt=STEP))["x"][-1]),
+        )
+        for law in laws
+        if law.name in published
+    )
 
 
 def dahl_row(values: PaperValues, sigma_0: float) -> Dahl:
@@ -147,6 +205,7 @@ def _require(
     unit: str,
     first: float,
     law: Callable[[float], FrictionLaw],
+    kept: bool,
     text: str,
 ) -> Requirement:
     """Search for the value, and for those at the ends of the rounding range."""
@@ -173,5 +232,6 @@ def _require(
         low=found[0] if best is not None and found else None,
         high=found[-1] if best is not None and found else None,
         start=travel(first if best is not None else first / 64.0),
+        kept=kept,
         text=text,
     )

@@ -51,7 +51,7 @@ def cart_section(found: PaperAudit) -> Section:
     printed, exact = study.run("printed-4"), study.run("exact")
     turned = printed.travel * exact.travel < 0.0
     heading = (
-        f"Taken literally, equations (3) and (4) drive the cart {length(abs(printed.travel))}"
+        f"Taken literally, (3) and (4) drive the cart assumed here {length(abs(printed.travel))}"
         " backwards"
         if turned
         else "The cart with the printed equations"
@@ -87,8 +87,8 @@ def _setting(study: CartStudy) -> str:
         f" {cart.ball_mass:g} kg, rod {cart.length:g} m, $mu_k$ = $mu_s$ = {KINETIC:g}; the rod"
         f" swings from −{angle} to {angle} and back with {swing.fast:g}, −{swing.slow:g} and"
         f" {swing.fast:g} rad/s², in {study.period:.5f} s. {counted(CYCLES).capitalize()} cycles"
-        " from rest, as printed and corrected, in fixed steps (forward Euler) and exactly; the rod"
-        " is where the swing says in all of them."
+        " from rest, as printed and corrected, in steps of the paper's sample time of 10 ms"
+        " (forward Euler is ours) and exactly; the rod is where the swing says in all of them."
     )
 
 
@@ -101,7 +101,7 @@ def _animation(study: CartStudy) -> Animation:
     )
     return Animation(
         html=html,
-        caption="**The exact run** in its first two cycles, drawn to scale and as fast as it is."
+        caption="**The exact run** in its first two cycles, to scale and in real time."
         " The cart is yellow where it sticks; arrows are the forces of the ground and the"
         " torque.",
     )
@@ -111,9 +111,11 @@ def _misprint_text(study: CartStudy) -> str:
     """Say why (4) as printed cannot be what was simulated."""
     exact = study.run("exact")
     return (
-        "Figs 2 and 11 of the paper show the same forward displacement. The coefficient of (3)"
-        " already has the sign of the velocity, and the weight in (4) is multiplied by it once"
-        f" more; (1) and (2) give {fixed(study.run('printed-1').travel, 3)} m in the same steps and"
+        "By its text, the cart of the paper goes forwards in Figs 2 and 11, to the same"
+        " displacement. The coefficient of (3) already has the sign of the velocity, and the"
+        " weight in (4) is multiplied by it once more. With the unsigned coefficient of Section II"
+        " the weight term is right, and the terms of the pendulum lack the sign. (1) and (2) give"
+        f" {fixed(study.run('printed-1').travel, 3)} m in the same steps and"
         f" {fixed(exact.travel, 3)} m exactly. So we take (3) and (4) for a misprint, not for what"
         " was simulated."
     )
@@ -126,8 +128,8 @@ def _same_displacement(study: CartStudy) -> str:
         "The paper concludes that the rule for rest leaves the displacement as it was and removes"
         f" the backward motion. At $mu$ = {KINETIC:g} that is roughly so, as the table above shows."
         f" At the levels of its Table I the old scheme gives {fixed(old.travel, 3)} m and the exact"
-        f" run {fixed(exact.travel, 3)} m, and the cart {slips}: of the way back of"
-        f" {length(old.mean_return, 2)} a cycle nothing is real."
+        f" run {fixed(exact.travel, 3)} m, and the cart {slips}: all {length(old.mean_return, 2)}"
+        " of way back in a cycle come from the step and the missing rule for rest."
         if exact.mean_return == 0.0
         else "The old scheme against the exact run at the levels of Table I."
     )
@@ -181,8 +183,9 @@ def _printed_figure(study: CartStudy) -> Figure:
             narrow=(358, 440),
         ),
         caption=(
-            "**Fig. 2. Cart displacement with (3) and (4)** as printed, beside the exact run, until"
-            " they part: once the cart moves backwards, friction of its weight pushes it on."
+            "**In place of Fig. 2. Cart displacement with (3) and (4)** as printed, beside the"
+            " exact run, until they part: once the cart moves backwards, friction of its weight"
+            " accelerates it."
         ),
     )
 
@@ -217,13 +220,15 @@ def _shares_text(study: CartStudy) -> str:
     free, exact = study.run("fixed"), study.run("exact")
     late = sum(share.least_velocity for share in steps)
     return (
-        "Each line of the table is what one thing adds, the last of them the exact run; together"
-        " they are what (3), (4) show. Of the lowest velocity of the corrected law in"
+        "The paper names the cause itself (III.A): friction “changes its direction to the opposite"
+        " at once”, which “cannot be achieved exactly even if the sample time is very small”. In"
+        " numbers: each line of the table is what one thing adds, the last of them the exact run;"
+        " together they are what (3), (4) show. Of the lowest velocity of the corrected law in"
         f" {STEP_TEXT}, {_speed(free.least_velocity)}, the step and the missing rule for rest make"
         f" {percent(late / free.least_velocity)}; exactly it is {_speed(exact.least_velocity)}."
         f" What remains is real: the cart slips back {length(exact.mean_return, 2)} a cycle, since"
-        " the swing pulls it back harder than friction can hold. The criterion “velocity never"
-        " negative” cannot tell the one from the other."
+        " the swing pulls it back harder than friction can hold. A criterion on the sign of the"
+        " velocity cannot tell the one from the other."
     )
 
 

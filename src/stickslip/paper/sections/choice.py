@@ -35,10 +35,10 @@ def choice_section(found: PaperAudit) -> Section:
 def _heading(study: CartStudy) -> str:
     travels = {one.key: length(one.travels[-1]) for one in study.choices}
     if "selected" not in travels:
-        return f"The paper’s law moves the cart {travels['paper']} a cycle"
+        return f"{study.run('paper').law.title} friction moves the cart {travels['paper']} a cycle"
     return (
-        f"The law that select names moves the cart {travels['selected']} a cycle, the paper’s"
-        f" {travels['paper']}"
+        f"With the law that select names the cart moves {travels['selected']} a cycle, with the"
+        f" paper’s example {travels['paper']}"
     )
 
 
@@ -46,17 +46,17 @@ def _text(found: PaperAudit) -> str:
     named = [one for one in found.cart.choices if one.key == "selected"]
     chosen = f"names {named[0].law.title}" if named else "names no law"
     return (
-        f"The paper puts its winner, {found.cart.run('paper').law.title}, into the cart, with a"
-        f" viscous coefficient that it does not print: {found.values.viscous:g} N s/m is assumed"
-        f" here, as in its Table II above. `select` {chosen} for the rig, with the level that the"
-        " measured travel gives. Cart and swing are those of Fig. 2, so ours: the profile and the"
-        " parameters of the paper’s sources are not known, and the printed figure can be compared"
-        " in kind only."
+        "The paper selects Coulomb or Coulomb + viscous friction, and takes the latter “for"
+        " instance” into the cart, with a viscous coefficient that it does not print:"
+        f" {found.values.viscous:g} N s/m is assumed here, as in the tables above. `select`"
+        f" {chosen} for the rig, with the level that the measured travel gives. Cart and swing are"
+        " those of Fig. 2, so ours: the profile and the parameters of the paper’s sources are not"
+        " known, and the printed figure can be compared in kind only."
     )
 
 
 def _label(one: CartRun) -> str:
-    return "by select" if one.key == "selected" else "the paper’s"
+    return "by select" if one.key == "selected" else "the paper’s example"
 
 
 def _parameters(law: FrictionLaw | PrintedForm) -> str:
@@ -116,7 +116,7 @@ def _figure(study: CartStudy) -> Figure:
             wide=(880, 300),
             narrow=(358, 420),
         ),
-        caption="**Fig. 11. The cart with the law that was chosen**, solved exactly.",
+        caption="**In place of Fig. 11. The cart with the law that was chosen**, solved exactly.",
     )
 
 

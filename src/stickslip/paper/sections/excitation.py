@@ -35,15 +35,17 @@ def excitation_section(found: PaperAudit) -> Section:
     row = found.table[0]
     mu_k = getattr(row.law, "kinetic_coefficient", 0.0)
     text = (
-        "“When the spring is released” and “the applied force is F=10N, the applied time is 0.1s”"
-        f" describe different experiments. Same block, same $mu_k$ = {mu_k:g}, same"
-        f" {row.law.title} law:"
+        "“When the spring is released, the steel block will move forward”, the paper writes, and"
+        " “$F$=Kx the external applied force”; and also “Both in the simulation study and in the"
+        " experiment, the applied force is $F$=10N, the applied time is 0.1s”. A spring that is"
+        f" released is no constant push. Same block, same $mu_k$ = {mu_k:g}, same {row.law.title}"
+        " law:"
     )
     travels = {f"{reading.criteria.travel:.2f}" for reading in row.readings}
     return Section(
         id="excitation",
         nav="Three excitations",
-        heading=f"Three readings of one sentence, {counted(len(travels))} travels",
+        heading=f"Two readings of the rig and a control, {counted(len(travels))} travels",
         blocks=(
             Paragraph(text=text),
             _sketches(row.readings),
@@ -89,7 +91,7 @@ def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> Figure:
         svg=svg,
         caption=(
             "**Travel in the three readings.** Blue-grey band:"
-            f" {interval(low, high)} m, the readings that round to {found.measured:.2f} m."
+            f" {interval(low, high)} m, the travels that round to {found.measured:.2f} m."
         ),
     )
 

@@ -83,7 +83,8 @@ def phenomena_section(found: PaperAudit) -> Section:
             caption=(
                 "**III.B.1, stick-slip motion.** The block of Table I, pulled through its spring at"
                 f" {1e3 * SPEED:g} mm/s (ours). It sticks for {pulled.stick_time:.3f} s and slips"
-                f" for {pulled.slip_time:.3f} s; the closed forms differ by {residue(error)}."
+                f" for {pulled.slip_time:.3f} s; the closed forms differ by {residue(error)} of"
+                " that."
             ),
         )
     ]
@@ -140,7 +141,7 @@ def figure_section(found: PaperAudit) -> Section:
         _run_figure(rows[name], number) for name, number in RUN_FIGURES.items() if name in rows
     ]
     text = (
-        "Displacement and velocity of the block in the three readings. Figs 2 and 11, the cart,"
+        "Displacement and velocity of the block in A, B and C. Figs 2 and 11, the cart,"
         " have sections of their own."
     )
     return Section(

@@ -16,6 +16,9 @@ def merit_section(found: PaperAudit) -> Section:
     pull = largest_pull(exact_1)
     free = next(row for row in found.fixed_steps if row.dt is not None and not row.stick_rule)
     spring = coulomb.reading("B")
+    fitted = found.verdict.best.fit if found.verdict.best else None
+    known = None if fitted is None else fitted.estimates[0]
+    inside = known is not None and known.low <= found.values.mu_k <= known.high
     items = (
         KeyValue(
             key="A rule for rest is needed",
@@ -28,7 +31,22 @@ def merit_section(found: PaperAudit) -> Section:
         ),
         KeyValue(
             key="The rule for rest of (5)",
-            value="the applied force up to $F_s$, and $F_s$ beyond: the rule that is used here",
+            value="the resultant force up to $F_s$, and $F_s$ beyond: the rule that is used here",
+            mark="ok",
+        ),
+        KeyValue(
+            key="The coefficient of Table I",
+            value=(
+                f"$mu_d$ = {found.values.mu_k:g}, from a handbook, "
+                + ("lies inside" if inside else "is tried against")
+                + " the range that the measured travel allows, the spring released"
+                + ("" if known is None else f": {known.low:.3f} to {known.high:.3f}")
+            ),
+            mark="ok" if inside else "warn",
+        ),
+        KeyValue(
+            key="Table II",
+            value="its relative errors follow from its displacements and the measured 0.20 m",
             mark="ok",
         ),
         KeyValue(key="The dynamics (2)", value="right, with the law (1)", mark="ok"),

@@ -1,5 +1,7 @@
 """What the parameters that the paper does not print would have to be."""
 
+from stickslip.experiments.wording import joined
+from stickslip.friction import FrictionLaw
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.sections.common import counted
 from stickslip.paper.unpublished import Requirement
@@ -37,18 +39,21 @@ def unpublished_section(found: PaperAudit) -> Section:
         id="unpublished",
         nav="Unpublished values",
         heading=(
-            f"As a push {counted(reached['A'])} of {counted(total)} rows can be had from a value"
-            f" that is not published, as a spring {counted(reached['B'])}"
+            f"With Table I kept, {counted(reached['A'])} of {counted(total)} travels follow from"
+            f" unpublished values for the push, {counted(reached['B'])} for the spring"
         ),
         blocks=(
             Paragraph(
                 text=(
-                    "The paper prints no stiffness, Stribeck velocity or viscous coefficient. These"
-                    " values, found by root finding in readings A and B, give its rows; below each"
-                    " the range for travels that round to the printed figure."
+                    "The paper prints no stiffness or damping of bristles, no Stribeck velocity and"
+                    " no viscous coefficient. These values, found by root finding in readings A and"
+                    " B, give its travels; below each the range for travels that round to the"
+                    " printed figure. Two rows need more: another coefficient than Table I's, and"
+                    " another model."
                 )
             ),
             Table(columns=columns, rows=rows),
+            Paragraph(text=_step_text(found)),
             _bristle_table(found),
             Caption(
                 text=(
@@ -61,7 +66,29 @@ def unpublished_section(found: PaperAudit) -> Section:
 
 
 def _reached(found: PaperAudit, key: str) -> int:
-    return sum(need.value is not None and need.reading == key for need in found.requirements)
+    return sum(
+        need.value is not None and need.kept and need.reading == key for need in found.requirements
+    )
+
+
+def _step_text(found: PaperAudit) -> str:
+    """Say what steps of 10 ms make of the rows that the exact push does not reach."""
+    parts = [
+        f"{fixed(one.travel, 3)} m with {one.law.title}"
+        + (f" ($sigma_2$ = {value:g} N s/m)" if (value := _viscous(one.law)) else "")
+        for one in found.step_travels
+    ]
+    return (
+        "There is another way to the 0.16 m of Coulomb and of Coulomb + viscous: in steps of 10 ms,"
+        " the sample time that the paper states for its cart, forward Euler with the stick rule"
+        f" gives {joined(parts)} for the push, with Table I's coefficients. Friction misses the"
+        " first step there, since sgn 0 = 0; the exact push gives 0.154 m. Which of these it was"
+        " cannot be told from the paper."
+    )
+
+
+def _viscous(law: FrictionLaw) -> float:
+    return float(getattr(law, "viscous_coefficient", 0.0))
 
 
 def _value(need: Requirement) -> Name:
@@ -101,7 +128,7 @@ def _bristle_table(found: PaperAudit) -> Table:
         for one, other in zip(dahl, lugre, strict=True)
     )
     caption = (
-        "The push of reading A with softer and softer bristles. Published: Dahl 0.25 m, LuGre"
-        " 0.13 m with a velocity that becomes negative."
+        "The push of reading A with softer and softer bristles, LuGre as in the table above."
+        " Published: Dahl 0.25 m, LuGre 0.13 m with a velocity that becomes negative."
     )
     return Table(columns=columns, rows=rows, caption=caption)
