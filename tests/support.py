@@ -138,6 +138,7 @@ pulses = st.builds(Pulse, level=nearly(-20, 20), duration=nearly(0.01, 0.5), sta
 broken_lines = st.lists(nearly(-20, 20), min_size=2, max_size=5).map(
     lambda values: PiecewiseLinear(times=[0.2 * i for i in range(len(values))], values=values)
 )
+inclines = st.just(0.0) | nearly(-0.6, 0.6)
 drives = st.one_of(pulses, broken_lines, st.builds(lambda a, b: a + b, pulses, broken_lines))
 
 spring_blocks = st.builds(
@@ -147,6 +148,7 @@ spring_blocks = st.builds(
     compression=nearly(-0.2, 0.2),
     attached=st.booleans(),
     drive=st.none() | drives,
+    incline=inclines,
 )
 towed_blocks = st.builds(
     TowedBlock,
@@ -195,6 +197,7 @@ pendulum_carts = st.builds(
     length=decade(-1, 0),
     pendulum=motors,
     wheelbase=st.none() | decade(-1, 0),
+    incline=inclines,
 )
 capsules = st.builds(
     Capsule,
@@ -203,6 +206,7 @@ capsules = st.builds(
     drive=motors,
     stiffness=st.just(0.0) | decade(0, 2),
     damping=st.just(0.0) | nearly(0, 2),
+    incline=inclines,
 )
 SLIDERS: Mapping[str, st.SearchStrategy[Any]] = {
     "spring-block": spring_blocks,
@@ -255,6 +259,9 @@ SHOWN: Mapping[str, Mechanism] = {
     "capsule, stops": Capsule(
         capsule_mass=0.8, inner_mass=0.2, drive=Torque(drive=Sine(amplitude=0.6, frequency=1.5)),
         stiffness=20.0, damping=0.2, lower_stop=-0.05, upper_stop=0.04, restitution=0.8,
+    ),
+    "spring-block, uphill": SpringBlock(
+        mass=1.0, stiffness=100.0, compression=0.12, attached=True, incline=0.3
     ),
 }  # fmt: skip
 """One of each mechanism, and others where a mechanism has several ways of being driven."""

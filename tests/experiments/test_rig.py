@@ -143,6 +143,26 @@ def test_every_drive_can_be_written(read, text, drive):
     assert drive is None or found == drive
 
 
+INCLINED = {
+    "spring-block": "mass = 1",
+    "pendulum-cart": "cart_mass = 1\nball_mass = 1\nlength = 1",
+    "capsule": "capsule_mass = 1\ninner_mass = 1",
+}
+
+
+@pytest.mark.parametrize("kind", INCLINED)
+def test_the_ground_is_inclined_by_an_angle_in_degrees_or_radians(read, kind):
+    text = f'[mechanism]\ntype = "{kind}"\n{INCLINED[kind]}\n'
+    rig = read(text + 'incline = "-12 deg"\n')
+    assert rig.mechanism.incline == pytest.approx(math.radians(-12.0), rel=1e-15)
+    assert (
+        read(rig_toml(rig.mechanism, Coulomb(kinetic_coefficient=0.5))).mechanism == rig.mechanism
+    )
+    assert read(text).mechanism.incline == 0.0
+    with pytest.raises(InputError, match=r"incline \(beta\) must be at least -1.57 .* got 12"):
+        read(text + "incline = 12\n")
+
+
 def test_a_list_of_drives_is_their_sum(read):
     pulse = '[[mechanism.drive]]\ntype = "pulse"\nlevel = 1\nduration = 1\n'
     assert isinstance(read(MECHANISM + pulse).mechanism.drive, Pulse)
@@ -583,7 +603,9 @@ def test_the_schema_is_json_and_knows_every_registry():
 
 
 def test_the_schema_says_units_and_ranges():
-    mass = rig_schema()["$defs"]["SpringBlock"]["properties"]["mass"]
+    properties = rig_schema()["$defs"]["SpringBlock"]["properties"]
+    assert "beta" in str(properties["incline"])
+    mass = properties["mass"]
     assert mass["x-unit"] == "kg"
     assert mass["anyOf"][0] == {"type": "number", "exclusiveMinimum": 0}
 

@@ -64,6 +64,7 @@ carts = st.builds(
     ball_mass=decade(-1, 0.3),
     length=decade(-1, 0.3),
     torque=st.floats(-1, 1),
+    incline=st.just(0.0) | st.floats(-0.7, 0.7),
 )
 laws = st.builds(
     lambda kinetic, surplus: Coulomb(
@@ -86,10 +87,12 @@ def pivot(cart, mu, s, theta):
 
 
 def slipping(cart, mu, s, theta, omega):
-    """Return x'', th'' and N while slipping, and the size of their parts."""
-    M, m, l, tau, g = (  # noqa: E741
-        cart.cart_mass, cart.ball_mass, cart.length, torque_of(cart), cart.gravity,
-    )  # fmt: skip
+    """Return x'', th'' and N while slipping, and the size of their parts.
+
+    An incline is level ground that is accelerated uphill by g sin beta, with gravity g cos beta.
+    """
+    M, m, l, tau = cart.cart_mass, cart.ball_mass, cart.length, torque_of(cart)  # noqa: E741
+    g, uphill = cart.gravity * math.cos(cart.incline), cart.gravity * math.sin(cart.incline)
     S, C, w2 = math.sin(theta), math.cos(theta), omega * omega
     D = pivot(cart, mu, s, theta)
     N = (M * ((M + m) * g - m * l * w2 * C) - (M + m) * tau * S / l) / D
@@ -98,13 +101,13 @@ def slipping(cart, mu, s, theta, omega):
         + m * g * S * C
         + m * l * w2 * (mu * s * C - S)
         + tau * (C + mu * s * S) / l
-    ) / D
+    ) / D - uphill
     th_ddot = (
         (M + m) * tau
         + (M + m) * m * g * l * (S - mu * s * C)
         + m**2 * l**2 * w2 * C * (mu * s * C - S)
     ) / (m * l**2 * D)
-    size = (g * (M + m) + m * l * w2 + abs(tau) / l) / D
+    size = (cart.gravity * (M + m) + m * l * w2 + abs(tau) / l) / D
     return x_ddot, th_ddot, N, size
 
 
@@ -135,13 +138,12 @@ def test_slip_has_the_accelerations_and_normal_force_of_the_closed_form(
 @EVERY
 @given(cart=carts, law=laws, theta=angles, omega=rates)
 def test_stick_needs_the_friction_of_the_closed_form(cart, law, theta, omega):
-    M, m, l, tau, g = (  # noqa: E741
-        cart.cart_mass, cart.ball_mass, cart.length, torque_of(cart), cart.gravity,
-    )  # fmt: skip
+    M, m, l, tau = cart.cart_mass, cart.ball_mass, cart.length, torque_of(cart)  # noqa: E741
+    g, beta = cart.gravity, cart.incline
     S, C, w2 = math.sin(theta), math.cos(theta), omega * omega
-    th_ddot = (tau + m * g * l * S) / (m * l**2)
-    needed = (tau + m * g * l * S) * C / l - m * l * w2 * S
-    N = M * g + m * g * C**2 - m * l * w2 * C - tau * S / l
+    th_ddot = (tau + m * g * l * math.sin(theta + beta)) / (m * l**2)
+    needed = m * l * (th_ddot * C - w2 * S) - (M + m) * g * math.sin(beta)
+    N = (M + m) * g * math.cos(beta) - m * l * (th_ddot * S + w2 * C)
     size = (M + m) * g + m * l * w2 + abs(tau) / l
     generated = Generated(cart, law, model())
     y = [0.3, theta, 0.0, omega]
@@ -155,13 +157,16 @@ def test_stick_needs_the_friction_of_the_closed_form(cart, law, theta, omega):
 
 
 @EVERY
-@given(cart=carts, theta=angles, omega=rates, v=rates)
-def test_the_energy_is_that_of_cart_and_ball(cart, theta, omega, v):
+@given(cart=carts, theta=angles, omega=rates, v=rates, x=rates)
+def test_the_energy_is_that_of_cart_and_ball(cart, theta, omega, v, x):
     M, m, l, g = cart.cart_mass, cart.ball_mass, cart.length, cart.gravity  # noqa: E741
+    beta = cart.incline
     ball = (v - l * math.cos(theta) * omega) ** 2 + (l * math.sin(theta) * omega) ** 2
-    expected = 0.5 * M * v**2 + 0.5 * m * ball + m * g * l * math.cos(theta)
-    found = Generated(cart, LAW, model()).energy([0.0, theta, v, omega])
-    assert abs(found - expected) <= 1e-14 * (M * v**2 + m * ball + m * g * l)  # a few roundings
+    height = (M + m) * x * math.sin(beta) + m * l * math.cos(theta + beta)
+    expected = 0.5 * M * v**2 + 0.5 * m * ball + g * height
+    found = Generated(cart, LAW, model()).energy([x, theta, v, omega])
+    size = M * v**2 + m * ball + g * (m * l + (M + m) * abs(x))
+    assert abs(found - expected) <= 1e-14 * size  # a few roundings
 
 
 def test_a_cart_whose_pendulum_lifts_it_ends_with_that_status():
@@ -238,18 +243,17 @@ def test_a_prescribed_swing_pushes_the_cart_as_the_closed_form_says(
     cart, law, swing, s, theta, omega
 ):
     cart = replace(cart, pendulum=Prescribed(profile=swing))
-    M, m, l, g, mu = (  # noqa: E741
-        cart.cart_mass, cart.ball_mass, cart.length, cart.gravity, law.kinetic_coefficient,
-    )  # fmt: skip
+    M, m, l, mu = cart.cart_mass, cart.ball_mass, cart.length, law.kinetic_coefficient  # noqa: E741
+    g, uphill = cart.gravity * math.cos(cart.incline), cart.gravity * math.sin(cart.incline)
     S, C, w2, turning = math.sin(theta), math.cos(theta), omega * omega, swing.fast
     H = m * l * (turning * C - w2 * S)
     N = (M + m) * g - m * l * (turning * S + w2 * C)
-    x_ddot = (H - s * mu * N) / (M + m)
-    tau = m * l**2 * turning - m * l * x_ddot * C - m * g * l * S
+    x_ddot = (H - s * mu * N) / (M + m) - uphill
+    tau = m * l**2 * turning - m * l * (x_ddot + uphill) * C - m * g * l * S
     generated = Generated(cart, law)
     generated.equations.load(1)  # the first phase
     y = [0.1, theta, 0.2 * s, omega]
-    size = (M + m) * g + m * l * (turning + w2)
+    size = (M + m) * cart.gravity + m * l * (turning + w2)
     # a few roundings of the parts
     assert np.allclose(
         generated.moving("field", s, y), [0.2 * s, omega, x_ddot, turning],
@@ -260,7 +264,8 @@ def test_a_prescribed_swing_pushes_the_cart_as_the_closed_form_says(
     assert math.isclose(friction, s * mu * N, rel_tol=1e-12, abs_tol=1e-12 * size)
     assert math.isclose(torque, tau, rel_tol=1e-12, abs_tol=1e-12 * size * l)
     held = generated.moving("contact", 0, [0.1, theta, 0.0, omega])
-    assert math.isclose(held[2], H, rel_tol=1e-12, abs_tol=1e-12 * size)
+    needed = H - (M + m) * uphill
+    assert math.isclose(held[2], needed, rel_tol=1e-12, abs_tol=1e-12 * size)
 
 
 @pytest.mark.parametrize(
