@@ -198,6 +198,9 @@ pendulum_carts = st.builds(
     pendulum=motors,
     wheelbase=st.none() | decade(-1, 0),
     incline=inclines,
+    pivot_stiffness=st.just(0.0) | decade(-1, 1),
+    pivot_angle=st.just(0.0) | nearly(-0.5, 0.5),
+    pivot_damping=st.just(0.0) | nearly(0, 0.2),
 )
 capsules = st.builds(
     Capsule,
@@ -251,6 +254,10 @@ SHOWN: Mapping[str, Mechanism] = {
     "pendulum-cart, prescribed": PendulumCart(
         cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING),
         wheelbase=0.4,
+    ),
+    "pendulum-cart, spring at the pivot": PendulumCart(
+        cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Torque(drive=PUSHES),
+        pivot_stiffness=0.8, pivot_angle=0.1, pivot_damping=0.01, incline=-0.1,
     ),
     "capsule, prescribed": Capsule(
         capsule_mass=0.8, inner_mass=0.2,

@@ -196,6 +196,8 @@ PERIOD = float(SWING.period)
 LIGHT = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING))
 ROUGH = Coulomb(kinetic_coefficient=0.2)
 PLAIN = EventDriven(tier="python")
+G = 9.81
+MANY = np.linspace(0.0, PERIOD, 2001)
 
 
 @functools.cache
@@ -266,6 +268,65 @@ def test_a_prescribed_swing_pushes_the_cart_as_the_closed_form_says(
     held = generated.moving("contact", 0, [0.1, theta, 0.0, omega])
     needed = H - (M + m) * uphill
     assert math.isclose(held[2], needed, rel_tol=1e-12, abs_tol=1e-12 * size)
+
+
+SPRUNG = {"pivot_stiffness": 2.5, "pivot_angle": 0.2, "pivot_damping": 0.03}
+
+
+def test_spring_and_damper_at_the_pivot_load_the_motor_of_a_swing_and_not_the_cart():
+    plain, sprung = (simulate(one, ROUGH, t_end=2.0) for one in (LIGHT, replace(LIGHT, **SPRUNG)))
+    t = np.linspace(0.0, 2.0, 400)
+    bare, wound = plain.at(t), sprung.at(t)
+    for name in ("x", "v", "friction", "normal_force", "theta"):
+        np.testing.assert_array_equal(wound[name], bare[name])
+    extra = 2.5 * (bare["theta"] - 0.2) + 0.03 * bare["omega"]
+    np.testing.assert_allclose(wound["torque"] - bare["torque"], extra, atol=1e-12)
+    assert sprung.certificate.energy_error < 1e-9
+
+
+def test_a_motor_too_weak_for_the_spring_at_the_pivot_ends_the_run():
+    needed = {
+        name: float(np.abs(simulate(cart, ROUGH, t_end=PERIOD).at(MANY)["torque"]).max())
+        for name, cart in {"bare": LIGHT, "sprung": replace(LIGHT, **SPRUNG)}.items()
+    }
+    assert needed["bare"] < 0.9 * needed["sprung"]
+    motor = Prescribed(profile=SWING, limit=0.95 * needed["sprung"])
+    assert simulate(replace(LIGHT, pendulum=motor), ROUGH, t_end=PERIOD).status.complete
+    weak = replace(LIGHT, pendulum=motor, **SPRUNG)
+    assert simulate(weak, ROUGH, t_end=PERIOD, throw=False).status is Status.LIMIT
+
+
+@pytest.mark.parametrize("held", [True, False], ids=["cart held", "cart free"])
+def test_a_sprung_pendulum_swings_with_its_eigenfrequency_and_damping(held):
+    M, m, l, k, c = 0.5, 0.1, 0.3, 2.5, 0.02  # noqa: E741
+    cart = PendulumCart(
+        cart_mass=M, ball_mass=m, length=l, pivot_stiffness=k, pivot_damping=c,
+        pendulum=Torque(drive=None),
+    )  # fmt: skip
+    # about the upright: J th'' + c th' + (k - m g l) th = 0, J less where the cart gives way
+    J = m * l**2 * (1.0 if held else M / (M + m))
+    w0, decay = math.sqrt((k - m * G * l) / J), 0.5 * c / J
+    w = math.sqrt(w0**2 - decay**2)
+    law = Coulomb(kinetic_coefficient=1.0 if held else 0.0)
+    size = 1e-5
+    run = simulate(cart, law, t_end=1.5, y0={"theta": size})
+    t = np.linspace(0.0, 1.5, 200)
+    expected = size * np.exp(-decay * t) * (np.cos(w * t) + decay / w * np.sin(w * t))
+    # cubes of the angle are left out: 1e-10 of it, times the phase that adds up
+    np.testing.assert_allclose(run.at(t)["theta"], expected, atol=1e-8 * size)
+
+
+def test_a_spring_at_the_pivot_holds_the_rod_where_torques_balance():
+    # on an incline, about its rest: k (th - th_0) = m g l sin(th + beta)
+    k, beta, m, l = 2.5, 0.2, 0.1, 0.3  # noqa: E741
+    cart = PendulumCart(
+        cart_mass=0.5, ball_mass=m, length=l, incline=beta, pivot_stiffness=k, pivot_angle=0.3,
+        pivot_damping=0.2,
+    )  # fmt: skip
+    run = simulate(cart, Coulomb(kinetic_coefficient=1.0), t_end=30.0)
+    theta = run["theta"][-1]
+    assert k * (theta - 0.3) == pytest.approx(m * G * l * math.sin(theta + beta), rel=1e-9)
+    assert run["x"][-1] == 0.0
 
 
 @pytest.mark.parametrize(

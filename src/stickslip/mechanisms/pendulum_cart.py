@@ -23,8 +23,10 @@ class PendulumCart(Mechanism):
     The angle `theta` is that of the rod from the normal of the ground, which is the upright where
     the ground is level; the ball is at ``(x - length * sin(theta), length * cos(theta))``, along
     the ground and above the pivot. On an incline positive x is uphill. The swing is prescribed, or
-    a torque turns the pendulum; the normal force is that of the whole motion. A run ends where the
-    cart lifts off or tips over its wheels, and where its equations lose their meaning (Painleve).
+    a torque turns the pendulum; the normal force is that of the whole motion. A spring and a damper
+    at the pivot act between rod and cart: beside a prescribed swing they change what the motor has
+    to give, and not the motion. A run ends where the cart lifts off or tips over its wheels, and
+    where its equations lose their meaning (Painleve).
 
     Examples
     --------
@@ -52,6 +54,12 @@ class PendulumCart(Mechanism):
     """Length of the rod."""
     pendulum: Motor = IDLE
     """What moves the pendulum: `Prescribed` or `Torque`."""
+    pivot_stiffness: Annotated[float, Quantity("k_theta", "N m/rad", low=0)] = 0.0
+    """Spring at the pivot, between rod and cart."""
+    pivot_angle: Annotated[float, Quantity("theta_0", "rad")] = 0.0
+    """Angle at which that spring is free of torque."""
+    pivot_damping: Annotated[float, Quantity("c_theta", "N m s/rad", low=0)] = 0.0
+    """Damper at the pivot, between rod and cart."""
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""
     incline: Incline = 0.0
@@ -93,7 +101,9 @@ class PendulumCart(Mechanism):
             x - h_p * sin(tilt) - l * sin(angle),
             y + h_p * cos(tilt) + l * cos(angle),
         )
-        return self.gravity * (self.cart_mass * cart + self.ball_mass * ball)
+        wound = q["theta"] - self.pivot_angle
+        spring = 0.5 * self.pivot_stiffness * wound * wound
+        return self.gravity * (self.cart_mass * cart + self.ball_mass * ball) + spring
 
     @override
     def forces(
@@ -103,7 +113,7 @@ class PendulumCart(Mechanism):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
-        return {"theta": self.pendulum.force(drives)}
+        return {"theta": self.pendulum.force(drives) - self.pivot_damping * q_dot["theta"]}
 
     @override
     def contacts(self) -> tuple[Contact, ...]:

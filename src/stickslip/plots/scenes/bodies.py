@@ -282,6 +282,7 @@ def pendulum_cart(mechanism: PendulumCart, _seen: Trajectory) -> Picture:
             Rod(points=((x, pivot), ball), width=2.4),
             Ball(centre=ball, radius=0.08 * l, fill="solid"),
             Ball(centre=(x, pivot), radius=0.03 * l, fill="none"),
+            *_spiral(mechanism, (x, pivot), theta),
             *_plumb(mechanism.incline, (feet[1] + base, pivot + l), 0.4 * l),
             *_forces(now, x, base, normal=True),
             Turn(
@@ -293,6 +294,16 @@ def pendulum_cart(mechanism: PendulumCart, _seen: Trajectory) -> Picture:
         ]
 
     return Picture(shapes=shapes, names={"drive": "torque"})
+
+
+def _spiral(mechanism: PendulumCart, centre: Point, theta: float) -> list[Shape]:
+    """Return the spring at the pivot: two turns from the cart up to the rod."""
+    if mechanism.pivot_stiffness == 0.0:
+        return []
+    turns = np.linspace(-0.5 * math.pi, 4.5 * math.pi + theta, 61)
+    radii = mechanism.length * np.linspace(0.05, 0.13, turns.size)
+    xs, ys = centre[0] + radii * np.cos(turns), centre[1] + radii * np.sin(turns)
+    return [Rod(points=tuple(zip(xs.tolist(), ys.tolist(), strict=True)), width=1.1)]
 
 
 def capsule(mechanism: Capsule, seen: Trajectory) -> Picture:
