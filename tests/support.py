@@ -23,6 +23,7 @@ from stickslip import (
     Sine,
     SineSwing,
     SpringBlock,
+    Square,
     ThreePhase,
     Torque,
     TowedBlock,
@@ -138,8 +139,14 @@ pulses = st.builds(Pulse, level=nearly(-20, 20), duration=nearly(0.01, 0.5), sta
 broken_lines = st.lists(nearly(-20, 20), min_size=2, max_size=5).map(
     lambda values: PiecewiseLinear(times=[0.2 * i for i in range(len(values))], values=values)
 )
+squares = st.builds(
+    Square, high=nearly(-20, 20), low=nearly(-20, 20), period=nearly(0.1, 0.9), duty=nearly(0, 1),
+    start=nearly(-0.5, 0.5),
+)  # fmt: skip
 inclines = st.just(0.0) | nearly(-0.6, 0.6)
-drives = st.one_of(pulses, broken_lines, st.builds(lambda a, b: a + b, pulses, broken_lines))
+drives = st.one_of(
+    pulses, broken_lines, squares, st.builds(lambda a, b: a + b, pulses, broken_lines)
+)
 
 spring_blocks = st.builds(
     SpringBlock,
@@ -251,6 +258,10 @@ EXAMPLES: Mapping[str, Mechanism] = {
 SHOWN: Mapping[str, Mechanism] = {
     **EXAMPLES,
     "two-mass-axis, motor rubs": dataclasses.replace(EXAMPLES["two-mass-axis"], rubs="motor"),
+    "capsule, square": Capsule(
+        capsule_mass=0.8, inner_mass=0.2, stiffness=40.0, damping=0.2, incline=0.05,
+        drive=Torque(drive=Square(high=4.0, low=-1.0, period=0.3, duty=0.3)),
+    ),
     "pendulum-cart, prescribed": PendulumCart(
         cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING),
         wheelbase=0.4,

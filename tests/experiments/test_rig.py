@@ -23,6 +23,7 @@ from stickslip import (
     SineSwing,
     SplineSwing,
     SpringBlock,
+    Square,
     ThreePhase,
     Torque,
     TowedBlock,
@@ -134,6 +135,10 @@ def test_a_byte_order_mark_is_no_harm(read):
         ('type="sampled"\ntimes=[0,1]\nvalues=[1,2.5]\nhold="first"', None),
         ('type="piecewise-linear"\ntimes=[0,1]\nvalues=[1,2.5]', None),
         ('type="sine"\namplitude=1\nfrequency="2 Hz"\nphase="90 deg"', None),
+        (
+            'type="square"\nhigh="5 N"\nlow="-2 N"\nperiod="400 ms"\nduty="25 %"\nstart=0.1',
+            Square(high=5.0, low=-2.0, period=0.4, duty=0.25, start=0.1),
+        ),
         ('type="ramp"\nrate="1 N/s"', None),
     ],
 )

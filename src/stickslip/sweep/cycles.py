@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from stickslip.drives import Drive, Profile, Sine, Sum
+from stickslip.drives import Drive, Sum
 from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism
 
@@ -18,7 +18,7 @@ def cycle_of(mechanism: Mechanism) -> float:
     Parameters
     ----------
     mechanism : Mechanism
-        Its drives are `Sine` or motion profiles, or sums of them; the period of the slowest must be
+        Its drives are `Sine`, `Square` or motion profiles, or sums of them; the period of the slowest must be
         a whole multiple of those of the others.
 
     Returns
@@ -77,11 +77,10 @@ def _parts(drive: Drive) -> Iterator[Drive]:
 
 
 def _period(owner: str, drive: Drive) -> float:
-    if isinstance(drive, Sine):
-        return 1.0 / drive.frequency
-    if isinstance(drive, Profile):
-        return float(drive.period)
-    raise InputError(
-        f"{owner} is a {type(drive).__name__}, which is not known to repeat itself; give the period"
-        " [s] yourself."
-    )
+    period = drive.repeats()
+    if period is None:
+        raise InputError(
+            f"{owner} is a {type(drive).__name__}, which is not known to repeat itself; give the"
+            " period [s] yourself."
+        )
+    return float(period)
