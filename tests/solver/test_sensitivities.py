@@ -279,8 +279,9 @@ def test_no_times_have_no_sensitivities():
 
 def test_two_coordinates_have_sensitivities_as_well():
     cart = cart_with(
-        cart_mass=2.0, ball_mass=0.5, length=0.4, torque=0.3, pivot_height=0.1, centre_height=0.1
-    )
+        cart_mass=2.0, ball_mass=0.5, length=0.4, torque=0.3, pivot_height=0.1, centre_height=0.1,
+        pivot_stiffness=0.3, pivot_damping=0.02,
+    )  # fmt: skip
     case = Case(cart, CART_LAW, 1.2, (0.0, 0.3, 1.0, 0.5))
     run = case.run()
     assert len(run.events) >= 2
