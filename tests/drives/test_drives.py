@@ -140,7 +140,9 @@ def test_the_pieces_of_a_square_wave_have_its_mean_and_its_fourier_coefficients(
 def test_drives_say_how_long_a_cycle_is_or_that_they_have_none():
     assert Square(high=1.0, period=0.3).repeats() == 0.3
     assert Sine(amplitude=1.0, frequency=4.0).repeats() == 0.25
-    assert ThreePhase(amplitude=0.5, fast=9.0, slow=3.0).repeats() == pytest.approx(2.0 * math.sqrt(2.0 * (1.0 / 9.0 + 1.0 / 3.0)))
+    assert ThreePhase(amplitude=0.5, fast=9.0, slow=3.0).repeats() == pytest.approx(
+        2.0 * math.sqrt(2.0 * (1.0 / 9.0 + 1.0 / 3.0))
+    )
     assert Pulse(level=1.0, duration=1.0).repeats() is None
 
 

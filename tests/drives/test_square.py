@@ -166,7 +166,5 @@ def test_a_block_that_the_next_cycle_would_move_is_not_at_rest_at_the_end():
 
 def test_many_cycles_are_run_one_after_the_other():
     wave = Square(high=F1, low=-1.5, period=0.01, duty=D) + Sine(amplitude=0.1, frequency=3.0)
-    run = simulate(
-        Axis(inertia=1.0, drive=wave), Coulomb(kinetic_coefficient=0.0), t_end=20.0
-    )
+    run = simulate(Axis(inertia=1.0, drive=wave), Coulomb(kinetic_coefficient=0.0), t_end=20.0)
     assert run["v"][-1] == pytest.approx(0.0, abs=1e-9)  # whole cycles of both have no mean

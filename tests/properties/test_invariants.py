@@ -82,7 +82,17 @@ def test_a_spring_is_worth_its_energy_over_many_decades(mass, mu, share, stiffne
 
 def mirrored(value):
     """Return a rig or drive with every force and length that has a direction turned round."""
-    signed = {"level", "high", "low", "rate", "amplitude", "compression", "speed", "offset", "incline"}
+    signed = {
+        "level",
+        "high",
+        "low",
+        "rate",
+        "amplitude",
+        "compression",
+        "speed",
+        "offset",
+        "incline",
+    }
     changes = {}
     for field in dataclasses.fields(value):
         part = getattr(value, field.name)

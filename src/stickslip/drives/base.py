@@ -155,9 +155,7 @@ class Sum(Drive):
         return min(part.time_scale() for part in self.parts)
 
 
-def repeated(
-    owner: str, cycle: Sequence[Piece], period: Scalar, until: float
-) -> tuple[Piece, ...]:
+def repeated(owner: str, cycle: Sequence[Piece], period: Scalar, until: float) -> tuple[Piece, ...]:
     """Return the pieces of a cycle again and again: of all cycles that begin up to a time.
 
     Parameters

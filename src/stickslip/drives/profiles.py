@@ -16,6 +16,7 @@ from stickslip.quantities import Quantity
 
 __all__ = ["Profile", "SevenStep", "SineSwing", "SplineSwing", "ThreePhase"]
 
+
 @dataclass(frozen=True, kw_only=True)
 class Profile(Drive, ABC):
     """A motion that repeats itself, given by its acceleration [rad/s^2] or [m/s^2].

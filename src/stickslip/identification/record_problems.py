@@ -28,7 +28,7 @@ from stickslip.identification.record_starts import (
     mechanism_unknowns,
     scales_of,
 )
-from stickslip.identification.scanning import scanned_scales
+from stickslip.identification.scanning import scanned_scales, surplus_starts
 from stickslip.identification.segmenting import measured_quantity, segments_of
 from stickslip.identification.shooting import Shooting, few_of
 from stickslip.identification.unknowns import Unknowns
@@ -179,6 +179,8 @@ def _shooting(wanted: Wanted) -> Prepared:
     )
     with with_doubts(measurement, mechanism):
         problem = build(measurement, None)
+    if drives_itself(mechanism, under_load) and isinstance(wanted.law, type):
+        tried = (*surplus_starts(problem), *tried)
     near = _by_inverse_dynamics(wanted, unknowns)
     if near is not None:
         assert isinstance(problem, Shooting)

@@ -4,14 +4,17 @@ Without a force there is nothing for a regression to start from, but the drive i
 takes milliseconds.
 """
 
+import itertools
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError
 from stickslip.experiments import Measurement
 from stickslip.friction import Coulomb
 from stickslip.identification.inverse_dynamics import mass_of
+from stickslip.identification.problem import RecordProblem
 from stickslip.identification.record_starts import Scales, load_of
 from stickslip.identification.segmenting import segments_of
 from stickslip.identification.shooting import Shooting
@@ -19,7 +22,7 @@ from stickslip.identification.unknowns import Unknown, Unknowns
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
 
-__all__ = ["scanned_scales"]
+__all__ = ["scanned_scales", "surplus_starts"]
 
 LEVELS: Final = tuple(np.geomspace(0.01, 2.0, 16).tolist())
 """Levels over the load that are tried: a third more each, from rolling to rubber."""
@@ -27,6 +30,12 @@ ROWS: Final = 200
 """Rows of a record that they are compared at."""
 ONE_WAY: Final = 0.01
 """Share of the samples that must go each way for a record to be two-sided."""
+SURPLUSES: Final = (1.02, 1.1, 1.2, 1.35, 1.6, 2.0)
+"""Levels at rest over those of sliding that are tried, beside ..."""
+NEAR: Final = (0.9, 0.95, 1.0, 1.05, 1.1)
+"""... levels of sliding over the one that fits best alone."""
+KEPT: Final = 3
+"""Starts that are kept of these."""
 LONGEST: Final = 1e9
 """Length of a segment that no record has [s]."""
 
@@ -98,3 +107,30 @@ def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str
         stroke=max(*(float(np.ptp(one[place])) for one in sampled), 1e-12),
         two_sided=ONE_WAY < ahead < 1.0 - ONE_WAY,
     )
+
+
+def surplus_starts(problem: RecordProblem) -> tuple[NDArray[np.float64], ...]:
+    """Return starts (p,) with the levels at rest that fit best, tried one by one.
+
+    Such a level decides at each rest whether the body breaks away or not, so that residuals jump
+    with it, and no slope leads from one side to the other.
+
+    Parameters
+    ----------
+    problem : RecordProblem
+        With start values of its unknowns.
+    """
+    unknowns = problem.unknowns
+    above = [item.path for item in unknowns.items if item.above]
+    if not above:
+        return ()
+    rest = unknowns.paths.index(above[0])
+    level = unknowns.paths.index(unknowns.items[rest].above)
+    found = []
+    for near, surplus in itertools.product(NEAR, SURPLUSES):
+        values = unknowns.start.copy()
+        values[level] *= near
+        values[rest] = surplus * values[level]
+        found.append((problem.linearise(values, slopes=False).cost, values))
+    found.sort(key=lambda one: one[0])
+    return tuple(values for cost, values in found[:KEPT] if np.isfinite(cost))

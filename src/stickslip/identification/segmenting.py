@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stickslip.drives import Drive, Sampled, StraightPieces
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement
-from stickslip.identification.applied import applied_force, drives_itself
+from stickslip.identification.applied import applied_force, drives_itself, inside
 from stickslip.identification.loads import loaded
 from stickslip.identification.shooting import Segment
 from stickslip.mechanisms import Mechanism
@@ -189,9 +189,8 @@ def _from_the_start(
     names = (*mechanism.coordinates, *mechanism.rates)
     guess = _guess(mechanism, quantity, record.time, np.asarray(record.values(quantity)))
     told = {**mechanism.start(), **record.initial}
-    slip = mechanism.coordinates.index(mechanism.contacts()[0].slip)
-    own = {slip, slip + len(mechanism.coordinates)}
-    known = np.array([place not in own for place in range(len(names))])
+    hidden = inside(mechanism, record)
+    known = np.array([name in hidden for name in names])
     return Segment(
         record=index,
         start=0.0,
