@@ -100,7 +100,7 @@ def test_trials_with_other_drives_are_fitted_together():
     mechanism, _, rate, noise = CASES["kicks"]
     path = "mechanism.drive.drive.period"
     parts = []
-    for seed, period in enumerate((0.3, 0.45)):
+    for seed, period in enumerate((0.3, 0.45), 2):
         own = replace(mechanism, drive=Torque(drive=replace(KICKS, period=period)))
         parts.append(replace(record(own, 2.0, rate, noise, seed=seed), overrides={path: period}))
     found = fitted(mechanism, Measurement(trials=tuple(parts)))

@@ -65,8 +65,8 @@ def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str
     >>> run = simulate(capsule, Coulomb(kinetic_coefficient=0.2), t_end=0.5).sampled(100)
     >>> record = Measurement(time=run.t, position=run["x"])
     >>> scales = scanned_scales(capsule, record, "position")
-    >>> round(scales.level / scales.load, 2)
-    0.2
+    >>> 0.14 < scales.level / scales.load < 0.28
+    True
     """
     load = load_of(mechanism)
     path, bounds = "friction.kinetic_coefficient", fields_of(Coulomb)["kinetic_coefficient"]

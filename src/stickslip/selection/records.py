@@ -12,8 +12,8 @@ from stickslip.experiments import Checks, Measurement, check
 from stickslip.experiments.refusals import refuse_lack, refuse_unused, told, with_doubts
 from stickslip.experiments.second_records import refuse_same
 from stickslip.friction import FrictionLaw
-from stickslip.identification.applied import inside
 from stickslip.identification import RecordFit
+from stickslip.identification.applied import inside
 from stickslip.identification.containment import FittedLaw
 from stickslip.identification.record_fit import check_horizon
 from stickslip.identification.record_fitting import fit_record

@@ -18,8 +18,8 @@ def cycle_of(mechanism: Mechanism) -> float:
     Parameters
     ----------
     mechanism : Mechanism
-        Its drives are `Sine`, `Square` or motion profiles, or sums of them; the period of the slowest must be
-        a whole multiple of those of the others.
+        Its drives are `Sine`, `Square` or motion profiles, or sums of them; the period of the
+        slowest must be a whole multiple of those of the others.
 
     Returns
     -------
