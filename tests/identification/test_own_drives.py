@@ -151,3 +151,36 @@ def test_a_drive_that_lifts_the_cart_at_every_level_is_refused_in_words():
     wild = replace(mechanism, pendulum=Prescribed(profile=replace(SWING, fast=900.0, slow=500.0)))
     with pytest.raises(ConvergenceError, match="whether it lifts off"):
         fit(wild, Coulomb, seen)
+
+
+def travels(settings, law, t_end, seed=1):
+    """Return what a tape measure says of a kicked capsule, by period and duty."""
+    mechanism, rng, trials = CASES["kicks"][0], np.random.default_rng(seed), []
+    for period, duty in settings:
+        own = replace(KICKS, period=period, duty=duty)
+        run = simulate(replace(mechanism, drive=Torque(drive=own)), law, t_end=t_end)
+        names = {"mechanism.drive.drive.period": period, "mechanism.drive.drive.duty": duty}
+        travel = float(run["x"][-1] + 1e-3 * rng.normal())
+        trials.append(Measurement(travel=travel, uncertainty=1e-3, overrides=names))
+    return mechanism, Measurement(trials=tuple(trials))
+
+
+SETTINGS = [(period, duty) for period in (0.3, 0.4, 0.5) for duty in (0.2, 0.35)]
+
+
+def test_travels_by_period_and_duty_tell_both_levels():
+    mechanism, readings = travels(SETTINGS, TRUTH, 3.0)
+    start = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.3)
+    found = fit(mechanism, start, readings, t_end=3.0)
+    kinetic, static = found.estimates
+    assert kinetic.low <= 0.18 <= kinetic.high
+    assert static.low <= 0.24 <= static.high
+    assert static.high - static.low < 0.03
+    assert found.chi_square < 13.3  # 99 % with 4 degrees of freedom
+
+
+def test_a_law_without_a_level_at_rest_of_its_own_is_not_given_one():
+    mechanism, readings = travels(SETTINGS, Coulomb(kinetic_coefficient=0.2), 3.0)
+    found = fit(mechanism, Coulomb, readings, t_end=3.0)
+    (level,) = found.estimates
+    assert level.low <= 0.2 <= level.high
