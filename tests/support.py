@@ -23,6 +23,7 @@ from stickslip import (
     Sine,
     SineSwing,
     SpringBlock,
+    Square,
     ThreePhase,
     Torque,
     TowedBlock,
@@ -138,7 +139,14 @@ pulses = st.builds(Pulse, level=nearly(-20, 20), duration=nearly(0.01, 0.5), sta
 broken_lines = st.lists(nearly(-20, 20), min_size=2, max_size=5).map(
     lambda values: PiecewiseLinear(times=[0.2 * i for i in range(len(values))], values=values)
 )
-drives = st.one_of(pulses, broken_lines, st.builds(lambda a, b: a + b, pulses, broken_lines))
+squares = st.builds(
+    Square, high=nearly(-20, 20), low=nearly(-20, 20), period=nearly(0.1, 0.9), duty=nearly(0, 1),
+    start=nearly(-0.5, 0.5),
+)  # fmt: skip
+inclines = st.just(0.0) | nearly(-0.6, 0.6)
+drives = st.one_of(
+    pulses, broken_lines, squares, st.builds(lambda a, b: a + b, pulses, broken_lines)
+)
 
 spring_blocks = st.builds(
     SpringBlock,
@@ -147,6 +155,7 @@ spring_blocks = st.builds(
     compression=nearly(-0.2, 0.2),
     attached=st.booleans(),
     drive=st.none() | drives,
+    incline=inclines,
 )
 towed_blocks = st.builds(
     TowedBlock,
@@ -195,6 +204,10 @@ pendulum_carts = st.builds(
     length=decade(-1, 0),
     pendulum=motors,
     wheelbase=st.none() | decade(-1, 0),
+    incline=inclines,
+    pivot_stiffness=st.just(0.0) | decade(-1, 1),
+    pivot_angle=st.just(0.0) | nearly(-0.5, 0.5),
+    pivot_damping=st.just(0.0) | nearly(0, 0.2),
 )
 capsules = st.builds(
     Capsule,
@@ -203,6 +216,7 @@ capsules = st.builds(
     drive=motors,
     stiffness=st.just(0.0) | decade(0, 2),
     damping=st.just(0.0) | nearly(0, 2),
+    incline=inclines,
 )
 SLIDERS: Mapping[str, st.SearchStrategy[Any]] = {
     "spring-block": spring_blocks,
@@ -244,9 +258,17 @@ EXAMPLES: Mapping[str, Mechanism] = {
 SHOWN: Mapping[str, Mechanism] = {
     **EXAMPLES,
     "two-mass-axis, motor rubs": dataclasses.replace(EXAMPLES["two-mass-axis"], rubs="motor"),
+    "capsule, square": Capsule(
+        capsule_mass=0.8, inner_mass=0.2, stiffness=40.0, damping=0.2, incline=0.05,
+        drive=Torque(drive=Square(high=4.0, low=-1.0, period=0.3, duty=0.3)),
+    ),
     "pendulum-cart, prescribed": PendulumCart(
         cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING),
         wheelbase=0.4,
+    ),
+    "pendulum-cart, spring at the pivot": PendulumCart(
+        cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Torque(drive=PUSHES),
+        pivot_stiffness=0.8, pivot_angle=0.1, pivot_damping=0.01, incline=-0.1,
     ),
     "capsule, prescribed": Capsule(
         capsule_mass=0.8, inner_mass=0.2,
@@ -255,6 +277,9 @@ SHOWN: Mapping[str, Mechanism] = {
     "capsule, stops": Capsule(
         capsule_mass=0.8, inner_mass=0.2, drive=Torque(drive=Sine(amplitude=0.6, frequency=1.5)),
         stiffness=20.0, damping=0.2, lower_stop=-0.05, upper_stop=0.04, restitution=0.8,
+    ),
+    "spring-block, uphill": SpringBlock(
+        mass=1.0, stiffness=100.0, compression=0.12, attached=True, incline=0.3
     ),
 }  # fmt: skip
 """One of each mechanism, and others where a mechanism has several ways of being driven."""

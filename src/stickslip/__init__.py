@@ -73,6 +73,7 @@ _HOME = {
     "Sine": "drives",
     "SineSwing": "drives",
     "SplineSwing": "drives",
+    "Square": "drives",
     "SpringBlock": "mechanisms",
     "Status": "trajectory",
     "Stop": "mechanisms",

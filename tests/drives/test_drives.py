@@ -1,13 +1,15 @@
 """Values, pieces and sums of drives."""
 
+import cmath
+import itertools
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
-from tests.support import broken_lines, pulses
+from tests.support import broken_lines, pulses, squares
 
-from stickslip import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
+from stickslip import PiecewiseLinear, Pulse, Ramp, Sampled, Sine, Square, ThreePhase
 from stickslip.drives import Piece, Sum
 from stickslip.drives.base import BEGINNING
 from stickslip.errors import ParameterError
@@ -19,7 +21,7 @@ samples = st.builds(
     st.lists(st.floats(-9, 9), min_size=1, max_size=5),
     st.sampled_from(["zero", "first"]),
 )
-single = st.one_of(pulses, broken_lines, sines, ramps, samples)
+single = st.one_of(pulses, broken_lines, squares, sines, ramps, samples)
 times = st.floats(-2, 6)
 
 
@@ -81,7 +83,7 @@ def test_points_may_be_any_sequence_and_become_tuples_of_floats():
 
 @given(drive=single | st.builds(lambda a, b: a + b, single, single))
 def test_pieces_come_in_the_order_of_time(drive):
-    starts = [piece.start for piece in drive.pieces()]
+    starts = [piece.start for piece in drive.pieces(2.0)]
     assert starts == sorted(starts)
 
 
@@ -106,6 +108,47 @@ def test_a_sum_takes_the_shortest_time_scale_of_its_parts():
     assert total.time_scale() == 0.2
     assert (total + Pulse(level=1.0, duration=1.0)).time_scale() == 0.2
     assert Pulse(level=1.0, duration=1.0).time_scale() == math.inf
+
+
+@given(drive=squares, t=times)
+def test_a_square_wave_is_high_for_its_duty_of_each_cycle(drive, t):
+    share = math.modf((t - drive.start) / drive.period)[0]
+    assume(min(abs(share), abs(share - drive.duty), abs(share - 1.0)) > 1e-9)  # off the jumps
+    expected = drive.high if share < drive.duty else drive.low
+    assert drive.value(t) == (0.0 if t < drive.start else expected)
+
+
+@given(drive=squares, order=st.integers(1, 6))
+def test_the_pieces_of_a_square_wave_have_its_mean_and_its_fourier_coefficients(drive, order):
+    pieces = drive.pieces(2.0)
+    turn = 2.0 * math.pi * order / drive.period
+    integral = coefficient = 0.0
+    for piece, after in itertools.pairwise(pieces[:3]):
+        a, b = piece.start - drive.start, after.start - drive.start
+        integral += piece.value * (b - a)
+        coefficient += piece.value * (cmath.exp(-1j * turn * b) - cmath.exp(-1j * turn * a))
+    coefficient *= 1j / turn / drive.period
+    # of a wave between two levels: (high - low) sin(pi n D) / (pi n), turned by half the duty
+    known = (drive.high - drive.low) * math.sin(math.pi * order * drive.duty) / (math.pi * order)
+    turned = known * cmath.exp(-1j * math.pi * order * drive.duty)
+    assert integral / drive.period == pytest.approx(drive.mean, abs=1e-12)
+    assert abs(coefficient - turned) < 1e-12
+    later = [(p.start - q.start, p.value) for p, q in zip(pieces[2:], pieces, strict=False)]
+    assert all(gap == pytest.approx(drive.period, rel=1e-12) for gap, _ in later)
+
+
+def test_drives_say_how_long_a_cycle_is_or_that_they_have_none():
+    assert Square(high=1.0, period=0.3).repeats() == 0.3
+    assert Sine(amplitude=1.0, frequency=4.0).repeats() == 0.25
+    assert ThreePhase(amplitude=0.5, fast=9.0, slow=3.0).repeats() == pytest.approx(
+        2.0 * math.sqrt(2.0 * (1.0 / 9.0 + 1.0 / 3.0))
+    )
+    assert Pulse(level=1.0, duration=1.0).repeats() is None
+
+
+def test_a_square_wave_of_too_many_cycles_is_refused_in_words():
+    with pytest.raises(ParameterError, match=r"Square: a run to t_end = 5 s .* cycles of 1e-06 s"):
+        Square(high=1.0, period=1e-6).pieces(5.0)
 
 
 def test_what_held_before_the_first_point_holds_from_the_beginning():

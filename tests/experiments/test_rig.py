@@ -23,6 +23,7 @@ from stickslip import (
     SineSwing,
     SplineSwing,
     SpringBlock,
+    Square,
     ThreePhase,
     Torque,
     TowedBlock,
@@ -134,6 +135,10 @@ def test_a_byte_order_mark_is_no_harm(read):
         ('type="sampled"\ntimes=[0,1]\nvalues=[1,2.5]\nhold="first"', None),
         ('type="piecewise-linear"\ntimes=[0,1]\nvalues=[1,2.5]', None),
         ('type="sine"\namplitude=1\nfrequency="2 Hz"\nphase="90 deg"', None),
+        (
+            'type="square"\nhigh="5 N"\nlow="-2 N"\nperiod="400 ms"\nduty="25 %"\nstart=0.1',
+            Square(high=5.0, low=-2.0, period=0.4, duty=0.25, start=0.1),
+        ),
         ('type="ramp"\nrate="1 N/s"', None),
     ],
 )
@@ -141,6 +146,26 @@ def test_every_drive_can_be_written(read, text, drive):
     found = read(f"{MECHANISM}[mechanism.drive]\n{text}").mechanism.drive
     assert isinstance(found, DRIVES[text.split('"')[1]])
     assert drive is None or found == drive
+
+
+INCLINED = {
+    "spring-block": "mass = 1",
+    "pendulum-cart": "cart_mass = 1\nball_mass = 1\nlength = 1",
+    "capsule": "capsule_mass = 1\ninner_mass = 1",
+}
+
+
+@pytest.mark.parametrize("kind", INCLINED)
+def test_the_ground_is_inclined_by_an_angle_in_degrees_or_radians(read, kind):
+    text = f'[mechanism]\ntype = "{kind}"\n{INCLINED[kind]}\n'
+    rig = read(text + 'incline = "-12 deg"\n')
+    assert rig.mechanism.incline == pytest.approx(math.radians(-12.0), rel=1e-15)
+    assert (
+        read(rig_toml(rig.mechanism, Coulomb(kinetic_coefficient=0.5))).mechanism == rig.mechanism
+    )
+    assert read(text).mechanism.incline == 0.0
+    with pytest.raises(InputError, match=r"incline \(beta\) must be at least -1.57 .* got 12"):
+        read(text + "incline = 12\n")
 
 
 def test_a_list_of_drives_is_their_sum(read):
@@ -583,7 +608,9 @@ def test_the_schema_is_json_and_knows_every_registry():
 
 
 def test_the_schema_says_units_and_ranges():
-    mass = rig_schema()["$defs"]["SpringBlock"]["properties"]["mass"]
+    properties = rig_schema()["$defs"]["SpringBlock"]["properties"]
+    assert "beta" in str(properties["incline"])
+    mass = properties["mass"]
     assert mass["x-unit"] == "kg"
     assert mass["anyOf"][0] == {"type": "number", "exclusiveMinimum": 0}
 

@@ -64,6 +64,7 @@ carts = st.builds(
     ball_mass=decade(-1, 0.3),
     length=decade(-1, 0.3),
     torque=st.floats(-1, 1),
+    incline=st.just(0.0) | st.floats(-0.7, 0.7),
 )
 laws = st.builds(
     lambda kinetic, surplus: Coulomb(
@@ -86,10 +87,12 @@ def pivot(cart, mu, s, theta):
 
 
 def slipping(cart, mu, s, theta, omega):
-    """Return x'', th'' and N while slipping, and the size of their parts."""
-    M, m, l, tau, g = (  # noqa: E741
-        cart.cart_mass, cart.ball_mass, cart.length, torque_of(cart), cart.gravity,
-    )  # fmt: skip
+    """Return x'', th'' and N while slipping, and the size of their parts.
+
+    An incline is level ground that is accelerated uphill by g sin beta, with gravity g cos beta.
+    """
+    M, m, l, tau = cart.cart_mass, cart.ball_mass, cart.length, torque_of(cart)  # noqa: E741
+    g, uphill = cart.gravity * math.cos(cart.incline), cart.gravity * math.sin(cart.incline)
     S, C, w2 = math.sin(theta), math.cos(theta), omega * omega
     D = pivot(cart, mu, s, theta)
     N = (M * ((M + m) * g - m * l * w2 * C) - (M + m) * tau * S / l) / D
@@ -98,13 +101,13 @@ def slipping(cart, mu, s, theta, omega):
         + m * g * S * C
         + m * l * w2 * (mu * s * C - S)
         + tau * (C + mu * s * S) / l
-    ) / D
+    ) / D - uphill
     th_ddot = (
         (M + m) * tau
         + (M + m) * m * g * l * (S - mu * s * C)
         + m**2 * l**2 * w2 * C * (mu * s * C - S)
     ) / (m * l**2 * D)
-    size = (g * (M + m) + m * l * w2 + abs(tau) / l) / D
+    size = (cart.gravity * (M + m) + m * l * w2 + abs(tau) / l) / D
     return x_ddot, th_ddot, N, size
 
 
@@ -135,13 +138,12 @@ def test_slip_has_the_accelerations_and_normal_force_of_the_closed_form(
 @EVERY
 @given(cart=carts, law=laws, theta=angles, omega=rates)
 def test_stick_needs_the_friction_of_the_closed_form(cart, law, theta, omega):
-    M, m, l, tau, g = (  # noqa: E741
-        cart.cart_mass, cart.ball_mass, cart.length, torque_of(cart), cart.gravity,
-    )  # fmt: skip
+    M, m, l, tau = cart.cart_mass, cart.ball_mass, cart.length, torque_of(cart)  # noqa: E741
+    g, beta = cart.gravity, cart.incline
     S, C, w2 = math.sin(theta), math.cos(theta), omega * omega
-    th_ddot = (tau + m * g * l * S) / (m * l**2)
-    needed = (tau + m * g * l * S) * C / l - m * l * w2 * S
-    N = M * g + m * g * C**2 - m * l * w2 * C - tau * S / l
+    th_ddot = (tau + m * g * l * math.sin(theta + beta)) / (m * l**2)
+    needed = m * l * (th_ddot * C - w2 * S) - (M + m) * g * math.sin(beta)
+    N = (M + m) * g * math.cos(beta) - m * l * (th_ddot * S + w2 * C)
     size = (M + m) * g + m * l * w2 + abs(tau) / l
     generated = Generated(cart, law, model())
     y = [0.3, theta, 0.0, omega]
@@ -155,13 +157,16 @@ def test_stick_needs_the_friction_of_the_closed_form(cart, law, theta, omega):
 
 
 @EVERY
-@given(cart=carts, theta=angles, omega=rates, v=rates)
-def test_the_energy_is_that_of_cart_and_ball(cart, theta, omega, v):
+@given(cart=carts, theta=angles, omega=rates, v=rates, x=rates)
+def test_the_energy_is_that_of_cart_and_ball(cart, theta, omega, v, x):
     M, m, l, g = cart.cart_mass, cart.ball_mass, cart.length, cart.gravity  # noqa: E741
+    beta = cart.incline
     ball = (v - l * math.cos(theta) * omega) ** 2 + (l * math.sin(theta) * omega) ** 2
-    expected = 0.5 * M * v**2 + 0.5 * m * ball + m * g * l * math.cos(theta)
-    found = Generated(cart, LAW, model()).energy([0.0, theta, v, omega])
-    assert abs(found - expected) <= 1e-14 * (M * v**2 + m * ball + m * g * l)  # a few roundings
+    height = (M + m) * x * math.sin(beta) + m * l * math.cos(theta + beta)
+    expected = 0.5 * M * v**2 + 0.5 * m * ball + g * height
+    found = Generated(cart, LAW, model()).energy([x, theta, v, omega])
+    size = M * v**2 + m * ball + g * (m * l + (M + m) * abs(x))
+    assert abs(found - expected) <= 1e-14 * size  # a few roundings
 
 
 def test_a_cart_whose_pendulum_lifts_it_ends_with_that_status():
@@ -191,6 +196,8 @@ PERIOD = float(SWING.period)
 LIGHT = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING))
 ROUGH = Coulomb(kinetic_coefficient=0.2)
 PLAIN = EventDriven(tier="python")
+G = 9.81
+MANY = np.linspace(0.0, PERIOD, 2001)
 
 
 @functools.cache
@@ -238,18 +245,17 @@ def test_a_prescribed_swing_pushes_the_cart_as_the_closed_form_says(
     cart, law, swing, s, theta, omega
 ):
     cart = replace(cart, pendulum=Prescribed(profile=swing))
-    M, m, l, g, mu = (  # noqa: E741
-        cart.cart_mass, cart.ball_mass, cart.length, cart.gravity, law.kinetic_coefficient,
-    )  # fmt: skip
+    M, m, l, mu = cart.cart_mass, cart.ball_mass, cart.length, law.kinetic_coefficient  # noqa: E741
+    g, uphill = cart.gravity * math.cos(cart.incline), cart.gravity * math.sin(cart.incline)
     S, C, w2, turning = math.sin(theta), math.cos(theta), omega * omega, swing.fast
     H = m * l * (turning * C - w2 * S)
     N = (M + m) * g - m * l * (turning * S + w2 * C)
-    x_ddot = (H - s * mu * N) / (M + m)
-    tau = m * l**2 * turning - m * l * x_ddot * C - m * g * l * S
+    x_ddot = (H - s * mu * N) / (M + m) - uphill
+    tau = m * l**2 * turning - m * l * (x_ddot + uphill) * C - m * g * l * S
     generated = Generated(cart, law)
     generated.equations.load(1)  # the first phase
     y = [0.1, theta, 0.2 * s, omega]
-    size = (M + m) * g + m * l * (turning + w2)
+    size = (M + m) * cart.gravity + m * l * (turning + w2)
     # a few roundings of the parts
     assert np.allclose(
         generated.moving("field", s, y), [0.2 * s, omega, x_ddot, turning],
@@ -260,7 +266,67 @@ def test_a_prescribed_swing_pushes_the_cart_as_the_closed_form_says(
     assert math.isclose(friction, s * mu * N, rel_tol=1e-12, abs_tol=1e-12 * size)
     assert math.isclose(torque, tau, rel_tol=1e-12, abs_tol=1e-12 * size * l)
     held = generated.moving("contact", 0, [0.1, theta, 0.0, omega])
-    assert math.isclose(held[2], H, rel_tol=1e-12, abs_tol=1e-12 * size)
+    needed = H - (M + m) * uphill
+    assert math.isclose(held[2], needed, rel_tol=1e-12, abs_tol=1e-12 * size)
+
+
+SPRUNG = {"pivot_stiffness": 2.5, "pivot_angle": 0.2, "pivot_damping": 0.03}
+
+
+def test_spring_and_damper_at_the_pivot_load_the_motor_of_a_swing_and_not_the_cart():
+    plain, sprung = (simulate(one, ROUGH, t_end=2.0) for one in (LIGHT, replace(LIGHT, **SPRUNG)))
+    t = np.linspace(0.0, 2.0, 400)
+    bare, wound = plain.at(t), sprung.at(t)
+    for name in ("x", "v", "friction", "normal_force", "theta"):
+        np.testing.assert_array_equal(wound[name], bare[name])
+    extra = 2.5 * (bare["theta"] - 0.2) + 0.03 * bare["omega"]
+    np.testing.assert_allclose(wound["torque"] - bare["torque"], extra, atol=1e-12)
+    assert sprung.certificate.energy_error < 1e-9
+
+
+def test_a_motor_too_weak_for_the_spring_at_the_pivot_ends_the_run():
+    needed = {
+        name: float(np.abs(simulate(cart, ROUGH, t_end=PERIOD).at(MANY)["torque"]).max())
+        for name, cart in {"bare": LIGHT, "sprung": replace(LIGHT, **SPRUNG)}.items()
+    }
+    assert needed["bare"] < 0.9 * needed["sprung"]
+    motor = Prescribed(profile=SWING, limit=0.95 * needed["sprung"])
+    assert simulate(replace(LIGHT, pendulum=motor), ROUGH, t_end=PERIOD).status.complete
+    weak = replace(LIGHT, pendulum=motor, **SPRUNG)
+    assert simulate(weak, ROUGH, t_end=PERIOD, throw=False).status is Status.LIMIT
+
+
+@pytest.mark.parametrize("held", [True, False], ids=["cart held", "cart free"])
+def test_a_sprung_pendulum_swings_with_its_eigenfrequency_and_damping(held):
+    M, m, l, k, c = 0.5, 0.1, 0.3, 2.5, 0.02  # noqa: E741
+    cart = PendulumCart(
+        cart_mass=M, ball_mass=m, length=l, pivot_stiffness=k, pivot_damping=c,
+        pendulum=Torque(drive=None),
+    )  # fmt: skip
+    # about the upright: J th'' + c th' + (k - m g l) th = 0, J less where the cart gives way
+    J = m * l**2 * (1.0 if held else M / (M + m))
+    w0, decay = math.sqrt((k - m * G * l) / J), 0.5 * c / J
+    w = math.sqrt(w0**2 - decay**2)
+    law = Coulomb(kinetic_coefficient=1.0 if held else 0.0)
+    size = 1e-5
+    run = simulate(cart, law, t_end=1.5, y0={"theta": size})
+    t = np.linspace(0.0, 1.5, 200)
+    expected = size * np.exp(-decay * t) * (np.cos(w * t) + decay / w * np.sin(w * t))
+    # cubes of the angle are left out: 1e-10 of it, times the phase that adds up
+    np.testing.assert_allclose(run.at(t)["theta"], expected, atol=1e-8 * size)
+
+
+def test_a_spring_at_the_pivot_holds_the_rod_where_torques_balance():
+    # on an incline, about its rest: k (th - th_0) = m g l sin(th + beta)
+    k, beta, m, l = 2.5, 0.2, 0.1, 0.3  # noqa: E741
+    cart = PendulumCart(
+        cart_mass=0.5, ball_mass=m, length=l, incline=beta, pivot_stiffness=k, pivot_angle=0.3,
+        pivot_damping=0.2,
+    )  # fmt: skip
+    run = simulate(cart, Coulomb(kinetic_coefficient=1.0), t_end=30.0)
+    theta = run["theta"][-1]
+    assert k * (theta - 0.3) == pytest.approx(m * G * l * math.sin(theta + beta), rel=1e-9)
+    assert run["x"][-1] == 0.0
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import math
 import stat
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -105,6 +106,22 @@ def test_every_scene_is_drawn_at_any_moment(name, runs):
     run = runs[name]
     svg = standalone_svg(draw_scene(run, CASES[name][0], run.span[1]), size=(880, 400))
     assert f"{run.span[1]:.3f} s" in svg
+
+
+@pytest.mark.parametrize("name", ["spring-block", "pendulum-cart", "capsule"])
+@pytest.mark.parametrize("beta", [0.2, -0.1])
+def test_a_plumb_line_hangs_over_inclined_ground_as_gravity_points(name, beta):
+    mechanism = replace(CASES[name][0], incline=beta)
+    run = simulate(mechanism, LAW, t_end=0.3)
+    picture = scene_of(mechanism)(mechanism, run.sampled(50))
+    (moment,) = moments_of(run, mechanism, np.array([0.1]))
+    level = scene_of(CASES[name][0])(CASES[name][0], run.sampled(50)).shapes(moment)
+    added = [shape for shape in picture.shapes(moment) if shape not in level]
+    _, line = only(added, Rod)
+    (top, bottom) = np.array(line.points)
+    down = (bottom - top) / np.hypot(*(bottom - top))
+    # in the frame of the ground gravity has -sin beta along x and -cos beta along the normal
+    np.testing.assert_allclose(down, [-math.sin(beta), -math.cos(beta)], rtol=1e-12)
 
 
 def test_the_cart_is_drawn_to_scale(runs):

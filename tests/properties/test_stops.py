@@ -35,7 +35,7 @@ def mirrored(value):
     changes = {}
     for field in dataclasses.fields(value):
         part = getattr(value, field.name)
-        if field.name in ("level", "compression", "offset"):
+        if field.name in ("level", "high", "low", "compression", "offset", "incline"):
             changes[field.name] = -part
         elif isinstance(value, PiecewiseLinear) and field.name == "values":
             changes[field.name] = tuple(-one for one in part)

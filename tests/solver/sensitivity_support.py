@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 from stickslip import Axis, EventDriven, SpringBlock, simulate
 from stickslip.drives import Sum
 from stickslip.friction import BristleLaw, towards
-from stickslip.maths import where
+from stickslip.maths import cos, sin, where
 from stickslip.quantities import parameters, shadow, vary
 
 PYTHON = EventDriven(tier="python")
@@ -74,6 +74,8 @@ class Dual:
             return Dual(grown, grown * self.d)
         if name == "sin":
             return Dual(math.sin(self.x), math.cos(self.x) * self.d)
+        if name == "cos":
+            return Dual(math.cos(self.x), -math.sin(self.x) * self.d)
         if name == "sign":
             return math.copysign(1.0, self.x)
         assert name == "power", name
@@ -152,7 +154,7 @@ class Oracle:
         (self.drive,) = self.rig.drives().values() or (None,)
         self.can_stick = not isinstance(case.law, BristleLaw) or case.law.static_switch
         parts = self.drive.parts if isinstance(self.drive, Sum) else (self.drive,)
-        self.tables = [part.pieces() for part in parts if part is not None]
+        self.tables = [part.pieces(case.t_end) for part in parts if part is not None]
         starts = [piece.start for table in self.tables for piece in table]
         self.starts = sorted((s for s in starts if value(s) < case.t_end), key=value)
 
@@ -164,7 +166,8 @@ class Oracle:
         if isinstance(self.case.rig, SpringBlock):
             gap = r.compression - x
             touches = r.attached or gap.x * r.compression.x > 0
-            return u + where(touches, r.stiffness * gap, 0.0)
+            downhill = r.mass * r.gravity * sin(r.incline)
+            return u - downhill + where(touches, r.stiffness * gap, 0.0)
         if isinstance(self.case.rig, Axis):
             return u - r.damping * v - r.offset - r.stiffness * x
         return r.stiffness * (r.speed * t - x) + r.damping * (r.speed - v)
@@ -181,7 +184,10 @@ class Oracle:
     def load(self) -> Any:
         """Return the normal force."""
         own = getattr(self.rig, "load", None)
-        return self.rig.mass * self.rig.gravity if own is None else own
+        if own is not None:
+            return own
+        weight = self.rig.mass * self.rig.gravity
+        return weight * cos(self.rig.incline) if hasattr(self.rig, "incline") else weight
 
     def field(self, t: float, y: list[Dual], mode: int, piece: int) -> list[Any]:
         """Return the slopes of the states in a mode."""

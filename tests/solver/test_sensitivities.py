@@ -24,6 +24,7 @@ from stickslip import (
     Pulse,
     Sine,
     SpringBlock,
+    Square,
     Stribeck,
     ThreePhase,
     TowedBlock,
@@ -48,6 +49,10 @@ for name, drive in DRIVES.items():
     RIGS[f"axis, {name}"] = Axis(
         inertia=2.0, drive=drive, stiffness=3.0, damping=0.2, load=4.0, offset=0.1
     )
+RIGS["spring-block, uphill, square"] = SpringBlock(
+    mass=1.0, stiffness=30.0, compression=0.05, attached=True, incline=0.1,
+    drive=Square(high=6.0, low=-2.0, period=0.37, duty=0.4, start=0.02),
+)  # fmt: skip
 SMOOTH_LAWS = {name: example_of(law) for name, law in LAWS.items()}
 BRISTLE_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if isinstance(law, BristleLaw)}
 SMOOTH_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if n not in BRISTLE_LAWS}
@@ -274,8 +279,9 @@ def test_no_times_have_no_sensitivities():
 
 def test_two_coordinates_have_sensitivities_as_well():
     cart = cart_with(
-        cart_mass=2.0, ball_mass=0.5, length=0.4, torque=0.3, pivot_height=0.1, centre_height=0.1
-    )
+        cart_mass=2.0, ball_mass=0.5, length=0.4, torque=0.3, pivot_height=0.1, centre_height=0.1,
+        pivot_stiffness=0.3, pivot_damping=0.02,
+    )  # fmt: skip
     case = Case(cart, CART_LAW, 1.2, (0.0, 0.3, 1.0, 0.5))
     run = case.run()
     assert len(run.events) >= 2

@@ -1,7 +1,15 @@
 """Drives: forces, torques and motions as functions of time."""
 
 from stickslip.drives.base import Drive, Piece, Sum
-from stickslip.drives.forms import PiecewiseLinear, Pulse, Ramp, Sampled, Sine, StraightPieces
+from stickslip.drives.forms import (
+    PiecewiseLinear,
+    Pulse,
+    Ramp,
+    Sampled,
+    Sine,
+    Square,
+    StraightPieces,
+)
 from stickslip.drives.profiles import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase
 
 __all__ = [
@@ -16,6 +24,7 @@ __all__ = [
     "Sine",
     "SineSwing",
     "SplineSwing",
+    "Square",
     "StraightPieces",
     "Sum",
     "ThreePhase",

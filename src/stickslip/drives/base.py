@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, final
+from typing import Any, NamedTuple, final
 
 from typing_extensions import override
 
@@ -13,10 +13,14 @@ from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
 from stickslip.quantities import Parametrised
 
-__all__ = ["BEGINNING", "Drive", "Piece", "Straight", "Sum"]
+__all__ = ["BEGINNING", "MOST_PIECES", "Drive", "Piece", "Straight", "Sum", "least", "repeated"]
 
 BEGINNING = -1e300
 """Start of a piece that has always held; finite, so that slope 0 times the time since it is 0."""
+
+
+MOST_PIECES = 1_000_000
+"""Pieces of a drive that repeats itself that a run may have."""
 
 
 class Piece(NamedTuple):
@@ -59,6 +63,10 @@ class Drive(Parametrised, ABC):
     @abstractmethod
     def time_scale(self) -> float:
         """Return the shortest time in which the smooth part changes much [s], or infinity."""
+
+    def repeats(self) -> Scalar | None:
+        """Return the duration of a cycle [s], None where the drive does not repeat itself."""
+        return None
 
     def value(self, t: float) -> float:
         """Return the value at a time.
@@ -145,6 +153,57 @@ class Sum(Drive):
     @override
     def time_scale(self) -> float:
         return min(part.time_scale() for part in self.parts)
+
+
+def repeated(owner: str, cycle: Sequence[Piece], period: Scalar, until: float) -> tuple[Piece, ...]:
+    """Return the pieces of a cycle again and again: of all cycles that begin up to a time.
+
+    Parameters
+    ----------
+    owner : str
+        What is repeated, for the error.
+    cycle : sequence of Piece
+        The pieces of the first cycle, in the order of time.
+    period : float or array
+        Duration of a cycle [s].
+    until : float
+        The time, counted from the first piece [s].
+
+    Raises
+    ------
+    ParameterError
+        If these are more than a million pieces.
+
+    Examples
+    --------
+    >>> [piece.start for piece in repeated("Beat", [Piece(0.0, 1.0, 0.0)], 0.5, 1.2)]
+    [0.0, 0.5, 1.0]
+    """
+    shortest = least(period)
+    count = max(0.0, until) / shortest
+    if not count * len(cycle) < MOST_PIECES:
+        raise ParameterError(
+            f"{owner}: a run to t_end = {until:g} s would have {count:.3g} cycles of"
+            f" {shortest:.3g} s; make it shorter than {MOST_PIECES // len(cycle)}."
+        )
+    return tuple(
+        Piece(piece.start + k * period, piece.value, piece.slope)
+        for k in range(math.floor(count) + 1)
+        for piece in cycle
+    )
+
+
+def least(values: Any) -> float:
+    """Return the least of one number or several, whose derivatives may be imaginary parts.
+
+    Examples
+    --------
+    >>> least([0.5, 0.2 + 1e-30j])
+    0.2
+    """
+    import numpy as np
+
+    return float(np.min(np.real(values)))
 
 
 def _at(table: Sequence[Piece], starts: Sequence[float], t: float) -> tuple[Scalar, Scalar]:

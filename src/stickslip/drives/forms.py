@@ -9,12 +9,12 @@ from typing import Annotated, ClassVar, Literal, final
 
 from typing_extensions import override
 
-from stickslip.drives.base import BEGINNING, Drive, Piece, Straight
+from stickslip.drives.base import BEGINNING, Drive, Piece, Straight, least, repeated
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, sin
 from stickslip.quantities import Quantity
 
-__all__ = ["PiecewiseLinear", "Pulse", "Ramp", "Sampled", "Sine", "StraightPieces"]
+__all__ = ["PiecewiseLinear", "Pulse", "Ramp", "Sampled", "Sine", "Square", "StraightPieces"]
 
 
 @final
@@ -41,6 +41,49 @@ class Pulse(Straight):
             Piece(self.start, self.level, 0.0),
             Piece(self.start + self.duration, 0.0, 0.0),
         )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Square(Straight):
+    """A square wave: in each cycle a high level for a share of the period, then a low one.
+
+    It is 0 before its start, which may lie before time 0: that shifts the wave.
+
+    Examples
+    --------
+    >>> wave = Square(high=5.0, low=-2.0, period=0.4, duty=0.25)
+    >>> [wave.value(t) for t in (0.05, 0.1, 0.39, 0.4)], round(wave.mean, 12)
+    ([5.0, -2.0, -2.0, 5.0], -0.25)
+    """
+
+    high: Annotated[float, Quantity("F_1", "N", or_unit="N m")]
+    """Level in the first part of each cycle."""
+    low: Annotated[float, Quantity("F_2", "N", or_unit="N m")] = 0.0
+    """Level in the rest of it; negative where it pulls back."""
+    period: Annotated[float, Quantity("T", "s", above=0)]
+    """Duration of a cycle."""
+    duty: Annotated[float, Quantity("D", low=0, high=1)] = 0.5
+    """Share of the period that the high level lasts."""
+    start: Annotated[float, Quantity("t_0", "s")] = 0.0
+    """When the first cycle begins."""
+
+    @property
+    def mean(self) -> Scalar:
+        """Mean value of a cycle."""
+        return self.low + self.duty * (self.high - self.low)
+
+    @override
+    def repeats(self) -> Scalar:
+        return self.period
+
+    @override
+    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
+        turn = self.start + self.duty * self.period
+        cycle = (Piece(self.start, self.high, 0.0), Piece(turn, self.low, 0.0))
+        # a cycle more than begins: what holds at the end of a run is not the last there is
+        span = until - least(self.start) + least(self.period)
+        return repeated(type(self).__name__, cycle, self.period, span)
 
 
 @final
@@ -93,6 +136,10 @@ class Sine(Drive):
     @override
     def smooth_bound(self) -> tuple[Scalar, Scalar]:
         return -abs(self.amplitude), abs(self.amplitude)
+
+    @override
+    def repeats(self) -> Scalar:
+        return 1.0 / self.frequency
 
     @override
     def time_scale(self) -> float:

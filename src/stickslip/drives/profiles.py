@@ -9,15 +9,12 @@ from typing import Annotated, Any, ClassVar, Literal, final
 
 from typing_extensions import override
 
-from stickslip.drives.base import Drive, Piece, Straight
+from stickslip.drives.base import Drive, Piece, Straight, repeated
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, sin, sqrt
 from stickslip.quantities import Quantity
 
 __all__ = ["Profile", "SevenStep", "SineSwing", "SplineSwing", "ThreePhase"]
-
-MOST_PIECES = 1_000_000
-"""Pieces of a profile that a run may have."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +38,11 @@ class Profile(Drive, ABC):
     def start_rate(self) -> Scalar:
         """Rate [rad/s] or [m/s] at time 0."""
         return 0.0
+
+    @final
+    @override
+    def repeats(self) -> Scalar:
+        return self.period
 
     @abstractmethod
     def at(self, t: float) -> tuple[float, float]:
@@ -66,18 +68,7 @@ class Stepped(Straight, Profile, ABC):
     @final
     @override
     def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
-        cycle, period = self.cycle(), self.period
-        count = max(0.0, until) / _least(period)
-        if not count * len(cycle) < MOST_PIECES:
-            raise ParameterError(
-                f"{type(self).__name__}: a run to t_end = {until:g} s would have {count:.3g} cycles"
-                f" of {_least(period):.3g} s; make it shorter than {MOST_PIECES // len(cycle)}."
-            )
-        return tuple(
-            Piece(piece.start + k * period, piece.value, piece.slope)
-            for k in range(math.floor(count) + 1)
-            for piece in cycle
-        )
+        return repeated(type(self).__name__, self.cycle(), self.period, until)
 
     @override
     def at(self, t: float) -> tuple[float, float]:
@@ -93,13 +84,6 @@ class Stepped(Straight, Profile, ABC):
             position += rate * h + value * h * h / 2.0 + slope * h**3 / 6.0
             rate += value * h + slope * h * h / 2.0
         return position, rate
-
-
-def _least(period: Any) -> float:
-    """Return the shortest of several periods."""
-    import numpy as np
-
-    return float(np.min(np.real(period)))
 
 
 def _number(value: Any) -> float:

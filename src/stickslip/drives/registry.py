@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from stickslip.drives.base import Drive
-from stickslip.drives.forms import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
+from stickslip.drives.forms import PiecewiseLinear, Pulse, Ramp, Sampled, Sine, Square
 from stickslip.drives.profiles import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase
 
 __all__ = ["DRIVES", "PROFILES"]
@@ -16,6 +16,7 @@ DRIVES: Mapping[str, type[Drive]] = MappingProxyType(
         "ramp": Ramp,
         "sampled": Sampled,
         "sine": Sine,
+        "square": Square,
     }
 )
 """The drives that come with the package, by the ``type`` they have in rig files.

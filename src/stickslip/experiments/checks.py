@@ -220,16 +220,21 @@ def _record(record: Measurement, mechanism: Mechanism | None, grave: bool) -> It
     moving = None if _wrong(still) or (grave and not rubbed) else motion.motion_of(record)
     enough = record.time.size >= sampling.FEWEST
     if not grave:
-        yield from _signals(record, moving, enough)
+        yield from _signals(record, mechanism, moving, enough)
     if enough and not _wrong(still):
         yield from _agreement(record, mechanism, moving)
     if enough and not grave:
         yield from _course(record, moving)
 
 
-def _signals(record: Measurement, moving: motion.Motion | None, enough: bool) -> Iterator[Finding]:
+def _signals(
+    record: Measurement,
+    mechanism: Mechanism | None,
+    moving: motion.Motion | None,
+    enough: bool,
+) -> Iterator[Finding]:
     """Yield what each signal tells by itself."""
-    yield from dynamics.missing(record)
+    yield from dynamics.missing(record, mechanism)
     yield from values.plausible(record, moving)
     yield from sampling.usual(record)
     yield from motion.straight(record)

@@ -14,8 +14,6 @@ __all__ = ["between_gaps", "rows_of"]
 def rows_of(record: Measurement, first: int, end: int) -> Measurement:
     """Return the rows of a record in time from one on, up to another that is left out.
 
-    What a run would start from is kept only with the row that it belongs to.
-
     Examples
     --------
     >>> record = Measurement(time=[0.0, 1.0, 2.0], position=[5.0, 6.0, 7.0], load=9.0)
@@ -28,7 +26,7 @@ def rows_of(record: Measurement, first: int, end: int) -> Measurement:
         for name in ("time", *SAMPLED)
         if isinstance(getattr(record, name), np.ndarray)
     }
-    return replace(record, **columns, initial={} if first else record.initial)
+    return replace(record, **columns)
 
 
 def between_gaps(record: Measurement) -> tuple[Measurement, ...]:

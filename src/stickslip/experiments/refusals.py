@@ -1,6 +1,6 @@
 """What no fit is made from, refused in the same words by every verb."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
@@ -70,8 +70,15 @@ def _listed(names: Sequence[str]) -> str:
     return joined(names)
 
 
-def refuse_unused(measurement: Measurement) -> None:
+def refuse_unused(measurement: Measurement, inside: Collection[str] = ()) -> None:
     """Refuse settings of records in time or of friction that would have no effect.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The records.
+    inside : collection of str
+        States that nobody measured of a mechanism that drives itself: where these begin has effect.
 
     Raises
     ------
@@ -90,7 +97,7 @@ def refuse_unused(measurement: Measurement) -> None:
             ("initial", "the initial states of its segments are estimated"),
             ("uncertainty", "intervals come from what the fit leaves of the record"),
         ):
-            given = ", ".join(getattr(record, name))
+            given = ", ".join(one for one in getattr(record, name) if one not in inside)
             if given:
                 raise InputError(
                     f"Measurement.{name} ({given}) of {label} has no effect on fits to records:"

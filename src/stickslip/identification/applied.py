@@ -7,7 +7,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["applied_force", "driven"]
+__all__ = ["applied_force", "driven", "drives_itself", "inside"]
 
 Array = NDArray[np.float64]
 
@@ -28,6 +28,46 @@ def _drives(record: Measurement) -> bool:
     known = record.quantities()
     name = next((one for one in ("force", "reference") if one in known), None)
     return name is not None and bool(np.any(record.values(name)))
+
+
+def drives_itself(mechanism: Mechanism, measurement: Measurement) -> bool:
+    """Whether a drive of the mechanism's own, and nothing that was recorded, makes a record move.
+
+    Times of such a record are those of the drive: 0 is when the mechanism begins as it says.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Sine
+    >>> shaken = Axis(inertia=1.0, drive=Sine(amplitude=2.0, frequency=4.0))
+    >>> record = Measurement(time=[0.0, 1.0], position=[0.0, 0.9])
+    >>> drives_itself(shaken, record), drives_itself(Axis(inertia=1.0), record)
+    (True, False)
+    """
+    return bool(mechanism.drives()) and any(
+        record.time is not None and not {"force", "reference"}.intersection(record.quantities())
+        for record in measurement.records()
+    )
+
+
+def inside(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
+    """Return the states of a mechanism that drives itself which nobody measures.
+
+    They begin as the mechanism, or `Measurement.initial`, says.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Sine, Torque
+    >>> shaken = Capsule(
+    ...     capsule_mass=0.8, inner_mass=0.2, drive=Torque(drive=Sine(amplitude=2.0, frequency=4.0))
+    ... )
+    >>> inside(shaken, Measurement(time=[0.0, 1.0], position=[0.0, 0.9]))
+    ('xi', 'xi_dot')
+    """
+    if not drives_itself(mechanism, measurement):
+        return ()
+    slip = mechanism.contacts()[0].slip
+    own = {slip, mechanism.rates[mechanism.coordinates.index(slip)]}
+    return tuple(name for name in (*mechanism.coordinates, *mechanism.rates) if name not in own)
 
 
 def applied_force(mechanism: Mechanism, record: Measurement) -> Array | None:

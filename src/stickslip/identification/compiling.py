@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 
 from stickslip.errors import CompilationError
 from stickslip.friction import BristleLaw, FrictionLaw
-from stickslip.identification.travel import Trial
+from stickslip.identification.travel import Trial, under_cycles
 from stickslip.solver import Progress, prepare, warm_up
 from stickslip.solver.files import is_writable
 
@@ -19,9 +19,11 @@ def compile_for(
 ) -> None:
     """Compile the laws whose fit to trials takes so many slow runs that it is worth the wait.
 
-    These are the laws with bristles, if there are several trials.
+    These are the laws with bristles, if there are several trials, and all laws if the trials are
+    of many cycles.
     """
-    slow = [law for law in laws if isinstance(law, BristleLaw)]
+    cycles = under_cycles(trials)
+    slow = [law for law in laws if cycles or isinstance(law, BristleLaw)]
     if len(trials) < 2 or not slow:
         return
     pairs = [(trial.mechanism, law) for law in slow for trial in trials]

@@ -17,7 +17,7 @@ from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.results import Fit, TravelFit
 from stickslip.identification.route_choice import RouteChoice, asked_for
 from stickslip.identification.starts import Start, check_known, starting_law, with_known
-from stickslip.identification.travel import TravelModel, Trial, trials_of
+from stickslip.identification.travel import TravelModel, Trial, trials_of, under_cycles
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
@@ -25,6 +25,8 @@ __all__ = ["fit", "fit_trials", "payable"]
 
 PAID_BY_TRAVEL = ("kinetic_coefficient", "viscous_coefficient")
 """Travels tell a level and a slope with speed; what shapes the curve needs a velocity trace."""
+PAID_BY_CYCLES = "static_coefficient"
+"""Travels of a drive that repeats itself tell the level at rest too: it breaks away every cycle."""
 
 
 def fit(
@@ -170,9 +172,14 @@ def fit_trials(
 
 
 def payable(law: FrictionLaw, trials: Sequence[Trial]) -> list[str]:
-    """Return the paths of the parameters that the trials can pay for, one left over if possible."""
+    """Return the paths of the parameters that the trials can pay for, one left over if possible.
+
+    A law without a level at rest of its own is not given one.
+    """
     different = len({trial.setting for trial in trials})
     names = [name for name in law.fit_order if name in PAID_BY_TRAVEL] or [law.fit_order[0]]
+    if under_cycles(trials) and getattr(law, PAID_BY_CYCLES, None) is not None:
+        names.append(PAID_BY_CYCLES)
     return [f"friction.{name}" for name in names[: max(1, different - 1)]]
 
 

@@ -134,18 +134,21 @@ class LocalState:
 
 
 def settled(
-    guess: Array, shoot: Callable[[Array], LocalState | None], *, at_rest: bool
+    guess: Array, rest: Array, shoot: Callable[[Array], LocalState | None], *, at_rest: bool
 ) -> LocalState | None:
-    """Return a segment from the initial state that fits it best; None if no run succeeds."""
+    """Return a segment from the initial state that fits it best; None if no run succeeds.
+
+    `rest` is the guess with rates of 0, but those that are known.
+    """
     first = shoot(guess)
     best = None if first is None else _descended(first, shoot)
-    return _or_at_rest(best, guess, shoot) if at_rest or best is None else best
+    return _or_at_rest(best, rest, shoot) if at_rest or best is None else best
 
 
 def followed(
     before: LocalState,
     change: Array,
-    guess: Array,
+    rest: Array,
     shoot: Callable[[Array], LocalState | None],
     *,
     at_rest: bool,
@@ -163,21 +166,21 @@ def followed(
             best = replace(stayed, damping=before.damping).stepped(well=False)
     if best is not None:
         best = _descended(best, shoot)
-    return _or_at_rest(best, guess, shoot) if at_rest or best is None else best
+    return _or_at_rest(best, rest, shoot) if at_rest or best is None else best
 
 
 def _or_at_rest(
-    best: LocalState | None, guess: Array, shoot: Callable[[Array], LocalState | None]
+    best: LocalState | None, rest: Array, shoot: Callable[[Array], LocalState | None]
 ) -> LocalState | None:
     """Return a segment from rest, unless an initial velocity fits it clearly better.
 
     Rest is not found downhill: a body that moves at first slides to where it is just stuck, and all
     that its velocity does is to shift that place.
     """
-    half = len(guess) // 2
-    if best is not None and not best.state[half:].any():
+    half = len(rest) // 2
+    if best is not None and np.array_equal(best.state[half:], rest[half:]):
         return best
-    first = shoot(np.where(np.arange(len(guess)) < half, guess, 0.0))
+    first = shoot(rest)
     if first is None:
         return best
     rested = _descended(first, shoot)

@@ -315,8 +315,8 @@ def known_forces(mechanism: Mechanism, x: Array, v: Array, applied: Array) -> tu
 
 
 def mass_of(mechanism: Mechanism) -> float:
-    """Return what the one coordinate of a mechanism moves [kg]."""
-    (name,) = mechanism.coordinates
+    """Return what moves as the coordinate that slips does, all else being at rest in it [kg]."""
+    name = mechanism.contacts()[0].slip
     one = mechanism.kinetic_energy(defaultdict(float), defaultdict(float, {name: 1.0}))
     return 2.0 * float(one)
 

@@ -16,6 +16,7 @@ from stickslip.experiments import QUANTITIES, Measurement
 from stickslip.experiments.estimates import LawEstimates, levels_at
 from stickslip.experiments.refusals import refuse_lack, refuse_unused
 from stickslip.experiments.units import turned
+from stickslip.identification.applied import inside
 from stickslip.identification.containment import FittedLaw
 from stickslip.identification.halves import Halves
 from stickslip.identification.inference import Inference, bootstrap
@@ -268,7 +269,7 @@ class RecordFit(Fit):
         if horizon is not None:
             check_horizon(horizon)
         if measurement is not None:
-            refuse_unused(measurement)
+            refuse_unused(measurement, inside(self.mechanism, measurement))
             compared = self.problem.quantity if self.route == "shooting" else ""
             refuse_lack(self.measurement, measurement, compared=compared)
         problem = self.build(self.measurement if measurement is None else measurement, horizon)

@@ -10,7 +10,7 @@ from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.experiments.refusals import refuse_unused
 from stickslip.friction import FrictionLaw, laws
-from stickslip.identification.applied import driven
+from stickslip.identification.applied import driven, drives_itself, inside
 from stickslip.identification.containment import (
     FittedLaw,
     reachable,
@@ -147,7 +147,7 @@ def fit_record(
         If no start predicts the record.
     """
     choice = _route(mechanism, measurement, unknown, route, settings)
-    refuse_unused(measurement)
+    refuse_unused(measurement, inside(mechanism, measurement))
     wanted = Wanted(
         mechanism=mechanism,
         law=law,
@@ -308,6 +308,8 @@ def _tested(fit: RecordFit, hold: Hold) -> RecordFit:
     Residuals that are the noise of the sensor show none, whatever a test finds in them.
     """
     if fit.route == "force-map":  # no force that inertia would balance
+        return fit
+    if drives_itself(fit.mechanism, fit.measurement):  # nor one that was recorded
         return fit
     if fit.rms <= AT_NOISE * noise_floor(fit.mechanism, fit.measurement, fit.problem.quantity):
         return fit

@@ -12,6 +12,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.experiments.refusals import with_doubts
 from stickslip.friction import FrictionLaw
+from stickslip.identification.applied import drives_itself
 from stickslip.identification.force_balance import Balanced, balanced
 from stickslip.identification.force_map import FEW, SAMPLES, map_along
 from stickslip.identification.inertia import inertia_of
@@ -27,6 +28,7 @@ from stickslip.identification.record_starts import (
     mechanism_unknowns,
     scales_of,
 )
+from stickslip.identification.scanning import scanned_scales, surplus_starts
 from stickslip.identification.segmenting import measured_quantity, segments_of
 from stickslip.identification.shooting import Shooting, few_of
 from stickslip.identification.unknowns import Unknowns
@@ -155,7 +157,11 @@ def _shooting(wanted: Wanted) -> Prepared:
     under_load = loaded(wanted.mechanism, measurement)
     mechanism, _ = as_loaded(wanted.mechanism, measurement)
     with with_doubts(measurement, mechanism):
-        scales = scales_of(mechanism, under_load, wanted.unknown)
+        scales = (
+            scanned_scales(mechanism, under_load, quantity)
+            if drives_itself(mechanism, under_load)
+            else scales_of(mechanism, under_load, wanted.unknown)
+        )
     start, items, further = law_unknowns(wanted.law, scales, wanted.free, wanted.known)
     own = mechanism_unknowns(mechanism, start, wanted.unknown, scales)
     unknowns = joined(start, [*items, *own])
@@ -173,6 +179,8 @@ def _shooting(wanted: Wanted) -> Prepared:
     )
     with with_doubts(measurement, mechanism):
         problem = build(measurement, None)
+    if drives_itself(mechanism, under_load) and isinstance(wanted.law, type):
+        tried = (*surplus_starts(problem), *tried)
     near = _by_inverse_dynamics(wanted, unknowns)
     if near is not None:
         assert isinstance(problem, Shooting)
@@ -186,6 +194,8 @@ def _by_inverse_dynamics(wanted: Wanted, unknowns: Unknowns) -> Array | None:
 
     Simulated segments say nothing of a velocity or a stiffness that is decades away.
     """
+    if drives_itself(wanted.mechanism, wanted.measurement):
+        return None
     decades = any(i.log and i.path.startswith("friction.") for i in unknowns.items)
     if not decades or not isinstance(wanted.law, type):
         return None

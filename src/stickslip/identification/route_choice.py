@@ -17,7 +17,7 @@ from stickslip.errors import ConvergenceError, StickslipError
 from stickslip.experiments import Measurement
 from stickslip.experiments.wording import number, percent
 from stickslip.friction import CoulombViscous
-from stickslip.identification.applied import driven
+from stickslip.identification.applied import driven, drives_itself
 from stickslip.identification.optimise import improve, search
 from stickslip.identification.record_fit import RecordFit, settled
 from stickslip.identification.record_problems import Route, Wanted, prepared
@@ -155,6 +155,8 @@ def choose_route(
     settings = RecordSettings() if settings is None else settings
     if "friction" in measurement.quantities():
         return RouteChoice(route="force-map", settings=settings)
+    if drives_itself(mechanism, measurement):
+        return RouteChoice(route="shooting", settings=_whole(measurement, settings))
     usual = RouteChoice(route="shooting", settings=settings)
     if not driven(measurement):
         return usual
@@ -184,6 +186,19 @@ def choose_route(
         if again is None or again.left <= UNPREDICTED:
             return RouteChoice(route="shooting", settings=shorter, reason=why)
     return usual
+
+
+def _whole(measurement: Measurement, settings: RecordSettings) -> RecordSettings:
+    """Return settings by which records are simulated as a whole, resolved as segments are.
+
+    A mechanism that drives itself runs from its start in any case: short segments would tell less.
+    """
+    usual = RecordSettings()
+    if settings.segment != usual.segment:
+        return settings
+    longest = max(float(np.ptp(np.asarray(one.time))) for one in measurement.records())
+    rows = math.ceil(settings.resolution * max(longest / settings.segment, 1.0))
+    return replace(settings, segment=max(longest, settings.segment), resolution=rows)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stickslip.drives import Drive, Sampled, StraightPieces
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement
-from stickslip.identification.applied import applied_force
+from stickslip.identification.applied import applied_force, drives_itself, inside
 from stickslip.identification.loads import loaded
 from stickslip.identification.shooting import Segment
 from stickslip.mechanisms import Mechanism
@@ -148,6 +148,8 @@ def _segment(
     first, last, stride = int(rows[0]), int(rows[-1]), int(rows[1] - rows[0])
     times = record.time[rows] - record.time[first]
     values = np.asarray(record.values(quantity))
+    if drives_itself(mechanism, record):
+        return _from_the_start(index, record, quantity, mechanism, rows)
     force = applied_force(mechanism, record)
     if force is not None:
         part = slice(first, last + 1)
@@ -162,6 +164,41 @@ def _segment(
         times=times,
         measured=values[rows],
         guess=_guess(mechanism, quantity, record.time[first : last + 1], values[first : last + 1]),
+        known=np.zeros(2 * len(mechanism.coordinates), dtype=bool),
+    )
+
+
+def _from_the_start(
+    index: int,
+    record: Measurement,
+    quantity: str,
+    mechanism: Mechanism,
+    rows: NDArray[np.intp],
+) -> Segment:
+    """Return a segment of a mechanism with a drive of its own: it runs from time 0 on.
+
+    Nobody measured what moves inside, which begins as the mechanism or the record says; only the
+    body that slips may begin elsewhere, or move.
+    """
+    assert isinstance(record.time, np.ndarray)
+    if record.time[0] < 0.0:
+        raise InputError(
+            f"the record begins at {record.time[0]:g} s, and the drive of"
+            f" {type(mechanism).__name__} at 0 s: let its times count from there."
+        )
+    names = (*mechanism.coordinates, *mechanism.rates)
+    guess = _guess(mechanism, quantity, record.time, np.asarray(record.values(quantity)))
+    told = {**mechanism.start(), **record.initial}
+    hidden = inside(mechanism, record)
+    known = np.array([name in hidden for name in names])
+    return Segment(
+        record=index,
+        start=0.0,
+        mechanism=mechanism,
+        times=record.time[rows],
+        measured=np.asarray(record.values(quantity))[rows],
+        guess=np.where(known, [told.get(name, 0.0) for name in names], guess),
+        known=known,
     )
 
 

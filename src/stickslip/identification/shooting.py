@@ -64,6 +64,14 @@ class Segment:
     """What was measured there (n,)."""
     guess: Array
     """First guess of coordinates and rates (m,)."""
+    known: NDArray[np.bool_]
+    """Which of these are known, and no guess (m,)."""
+
+    @property
+    def rest(self) -> Array:
+        """The guess with rates of 0, but those that are known."""
+        moves = np.arange(len(self.guess)) >= len(self.guess) // 2
+        return np.where(moves & ~self.known, 0.0, self.guess)
 
 
 FEW = 8
@@ -129,8 +137,8 @@ class Shooting(RecordProblem):
             shoot = partial(self._shot, segment, mechanism, law)
             at_rest = _may_rest(segment, self.quantity)
             if before is None:
-                return settled(segment.guess, shoot, at_rest=at_rest)
-            return followed(before, change, segment.guess, shoot, at_rest=at_rest)
+                return settled(segment.guess, segment.rest, shoot, at_rest=at_rest)
+            return followed(before, change, segment.rest, shoot, at_rest=at_rest)
 
         found = {k: one(k, known.get(k)) for k in chosen}
         if slopes and known and not change.any():
@@ -167,6 +175,7 @@ class Shooting(RecordProblem):
             return None
         units = np.ones(len(state))
         units[len(mechanism.coordinates) :] = 1.0 / float(segment.times[-1])
+        units[segment.known] = 0.0
         columns, singular, directions = np.linalg.svd(local * units, full_matrices=False)
         return LocalState(
             state=state,

@@ -58,6 +58,8 @@ DECADES = (1e-2, 10**-1.5, 1e-1, 10**-0.5, 1.0, 10**0.5, 10.0, 1e2)
 """Further parameters over their start values: least squares does not see them from afar."""
 DENSE = (240, 16)
 """Levels and values of a second parameter, where travels are not monotonic in the level."""
+SURPLUS = 0.02
+"""What a level at rest that is scanned densely has over that of sliding, over this, in decades."""
 MOST = 60
 """Combinations of further parameters that are tried, at most; drawn if there are more."""
 KEPT = 6
@@ -98,7 +100,7 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     }
     scanned = len(others) <= 1 and span is LEVELS and not isinstance(model.law, BristleLaw)
     if scanned and _branched(table):
-        return _best(*_dense(model, trials, ends, centre))
+        return _best(*_dense(model, trials, (max(ends[0], low), min(ends[1], high)), centre))
     if not others:
         return _best(rows, costs)
     rows += [[share * best[0], *rest] for share, rest in _beside(model, best[0], centre)]
@@ -187,10 +189,16 @@ def _dense(
     """Return a dense grid of one or two parameters and its costs, by ensembles."""
     others = model.free[1:]
     axes = [np.geomspace(*ends, DENSE[0])]
+    above = [path for path in others if _stands_above(model, path)]
     for path in others:
-        spread = np.geomspace(DECADES[0], DECADES[-1], DENSE[1] - 1) * centre[path]
-        axes.append(np.array([_least(model, path, centre[path]), *spread]))
+        spread = np.geomspace(DECADES[0], DECADES[-1], DENSE[1] - 1)
+        if path in above:
+            axes.append(np.array([1.0, *(1.0 + SURPLUS * spread)]))
+        else:
+            axes.append(np.array([_least(model, path, centre[path]), *(spread * centre[path])]))
     columns = dict(zip(model.free, (a.ravel() for a in np.meshgrid(*axes)), strict=True))
+    for path in above:
+        columns[path] = columns[path] * columns[model.free[0]]
     table = []
     for trial in trials:
         start = trial.start(model.law)
@@ -201,6 +209,11 @@ def _dense(
         table.append(np.where(np.isfinite(runs[slip]), runs[slip], np.inf) - start.get(slip, 0.0))
     rows = np.stack([columns[path] for path in model.free], axis=1)
     return rows.tolist(), _costs(np.stack(table, axis=1), trials)
+
+
+def _stands_above(model: TravelModel, path: str) -> bool:
+    """Whether a parameter must not fall below another one."""
+    return fields_of(type(model.law))[path.rpartition(".")[2]].at_least is not None
 
 
 def _best(rows: Sequence[Start], costs: Array) -> list[Start]:

@@ -18,7 +18,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, vary
 from stickslip.simulation import simulate
 
-__all__ = ["TravelModel", "Trial", "standard_errors", "trials_of"]
+__all__ = ["TravelModel", "Trial", "standard_errors", "trials_of", "under_cycles"]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -149,6 +149,22 @@ def standard_errors(trials: Sequence[Trial]) -> tuple[Array, bool]:
     exponents = [Decimal(repr(trial.travel)).normalize().as_tuple().exponent for trial in trials]
     digit = 10.0 ** min(int(one) for one in exponents)
     return np.full(len(trials), max(min(digit, 0.01) / math.sqrt(12.0), least)), False
+
+
+def under_cycles(trials: Sequence[Trial]) -> bool:
+    """Whether a drive that repeats itself moves the body again and again.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Square, SpringBlock, Torque
+    >>> wave = Torque(drive=Square(high=6.0, low=-1.0, period=0.4))
+    >>> rigs = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=wave), SpringBlock(mass=1.0)
+    >>> trials = [Trial(mechanism=rig, initial={}, travel=0.2, half_width=0.0) for rig in rigs]
+    >>> under_cycles(trials), under_cycles(trials[1:])
+    (True, False)
+    """
+    drives = (drive for trial in trials for drive in trial.mechanism.drives().values())
+    return any(drive.repeats() is not None for drive in drives)
 
 
 @dataclass

@@ -3,24 +3,30 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from typing_extensions import override
 
 from stickslip.drives import Drive
 from stickslip.errors import ParameterError
-from stickslip.maths import Scalar
-from stickslip.quantities import Parametrised
+from stickslip.maths import Scalar, cos, sin
+from stickslip.quantities import Parametrised, Quantity
 
 __all__ = [
     "BoundedMechanism",
     "Contact",
     "Guide",
+    "Incline",
     "Mechanism",
     "Stop",
+    "height",
     "stops_between",
     "stops_of",
 ]
+
+
+Incline: TypeAlias = Annotated[float, Quantity("beta", "rad", low=-1.57, high=1.57)]
+"""Angle of the ground from the horizontal: with a positive one, positive x is uphill."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -229,6 +235,26 @@ def stops_between(
     below = Stop(coordinate=coordinate, position=lower, side="lower", restitution=restitution)
     above = Stop(coordinate=coordinate, position=upper, side="upper", restitution=restitution)
     return tuple(stop for stop in (below, above) if stop.position is not None)
+
+
+def height(incline: Scalar, along: Scalar, off: Scalar) -> Scalar:
+    """Return how high a point lies that is so far along inclined ground and so far off it [m].
+
+    Parameters
+    ----------
+    incline : float
+        Angle of the ground from the horizontal [rad].
+    along : float
+        Place along the ground, positive uphill where the incline is [m].
+    off : float
+        Distance from the ground, along its normal [m].
+
+    Examples
+    --------
+    >>> round(height(0.3, 2.0, 0.0), 6), height(0.0, 2.0, 0.5)
+    (0.59104, 0.5)
+    """
+    return along * sin(incline) + off * cos(incline)
 
 
 def stops_of(mechanism: Mechanism) -> tuple[Stop, ...]:

@@ -8,7 +8,15 @@ from typing_extensions import override
 
 from stickslip.drives import Drive
 from stickslip.maths import Scalar
-from stickslip.mechanisms.base import BoundedMechanism, Contact, Guide, Stop, stops_between
+from stickslip.mechanisms.base import (
+    BoundedMechanism,
+    Contact,
+    Guide,
+    Incline,
+    Stop,
+    height,
+    stops_between,
+)
 from stickslip.mechanisms.motors import IDLE, Motor, check_motor
 from stickslip.quantities import Quantity
 
@@ -22,7 +30,7 @@ class Capsule(BoundedMechanism):
 
     The place `xi` of the inner mass is counted from the capsule. A spring and a damper hold it,
     and a force between the two drives it, or its motion is prescribed. With stops it strikes the
-    capsule, as in vibro-impact capsules.
+    capsule, as in vibro-impact capsules. On an incline both are pulled towards negative x.
 
     Examples
     --------
@@ -51,6 +59,8 @@ class Capsule(BoundedMechanism):
     """Damper between the two."""
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""
+    incline: Incline = 0.0
+    """Angle of the ground from the horizontal; where it is positive, positive x is uphill."""
     lower_stop: Annotated[float, Quantity("xi_l", "m")] | None = None
     """Hard stop that xi does not fall below; none if not given."""
     upper_stop: Annotated[float, Quantity("xi_u", "m")] | None = None
@@ -73,8 +83,9 @@ class Capsule(BoundedMechanism):
 
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
-        weight = (self.capsule_mass + self.inner_mass) * self.gravity
-        return weight * q["y"] + 0.5 * self.stiffness * q["xi"] * q["xi"]
+        capsule = self.capsule_mass * height(self.incline, q["x"], q["y"])
+        inner = self.inner_mass * height(self.incline, q["x"] + q["xi"], q["y"])
+        return self.gravity * (capsule + inner) + 0.5 * self.stiffness * q["xi"] * q["xi"]
 
     @override
     def forces(

@@ -8,7 +8,7 @@ from typing_extensions import override
 
 from stickslip.drives import Drive
 from stickslip.maths import Scalar, cos, sin
-from stickslip.mechanisms.base import Contact, Guide, Mechanism
+from stickslip.mechanisms.base import Contact, Guide, Incline, Mechanism, height
 from stickslip.mechanisms.motors import IDLE, Motor, check_motor
 from stickslip.quantities import Quantity
 
@@ -20,10 +20,13 @@ __all__ = ["PendulumCart"]
 class PendulumCart(Mechanism):
     """A cart on rough ground with an inverted pendulum, a ball on a light rod.
 
-    The angle `theta` is that of the rod from the upright, the ball being at
-    ``(x - length * sin(theta), length * cos(theta))`` above the pivot. The swing is prescribed, or
-    a torque turns the pendulum; the normal force is that of the whole motion. A run ends where the
-    cart lifts off or tips over its wheels, and where its equations lose their meaning (Painleve).
+    The angle `theta` is that of the rod from the normal of the ground, which is the upright where
+    the ground is level; the ball is at ``(x - length * sin(theta), length * cos(theta))``, along
+    the ground and above the pivot. On an incline positive x is uphill. The swing is prescribed, or
+    a torque turns the pendulum; the normal force is that of the whole motion. A spring and a damper
+    at the pivot act between rod and cart: beside a prescribed swing they change what the motor has
+    to give, and not the motion. A run ends where the cart lifts off or tips over its wheels, and
+    where its equations lose their meaning (Painleve).
 
     Examples
     --------
@@ -51,8 +54,16 @@ class PendulumCart(Mechanism):
     """Length of the rod."""
     pendulum: Motor = IDLE
     """What moves the pendulum: `Prescribed` or `Torque`."""
+    pivot_stiffness: Annotated[float, Quantity("k_theta", "N m/rad", low=0)] = 0.0
+    """Spring at the pivot, between rod and cart."""
+    pivot_angle: Annotated[float, Quantity("theta_0", "rad")] = 0.0
+    """Angle at which that spring is free of torque."""
+    pivot_damping: Annotated[float, Quantity("c_theta", "N m s/rad", low=0)] = 0.0
+    """Damper at the pivot, between rod and cart."""
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""
+    incline: Incline = 0.0
+    """Angle of the ground from the horizontal; where it is positive, positive x is uphill."""
     wheelbase: Annotated[float, Quantity("b", "m", above=0)] | None = None
     """Distance of the outer wheels; a cart without one does not tip."""
     pivot_height: Annotated[float, Quantity("h_p", "m", low=0)] = 0.0
@@ -82,9 +93,17 @@ class PendulumCart(Mechanism):
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
         tilt = q.get("tilt", 0.0)
-        cart = q["y"] + self.centre_height * cos(tilt)
-        ball = q["y"] + self.pivot_height * cos(tilt) + self.length * cos(q["theta"] + tilt)
-        return self.gravity * (self.cart_mass * cart + self.ball_mass * ball)
+        h_p, h_c, l = self.pivot_height, self.centre_height, self.length  # noqa: E741
+        x, y, angle = q["x"], q["y"], q["theta"] + tilt
+        cart = height(self.incline, x - h_c * sin(tilt), y + h_c * cos(tilt))
+        ball = height(
+            self.incline,
+            x - h_p * sin(tilt) - l * sin(angle),
+            y + h_p * cos(tilt) + l * cos(angle),
+        )
+        wound = q["theta"] - self.pivot_angle
+        spring = 0.5 * self.pivot_stiffness * wound * wound
+        return self.gravity * (self.cart_mass * cart + self.ball_mass * ball) + spring
 
     @override
     def forces(
@@ -94,7 +113,7 @@ class PendulumCart(Mechanism):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
-        return {"theta": self.pendulum.force(drives)}
+        return {"theta": self.pendulum.force(drives) - self.pivot_damping * q_dot["theta"]}
 
     @override
     def contacts(self) -> tuple[Contact, ...]:

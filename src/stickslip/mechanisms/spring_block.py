@@ -9,7 +9,14 @@ from typing_extensions import override
 from stickslip.drives import Drive
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, where
-from stickslip.mechanisms.base import BoundedMechanism, Contact, Stop, stops_between
+from stickslip.mechanisms.base import (
+    BoundedMechanism,
+    Contact,
+    Incline,
+    Stop,
+    height,
+    stops_between,
+)
 from stickslip.quantities import Quantity
 
 __all__ = ["SpringBlock"]
@@ -24,6 +31,9 @@ class SpringBlock(BoundedMechanism):
     ``stiffness * (compression - x)``; unless it is attached it only pushes, and the block leaves it
     at its natural length. A negative compression is a spring on the other side; a spring that is
     neither compressed nor attached is not touched.
+
+    On an incline the block is pressed on the ground by ``mass * gravity * cos(incline)`` and pulled
+    towards negative x by ``mass * gravity * sin(incline)``: positive x is uphill.
 
     Examples
     --------
@@ -51,6 +61,8 @@ class SpringBlock(BoundedMechanism):
     """Force on the block [N]."""
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""
+    incline: Incline = 0.0
+    """Angle of the ground from the horizontal; where it is positive, positive x is uphill."""
     lower_stop: Annotated[float, Quantity("x_l", "m")] | None = None
     """Hard stop that x does not fall below; none if not given."""
     upper_stop: Annotated[float, Quantity("x_u", "m")] | None = None
@@ -86,7 +98,7 @@ class SpringBlock(BoundedMechanism):
         if not self.attached:
             pushes = gap * x_0 > 0.0
             spring = where(pushes, spring, 0.0, ("spring touches", "block leaves the spring"))
-        return m * g * q["y"] + spring
+        return m * g * height(self.incline, q["x"], q["y"]) + spring
 
     @override
     def forces(

@@ -13,6 +13,7 @@ from stickslip.experiments.refusals import refuse_lack, refuse_unused, told, wit
 from stickslip.experiments.second_records import refuse_same
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
+from stickslip.identification.applied import inside
 from stickslip.identification.containment import FittedLaw
 from stickslip.identification.record_fit import check_horizon
 from stickslip.identification.record_fitting import fit_record
@@ -211,7 +212,7 @@ def checked(
     """Return what the record can tell; refuse one that cannot decide."""
     if validate is not None:
         refuse_lack(measurement, validate, which="the second record")
-        refuse_unused(validate)
+        refuse_unused(validate, inside(mechanism, validate))
         refuse_same(measurement, validate)
         checked(mechanism, validate, which="The second record")
     checks = check(measurement, mechanism=mechanism)

@@ -279,7 +279,8 @@ def _index(begins: Array, starts: Array) -> NDArray[np.intp]:
     """Return the piece of a table that holds at each of the starts, -1 before the first."""
     if len(begins) == 1:
         return np.searchsorted(begins[0].real, starts.real, side="right") - 1
-    return np.asarray((begins.real[:, None, :] <= starts.real[:, :, None]).sum(axis=2) - 1)
+    rows = zip(begins.real, starts.real, strict=True)
+    return np.stack([np.searchsorted(own, all_, side="right") for own, all_ in rows]) - 1
 
 
 def _taken(table: Array, index: NDArray[np.intp]) -> Array:

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from stickslip.drives import Drive, Profile, Sine, Sum
+from stickslip.drives import Drive, Sum
 from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism
 from stickslip.trajectory import Trajectory
@@ -31,8 +31,8 @@ def cycle_of(mechanism: Mechanism) -> float:
     Parameters
     ----------
     mechanism : Mechanism
-        Its drives are `Sine` or motion profiles, or sums of them; the period of the slowest must be
-        a whole multiple of those of the others.
+        Its drives are `Sine`, `Square` or motion profiles, or sums of them; the period of the
+        slowest must be a whole multiple of those of the others.
 
     Returns
     -------
@@ -172,11 +172,10 @@ def _parts(drive: Drive) -> Iterator[Drive]:
 
 
 def _period(owner: str, drive: Drive) -> float:
-    if isinstance(drive, Sine):
-        return 1.0 / drive.frequency
-    if isinstance(drive, Profile):
-        return float(drive.period)
-    raise InputError(
-        f"{owner} is a {type(drive).__name__}, which is not known to repeat itself; give the period"
-        " [s] yourself."
-    )
+    period = drive.repeats()
+    if period is None:
+        raise InputError(
+            f"{owner} is a {type(drive).__name__}, which is not known to repeat itself; give the"
+            " period [s] yourself."
+        )
+    return float(period)

@@ -8,7 +8,6 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip.drives import Profile
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism
@@ -159,7 +158,7 @@ def _whole(value: object) -> int | None:
 
 
 def whole_run(owner: str, mechanism: Mechanism, cycles: int) -> None:
-    """Refuse more cycles than the motion profiles of a mechanism can go through.
+    """Refuse more cycles than the drives of a mechanism can go through.
 
     A run would say so too, but only after it was compiled.
 
@@ -170,9 +169,10 @@ def whole_run(owner: str, mechanism: Mechanism, cycles: int) -> None:
     >>> whole_run("basins", Capsule(capsule_mass=0.8, inner_mass=0.2, drive=swing), 100)
     """
     for drive in mechanism.drives().values():
-        if isinstance(drive, Profile):
+        period = drive.repeats()
+        if period is not None:
             try:
-                drive.pieces(cycles * float(drive.period))
+                drive.pieces(cycles * float(period))
             except ParameterError as error:
                 raise InputError(f"{owner}: {cycles} cycles are too many: {error}") from None
 

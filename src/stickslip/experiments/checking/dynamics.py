@@ -43,11 +43,13 @@ IMPOSSIBLE: Final = 300.0
 """Factor between a force and the motion it causes that units make, and no mass known badly."""
 
 
-def missing(record: Measurement) -> Iterator[Finding]:
-    """Say that nothing was recorded that could drive a motion."""
+def missing(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
+    """Say that nothing was recorded that could drive a motion, nor does the mechanism."""
     known = record.quantities()
     moved = "position" in known or "velocity" in known
     if record.time is None or not moved or {*known} & {*DRIVES, *OTHERS}:
+        return
+    if mechanism is not None and mechanism.drives():
         return
     yield Finding(
         kind="drive",

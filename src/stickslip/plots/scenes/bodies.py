@@ -31,11 +31,13 @@ from stickslip.plots.scenes.shapes import (
     Ground,
     Moment,
     Picture,
+    Point,
     Rod,
     Scene,
     Shape,
     Turn,
     Wall,
+    Word,
 )
 from stickslip.trajectory import Trajectory
 
@@ -58,6 +60,25 @@ def _forces(now: Moment, x: float, width: float, *, normal: bool) -> list[Shape]
         foot = (x + 0.25 * width, 0.0)
         found.append(Arrow(at=foot, along=(0.0, 1.0), value=now["normal_force"], role="normal"))
     return found
+
+
+def _plumb(incline: float, at: Point, length: float) -> list[Shape]:
+    """Return a plumb line where the ground is inclined: pictures are drawn along the ground.
+
+    From a point that it hangs from, down as gravity points: turned clockwise from the picture's
+    vertical where positive x is uphill.
+    """
+    if incline == 0.0:
+        return []
+    x, y = at
+    angle = f"{math.degrees(incline):.3g}\N{DEGREE SIGN}".replace("-", "\N{MINUS SIGN}")
+    bob = (x - length * math.sin(incline), y - length * math.cos(incline))
+    return [
+        Rod(points=((x, y), (x, y - 1.1 * length)), width=0.6),
+        Rod(points=(at, bob), width=1.0),
+        Ball(centre=bob, radius=0.08 * length, fill="solid"),
+        Word(at=(x + 0.12 * length, y - 0.1 * length), text=angle),
+    ]
 
 
 def _effort(motor: Motor, now: Moment, column: str) -> float:
@@ -92,6 +113,9 @@ def spring_block(mechanism: SpringBlock, seen: Trajectory) -> Picture:
             found.append(Coil(start=(foot, high), end=(end, high), radius=0.32 * TALL * size))
         found += _stops(mechanism.lower_stop, mechanism.upper_stop, left - x, size)
         found.append(Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"))
+        found += _plumb(
+            mechanism.incline, (left + 0.15 * size, 1.7 * TALL * size), 0.6 * TALL * size
+        )
         found += _forces(now, middle, size, normal=True)
         if "drive" in now:
             top = (middle, 0.6 * TALL * size)
@@ -258,6 +282,8 @@ def pendulum_cart(mechanism: PendulumCart, _seen: Trajectory) -> Picture:
             Rod(points=((x, pivot), ball), width=2.4),
             Ball(centre=ball, radius=0.08 * l, fill="solid"),
             Ball(centre=(x, pivot), radius=0.03 * l, fill="none"),
+            *_spiral(mechanism, (x, pivot), theta),
+            *_plumb(mechanism.incline, (feet[1] + base, pivot + l), 0.4 * l),
             *_forces(now, x, base, normal=True),
             Turn(
                 centre=(x, pivot),
@@ -268,6 +294,16 @@ def pendulum_cart(mechanism: PendulumCart, _seen: Trajectory) -> Picture:
         ]
 
     return Picture(shapes=shapes, names={"drive": "torque"})
+
+
+def _spiral(mechanism: PendulumCart, centre: Point, theta: float) -> list[Shape]:
+    """Return the spring at the pivot: two turns from the cart up to the rod."""
+    if mechanism.pivot_stiffness == 0.0:
+        return []
+    turns = np.linspace(-0.5 * math.pi, 4.5 * math.pi + theta, 61)
+    radii = mechanism.length * np.linspace(0.05, 0.13, turns.size)
+    xs, ys = centre[0] + radii * np.cos(turns), centre[1] + radii * np.sin(turns)
+    return [Rod(points=tuple(zip(xs.tolist(), ys.tolist(), strict=True)), width=1.1)]
 
 
 def capsule(mechanism: Capsule, seen: Trajectory) -> Picture:
@@ -303,6 +339,7 @@ def capsule(mechanism: Capsule, seen: Trajectory) -> Picture:
         effort = _effort(mechanism.drive, now, "force")
         found += [
             box,
+            *_plumb(mechanism.incline, (x, 1.9 * tall), 0.7 * tall),
             *_forces(now, x, 1.8 * half, normal=True),
             Arrow(at=(place, middle), along=(1.0, 0.0), value=effort, role="drive"),
         ]

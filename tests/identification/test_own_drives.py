@@ -1,0 +1,186 @@
+"""Records of mechanisms that drive themselves: position alone, the drive known."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Axis,
+    Capsule,
+    Coulomb,
+    Measurement,
+    PendulumCart,
+    Prescribed,
+    Sine,
+    Square,
+    ThreePhase,
+    Torque,
+    check,
+    fit,
+    simulate,
+)
+from stickslip.errors import ConvergenceError, InputError
+from stickslip.identification.record_settings import RecordSettings
+from stickslip.identification.route_choice import choose_route
+
+TRUTH = Coulomb(kinetic_coefficient=0.18, static_coefficient=0.24)
+SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
+STROKE = ThreePhase(amplitude=0.01, fast=50.0, slow=9.0, first="slow")
+KICKS = Square(high=6.0, low=-1.0, period=0.4, duty=0.3)
+TURNS = Square(high=0.5, low=-0.2, period=0.5, duty=0.3)
+CART = {"cart_mass": 0.5, "ball_mass": 0.1, "length": 0.3}
+CAPSULE = {"capsule_mass": 0.8, "inner_mass": 0.2}
+# mechanism, length of the record [s], sampling [Hz], noise [m]
+CASES = {
+    "swing": (PendulumCart(**CART, pendulum=Prescribed(profile=SWING)), 3.6, 200.0, 3e-4),
+    "stroke": (Capsule(**CAPSULE, drive=Prescribed(profile=STROKE)), 1.2, 500.0, 1e-4),
+    "kicks": (
+        Capsule(**CAPSULE, stiffness=80.0, damping=0.8, drive=Torque(drive=KICKS)),
+        3.0, 100.0, 3e-4,
+    ),
+    "torque": (
+        PendulumCart(
+            **CART, pivot_stiffness=2.0, pivot_damping=0.02, pendulum=Torque(drive=TURNS)
+        ),
+        3.0, 200.0, 3e-4,
+    ),
+}  # fmt: skip
+
+
+def record(mechanism, length, rate, noise, *, law=TRUTH, y0=None, first=0.0, seed=1):
+    """Return what a camera would see of a run."""
+    run = simulate(mechanism, law, t_end=length, y0=y0)
+    t = np.arange(first, length, 1.0 / rate)
+    x = run.at(t)["x"] + noise * np.random.default_rng(seed).normal(size=t.size)
+    return Measurement(time=t, position=x)
+
+
+def fitted(mechanism, measurement, **options):
+    free = ["kinetic_coefficient", "static_coefficient"]
+    return fit(mechanism, Coulomb, measurement, free=free, **options)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_position_alone_tells_the_friction_of_a_driven_cart_or_capsule(name):
+    mechanism, length, rate, noise = CASES[name]
+    found = fitted(mechanism, record(mechanism, length, rate, noise))
+    level = found.estimate("kinetic_coefficient")
+    assert found.route == "shooting"
+    assert level.low <= 0.18 <= level.high  # 95 %: seeds are fixed
+    assert level.high - level.low < 0.02
+    # nothing but the sensor's noise is left, within the scatter of a few hundred rows
+    assert found.rms == pytest.approx(noise, rel=0.15)
+    (run,) = found.problem.runs(found.found.best)
+    assert run.certificate.certified
+
+
+def test_a_record_that_begins_later_is_compared_where_it_begins():
+    mechanism, length, rate, noise = CASES["swing"]
+    late = record(mechanism, length, rate, noise, first=1.3)
+    found = fitted(mechanism, late)
+    assert found.law.kinetic_coefficient == pytest.approx(0.18, abs=0.002)
+    assert found.rms == pytest.approx(noise, rel=0.15)
+
+
+def test_what_is_inside_begins_where_the_record_says():
+    mechanism, length, rate, noise = CASES["kicks"]
+    start = {"xi": 0.03, "xi_dot": -0.2}
+    seen = record(mechanism, length, rate, noise, y0=start)
+    told = fitted(mechanism, replace(seen, initial=start))
+    assert told.law.kinetic_coefficient == pytest.approx(0.18, abs=0.003)
+    assert told.rms == pytest.approx(noise, rel=0.15)
+    assert fitted(mechanism, seen).rms > 2.0 * noise
+    with pytest.raises(InputError, match=r"initial \(x\)"):
+        fitted(mechanism, replace(seen, initial={"x": 0.1, **start}))
+
+
+def test_trials_with_other_drives_are_fitted_together():
+    mechanism, _, rate, noise = CASES["kicks"]
+    path = "mechanism.drive.drive.period"
+    parts = []
+    for seed, period in enumerate((0.3, 0.45), 2):
+        own = replace(mechanism, drive=Torque(drive=replace(KICKS, period=period)))
+        parts.append(replace(record(own, 2.0, rate, noise, seed=seed), overrides={path: period}))
+    found = fitted(mechanism, Measurement(trials=tuple(parts)))
+    level = found.estimate("kinetic_coefficient")
+    assert level.low <= 0.18 <= level.high
+    assert found.rms == pytest.approx(noise, rel=0.15)
+
+
+def test_a_number_of_the_drive_may_be_looked_for_too():
+    mechanism, length, rate, noise = CASES["kicks"]
+    seen = record(mechanism, length, rate, noise)
+    wrong = replace(mechanism, drive=Torque(drive=replace(KICKS, high=5.0)))
+    found = fitted(wrong, seen, unknown=["high"])
+    assert found.estimate("high").low <= 6.0 <= found.estimate("high").high
+    assert found.law.kinetic_coefficient == pytest.approx(0.18, abs=0.005)
+
+
+def test_an_axis_with_a_drive_of_its_own_is_driven_by_it_in_every_segment():
+    shaken = Axis(inertia=2.0, drive=Sine(amplitude=8.0, frequency=0.7), load=10.0)
+    seen = record(shaken, 6.0, 100.0, 2e-4)
+    plain = fitted(shaken, seen)
+    short = fitted(shaken, seen, settings=RecordSettings(segment=1.5))
+    for found in (plain, short):
+        assert found.rms == pytest.approx(2e-4, rel=0.15)
+        assert found.law.kinetic_coefficient == pytest.approx(0.18, abs=0.003)
+
+
+def test_the_route_of_a_driven_cart_simulates_the_record_as_a_whole():
+    mechanism, length, rate, noise = CASES["kicks"]
+    seen = record(mechanism, length, rate, noise)
+    choice = choose_route(mechanism, seen)
+    assert (choice.route, choice.alternative) == ("shooting", None)
+    assert choice.settings.segment == pytest.approx(np.ptp(seen.time))
+    assert choice.settings.resolution >= 100 * choice.settings.segment
+    assert not [one for one in check(seen, mechanism=mechanism).findings if one.kind == "drive"]
+
+
+def test_times_before_the_drive_begins_are_refused():
+    mechanism, length, rate, noise = CASES["kicks"]
+    seen = record(mechanism, length, rate, noise)
+    with pytest.raises(InputError, match=r"begins at -1 s, and the drive of Capsule at 0 s"):
+        fitted(mechanism, Measurement(time=seen.time - 1.0, position=seen.position))
+
+
+def test_a_drive_that_lifts_the_cart_at_every_level_is_refused_in_words():
+    mechanism, length, rate, noise = CASES["swing"]
+    seen = record(mechanism, length, rate, noise)
+    wild = replace(mechanism, pendulum=Prescribed(profile=replace(SWING, fast=900.0, slow=500.0)))
+    with pytest.raises(ConvergenceError, match="whether it lifts off"):
+        fit(wild, Coulomb, seen)
+
+
+def travels(settings, law, t_end, seed=1):
+    """Return what a tape measure says of a kicked capsule, by period and duty."""
+    mechanism, rng, trials = CASES["kicks"][0], np.random.default_rng(seed), []
+    for period, duty in settings:
+        own = replace(KICKS, period=period, duty=duty)
+        run = simulate(replace(mechanism, drive=Torque(drive=own)), law, t_end=t_end)
+        names = {"mechanism.drive.drive.period": period, "mechanism.drive.drive.duty": duty}
+        travel = float(run["x"][-1] + 1e-3 * rng.normal())
+        trials.append(Measurement(travel=travel, uncertainty=1e-3, overrides=names))
+    return mechanism, Measurement(trials=tuple(trials))
+
+
+SETTINGS = [(period, duty) for period in (0.3, 0.4, 0.5) for duty in (0.2, 0.35)]
+
+
+def test_travels_by_period_and_duty_tell_both_levels():
+    mechanism, readings = travels(SETTINGS, TRUTH, 3.0)
+    start = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.3)
+    found = fit(mechanism, start, readings, t_end=3.0)
+    kinetic, static = found.estimates
+    assert kinetic.low <= 0.18 <= kinetic.high
+    assert static.low <= 0.24 <= static.high
+    assert static.high - static.low < 0.03
+    assert found.chi_square < 13.3  # 99 % with 4 degrees of freedom
+
+
+def test_a_law_without_a_level_at_rest_of_its_own_is_not_given_one():
+    mechanism, readings = travels(SETTINGS, Coulomb(kinetic_coefficient=0.2), 3.0)
+    found = fit(mechanism, Coulomb, readings, t_end=3.0)
+    (level,) = found.estimates
+    assert level.low <= 0.2 <= level.high
