@@ -20,6 +20,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.identification.inverse_dynamics import inverse_dynamics
 
 AXIS = Axis(inertia=5.0)
 QUICK = RecordSettings(starts=1)
@@ -108,6 +109,31 @@ def test_a_record_that_a_later_stage_refuses_brings_what_its_check_warns_of(part
         fit(AXIS, CoulombViscous, cut, unknown=["inertia"], settings=QUICK)
     assert "The check of the record warns: " in str(caught.value)
     assert "the range of the sensor ends there" in str(caught.value)
+
+
+def test_a_slow_record_is_not_refused_because_its_inertia_comes_out_negative():
+    """An axis that creeps says nothing of its mass, and noise decides the sign of a regression."""
+    time = np.arange(3000) / 500
+    v = 2e-3 * np.sin(2.0 * np.pi * 0.25 * time)
+    force = 30.0 * np.sign(v) + 500.0 * v
+    position = 2e-3 / (0.5 * np.pi) * (1.0 - np.cos(0.5 * np.pi * time))
+    # a force that follows the acceleration with the wrong sign, by a thousandth of it
+    force = force - 0.03 * np.cos(0.5 * np.pi * time)
+    record = Measurement(time=time, position=position, force=force)
+    axis = Axis(inertia=1.0)
+    assert inverse_dynamics(axis, record, robust=True)["inertia"] < 0.0
+    found = fit(
+        axis,
+        CoulombViscous,
+        record,
+        unknown=["inertia"],
+        route="inverse-dynamics",
+        settings=QUICK,
+    )
+    assert found.law.kinetic_coefficient == pytest.approx(30.0, rel=0.01)
+    reversed_force = Measurement(time=time, position=position, force=-force)
+    with pytest.raises(InputError, match="acts against the motion"):
+        fit(axis, CoulombViscous, reversed_force, unknown=["inertia"], settings=QUICK)
 
 
 # --- settings without effect

@@ -4,13 +4,15 @@ from collections.abc import Sequence
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.identification.inverse_dynamics import inverse_dynamics
+from stickslip.identification.inverse_dynamics import inverse_dynamics, mass_of
 from stickslip.identification.unknowns import Unknown
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import full_path, parameters
 
-__all__ = ["inertia_of"]
+__all__ = ["REVERSED", "inertia_of"]
 
+REVERSED = 0.01
+"""Inertial share of a negative mass from which the force acts against the motion."""
 WIDE = 30.0
 """How far bounds lie from what regression found."""
 
@@ -33,7 +35,10 @@ def inertia_of(
         return None
     known = {path: quantity for path, quantity, _ in parameters(mechanism, "mechanism")}
     path = full_path(names[0], list(known))
-    value = inverse_dynamics(mechanism, measurement, directional=True, robust=True)["inertia"]
+    found = inverse_dynamics(mechanism, measurement, directional=True, robust=True)
+    value = found["inertia"]
+    if -REVERSED < found.inertial_share <= 0.0:
+        value = mass_of(mechanism)  # the motion was slow: it says little of the mass
     if value <= 0.0:
         raise InputError(
             f"inverse dynamics finds {value:.3g} kg for {path}: is the sign of the force right"

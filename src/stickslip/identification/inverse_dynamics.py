@@ -84,6 +84,18 @@ class InverseDynamics:
         """Return an estimate by name."""
         return float(self.values[self.names.index(name)])
 
+    @property
+    def inertial_share(self) -> float:
+        """Standard deviation of the inertial force over the median friction, with its sign.
+
+        0 where the inertia was not looked for.
+        """
+        if "inertia" not in self.names:
+            return 0.0
+        accelerations = self.table[:, self.names.index("inertia")]
+        size = float(np.median(np.abs(self.friction)))
+        return self["inertia"] * float(np.std(accelerations)) / size if size > 0.0 else 0.0
+
 
 def inverse_dynamics(
     mechanism: Mechanism,

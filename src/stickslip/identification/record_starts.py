@@ -11,6 +11,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification.applied import driven
+from stickslip.identification.inertia import REVERSED
 from stickslip.identification.inverse_dynamics import (
     InverseDynamics,
     inverse_dynamics,
@@ -89,8 +90,8 @@ def scales_of(
         )
 
     both, apart = solved(directional=False), solved(directional=True)
-    _check_signs(both, driven=driven(measurement))
     size = float(np.median(np.abs(both.friction)))
+    _check_signs(both, driven=driven(measurement))
     positions = [np.ptp(positions_of(record)) for record in measurement.records()]
     ahead = float(np.mean(both.velocity > 0.0))
     speed = max(float(np.percentile(np.abs(both.velocity), 98.0)), 1e-12)
@@ -101,7 +102,7 @@ def scales_of(
         slope=max(both["viscous"], 0.0),
         slopes=(max(apart["viscous+"], 0.0), max(apart["viscous-"], 0.0)),
         offset=both["offset"],
-        inertia=both["inertia"] if _tells_mass(both, size) else mass_of(mechanism),
+        inertia=both["inertia"] if both.inertial_share > SEEN else mass_of(mechanism),
         speed=speed,
         stroke=max(float(max(positions)), 1e-12),
         two_sided=ONE_WAY < ahead < 1.0 - ONE_WAY,
@@ -114,18 +115,12 @@ def _level(regressed: float, size: float) -> float:
     return regressed if regressed > CREDIBLE * size else 0.5 * size
 
 
-def _tells_mass(found: InverseDynamics, size: float) -> bool:
-    """Whether the inertia takes a share of the force that the regression can see."""
-    if "inertia" not in found.names or found["inertia"] <= 0.0:
-        return False
-    accelerations = found.table[:, found.names.index("inertia")]
-    return found["inertia"] * float(np.std(accelerations)) > SEEN * size
-
-
 def _check_signs(found: InverseDynamics, *, driven: bool) -> None:
-    """Refuse a force that acts against the motion it should cause."""
-    mass = found["inertia"] if "inertia" in found.names else 1.0
-    if mass > 0.0 and not (found["level"] < 0.0 and found["viscous"] < 0.0):
+    """Refuse a force that acts against the motion it should cause.
+
+    A negative inertia that takes a small share of the force says nothing: the motion was slow.
+    """
+    if found.inertial_share > -REVERSED and not (found["level"] < 0.0 and found["viscous"] < 0.0):
         return
     said = ", ".join(f"{n} {v:.3g}" for n, v in zip(found.names, found.values, strict=True))
     if not driven:
