@@ -25,6 +25,7 @@ UNITS = {
     "kg",
     "kg m^2",
     "N m s/rad",
+    "N m/rad",
     "m/s",
     "m/s^2",
     "N",

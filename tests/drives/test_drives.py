@@ -4,6 +4,7 @@ import cmath
 import itertools
 import math
 
+import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -85,6 +86,18 @@ def test_points_may_be_any_sequence_and_become_tuples_of_floats():
 def test_pieces_come_in_the_order_of_time(drive):
     starts = [piece.start for piece in drive.pieces(2.0)]
     assert starts == sorted(starts)
+
+
+@given(period=st.floats(0.05, 0.5), start=st.floats(-1.0, 1.0))
+def test_a_square_wave_that_is_always_high_is_never_low(period, start):
+    wave = Square(high=2.0, low=-1.0, period=period, duty=1.0, start=start)
+    for k in range(60):  # between its edges, which lie within a rounding error of each other
+        assert wave.value(start + (0.1 + 0.37 * k) * period) == 2.0 or (0.1 + 0.37 * k) % 1.0 < 1e-9
+    pieces = wave.pieces(3.0)
+    widths = np.diff([piece.start for piece in pieces])
+    assert (widths >= 0.0).all()
+    # what is low has no width but the roundings of its ends
+    assert widths[1::2].max(initial=0.0) < 1e-12
 
 
 @given(first=single, second=single, third=single, t=times)

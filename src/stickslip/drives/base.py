@@ -186,11 +186,15 @@ def repeated(owner: str, cycle: Sequence[Piece], period: Scalar, until: float) -
             f"{owner}: a run to t_end = {until:g} s would have {count:.3g} cycles of"
             f" {shortest:.3g} s; make it shorter than {MOST_PIECES // len(cycle)}."
         )
-    return tuple(
-        Piece(piece.start + k * period, piece.value, piece.slope)
-        for k in range(math.floor(count) + 1)
-        for piece in cycle
-    )
+    found: list[Piece] = []
+    for k in range(math.floor(count) + 1):
+        for piece in cycle:
+            start = piece.start + k * period
+            # a piece that ends with its cycle may end a rounding error after the next one begins
+            if found and isinstance(start, float) and start < found[-1].start:
+                found[-1] = Piece(start, found[-1].value, found[-1].slope)
+            found.append(Piece(start, piece.value, piece.slope))
+    return tuple(found)
 
 
 def least(values: Any) -> float:

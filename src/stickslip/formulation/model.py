@@ -20,7 +20,7 @@ from stickslip.quantities import parameters, shadow, structure
 
 __all__ = ["Model", "formulate"]
 
-FEW_PARAMETERS = 16
+FEW_PARAMETERS = 32
 FEW_SWITCHES = 3
 """Room for parameters and for switches is a multiple of these: few kernels serve all laws."""
 

@@ -33,7 +33,7 @@ from stickslip.identification.segmenting import measured_quantity, segments_of
 from stickslip.identification.shooting import Shooting, few_of
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import vary
+from stickslip.quantities import fields_of, vary
 
 __all__ = ["Prepared", "Route", "Wanted", "prepared"]
 
@@ -179,7 +179,9 @@ def _shooting(wanted: Wanted) -> Prepared:
     )
     with with_doubts(measurement, mechanism):
         problem = build(measurement, None)
-    if drives_itself(mechanism, under_load) and isinstance(wanted.law, type):
+    if isinstance(wanted.law, type) and (
+        drives_itself(mechanism, under_load) or _acts_at_rest_alone(wanted.law)
+    ):
         tried = (*surplus_starts(problem), *tried)
     near = _by_inverse_dynamics(wanted, unknowns)
     if near is not None:
@@ -187,6 +189,12 @@ def _shooting(wanted: Wanted) -> Prepared:
         tried = (unknowns.start, *tried)
         problem = replace(problem, unknowns_=unknowns.starting_at(near))
     return Prepared(mechanism, start, problem, build, tried, scales.load)
+
+
+def _acts_at_rest_alone(law: type[FrictionLaw]) -> bool:
+    """Whether a law has a level at rest that no sliding tells of."""
+    known = fields_of(law)
+    return "static_coefficient" in law.fit_order and "stribeck_velocity" not in known
 
 
 def _by_inverse_dynamics(wanted: Wanted, unknowns: Unknowns) -> Array | None:

@@ -294,7 +294,7 @@ def _cannot_tell(
 ) -> tuple[str, ...]:
     lines = [f"${symbol}${doubt}." for symbol, doubt in unsettled.items()]
     if not ranked:
-        lines.append("Which friction model: there is nothing left to judge by.")
+        lines.append("Which friction model is right: no data are left for validation.")
     others = [value for c in explained if c is best and c.fit for value in c.fit.others]
     if others:
         said = " and ".join(_three(value) for value in others)

@@ -133,8 +133,8 @@ def _number(rng: Random, name: str, kind: type, size: Sizes, known: Mapping[str,
         return 0.0
     if quantity.unit == "N" and quantity.low == 0:
         return size.load
-    if quantity.low == -math.inf and quantity.above is None:
-        value *= rng.choice((-1.0, 1.0))
+    if quantity.low < 0.0 and quantity.above is None:
+        value = max(quantity.low, min(value, quantity.high)) * rng.choice((-1.0, 1.0))
     if quantity.at_least is not None:
         value = known[quantity.at_least] + rng.choice((0.0, 0.1, 1.0)) * value
     return value

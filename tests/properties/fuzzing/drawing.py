@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from random import Random
 
-from stickslip import PiecewiseLinear, Pulse, Ramp, Sampled, Sine, Sum
+from stickslip import PiecewiseLinear, Pulse, Ramp, Sampled, Sine, Square, Sum
 from stickslip.drives import Drive
 from stickslip.drives.registry import DRIVES
 
@@ -157,12 +157,23 @@ def _sampled(rng: Random, force: float, time: float, t_end: float) -> Drive:
     )
 
 
+def _square(rng: Random, force: float, time: float, t_end: float) -> Drive:
+    return Square(
+        high=_level(rng, force),
+        low=rng.choice((0.0, _level(rng, force))),
+        period=around(rng, time, 1.0, 1.0),
+        duty=rng.choice((0.0, 1.0, 0.5, rng.random())),
+        start=rng.choice((0.0, rng.uniform(-0.5, 1.0) * t_end)),
+    )
+
+
 MAKERS: Mapping[type[Drive], Callable[[Random, float, float, float], Drive]] = {
     Pulse: _pulse,
     Ramp: _ramp,
     Sine: _sine,
     PiecewiseLinear: _line,
     Sampled: _sampled,
+    Square: _square,
 }
 assert set(MAKERS) == set(DRIVES.values()), "a new drive needs a maker here"
 

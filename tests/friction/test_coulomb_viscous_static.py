@@ -1,0 +1,49 @@
+"""Coulomb + viscous + static: the forces of Coulomb + viscous, with a static level to be found."""
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Axis,
+    CoulombViscous,
+    CoulombViscousStatic,
+    Measurement,
+    Sampled,
+    TowedBlock,
+    fit,
+    simulate,
+)
+
+VALUES = {"kinetic_coefficient": 5.0, "static_coefficient": 8.0, "viscous_coefficient": 20.0}
+LAW = CoulombViscousStatic(**VALUES)
+TIME = np.arange(3000) / 500
+
+
+def test_it_moves_a_body_as_coulomb_viscous_with_a_static_level_does():
+    block = TowedBlock(mass=1.0, stiffness=50.0, speed=0.05, load=1.0)
+    own, known = (simulate(block, law, t_end=10.0) for law in (LAW, CoulombViscous(**VALUES)))
+    np.testing.assert_array_equal(own["x"], known["x"])
+    assert [event.t for event in own.events] == [event.t for event in known.events]
+
+
+def test_friction_against_velocity_says_nothing_of_the_static_level():
+    v = np.concatenate([np.linspace(-0.3, -0.002, 100), np.linspace(0.002, 0.3, 100)])
+    noise = np.random.default_rng(0).normal(0.0, 0.1, v.size)
+    table = Measurement(velocity=v, friction=LAW.force(v, 1.0) + noise)
+    found = fit(Axis(inertia=1.0), CoulombViscousStatic, table)
+    assert "friction.static_coefficient" not in [one.path for one in found.estimates]
+
+
+@pytest.mark.parametrize(("static", "seed"), [(8.0, 0), (6.0, 1), (9.5, 2)])
+def test_a_record_with_rests_gives_the_static_level_back(static, seed):
+    law = CoulombViscousStatic(**{**VALUES, "static_coefficient": static})
+    force = 12.0 * np.sin(np.pi * TIME)
+    driven = Axis(inertia=2.0, drive=Sampled(times=TIME.tolist(), values=force.tolist()))
+    x = simulate(driven, law, t_end=float(TIME[-1])).at(TIME)["x"]
+    x = x + np.random.default_rng(seed).normal(0.0, 2e-6, TIME.size)
+    record = Measurement(time=TIME, position=x, force=force)
+    found = fit(Axis(inertia=2.0), CoulombViscousStatic, record)
+    # the force rises by 12 pi / 500 = 0.075 N from one sample to the next, in which it breaks away
+    assert found.law.static_coefficient == pytest.approx(static, abs=0.08)
+    assert found.law.kinetic_coefficient == pytest.approx(5.0, rel=1e-3)
+    assert found.law.viscous_coefficient == pytest.approx(20.0, rel=1e-3)
