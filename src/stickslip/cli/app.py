@@ -228,12 +228,15 @@ def simulate(
             help="Also run N draws of the law's parameters from the estimates in its file.",
         ),
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of these draws.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed of these draws.")] = 0,
     report: Annotated[
         bool, typer.Option("--report", help="Write a page of the run, stickslip-run/index.html.")
     ] = False,
     report_to: Annotated[
-        Path | None, typer.Option("--report-to", metavar="FOLDER", help="The same, elsewhere.")
+        Path | None,
+        typer.Option(
+            "--report-to", metavar="FOLDER", help="Write the page into this folder instead."
+        ),
     ] = None,
     force: Force = False,
     as_json: Json = False,
@@ -241,7 +244,8 @@ def simulate(
 ) -> None:
     """Simulate the rig with one law; show events and certificate, export the run, draw a page.
 
-    With a law from the file of a fit, --ensemble runs its doubt: a band, not a line.
+    With a fitted law from a file, --ensemble draws its parameters from their estimates and shows
+    the 95 % band of the motion.
     """
     from stickslip.cli.laws import LawAsked
     from stickslip.cli.simulate import Settings, run
