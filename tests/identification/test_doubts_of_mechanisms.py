@@ -19,6 +19,7 @@ from stickslip import (
     fit,
     load_rig,
     select,
+    simulate,
 )
 from stickslip.errors import InputError
 from stickslip.identification.fitting import fit_trials
@@ -292,3 +293,31 @@ def test_records_in_time_refuse_them():
         fit(BLOCK, Coulomb, record)
     with pytest.raises(InputError, match="for travels only"):
         select(BLOCK, record)
+
+
+def test_unstated_readings_are_not_trusted_against_what_trials_share():
+    """Settings that the stiffness moves unalike: nothing may be solved for it from the scatter."""
+    draw = np.random.default_rng(3)
+    settings = np.tile([0.02, 0.03, 0.05, 0.06], 3)
+    rig = SpringBlock(mass=0.82, stiffness=145.0, compression=0.06)
+    law = Coulomb(kinetic_coefficient=0.31)
+    exact = [
+        float(simulate(replace(rig, compression=x), law, t_end=2.0)["x"][-1]) for x in settings
+    ]
+    s = np.round(np.array(exact) + 0.001 * draw.normal(size=settings.size), 4)
+
+    def level(doubts, **stated):
+        trials = [
+            Measurement(travel=float(one), overrides={"mechanism.compression": x}, **stated)
+            for one, x in zip(s, settings, strict=True)
+        ]
+        record = Measurement(trials=trials, doubts=doubts)
+        (found,) = fit(rig, Coulomb, record).estimates
+        return found
+
+    doubts = {"mechanism.stiffness": 0.02 * 145.0, "mechanism.mass": 0.005}
+    bare, known, open_ = level({}), level(doubts, uncertainty=0.001), level(doubts)
+    assert open_.low < 0.31 < open_.high
+    # 2 % of the stiffness beside the scatter, which is the same whether it is stated or not
+    assert open_.high - open_.low == pytest.approx(known.high - known.low, rel=0.25)
+    assert open_.high - open_.low > bare.high - bare.low

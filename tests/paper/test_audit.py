@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from stickslip.paper import audit, consequences, misprints, paper_report
+from stickslip.paper.sections.equations import DYNAMICS, ENERGY
 from stickslip.paper.springback import STIFFNESS
 
 
@@ -128,9 +129,10 @@ def test_each_misprint_acts_where_it_is_said_to(found):
         for one in found.consequences
     }
     assert acting == {
-        "(1)": {"hold"},
-        "(3)": {"backward", "hold"},
-        "(4)": {"backward", "hold"},
+        # in steps so fine it creeps by less than is counted
+        "(1)": set(),
+        "(3)": {"backward"},
+        "(4)": {"backward"},
         "(5)": {"backward"},
         "(6)": {"push", "backward"},
         "(7)": {"push"},
@@ -140,11 +142,9 @@ def test_each_misprint_acts_where_it_is_said_to(found):
     }
     # so none of them acts on the rows of Table II that are one coast forwards
     assert all("coast" not in tests for tests in acting.values())
-    # Dahl friction and viscous friction have no static level to be held below
-    assert [one.form.equation for one in found.consequences if one.outcome("hold") is None] == [
-        "(6)",
-        "(8)",
-    ]
+    # viscous friction has no level to be held below
+    (free,) = [one.form.equation for one in found.consequences if one.outcome("hold") is None]
+    assert free == "(8)"
 
 
 def test_what_is_seen_in_the_tests_is_the_equation_and_not_the_step(found, monkeypatch):
@@ -283,13 +283,45 @@ def test_the_headline_claims_no_more_than_was_shown(found):
     assert "lies between 0.200 and 0.208" in text
 
 
+QUOTED = (
+    "When the spring is released, the steel block will move forward",
+    "F=Kx the external applied force",
+    "Both in the simulation study and in the experiment, the applied force is F=10N, the applied"
+    " time is 0.1s",
+    "the velocity will not change to negative",
+    "the displacement of the mass block will not decrease",
+    "Coulomb plus viscous plus static",
+    "changes its direction to the opposite at once",
+    "cannot be achieved exactly even if the sample time is very small",
+    "for instance",
+    "the same displacement",
+)
+"""What the page quotes, as the paper prints it."""
+
+
 def test_what_stands_in_quotation_marks_is_in_the_paper(found):
-    paper = Path(os.environ.get("STICKSLIP_DATA", "")).parent / "paper" / "paper.txt"
-    if not os.environ.get("STICKSLIP_DATA") or not paper.is_file():
-        pytest.skip("the text of the paper is not at hand.")
-    source = " ".join(paper.read_text(encoding="utf-8").replace("$", "").split())
     page = html.unescape(re.sub(r"<[^>]+>", "", paper_report(found)))
     page = " ".join(page.replace("\N{NO-BREAK SPACE}", " ").split())
-    quoted = [text.rstrip(",") for text in re.findall(r"“([^”]+)”", page)]
-    assert len(quoted) >= 6
-    assert [text for text in quoted if text.lower() not in source.lower()] == []
+    quoted = {text.rstrip(",").lower() for text in re.findall(r"“([^”]+)”", page)}
+    assert quoted == {text.lower() for text in QUOTED}
+    paper = Path(os.environ.get("STICKSLIP_DATA", "")).parent / "paper" / "paper.txt"
+    if os.environ.get("STICKSLIP_DATA") and paper.is_file():
+        source = " ".join(paper.read_text(encoding="utf-8").replace("$", "").split()).lower()
+        assert [text for text in QUOTED if text.lower() not in source] == []
+
+
+def test_the_equations_that_are_right_and_table_1_stand_as_printed(found):
+    assert DYNAMICS.replace(r"\quad {} ", "") == (
+        r"(M+m) \ddot x - m l \ddot\theta (\mu \sin\theta \operatorname{sgn} \dot x + \cos\theta)"
+        r" + m l \dot\theta^2 (\sin\theta - \mu \cos\theta \operatorname{sgn} \dot x)"
+        r" + \mu (M+m) g \operatorname{sgn} \dot x = 0"
+    )
+    assert ENERGY == r"\tfrac12 k x^2 = \mu m g s"
+    values = found.values
+    assert (values.rig.mass, values.rig.stiffness, values.mu_k, values.mu_s, found.measured) == (
+        1.0,
+        100.0,
+        0.25,
+        0.35,
+        0.20,
+    )

@@ -71,7 +71,7 @@ def test_the_law_named_on_the_papers_rig_is_the_plainest_that_holds_a_body(paper
 
 def test_the_verdict_says_what_one_travel_cannot_tell_and_what_to_measure(paper_verdict):
     words = paper_verdict.words
-    assert any("nothing left to judge" in line for line in words.cannot_tell)
+    assert any("no data are left for validation" in line for line in words.cannot_tell)
     advice = " ".join(words.measure_next)
     assert "three runs each" in advice
     assert "presliding" in advice

@@ -13,7 +13,17 @@ from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
 from stickslip.quantities import Parametrised
 
-__all__ = ["BEGINNING", "MOST_PIECES", "Drive", "Piece", "Straight", "Sum", "least", "repeated"]
+__all__ = [
+    "BEGINNING",
+    "MOST_PIECES",
+    "Drive",
+    "Piece",
+    "Straight",
+    "Sum",
+    "earlier",
+    "least",
+    "repeated",
+]
 
 BEGINNING = -1e300
 """Start of a piece that has always held; finite, so that slope 0 times the time since it is 0."""
@@ -186,15 +196,26 @@ def repeated(owner: str, cycle: Sequence[Piece], period: Scalar, until: float) -
             f"{owner}: a run to t_end = {until:g} s would have {count:.3g} cycles of"
             f" {shortest:.3g} s; make it shorter than {MOST_PIECES // len(cycle)}."
         )
-    found: list[Piece] = []
-    for k in range(math.floor(count) + 1):
-        for piece in cycle:
-            start = piece.start + k * period
-            # a piece that ends with its cycle may end a rounding error after the next one begins
-            if found and isinstance(start, float) and start < found[-1].start:
-                found[-1] = Piece(start, found[-1].value, found[-1].slope)
-            found.append(Piece(start, piece.value, piece.slope))
-    return tuple(found)
+    return tuple(
+        Piece(piece.start + k * period, piece.value, piece.slope)
+        for k in range(math.floor(count) + 1)
+        for piece in cycle
+    )
+
+
+def earlier(first: Scalar, second: Scalar) -> Scalar:
+    """Return the earlier of two times, or of (n,) of them one by one; parts may be imaginary.
+
+    Examples
+    --------
+    >>> earlier(1.0, 2.0), earlier(3.0, 2.0)
+    (1.0, 2.0)
+    """
+    import numpy as np
+
+    if np.ndim(first) == np.ndim(second) == 0:
+        return second if np.real(second) < np.real(first) else first
+    return np.where(np.real(second) < np.real(first), second, first)
 
 
 def least(values: Any) -> float:

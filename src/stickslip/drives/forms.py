@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar, Literal, final
 
 from typing_extensions import override
 
-from stickslip.drives.base import BEGINNING, Drive, Piece, Straight, least, repeated
+from stickslip.drives.base import BEGINNING, Drive, Piece, Straight, earlier, least, repeated
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, sin
 from stickslip.quantities import Quantity
@@ -83,7 +83,12 @@ class Square(Straight):
         cycle = (Piece(self.start, self.high, 0.0), Piece(turn, self.low, 0.0))
         # a cycle more than begins: what holds at the end of a run is not the last there is
         span = until - least(self.start) + least(self.period)
-        return repeated(type(self).__name__, cycle, self.period, span)
+        found = list(repeated(type(self).__name__, cycle, self.period, span))
+        # a wave that is always high falls where it rises again, but for a rounding error
+        for i, following in enumerate(found[1:]):
+            start = earlier(found[i].start, following.start)
+            found[i] = Piece(start, found[i].value, found[i].slope)
+        return tuple(found)
 
 
 @final

@@ -106,7 +106,9 @@ class PrintedCoulomb(_Memoryless):
     title: ClassVar[str] = "Coulomb, of [6]"
     equation: ClassVar[str] = "(1)"
     formula: ClassVar[str] = r"F_f = -\mu N \operatorname{sgn}(\dot x), \quad N = M g + F_y"
-    defect: ClassVar[str] = "no stiction: sgn 0 = 0 lets any small force move a resting body"
+    defect: ClassVar[str] = (
+        "no stiction: sgn 0 = 0 is no friction at rest, so that a block diagram chatters and creeps"
+    )
     cure: ClassVar[str] = "stick while the needed force is at most mu_s N"
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
 

@@ -27,6 +27,8 @@ POLISHED = 3
 """Starting points that least squares goes on from, at most."""
 STEPS, REFINED = 15, 4
 """Steps of least squares, at most: of a search, and from a single start that is already near."""
+WEIGHINGS = 2
+"""Fits by weights that follow from the fit before, where the mechanism is uncertain."""
 NEAR = 100.0
 """Cost of a starting point over that of the best one beyond which no search begins there."""
 FAILED = 1e6
@@ -48,7 +50,8 @@ def fit_several(
 
     Uncertainties of the mechanism make the covariance of the travels, at a first fit without those
     that trials share: what was set for each trial adds to its variance, what trials share moves
-    them together. Residuals tell nothing of the latter, which is never scaled by them.
+    them together. Where residuals give the errors of the readings, weights follow the ratio of
+    both.
 
     Parameters
     ----------
@@ -76,7 +79,9 @@ def fit_several(
         raise ConvergenceError(
             f"no values of {', '.join(model.free)} were found with which every trial can be run."
         )
-    if problem.weighed(best):
+    for _ in range(WEIGHINGS):
+        if not problem.weighed(best):
+            break
         best = min(best, problem.polished(best, REFINED), key=problem.cost)
     return problem.fit(best)
 
@@ -115,6 +120,10 @@ class _Problem:
         """Standard errors of the readings alone (n,)."""
         self.spread = Propagated(own={}, shared={})
         """What the uncertainties of the mechanism make of the travels."""
+        self.weights = self.spread
+        """The same as it weighs residuals."""
+        self.relative = False
+        """Whether that is to scale with the errors of the readings, which residuals tell."""
         self.whitening = np.diag(1.0 / self.readings)
         """Makes uncorrelated residuals of variance 1 (n, n)."""
         known = parameters(model.law, "friction")
@@ -147,11 +156,37 @@ class _Problem:
         if not any((*trial.doubts, *trial.shared) for trial in self.trials):
             return False
         values = (self.matrix @ unknowns).tolist()
-        self.spread = propagated(self.model, self.trials, values)
-        scatter = self.spread.scatter(self.readings)
-        root = np.linalg.cholesky(covariance_of(scatter, self.spread.shared))
-        self.whitening = np.linalg.inv(root)
+        self.spread = self.weights = propagated(self.model, self.trials, values)
+        self._whiten()
+        left = self.measured - self.predicted(unknowns)
+        freedom = len(left) - len(values)
+        whole = float(np.sum((self.whitening @ left) ** 2))
+        self.relative = (
+            freedom > 0 and variance_of(whole, freedom, stated=self.stated)[1] < math.inf
+        )
+        if self.relative:
+            # weights that trust such readings against what trials share would be wrong: they
+            # follow the errors with which residuals agree, and the scale is that of residuals
+            self.weights = self.spread.scaled(1.0 / math.sqrt(self._scale(left, freedom)))
+            self._whiten()
         return True
+
+    def _scale(self, left: Array, freedom: int) -> float:
+        """Return the variance of readings with which residuals agree, over that stated."""
+        from scipy.optimize import brentq
+
+        def excess(logarithm: float) -> float:
+            scatter = self.spread.scatter(self.readings * math.exp(0.5 * logarithm))
+            covariance = covariance_of(scatter, self.spread.shared)
+            return float(left @ np.linalg.solve(covariance, left)) - freedom
+
+        most = math.log(max(float(np.sum((left / self.readings) ** 2)) / freedom, 1.0)) + 1.0
+        return math.exp(float(brentq(excess, 0.0, most))) if excess(0.0) > 0.0 else 1.0
+
+    def _whiten(self) -> None:
+        scatter = self.weights.scatter(self.readings)
+        root = np.linalg.cholesky(covariance_of(scatter, self.weights.shared))
+        self.whitening = np.linalg.inv(root)
 
     def predicted(self, unknowns: Array) -> Array:
         """Return the travels [m] (n,); NaN where a run cannot be made."""
@@ -216,7 +251,7 @@ class _Problem:
         variance = variance_of(float(np.sum(residuals**2)), freedom, stated=self.stated)
         scatter = self.spread.scatter(self.readings)
         doubtful = bool(self.spread.own or self.spread.shared)
-        sources = self.spread.sources(self.readings, gain)
+        sources = self.weights.sources(self.readings, gain)
         found = [
             self._estimate(path, value, scale, variance, source, stated=doubtful)
             for path, value, scale, source in zip(
@@ -270,7 +305,8 @@ class _Problem:
 
         factor, freedom = variance
         sources = {
-            name: part * (1.0 if name in self.spread.shared else math.sqrt(factor))
+            name: part
+            * (1.0 if name in self.spread.shared and not self.relative else math.sqrt(factor))
             for name, part in sources.items()
         }
         common = math.hypot(*(sources[name] for name in self.spread.shared))

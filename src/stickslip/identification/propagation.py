@@ -36,6 +36,13 @@ class Propagated:
     own: Mapping[str, Array]
     shared: Mapping[str, Array]
 
+    def scaled(self, factor: float) -> "Propagated":
+        """Return all of it times a factor."""
+        return Propagated(
+            own={path: factor * part for path, part in self.own.items()},
+            shared={path: factor * part for path, part in self.shared.items()},
+        )
+
     def scatter(self, errors: Array) -> Array:
         """Return standard errors (n,) of what differs from trial to trial, readings included."""
         return np.sqrt(errors**2 + sum(part**2 for part in self.own.values()))

@@ -164,9 +164,7 @@ def schematic(kind: str, *, alt: str, prefix: str) -> str:
 
 def _cart(axes: Axes) -> None:
     pivot, ball = (150.0, 132.0), (84.0, 38.0)
-    axes.add_patch(Rectangle((94, 132), 112, 32, fill=False, edgecolor=INK, linewidth=1.6))
-    for x in (116, 184):
-        axes.add_patch(Circle((x, 171), 8, facecolor=SURFACE, edgecolor=INK, linewidth=1.6))
+    axes.add_patch(Rectangle((94, 132), 112, 48, fill=False, edgecolor=INK, linewidth=1.6))
     axes.plot(
         [pivot[0], pivot[0]], [pivot[1], 30], color=MUTED, linewidth=0.9, linestyle=(0, (5, 4))
     )
@@ -179,15 +177,15 @@ def _cart(axes: Axes) -> None:
     _text(axes, 128, 58, "θ")
     _text(axes, 104, 88, "l")
     _text(axes, 60, 34, "m")
-    _text(axes, 150, 150, "M")
+    _text(axes, 150, 158, "M")
     _text(axes, 196, 118, "τ", C4)
     _text(axes, 60, 168, "μ")
-    _arrow_to(axes, (240, 120), (300, 120), C1)
-    _text(axes, 270, 106, "x", C1)
+    _arrow_to(axes, (264, 120), (324, 120), C1)
+    _text(axes, 294, 106, "x", C1)
     _arrow_to(axes, (88, 190), (44, 190), C2)
     _text(axes, 66, 204, "F_f", C2)
-    _arrow_to(axes, (330, 180), (330, 132), MUTED)
-    _text(axes, 342, 150, "N")
+    _arrow_to(axes, (222, 180), (222, 132), MUTED)
+    _text(axes, 234, 152, "N")
 
 
 def _rig(axes: Axes) -> None:
@@ -202,7 +200,7 @@ def _rig(axes: Axes) -> None:
         )
     )
     _text(axes, 139, 152, "m")
-    _text(axes, 70, 128, "k")
+    _text(axes, 70, 128, "K")
     _arrow_to(axes, (172, 152), (216, 152), C2)
     _text(axes, 196, 138, "F = K x", C2)
     for left, right, height, name in ((110, 150, 104, "x"), (110, 266, 82, "s")):

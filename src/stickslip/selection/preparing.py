@@ -76,6 +76,9 @@ def otherwise(mechanism: Mechanism, law: FrictionLaw, share: float) -> Mapping[s
     if level <= 0.0 or not all(name in known for name in names) or not math.isfinite(share):
         return {}
     weight = math.prod(known[name] for name in names)
+    slope = known.get("mechanism.incline", 0.0)
+    pressed, down = weight * math.cos(slope), weight * math.sin(slope)
+    pull = max(level * pressed + down, 0.0)
     angle = math.degrees(math.atan(level))
     read = math.degrees(share * level / (1.0 + level**2))
     found = {
@@ -85,15 +88,20 @@ def otherwise(mechanism: Mechanism, law: FrictionLaw, share: float) -> Mapping[s
             " $mu_s$ as well as $mu_k$."
         ),
         "$mu_s$ by a slow pull": (
-            f"It is the largest force before the block slides over its weight, about"
-            f" {in_unit(level * weight, 'N')} at a weight of {in_unit(weight, 'N', 3)}. Read it to"
+            f"Pull uphill until the block slides: the largest force, about {in_unit(pull, 'N')},"
+            f" less {in_unit(down, 'N', 3)} of weight along the ground, over the normal force of"
+            f" {in_unit(pressed, 'N', 3)}. Read it to {in_unit(share * level * pressed, 'N', 1)}."
+            if slope
+            else f"It is the largest force before the block slides over its weight, about"
+            f" {in_unit(pull, 'N')} at a weight of {in_unit(weight, 'N', 3)}. Read it to"
             f" {in_unit(share * level * weight, 'N', 1)}."
         ),
     }
     stiffness = known.get("mechanism.stiffness", 0.0)
     if stiffness > 0.0 and known.get("mechanism.compression", 0.0):
-        least = in_unit(level * weight / stiffness, "m")
+        least = in_unit(pull / stiffness, "m")
+        said = "the force of a slow pull over $k$" if slope else "$mu_s$ $m$ $g$ / $k$"
         found["$mu_s$ by the spring"] = (
-            f"The least compression that starts the block is $mu_s$ $m$ $g$ / $k$, about {least}."
+            f"The least compression that starts the block is {said}, about {least}."
         )
     return found

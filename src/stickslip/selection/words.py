@@ -314,11 +314,11 @@ def _given_lines(explained: Sequence[Candidate], reading: float) -> list[str]:
     busy = _symbols(explained, {name for name, change in moved.items() if change > reading})
     lines = []
     if idle:
-        lines.append(f"{idle}: raised by half, the travel changes by less than its uncertainty.")
+        lines.append(f"{idle}: a change of 50 % changes the travel by less than its uncertainty.")
     if busy:
         widest = 1e3 * max(moved.values())
         lines.append(
-            f"{busy}: not fitted. Raised by half, the travel changes by up to {_short(widest)} mm,"
+            f"{busy}: not fitted. A rise of 50 % changes the travel by up to {_short(widest)} mm,"
             " for which the fitted level compensates."
         )
     return lines

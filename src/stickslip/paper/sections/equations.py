@@ -7,6 +7,7 @@ from stickslip.paper.audit import PaperAudit
 from stickslip.paper.misprints import (
     BACKWARD,
     BRISTLE_STEP,
+    HELD,
     SECONDS,
     STEP,
     TESTS,
@@ -132,8 +133,8 @@ def misprint_section(found: PaperAudit) -> Section:
                     f" {1e3 * STEP:g} ms, with bristles {1e3 * BRISTLE_STEP:g} ms; where it differs"
                     " by more than 1 mm and 1 %, that of the corrected law, solved exactly, stands"
                     " below. (4) is an equation of the cart: on a block, whose load is its weight,"
-                    " it is (3). The exponent of (9) is taken as −|$v$/$v_s$|². Laws without a"
-                    " static level have no entry in the last column. The printed forms:"
+                    " it is (3). The exponent of (9) is taken as −|$v$/$v_s$|². Viscous friction"
+                    " holds nothing and has no entry in the last column. The printed forms:"
                     " `stickslip models --published`."
                 )
             ),
@@ -144,12 +145,12 @@ def misprint_section(found: PaperAudit) -> Section:
 def _tests_text(found: PaperAudit) -> str:
     values = found.values
     force = values.rig.stiffness * values.rig.compression
-    between = 0.5 * (values.mu_k + values.mu_s) * values.load
+    below = HELD * values.mu_k * values.load
     return (
         "Each form is evaluated as it stands, as a block diagram would, in four tests on the block"
         " of Table I: coasting forwards, as after the push; pushed from rest with"
         f" {force:g} N for 0.1 s; coasting backwards from {-BACKWARD:g} m/s; and held at rest"
-        f" against {between:.3g} N, which is between kinetic and static friction. Coasting forwards"
+        f" against {below:.3g} N, half of kinetic friction. Coasting forwards"
         " all are right. Four of the five rows of Table II never move backwards, so that no"
         " misprint acts on them; LuGre's does, by the paper's account, and there the sgn of (9)"
         " may have acted. (6) to (10) omit the break-away limit that the paper describes (III.B.1)"

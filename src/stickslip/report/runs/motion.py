@@ -40,7 +40,9 @@ MOST_DRAWN, DRAWN = 12, 8
 ANIMATED = 12.0
 """Frames a second."""
 STACKED = (520.0, 560.0)
-"""Scene above time plots, so that both can be read on a phone [CSS px]."""
+"""Scene above time plots, in a column of the page [CSS px]."""
+PHONE = (358.0, 560.0)
+"""The same on a phone."""
 SHORTEST, LONGEST = 3.0, 8.0
 """How long an animation takes [s]: what is faster is shown in slow motion, what is longer is cut
 or sped up."""
@@ -195,6 +197,7 @@ def animation_section(about: RunReport) -> Section | None:
         speed=speed,
         until=until,
         size=STACKED,
+        narrow=PHONE,
     )
     caption = (
         f"**The first {quantity(length, 's')}**, to scale and {pace}. The sliding body is yellow"
@@ -257,7 +260,8 @@ def criteria_section(about: RunReport) -> Section:
     )
     text = (
         "A body that a drive pulls back harder than friction holds it does move backwards, and one"
-        " on elastic bristles springs back as it stops: a no to 1 or 2 need be no fault of the law."
+        " on elastic bristles springs back as it stops: failing criterion 1 or 2 does not refute"
+        " the law."
     )
     blocks = (KeyValues(items=items), Caption(text=text))
     return Section(
