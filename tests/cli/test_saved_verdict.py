@@ -66,6 +66,17 @@ def test_three_travels_of_a_stiff_law_have_a_verdict_and_a_page(rig):
     assert "The bristles of this law need steps below" in page
 
 
+def test_a_page_that_is_cancelled_leaves_the_verdict_and_says_where(rig, monkeypatch):
+    def cancelled(*_arguments, **_settings):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(command, "rig_report", cancelled)
+    result = run("select", "rig.toml", "--laws", "coulomb")
+    assert result.exit_code == 130
+    assert "The verdict is in stickslip-report/verdict.json." in " ".join(result.stderr.split())
+    assert (rig.parent / "stickslip-report" / "law.toml").is_file()
+
+
 def test_a_page_that_fails_costs_neither_the_verdict_nor_the_law(rig, monkeypatch):
     def failing(*_arguments, **_settings):
         raise ValueError("no ink")

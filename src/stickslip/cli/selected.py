@@ -6,6 +6,7 @@ from typing import Any
 
 import typer
 
+from stickslip.cli import CANCELLED
 from stickslip.cli.output import note, print_json, stdout, write_folder
 from stickslip.experiments import Rig
 from stickslip.friction import FrictionLaw
@@ -60,6 +61,9 @@ def _draw(output: Path, page: Callable[[], str]) -> None:
     note("Drawing the page ...")
     try:
         text = page()
+    except KeyboardInterrupt:
+        note(f"Cancelled while the page was drawn. The verdict is in {output / DOCUMENT}.")
+        raise typer.Exit(CANCELLED) from None
     except Exception as error:  # whatever a page fails with, the verdict stands
         note(
             f"The page could not be drawn ({type(error).__name__}: {error}). The verdict is in"
