@@ -35,8 +35,8 @@ from stickslip.report.numbers import residue
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
 from stickslip.solver import FixedStep, Solver
-from stickslip.sweep import Band, DrivenCycle, Spread, band_of, cycle_of, cycles_in
-from stickslip.sweep.cycles import slip_names
+from stickslip.sweep import Band, DrivenCycle, Spread, band_of, cycles_in
+from stickslip.sweep.cycles import cycle_or_none, slip_names
 from stickslip.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -156,6 +156,8 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
                 y0=start,
                 progress=progress,
             )
+    if settings.ensemble is not None and not run.status.complete:
+        note("No ensemble was run: the run with the best values ended early.")
     beyond = _beyond(chosen, rig.mechanism, run)
     for remark in beyond:
         note(remark)
@@ -170,10 +172,8 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
 
 def _cycles(mechanism: Mechanism, run: Trajectory) -> tuple[DrivenCycle, ...]:
     """Return the whole cycles of a run, none where the drives do not repeat themselves."""
-    try:
-        return cycles_in(run, mechanism, cycle_of(mechanism))
-    except InputError:
-        return ()
+    period = cycle_or_none(mechanism)
+    return () if period is None else cycles_in(run, mechanism, period)
 
 
 def _beyond(chosen: ChosenLaw, mechanism: Mechanism, run: Trajectory) -> tuple[str, ...]:
@@ -193,14 +193,19 @@ def _beyond(chosen: ChosenLaw, mechanism: Mechanism, run: Trajectory) -> tuple[s
                 f" {quantity(most, unit)}, and beyond that it is an extrapolation."
             )
     contacts = source.mechanism.contacts()
-    if len(contacts) == 1 and levels_at(source.mechanism) == levels_at(mechanism) == "per load":
+    has_level = chosen.law.break_away(1.0) > 0.0
+    if (
+        has_level
+        and len(contacts) == 1
+        and levels_at(source.mechanism) == levels_at(mechanism) == "per load"
+    ):
         load, forces = weight_of(source.mechanism), seen["normal_force"]
         low, high = float(forces.min()), float(forces.max())
         if low * BEYOND < load or high > BEYOND * load:
             said.append(
                 f"The law was fitted at a normal force of {quantity(load, 'N')}; here it is"
-                f" {number(low)} to {quantity(high, 'N')}. That levels are in proportion to it was"
-                " not measured."
+                f" {number(low)} to {quantity(high, 'N')}. Proportionality to the normal force was"
+                " not tested."
             )
     return tuple(said)
 

@@ -203,7 +203,7 @@ def _about_bristles(law: FrictionLaw) -> list[str]:
     are = "is" if len(found) == 1 else "are"
     return [
         f"{joined(found)} {are} over the normal force: bristles are taken to stiffen in proportion"
-        " to it, which was not measured."
+        " to it, which was not tested."
     ]
 
 

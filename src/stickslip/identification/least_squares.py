@@ -184,9 +184,11 @@ class _Problem:
         return math.exp(float(brentq(excess, 0.0, most))) if excess(0.0) > 0.0 else 1.0
 
     def _whiten(self) -> None:
-        scatter = self.weights.scatter(self.readings)
-        root = np.linalg.cholesky(covariance_of(scatter, self.weights.shared))
-        self.whitening = np.linalg.inv(root)
+        self.whitening = np.linalg.inv(np.linalg.cholesky(self._covariance()))
+
+    def _covariance(self) -> Array:
+        """Return the covariance of the travels (n, n) as residuals are weighed, up to a factor."""
+        return covariance_of(self.weights.scatter(self.readings), self.weights.shared)
 
     def predicted(self, unknowns: Array) -> Array:
         """Return the travels [m] (n,); NaN where a run cannot be made."""
@@ -268,7 +270,7 @@ class _Problem:
             shared={path: tuple(part.tolist()) for path, part in self.spread.shared.items()},
             stated=self.stated,
             condition=condition,
-            correlation=_correlation(gain, covariance_of(scatter, self.spread.shared)),
+            correlation=_correlation(gain, self._covariance()),
             trials=tuple(self.trials),
             runs=self.model.runs,
         )

@@ -13,7 +13,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.simulation import ensemble
 from stickslip.solver import EventDriven, Samples
-from stickslip.sweep.cycles import WHOLE, cycle_of, slip_names
+from stickslip.sweep.cycles import WHOLE, cycle_or_none, slip_names
 
 __all__ = ["Band", "Spread", "band_of"]
 
@@ -137,7 +137,7 @@ def band_of(
         raise InputError(f"band_of: count must be at least 2, got {count}.")
     draws = estimates.draw(law, count, seed=seed)
     slip, rate = slip_names(mechanism)
-    period = _period(mechanism)
+    period = cycle_or_none(mechanism)
     # with a margin for rounding: the last cycle may end a hair after t_end
     whole = 0 if period is None else int(np.floor(t_end / period * (1.0 + WHOLE)))
     marks = np.minimum(np.arange(whole + 1) * (period or 0.0), t_end)
@@ -178,14 +178,6 @@ def band_of(
         period=period,
         cycles=tuple(_spread(column) for column in np.diff(at, axis=1).T),
     )
-
-
-def _period(mechanism: Mechanism) -> float | None:
-    """Return the length of a cycle, or None where the drives have none."""
-    try:
-        return cycle_of(mechanism)
-    except InputError:
-        return None
 
 
 def _spread(values: Array) -> Spread:

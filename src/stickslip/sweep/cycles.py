@@ -12,7 +12,7 @@ from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism
 from stickslip.trajectory import Trajectory
 
-__all__ = ["DrivenCycle", "cycle_of", "cycles_in", "slip_names"]
+__all__ = ["DrivenCycle", "cycle_of", "cycle_or_none", "cycles_in", "slip_names"]
 
 GRID = 2000
 """Evenly spaced times of a cycle at which extremes are sought, beside the solver's own."""
@@ -66,6 +66,21 @@ def cycle_of(mechanism: Mechanism) -> float:
                 " that of the slower one; give the period [s] yourself."
             )
     return longest
+
+
+def cycle_or_none(mechanism: Mechanism) -> float | None:
+    """Return the time after which all drives repeat themselves [s], None where they do not.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> cycle_or_none(Axis(inertia=1.0)) is None
+    True
+    """
+    try:
+        return cycle_of(mechanism)
+    except InputError:
+        return None
 
 
 @final

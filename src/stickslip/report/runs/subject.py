@@ -5,13 +5,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import final
 
-from stickslip.errors import InputError
 from stickslip.experiments import LawEstimates, Rig
 from stickslip.experiments.wording import quantities, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.selection import Criteria, criteria_of
-from stickslip.sweep import Band, DrivenCycle, Spread, cycle_of, cycles_in
-from stickslip.sweep.cycles import slip_names
+from stickslip.sweep import Band, DrivenCycle, Spread, cycles_in
+from stickslip.sweep.cycles import cycle_or_none, slip_names
 from stickslip.trajectory import Trajectory
 
 __all__ = ["RunReport", "spread_text"]
@@ -105,11 +104,8 @@ class RunReport:
     @cached_property
     def cycles(self) -> tuple[DrivenCycle, ...]:
         """The whole cycles of a run whose drives repeat themselves."""
-        try:
-            period = cycle_of(self.rig.mechanism)
-        except InputError:
-            return ()
-        return cycles_in(self.run, self.rig.mechanism, period)
+        period = cycle_or_none(self.rig.mechanism)
+        return () if period is None else cycles_in(self.run, self.rig.mechanism, period)
 
     def of(self, value: float, digits: int = 3, *, per_second: bool = False) -> str:
         """Return a distance or a speed of the slipping coordinate, with its unit."""
