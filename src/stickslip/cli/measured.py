@@ -98,7 +98,7 @@ class Measured:
     @property
     def travels(self) -> bool:
         """Whether distances to rest were measured, and nothing in time."""
-        return "travel" in self.measurement.quantities()
+        return bool(self.measurement.travelled)
 
 
 def measured(rig: Rig, asked: Asked, *, given: bool) -> Measured:

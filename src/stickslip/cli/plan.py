@@ -49,7 +49,7 @@ def run(
         refuse_overwriting(file, file.parent, force=force)
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     measured = rig.measurement
-    if measured is not None and "travel" not in measured.quantities():
+    if measured is not None and not measured.travelled:
         measured = None
     if not as_json:
         note("Simulating what the laws predict ...")
@@ -89,8 +89,10 @@ def _between(rig: Rig, text: str | None) -> tuple[float, float] | None:
     """Return the ends of a range, in the unit of what is set."""
     if text is None:
         return None
-    travels = rig.measurement is not None and "travel" in rig.measurement.quantities()
-    done = trials_of(rig.mechanism, rig.measurement) if travels and rig.measurement else ()
+    travels = rig.measurement is not None and rig.measurement.travelled
+    done = (
+        trials_of(rig.mechanism, rig.measurement, rig.t_end) if travels and rig.measurement else ()
+    )
     knob = knob_of(rig.mechanism, done)
     known: Mapping[str, Quantity] = {p: q for p, q, _ in parameters(rig.mechanism, "mechanism")}
     quantity = QUANTITIES["travel"] if knob is None else known[knob[0]]

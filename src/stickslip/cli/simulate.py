@@ -30,13 +30,14 @@ from stickslip.experiments.estimates import levels_at
 from stickslip.experiments.wording import number, quantity
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms.cycles import cycle_or_none
 from stickslip.optimisation.cycles import weight_of
 from stickslip.report.numbers import residue
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
 from stickslip.solver import FixedStep, Solver
 from stickslip.sweep import Band, DrivenCycle, Spread, band_of, cycles_in
-from stickslip.sweep.cycles import cycle_or_none, slip_names
+from stickslip.sweep.cycles import slip_names
 from stickslip.trajectory import Trajectory
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from stickslip.experiments.digests import with_files
 from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.imports import imported
 from stickslip.experiments.laws import Known, known_laws
-from stickslip.experiments.measurement import QUANTITIES, Measurement
+from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Measurement
 from stickslip.experiments.paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.reading import Reading, column_of
 from stickslip.experiments.records import read_data
@@ -31,6 +31,7 @@ from stickslip.experiments.schema import (
 )
 from stickslip.experiments.tables import Given, Number, Table
 from stickslip.experiments.toml import LARGEST, apply, parse, read_bytes
+from stickslip.experiments.travels import scale_of
 from stickslip.experiments.units import read_number
 from stickslip.friction import laws
 from stickslip.mechanisms import Mechanism
@@ -243,7 +244,7 @@ def _trials(
         if trial.file:
             records += _filed(trial, mechanism, reading, file, index)
         else:
-            records.append(_record(trial, mechanism, file, index))
+            records.append(_record(trial, mechanism, file, index, table.run.t_end))
     if len(records) == 1:
         return records[0]
     try:
@@ -252,7 +253,7 @@ def _trials(
         raise InputError(f"{file}: trial: {error}") from None
 
 
-TRAVEL_ONLY = ("travel", "uncertainty", "uncertainty_kind", "provenance")
+TRAVEL_ONLY = (*TRAVELS, "uncertainty", "uncertainty_kind", "provenance")
 """Keys of a trial that the file of a record has no use for."""
 FILE_ONLY = ("columns", "units", "gain", "offset", "repair")
 
@@ -293,16 +294,32 @@ def _check_keys(given: Mapping[str, Any], refused: tuple[str, ...], said: str) -
             raise InputError(f"{said.format(name)}: leave one of them out.")
 
 
-def _record(trial: TrialTable, mechanism: Mechanism, file: str, index: int) -> Measurement:
+def _record(
+    trial: TrialTable, mechanism: Mechanism, file: str, index: int, t_end: float
+) -> Measurement:
     label, given = f"{file}: trial.{index}", trial.given()
-    if "travel" not in given:
+    names = [name for name in TRAVELS if name in given]
+    if not names:
         raise ParameterError(
             f"{label} says nothing that was measured. Add travel under [[trial]] number"
-            f' {index + 1}, a distance such as "72 mm", or file, a record.'
+            f' {index + 1}, a distance such as "72 mm", or mean_velocity, travel_per_cycle, or'
+            " file, a record."
+        )
+    if len(names) > 1:
+        raise InputError(
+            f"{label}: {names[0]} and {names[1]} both say how far the body came: give one of"
+            f" {', '.join(TRAVELS)}."
         )
     _check_keys(
-        given, FILE_ONLY, f"{label}: {{}} is for the file of a record, and travel is a number"
+        given, FILE_ONLY, f"{label}: {{}} is for the file of a record, and {names[0]} is a number"
     )
+    if "uncertainty" in given:
+        measured = QUANTITIES[names[0]]
+        quantity = Quantity(f"u_{measured.symbol}", measured.unit, above=0)
+        try:
+            given["uncertainty"] = read_number(given["uncertainty"], quantity)
+        except ParameterError as error:
+            raise ParameterError(f"{label}.uncertainty {error}") from None
     overrides, initial = given.pop("set", {}), given.pop("initial", {})
     if "uncertainty_kind" in given and "uncertainty" not in given:
         raise ParameterError(f"{label}.uncertainty is missing, but uncertainty_kind is given.")
@@ -314,6 +331,7 @@ def _record(trial: TrialTable, mechanism: Mechanism, file: str, index: int) -> M
         initial=_initial(initial, mechanism, f"{label}.initial"),
     )
     check_record(mechanism, record, label)
+    scale_of(mechanism, record, t_end, label)
     return record
 
 

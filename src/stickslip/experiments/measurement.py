@@ -16,7 +16,15 @@ from stickslip.experiments.condition_values import plain_conditions
 from stickslip.experiments.line import Line
 from stickslip.quantities import Quantity
 
-__all__ = ["KINDS_OF_UNCERTAINTY", "QUANTITIES", "Array", "Kind", "Measurement", "Uncertainty"]
+__all__ = [
+    "KINDS_OF_UNCERTAINTY",
+    "QUANTITIES",
+    "TRAVELS",
+    "Array",
+    "Kind",
+    "Measurement",
+    "Uncertainty",
+]
 
 Array = NDArray[np.float64]
 Kind = Literal["scalars", "series", "friction-map"]
@@ -37,11 +45,16 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "pull": Quantity("x_p", "m", or_unit="rad"),
         "reference": Quantity("x_r", "m", or_unit="rad"),
         "travel": Quantity("s", "m"),
+        "mean_velocity": Quantity("v_m", "m/s"),
+        "travel_per_cycle": Quantity("s_c", "m"),
     }
 )
 """What can be measured, by name; the second unit is that of an axis that turns."""
 
-SAMPLED = tuple(name for name in QUANTITIES if name != "travel")
+TRAVELS = ("travel", "mean_velocity", "travel_per_cycle")
+"""How it can be given how far a body came; a trial has one of them."""
+
+SAMPLED = tuple(name for name in QUANTITIES if name not in TRAVELS)
 """What a time series has one value of for each time."""
 
 
@@ -71,7 +84,13 @@ class Measurement:
     reference : array (n,) or float, optional
         Position that a controller was asked for [m].
     travel : float or array (n,), optional
-        Distance [m] from the start to the final rest; an array is repeats of one run.
+        Distance [m] from the start to the final rest; under a drive that repeats itself, and of a
+        cart or capsule that drives itself, to the end of the run. An array is repeats of one run.
+    mean_velocity : float or array (n,), optional
+        Instead of a travel: the same over the whole run, from 0 to ``t_end``, over ``t_end`` [m/s].
+    travel_per_cycle : float or array (n,), optional
+        Instead of a travel: way over as many whole cycles of the drives as end by ``t_end``, from
+        time 0, over their number [m].
     uncertainty : mapping of str to float, optional
         By quantity, above 0. A plain float is accepted where there is exactly one quantity, and
         kept as a mapping.
@@ -139,6 +158,8 @@ class Measurement:
     pull: Array | float | None = None
     reference: Array | float | None = None
     travel: Array | float | None = None
+    mean_velocity: Array | float | None = None
+    travel_per_cycle: Array | float | None = None
     uncertainty: Mapping[str, float] = field(default_factory=dict)
     uncertainty_kind: Uncertainty = "standard"
     overrides: Mapping[str, float] = field(default_factory=dict)
@@ -175,6 +196,7 @@ class Measurement:
                 f" ({', '.join(QUANTITIES)}) or trials, got none."
             )
         _check_shapes(self)
+        self._check_travels()
         self._set("uncertainty", _uncertainty(self))
         self._set("conditions", plain_conditions(self.conditions))
         for name in ("overrides", "initial", "offset"):
@@ -184,6 +206,27 @@ class Measurement:
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
+
+    def _check_travels(self) -> None:
+        given = [name for name in TRAVELS if getattr(self, name) is not None]
+        if len(given) > 1:
+            raise InputError(
+                f"Measurement.{given[0]} and {given[1]} both say how far the body came: give one"
+                f" of {', '.join(TRAVELS)}."
+            )
+
+    @property
+    def travelled(self) -> str:
+        """Which of travel, mean_velocity and travel_per_cycle was measured; empty if none was.
+
+        That of the first trial that has one.
+
+        Examples
+        --------
+        >>> Measurement(mean_velocity=0.012).travelled
+        'mean_velocity'
+        """
+        return next((name for name in self.quantities() if name in TRAVELS), "")
 
     @property
     def kind(self) -> Kind:

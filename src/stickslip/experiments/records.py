@@ -12,7 +12,7 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.columns import check_columns
 from stickslip.experiments.condition_values import condition_name
 from stickslip.experiments.line import along
-from stickslip.experiments.measurement import SAMPLED, Array, Measurement, Uncertainty
+from stickslip.experiments.measurement import SAMPLED, TRAVELS, Array, Measurement, Uncertainty
 from stickslip.experiments.reading import Column, Reading
 from stickslip.experiments.repair import Repair, repaired, repairs
 from stickslip.experiments.scaling import Scaling, gains_of, load_stated
@@ -191,13 +191,13 @@ class _Files:
         # Imported here so that measurements built in Python do without pandas.
         from stickslip.experiments.condition_columns import by_trial
         from stickslip.experiments.frames import read_frame
-        from stickslip.experiments.trials import read_trials
+        from stickslip.experiments.trials import read_trials, travelled
 
         name = name or Path(path).stem
         columns, units = self.reading.columns, self.reading.units
         try:
             frame = read_frame(path, columns=columns, units=units)
-            if "travel" in frame.names and "time" not in frame.names:
+            if travelled(frame):
                 self._refuse_for_trials()
                 common = {**self.common, "offset": self.reading.offset}
                 return read_trials(frame, common, name, self.mechanism, self.reading.conditions)
@@ -285,6 +285,6 @@ def _nothing_known(frame: "Frame") -> str:
     first = [name for name in frame.names if name.rpartition("/")[2].lower() == "x"]
     plane = f'["{first[0]}", "{first[0][:-1]}{chr(ord(first[0][-1]) + 1)}"]' if first else '"..."'
     return (
-        f"{frame.file}: no column is called {', '.join(SAMPLED)} or travel; it has {listed}."
+        f"{frame.file}: no column is called {', '.join((*SAMPLED, *TRAVELS))}; it has {listed}."
         f' Say which is which, as columns={{"position": {plane}}}.'
     )

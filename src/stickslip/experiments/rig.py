@@ -12,6 +12,7 @@ from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.measurement import Measurement
 from stickslip.experiments.paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.reading import Reading
+from stickslip.experiments.travels import scale_of
 from stickslip.friction import BristleLaw, FrictionLaw, law_type, laws
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
@@ -158,7 +159,10 @@ class Rig:
             object.__setattr__(self, "measurement", self.doubting(self.measurement))
         records = () if self.measurement is None else self.measurement.records()
         for index, record in enumerate(records):
-            check_record(self.mechanism, record, f"trial {record.name or index}")
+            label = f"trial {record.name or index}"
+            check_record(self.mechanism, record, label)
+            where = record.provenance or label  # its line, in a table of trials
+            scale_of(self.mechanism, record, self.t_end, where)
 
     def doubting(self, measurement: Measurement) -> Measurement:
         """Return a measurement of this rig with the doubts of its mechanism beside its own.

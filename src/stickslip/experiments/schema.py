@@ -68,12 +68,31 @@ class ReadTable(Table):
     )
 
 
+@dataclasses.dataclass(frozen=True)
+class Doubt:
+    """Annotation of an uncertainty in the unit of what it belongs to, with which it is read."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        return core_schema.any_schema()
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        plain = {"type": "number", "exclusiveMinimum": 0}
+        return {"anyOf": [plain, {"type": "string", "description": "number with a unit"}]}
+
+
 class TrialTable(ReadTable):
-    """One measured run, a travel or the file of a record; several are several trials."""
+    """One measured run; several are several trials.
+
+    It has one of `travel`, `mean_velocity`, `travel_per_cycle`, or the `file` of a record.
+    """
 
     travel: Annotated[Any, Number(TRAVEL)] = None
+    mean_velocity: Annotated[Any, Number(QUANTITIES["mean_velocity"])] = None
+    travel_per_cycle: Annotated[Any, Number(QUANTITIES["travel_per_cycle"])] = None
     file: str = Field(default="", description="a record, relative to the rig file")
-    uncertainty: Annotated[Any, Number(Quantity("u_s", "m", above=0))] = None
+    uncertainty: Annotated[Any, Doubt()] = Field(
+        default=None, description="above 0, in the unit of what was measured"
+    )
     uncertainty_kind: Literal["rounding", "standard", "interval"] = "standard"
     name: str = ""
     provenance: str = ""

@@ -9,15 +9,15 @@ import pandas as pd
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.condition_columns import condition_cells, condition_keys
 from stickslip.experiments.frames import Frame
-from stickslip.experiments.measurement import Measurement
+from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Measurement
 from stickslip.experiments.paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.rig import check_record, state_units
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["read_trials"]
+__all__ = ["read_trials", "travelled"]
 
 WORDS = ("name", "provenance", "uncertainty_kind")
-NUMBERS = ("travel", "uncertainty")
+NUMBERS = (*TRAVELS, "uncertainty")
 
 
 def read_trials(
@@ -43,13 +43,19 @@ def read_trials(
     return records[0] if len(records) == 1 else Measurement(trials=tuple(records), name=name)
 
 
+def travelled(frame: Frame) -> str:
+    """Return the column that says how far the body came; empty if the table is of no trials."""
+    return "" if "time" in frame.names else next((n for n in TRAVELS if n in frame.names), "")
+
+
 def _values(frame: Frame, column: str, mechanism: Mechanism | None) -> list[Any]:
     """Return the cells of a column: words, or numbers in SI."""
     if column in WORDS:
         cells = frame.data[frame.names[column]]
         return ["" if pd.isna(cell) else str(cell) for cell in cells]
     if column in NUMBERS:
-        return list(map(float, frame.numbers(column, "m")))
+        unit = QUANTITIES[travelled(frame) if column == "uncertainty" else column].unit
+        return list(map(float, frame.numbers(column, unit)))
     first, _, rest = column.partition(".")
     if first == "initial" and rest:
         units = {} if mechanism is None else state_units(mechanism)
@@ -96,7 +102,7 @@ def _trial(
     parts["initial"] = {**common["initial"], **starts}
     parts["provenance"] = f"{Path(frame.file).name}, {frame.line(row)}"
     given = {key: cells[key] for key in (*NUMBERS, *WORDS) if key in cells and cells[key] != ""}
-    label = frame.place("travel", row)
+    label = frame.place(travelled(frame), row)
     try:
         record = Measurement(**{**parts, **given})
         if mechanism is not None:

@@ -51,7 +51,7 @@ def check_given(verb: str, mechanism: object, measurement: object) -> None:
 
 
 def _check_doubts(measurement: Measurement) -> None:
-    if "travel" in measurement.quantities():
+    if measurement.travelled:
         return
     stated = [path for one in (measurement, *measurement.trials) for path in one.doubts]
     if stated:

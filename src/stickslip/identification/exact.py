@@ -36,10 +36,15 @@ def fit_one(model: TravelModel, trial: Trial) -> TravelFit:
     found = positive_roots(miss(trial.travel), start or 1.0, low=low, high=high)
     if not found:
         room = f"above {low:g}" if math.isinf(high) else f"between {low:g} and {high:g}"
-        raise ConvergenceError(
+        said = (
             f"no value of {path} ({quantity.symbol}) {room} makes the travel"
             f" {trial.travel:g} m; with {start:g} it is {model.travel(trial, [start]):.4g} m."
         )
+        try:
+            model.check_rest([trial], [start], standard_errors([trial])[0])
+        except ConvergenceError as error:
+            said += f" With that value {error}"
+        raise ConvergenceError(said)
     best, *others = found
     half_width, kind, sources = trial.half_width, trial.kind, {}
     doubts = propagated(model, [trial], [best])

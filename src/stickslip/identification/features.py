@@ -12,6 +12,7 @@ from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.experiments.measurement import TRAVELS
 from stickslip.identification.frequencies import frequency_of, refuse_without_cycles
 from stickslip.identification.slips import Slips, slips_of
 from stickslip.mechanisms import Mechanism, TowedBlock
@@ -38,7 +39,7 @@ COMPARED = ("frequency", "mean", "standard_deviation")
 """Features that a simulated limit cycle is compared by."""
 ROUTE = "features"
 """What `fit` and `select` call the way that compares features."""
-OTHERS = frozenset({"travel", "friction", "position", "velocity", "force"})
+OTHERS = frozenset({*TRAVELS, "friction", "position", "velocity", "force"})
 """Quantities that laws can be compared with themselves."""
 READ = 2e-3
 """Features are read off samples to this share at best, however regular the record is."""

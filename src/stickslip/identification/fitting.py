@@ -17,11 +17,17 @@ from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.results import Fit, TravelFit
 from stickslip.identification.route_choice import RouteChoice, asked_for
 from stickslip.identification.starts import Start, check_known, starting_law, with_known
-from stickslip.identification.travel import TravelModel, Trial, trials_of, under_cycles
+from stickslip.identification.travel import (
+    TravelModel,
+    Trial,
+    standard_errors,
+    trials_of,
+    under_cycles,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
-__all__ = ["fit", "fit_trials", "payable"]
+__all__ = ["check_rest", "fit", "fit_trials", "payable"]
 
 PAID_BY_TRAVEL = ("kinetic_coefficient", "viscous_coefficient")
 """Travels tell a level and a slope with speed; what shapes the curve needs a velocity trace."""
@@ -88,7 +94,8 @@ def fit(
         If the measurement does not serve, as by the errors of `stickslip.check`, or a name is not
         known.
     ConvergenceError
-        If no value of the parameters gives what was measured.
+        If no value of the parameters gives what was measured, or a body whose travel to rest was
+        measured still moves at ``t_end``.
 
     Examples
     --------
@@ -107,7 +114,7 @@ def fit(
         return fit_features(
             mechanism, law, measurement, unknown=unknown, free=free, seed=seed, watch=watch
         )
-    if "travel" not in measurement.quantities():
+    if not measurement.travelled:
         refuse_faults(measurement, mechanism)
         with with_doubts(measurement, mechanism, of=ConvergenceError):
             return fit_record(
@@ -124,7 +131,10 @@ def fit(
     if unknown:
         raise InputError("a few travels cannot tell parameters of the mechanism from friction.")
     start = with_known(starting_law(law), known) if isinstance(law, type) else law
-    return fit_trials(start, trials_of(mechanism, measurement), free=free, t_end=t_end, watch=watch)
+    trials = trials_of(mechanism, measurement, t_end)
+    found = fit_trials(start, trials, free=free, t_end=t_end, watch=watch)
+    check_rest(found, t_end)
+    return found
 
 
 def _known_law(
@@ -169,6 +179,12 @@ def fit_trials(
         return fit_one(model, trials[0])
     compile_for(trials, [law])
     return fit_several(model, trials, starts)
+
+
+def check_rest(found: TravelFit, t_end: float) -> None:
+    """Refuse a fit to travels to rest with whose law the body still moves at ``t_end``."""
+    errors, _ = standard_errors(found.trials)
+    TravelModel(found.law, (), t_end).check_rest(found.trials, (), errors)
 
 
 def payable(law: FrictionLaw, trials: Sequence[Trial]) -> list[str]:

@@ -105,7 +105,7 @@ def propagated(model: TravelModel, trials: Sequence[Trial], values: Sequence[flo
     def errors(path: str, doubts: Sequence[Mapping[str, float]]) -> Array:
         found = []
         for trial, doubt in zip(trials, doubts, strict=True):
-            key = trial.setting, path
+            key = trial.run, path
             if path in doubt and key not in slopes:
                 slopes[key] = _slope(model, trial, values, path, doubt[path])
             found.append(slopes[key] * doubt[path] if path in doubt else 0.0)

@@ -110,7 +110,7 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
 
 def _spread(trials: Sequence[Trial]) -> list[Trial]:
     """Return one trial of each setting; of many the shortest, the middle and the longest travel."""
-    different = sorted({t.setting: t for t in trials}.values(), key=lambda t: abs(t.travel))
+    different = sorted({t.run: t for t in trials}.values(), key=lambda t: abs(t.travel))
     return [different[i] for i in sorted({0, len(different) // 2, len(different) - 1})]
 
 
@@ -124,7 +124,8 @@ def doubling_slope(model: TravelModel, trials: Sequence[Trial], values: Start) -
     """Return the slope [N s/m] that doubles the friction of a law at the largest speed of a run."""
     trial = max(trials, key=lambda one: abs(one.travel))
     law = model.with_values(values)
-    run = simulate(trial.mechanism, law, t_end=model.t_end, y0=trial.start(law), throw=False)
+    end = trial.until(model.t_end)
+    run = simulate(trial.mechanism, law, t_end=end, y0=trial.start(law), throw=False)
     (slip,) = (contact.slip for contact in trial.mechanism.contacts())
     rate = trial.mechanism.rates[trial.mechanism.coordinates.index(slip)]
     force = values[0] * float(np.median(run["normal_force"]))
@@ -203,9 +204,8 @@ def _dense(
     for trial in trials:
         start = trial.start(model.law)
         (slip,) = (contact.slip for contact in trial.mechanism.contacts())
-        runs = ensemble(
-            trial.mechanism, model.law, columns, t_end=model.t_end, outputs=[slip], y0=start
-        )
+        end = trial.until(model.t_end)
+        runs = ensemble(trial.mechanism, model.law, columns, t_end=end, outputs=[slip], y0=start)
         table.append(np.where(np.isfinite(runs[slip]), runs[slip], np.inf) - start.get(slip, 0.0))
     rows = np.stack([columns[path] for path in model.free], axis=1)
     return rows.tolist(), _costs(np.stack(table, axis=1), trials)

@@ -229,7 +229,7 @@ NOT_ALONE = (
 
 
 def _refuse(measurement: Measurement) -> None:
-    if "travel" in measurement.quantities():
+    if measurement.travelled:
         raise InputError(NOT_ALONE)
     if len(measurement.records()) < 2:
         raise InputError("trials are compared where there are at least two; this is one record.")
@@ -243,7 +243,7 @@ def fitted_alone(measurement: Measurement) -> bool:
     >>> fitted_alone(Measurement(trials=(Measurement(travel=0.1), Measurement(travel=0.2))))
     False
     """
-    return len(measurement.records()) > 1 and "travel" not in measurement.quantities()
+    return len(measurement.records()) > 1 and not measurement.travelled
 
 
 def compared(joint: RecordFit) -> TrialComparison | None:

@@ -86,7 +86,7 @@ def _repeats(
     """Return the repeats of one setting that contradict each other most, None if none do."""
     groups: dict[Hashable, list[int]] = {}
     for i, trial in enumerate(trials):
-        groups.setdefault(trial.setting, []).append(i)
+        groups.setdefault(trial.run, []).append(i)
     worst: tuple[float, int, int] | None = None
     for group in groups.values():
         for i, j in combinations(group, 2):

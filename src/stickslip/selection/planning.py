@@ -26,7 +26,13 @@ from stickslip.identification.fitting import fit_trials, payable
 from stickslip.identification.least_squares import expected_fit
 from stickslip.identification.propagation import READINGS, covariance_of
 from stickslip.identification.starts import doubling_slope, required_of
-from stickslip.identification.travel import TravelModel, Trial, standard_errors, trials_of
+from stickslip.identification.travel import (
+    TravelModel,
+    Trial,
+    driven_on,
+    standard_errors,
+    trials_of,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters, vary
 from stickslip.selection.admissibility import limit_of
@@ -34,7 +40,6 @@ from stickslip.selection.lab_sheet import Expectation, Plan, Preparation, Tellin
 from stickslip.selection.preparing import how_to, otherwise
 from stickslip.selection.separation import Separation, knob_of, separations, setting_text
 from stickslip.selection.words import ADVICE
-from stickslip.simulation import simulate
 
 __all__ = ["plan"]
 
@@ -63,8 +68,6 @@ VISCOUS = 0.25
 """Viscous part over the level at the largest speed, where nobody gave a value: a fifth of both."""
 NEAR = 0.9
 """A second point, over the first, where the search of a rival's parameters begins."""
-AT_REST = 1e-2
-"""Speed at the last time over the mean speed of the run, above which a body does not stop."""
 MOVES = 0.05
 """Share of the longest travel below which a setting is not worth a run."""
 
@@ -131,11 +134,15 @@ def plan(
     count = int(COUNT.check("plan", "settings", settings))
     if uncertainty is not None:
         READING.check("plan", "uncertainty", uncertainty)
-    done = _done(mechanism, measurement)
+    done = _done(mechanism, measurement, t_end)
     knob = _knob(mechanism, done)
+    if driven_on(mechanism):
+        raise InputError(
+            f"{type(mechanism).__name__} does not come to rest under a drive that goes on as long"
+            " as the run lasts, so there is no travel to plan."
+        )
     candidates = _candidates(mechanism, laws, t_end)
-    _check_rest(mechanism, candidates[_first(candidates)], t_end)
-    levelled, remarks = _levelled(mechanism, candidates, done, t_end)
+    levelled, remarks = _levelled(mechanism, candidates, done, uncertainty, t_end)
     named = _first(levelled)
     rows, idle = _rows(mechanism, knob, between, count, levelled, named, t_end)
     error = _error(uncertainty, done)
@@ -285,14 +292,14 @@ class _Contrast:
         )
 
 
-def _done(mechanism: Mechanism, measurement: Measurement | None) -> tuple[Trial, ...]:
+def _done(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -> tuple[Trial, ...]:
     """Return the trials of what was measured before."""
     if measurement is None:
         measurement = Measurement(travel=0.0)  # to check the mechanism alone
         check_given("plan", mechanism, measurement)
         return ()
     check_given("plan", mechanism, measurement)
-    return trials_of(mechanism, measurement)
+    return trials_of(mechanism, measurement, t_end)
 
 
 def _knob(mechanism: Mechanism, done: Sequence[Trial]) -> str:
@@ -352,13 +359,23 @@ def _has_level(law: FrictionLaw) -> bool:
 
 
 def _levelled(
-    mechanism: Mechanism, laws: Mapping[str, FrictionLaw], done: Sequence[Trial], t_end: float
+    mechanism: Mechanism,
+    laws: Mapping[str, FrictionLaw],
+    done: Sequence[Trial],
+    uncertainty: float | None,
+    t_end: float,
 ) -> tuple[dict[str, FrictionLaw], list[str]]:
     """Return laws with the level that travels measured before call for, or else the first law's.
 
-    The sentences say which laws have none.
+    The sentences say which laws have none, or do not bring the body to rest.
     """
     trials = list(done)
+    error = _error(uncertainty, done)
+
+    def check_rest(law: FrictionLaw) -> None:
+        sizes = [error or SCATTER * abs(trial.travel) for trial in trials]
+        TravelModel(law, (), t_end).check_rest(trials, (), sizes)
+
     found, remarks = {}, []
     for name, law in sorted(laws.items(), key=lambda item: not _has_level(item[1])):
         if not trials:
@@ -369,27 +386,19 @@ def _levelled(
                     f"{law.title} friction with {law!r} does not let the body move: give other"
                     " values, or set the rig higher."
                 )
+            try:
+                check_rest(law)
+            except ConvergenceError as reason:
+                raise InputError(f"there is no travel to plan: {reason}") from None
         try:
-            found[name] = fit_trials(law, trials, free=payable(law, trials)[:1], t_end=t_end).law
+            fitted = fit_trials(law, trials, free=payable(law, trials)[:1], t_end=t_end).law
+            check_rest(fitted)
+            found[name] = fitted
         except (ConvergenceError, InputError) as error:
             remarks.append(f"{law.title} friction is left out: {error}")
     if not found:
         raise InputError(f"no law can be planned for. {' '.join(remarks)}")
     return {name: found[name] for name in laws if name in found}, remarks
-
-
-def _check_rest(mechanism: Mechanism, law: FrictionLaw, t_end: float) -> None:
-    """Refuse what does not stop: its distance would be that of an arbitrary time."""
-    run = simulate(mechanism, law, t_end=t_end)
-    (contact,) = mechanism.contacts()
-    index = mechanism.coordinates.index(contact.slip)
-    end = run.at(run.span)
-    travel, speed = end[contact.slip], abs(float(end[mechanism.rates[index]][1]))
-    if speed > AT_REST * abs(float(travel[1] - travel[0])) / t_end:
-        raise InputError(
-            f"the body does not come to rest within {t_end:g} s with {law.title} friction (it moves"
-            f" at {speed:.2g} {mechanism.units[index]}/s then), so there is no travel to plan."
-        )
 
 
 def _rows(

@@ -46,8 +46,10 @@ def held_out_errors(
         others = [trial for trial in trials if trial.setting != setting]
         fitted = fit_trials(law, others, free=free, starts=[start], t_end=t_end, watch=watch).law
         left_out = [i for i, trial in enumerate(trials) if trial.setting == setting]
-        predicted = TravelModel(fitted, (), t_end, watch).travel(trials[left_out[0]], ())
-        errors |= {i: trials[i].travel - predicted for i in left_out}
+        predicted = TravelModel(fitted, (), t_end, watch).travels([trials[i] for i in left_out], ())
+        errors |= {
+            i: trials[i].travel - float(one) for i, one in zip(left_out, predicted, strict=True)
+        }
     return tuple(errors[i] for i in range(len(trials)))
 
 

@@ -99,7 +99,7 @@ def select(
     check_given("select", mechanism, measurement)
     unknown, laws = names_of(unknown), laws_of(laws)
     by_its_features = by_features(measurement, asked_for(route))
-    if "travel" in measurement.quantities() and not by_its_features:
+    if measurement.travelled and not by_its_features:
         _check_travels(unknown, validate)
         return select_travels(
             mechanism, measurement, _kinds(laws), t_end=t_end, watch=watch, compiling=compiling

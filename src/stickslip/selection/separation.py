@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.errors import StickslipError
+from stickslip.experiments.travels import whole_cycles
 from stickslip.experiments.wording import number
 from stickslip.friction import FrictionLaw
 from stickslip.identification.travel import TravelModel, Trial
@@ -220,8 +221,11 @@ def separations(
     found = []
     for setting, measured in _settings(mechanism, path, value, trials, factors):
         changed = vary(mechanism, "mechanism", {path: setting})
-        trial = Trial(mechanism=changed, initial=initial, travel=0.0, half_width=0.0)
         try:
+            cycles = whole_cycles(changed, t_end) if trials and trials[0].cycles else None
+            trial = Trial(
+                mechanism=changed, initial=initial, travel=0.0, half_width=0.0, cycles=cycles
+            )
             predicted = {
                 name: TravelModel(law, (), t_end).travel(trial, ()) for name, law in laws.items()
             }

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from stickslip.errors import ConvergenceError, ParameterError, SimulationError
 from stickslip.friction import FrictionLaw
-from stickslip.identification.fitting import fit_trials, payable
+from stickslip.identification.fitting import check_rest, fit_trials, payable
 from stickslip.identification.results import TravelFit
 from stickslip.identification.starts import Start, required_of, starting_points
 from stickslip.identification.travel import TravelModel, Trial
@@ -70,6 +70,7 @@ def try_law(
     try:
         starts = _starts(law, names, trials, simpler, t_end, scanned=not (invented and simpler))
         fit = fit_trials(law, trials, free=names, starts=starts, t_end=t_end, watch=report)
+        check_rest(fit, t_end)
         run, criteria = _seen(trials[0], fit.law, t_end, throw=True)
     except (ConvergenceError, SimulationError) as reason:
         return dataclasses.replace(candidate, dropped=str(reason))
@@ -150,7 +151,8 @@ def with_held_out(
 def _seen(
     trial: Trial, law: FrictionLaw, t_end: float, *, throw: bool = False
 ) -> tuple[Trajectory, Criteria]:
-    run = simulate(trial.mechanism, law, t_end=t_end, y0=trial.start(law), throw=throw)
+    end = trial.until(t_end)
+    run = simulate(trial.mechanism, law, t_end=end, y0=trial.start(law), throw=throw)
     return run, criteria_of(run, trial.mechanism, trial.travel)
 
 

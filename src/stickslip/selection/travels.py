@@ -77,7 +77,7 @@ def select_travels(
     >>> verdict.best.name, verdict.ranked
     ('coulomb', False)
     """
-    trials = trials_of(mechanism, measurement)
+    trials = trials_of(mechanism, measurement, t_end)
     if isinstance(laws, Mapping) and not laws:
         laws = None  # a rig file without friction values: the command tries the usual laws too
     named = _named(laws)

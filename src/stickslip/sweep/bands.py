@@ -11,9 +11,10 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.experiments import LawEstimates
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms.cycles import WHOLE, cycle_or_none
 from stickslip.simulation import ensemble
 from stickslip.solver import EventDriven, Samples
-from stickslip.sweep.cycles import WHOLE, cycle_or_none, slip_names
+from stickslip.sweep.cycles import slip_names
 
 __all__ = ["Band", "Spread", "band_of"]
 

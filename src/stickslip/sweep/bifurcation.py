@@ -12,11 +12,11 @@ from typing_extensions import override
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, TowedBlock
+from stickslip.mechanisms.cycles import cycle_of
 from stickslip.quantities import Quantity
 from stickslip.quantities import vary as varied
 from stickslip.simulation import check_pair, ensemble, simulate
 from stickslip.solver import EventDriven, Final, Output, Samples
-from stickslip.sweep.cycles import cycle_of
 from stickslip.sweep.grids import (
     Array,
     Progress,

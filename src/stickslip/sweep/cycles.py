@@ -1,18 +1,16 @@
-"""How long a cycle of the drives is, and what each brings."""
+"""What each cycle of the drives brings."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
-from stickslip.drives import Drive, Sum
-from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms.cycles import WHOLE
 from stickslip.trajectory import Trajectory
 
-__all__ = ["DrivenCycle", "cycle_of", "cycle_or_none", "cycles_in", "slip_names"]
+__all__ = ["DrivenCycle", "cycles_in", "slip_names"]
 
 GRID = 2000
 """Evenly spaced times of a cycle at which extremes are sought, beside the solver's own."""
@@ -20,67 +18,6 @@ STILL = 1e-6
 """Share of the ways to and fro below which a travel is rounding, or what is left of a transient."""
 MOST_TIMES = 100_000
 """Times of all cycles together: of very many cycles each has fewer."""
-
-WHOLE = 1e-9
-"""How far from a whole number the ratio of two periods may be: the rounding of their inputs."""
-
-
-def cycle_of(mechanism: Mechanism) -> float:
-    """Return the time after which all drives of a mechanism repeat themselves [s].
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Its drives are `Sine`, `Square` or motion profiles, or sums of them; the period of the
-        slowest must be a whole multiple of those of the others.
-
-    Returns
-    -------
-    float
-        The period [s].
-
-    Raises
-    ------
-    InputError
-        If there is no drive, or one does not repeat itself, or they have no common cycle.
-
-    Examples
-    --------
-    >>> from stickslip import Axis, Sine
-    >>> cycle_of(Axis(inertia=1.0, drive=Sine(amplitude=2.0, frequency=4.0)))
-    0.25
-    """
-    name = type(mechanism).__name__
-    periods = [
-        _period(f"{name}: the drive {key!r}", part)
-        for key, drive in mechanism.drives().items()
-        for part in _parts(drive)
-    ]
-    if not periods:
-        raise InputError(f"{name} has no drive, and so no cycle; give the period [s] yourself.")
-    longest = max(periods)
-    for period in periods:
-        if abs(longest / period - round(longest / period)) > WHOLE * longest / period:
-            raise InputError(
-                f"{name}: drives with periods of {period:g} and {longest:g} s have no cycle that is"
-                " that of the slower one; give the period [s] yourself."
-            )
-    return longest
-
-
-def cycle_or_none(mechanism: Mechanism) -> float | None:
-    """Return the time after which all drives repeat themselves [s], None where they do not.
-
-    Examples
-    --------
-    >>> from stickslip import Axis
-    >>> cycle_or_none(Axis(inertia=1.0)) is None
-    True
-    """
-    try:
-        return cycle_of(mechanism)
-    except InputError:
-        return None
 
 
 @final
@@ -176,21 +113,3 @@ def slip_names(mechanism: Mechanism) -> tuple[str, str]:
     """
     slip = mechanism.contacts()[0].slip
     return slip, mechanism.rates[mechanism.coordinates.index(slip)]
-
-
-def _parts(drive: Drive) -> Iterator[Drive]:
-    if isinstance(drive, Sum):
-        for part in drive.parts:
-            yield from _parts(part)
-    else:
-        yield drive
-
-
-def _period(owner: str, drive: Drive) -> float:
-    period = drive.repeats()
-    if period is None:
-        raise InputError(
-            f"{owner} is a {type(drive).__name__}, which is not known to repeat itself; give the"
-            " period [s] yourself."
-        )
-    return float(period)

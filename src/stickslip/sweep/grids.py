@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms.cycles import cycle_of
 from stickslip.quantities import Quantity, full_path, parameters, vary
 from stickslip.solver import EventDriven
-from stickslip.sweep.cycles import cycle_of
 
 __all__ = [
     "Array",

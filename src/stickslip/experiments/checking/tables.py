@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from stickslip.experiments.checking.finding import TURN, Finding, Severity
-from stickslip.experiments.measurement import QUANTITIES, Array, Measurement
+from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Array, Measurement
 from stickslip.experiments.wording import count, percent, quantities
 
 __all__ = ["alike", "coverage", "settings", "unused"]
@@ -166,20 +166,23 @@ def alike(records: Sequence[Measurement]) -> Iterator[Finding]:
 
 
 def _negative(name: str, records: Sequence[Measurement]) -> Iterator[Finding]:
-    if QUANTITIES[name].unit != "m":
+    if QUANTITIES[name].unit != "m" and name not in TRAVELS:
         return
+    noun = name.replace("_", " ")
     values = np.concatenate(
         [np.atleast_1d(r.values(name)) for r in records if getattr(r, name) is not None]
     )
-    if float(np.abs(values).max()) > 100.0:
+    if QUANTITIES[name].unit == "m" and float(np.abs(values).max()) > 100.0:
         largest = float(np.abs(values).max())
         yield Finding(
             kind="units",
             severity="warning",
-            sentence=f"{name.capitalize()} reaches {largest:g} m: are these really metres?",
+            sentence=f"{noun.capitalize()} reaches {largest:g} m: are these really metres?",
             numbers={name: largest},
         )
-    elif name == "travel" and not values.any():
+    elif name in TRAVELS and not values.any():
         yield Finding(
-            kind="constant", severity="error", sentence="Every travel is 0: no motion was recorded."
+            kind="constant",
+            severity="error",
+            sentence=f"Every {noun} is 0: no motion was recorded.",
         )

@@ -8,9 +8,10 @@ from typing import final
 from stickslip.experiments import LawEstimates, Rig
 from stickslip.experiments.wording import quantities, quantity
 from stickslip.friction import FrictionLaw
+from stickslip.mechanisms.cycles import cycle_or_none
 from stickslip.selection import Criteria, criteria_of
 from stickslip.sweep import Band, DrivenCycle, Spread, cycles_in
-from stickslip.sweep.cycles import cycle_or_none, slip_names
+from stickslip.sweep.cycles import slip_names
 from stickslip.trajectory import Trajectory
 
 __all__ = ["RunReport", "spread_text"]

@@ -92,7 +92,7 @@ def _separation_figure(
         for row in verdict.separations
     ]
     path = rows[0].path
-    trials = trials_of(verdict.mechanism, verdict.measurement)
+    trials = trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)
     settings = [
         next((v for p, _, v in parameters(t.mechanism, "mechanism") if p == path), None)
         for t in trials

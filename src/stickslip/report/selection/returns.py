@@ -35,7 +35,7 @@ def elastic_returns(verdict: TravelVerdict) -> list[str]:
 def _is_elastic(verdict: TravelVerdict, law: FrictionLaw, seen: Criteria) -> bool:
     if not isinstance(law, BristleLaw) or law.static_switch:
         return False
-    trial = trials_of(verdict.mechanism, verdict.measurement)[0]
+    trial = trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)[0]
     rigid = Coulomb(kinetic_coefficient=float(law.break_away(1.0)))
     states = (*trial.mechanism.coordinates, *trial.mechanism.rates)
     start = {name: value for name, value in trial.initial.items() if name in states}

@@ -144,7 +144,7 @@ def fixed_steps_section(verdict: TravelVerdict) -> Section | None:
     best = verdict.best
     if best is None or best.fit is None or best.run is None:
         return None
-    law, trial = best.fit.law, trials_of(verdict.mechanism, verdict.measurement)[0]
+    law, trial = best.fit.law, trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)[0]
     last = best.run.span[1]
     stop = best.criteria.stop_time if best.criteria else None
     until = min(2.0 * stop, last) if stop else last
