@@ -34,25 +34,25 @@ def asked(monkeypatch):
 
 
 def test_laws_with_bristles_are_compiled_together_if_there_are_several_trials(asked):
-    compiling.compile_for(trials_of(RIG, SEVERAL), LAWS)
+    compiling.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS)
     assert set(asked["processes"]) == {"dahl", "lugre"}
     assert set(asked["here"]) == {"dahl", "lugre"}
 
 
 def test_a_single_trial_is_not_worth_compiling(asked):
-    compiling.compile_for(trials_of(RIG, ONE), LAWS)
+    compiling.compile_for(trials_of(RIG, ONE, 10.0), LAWS)
     assert asked == {"processes": [], "here": []}
 
 
 def test_a_single_law_takes_no_process(asked):
-    compiling.compile_for(trials_of(RIG, SEVERAL), LAWS[:2])
+    compiling.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS[:2])
     assert asked["processes"] == []
     assert set(asked["here"]) == {"dahl"}
 
 
 def test_a_cache_that_cannot_be_written_to_is_no_obstacle(asked, monkeypatch):
     monkeypatch.setattr(compiling, "is_writable", lambda: False)
-    compiling.compile_for(trials_of(RIG, SEVERAL), LAWS)
+    compiling.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS)
     assert asked["processes"] == []
     assert set(asked["here"]) == {"dahl", "lugre"}
 
@@ -62,7 +62,7 @@ def test_processes_that_fail_are_logged_and_done_without(asked, monkeypatch, cap
         raise CompilationError("a process died")
 
     monkeypatch.setattr(compiling, "warm_up", failing)
-    compiling.compile_for(trials_of(RIG, SEVERAL), LAWS)
+    compiling.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS)
     assert set(asked["here"]) == {"dahl", "lugre"}
     assert caplog.messages == ["a process died; going on without processes"]
 

@@ -148,7 +148,7 @@ def test_intervals_cover_the_truth_in_95_of_100_sets():
         x = settings + 0.0007 * draw.normal(size=3)
         s = k * x**2 / (2.0 * 0.25 * m * 9.81) + 0.001 * draw.normal(size=3)
         for i, stated in enumerate((doubts, {})):
-            trials = trials_of(BLOCK, travels(settings, s, doubts=stated))
+            trials = trials_of(BLOCK, travels(settings, s, doubts=stated), 10.0)
             start = Coulomb(kinetic_coefficient=0.25)
             (one,) = fit_trials(start, trials, starts=[[0.25]]).estimates
             hits[i] += one.low <= 0.25 <= one.high
@@ -252,7 +252,7 @@ def test_a_rig_file_states_them(tmp_path):
     path.write_text(RIG)
     rig = load_rig(path)
     assert rig.doubts == pytest.approx({M: 0.01, K: 2.0, X: 0.0005})
-    first, second = trials_of(rig.mechanism, rig.measurement)
+    first, second = trials_of(rig.mechanism, rig.measurement, 10.0)
     assert first.mechanism.compression == 0.06
     assert first.doubts == pytest.approx({X: 0.001})
     assert second.doubts == pytest.approx({X: 0.0005})

@@ -141,7 +141,7 @@ def test_expected_intervals_are_those_of_a_filled_sheet(three):
         return float(run.at(run.span)["x"][-1])
 
     known = {one.path: one.needed for one in three.preparations}
-    trials = trials_of(BLOCK, filled(three, travel, known))
+    trials = trials_of(BLOCK, filled(three, travel, known), 10.0)
     found = fit_trials(CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=0.5), trials)
     expected = [e.estimate for e in three.expectations if e.law == "coulomb-viscous" and e.fitted]
     for one, other in zip(found.estimates, expected, strict=True):

@@ -99,7 +99,7 @@ def test_a_trial_with_another_mass_is_not_a_setting_of_this_rig():
             Measurement(travel=0.2),
         )
     )
-    rows = separations(RIG, {"coulomb": COULOMB}, t_end=5.0, trials=trials_of(RIG, heavy)[:1])
+    rows = separations(RIG, {"coulomb": COULOMB}, t_end=5.0, trials=trials_of(RIG, heavy, 5.0)[:1])
     assert not any(row.measured for row in rows)
 
 

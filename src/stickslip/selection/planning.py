@@ -370,10 +370,10 @@ def _levelled(
     The sentences say which laws have none, or do not bring the body to rest.
     """
     trials = list(done)
-    error = _error(uncertainty, done)
+    stated = _error(uncertainty, done)
 
     def check_rest(law: FrictionLaw) -> None:
-        sizes = [error or SCATTER * abs(trial.travel) for trial in trials]
+        sizes = [stated or SCATTER * abs(trial.travel) for trial in trials]
         TravelModel(law, (), t_end).check_rest(trials, (), sizes)
 
     found, remarks = {}, []

@@ -2,6 +2,9 @@
 
 from collections.abc import Mapping
 
+import numpy as np
+
+from stickslip.experiments import QUANTITIES
 from stickslip.quantities import parameters, vary
 from stickslip.report import numbers
 from stickslip.report.documents import Section
@@ -18,7 +21,7 @@ def trials_section(verdict: TravelVerdict) -> Section | None:
     records = verdict.measurement.records()
     if best is None or best.fit is None or len(records) < 2:
         return None
-    held_out = best.held_out or (None,) * len(records)
+    held_out = best.held_out or (None,) * len(best.fit.measured)
     columns = [
         Column(head="trial"),
         Column(head="measured\nm", numeric=True),
@@ -27,13 +30,22 @@ def trials_section(verdict: TravelVerdict) -> Section | None:
         Column(head="measured less predicted\nfrom the others, mm", numeric=True, phone="label"),
     ]
     rows = []
-    for record, measured, predicted, error in zip(
-        records, best.fit.measured, best.fit.predicted, held_out, strict=True
+    readings = [
+        (record, float(value))
+        for record in records
+        for value in np.atleast_1d(record.values(record.travelled))
+    ]
+    for (record, reading), measured, predicted, error in zip(
+        readings, best.fit.measured, best.fit.predicted, held_out, strict=True
     ):
+        name = record.name or _setting(verdict, record.overrides)
+        if record.travelled != "travel":
+            given = quantity_value(reading, QUANTITIES[record.travelled].unit)
+            name += f", {record.travelled.replace('_', ' ')} {given}"
         rows.append(
             Row(
                 cells=(
-                    record.name or _setting(verdict, record.overrides),
+                    name,
                     numbers.fixed(measured, 3),
                     numbers.fixed(predicted, 4),
                     numbers.fixed(1e3 * (measured - predicted), 2),
