@@ -1,4 +1,4 @@
-"""Mean velocities and travels per cycle as trials, and travels of bodies that do not come to rest."""
+"""Mean velocities and travels per cycle as trials, and bodies that do not come to rest."""
 
 import math
 from dataclasses import replace
