@@ -1,17 +1,31 @@
 """From a selection to another mechanism: a law from a file, its band, and the page of the run."""
 
+import dataclasses
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from stickslip import Axis, Coulomb, CoulombViscous, LuGre, SpringBlock, ThreePhase, load_rig
+from stickslip import (
+    Axis,
+    Coulomb,
+    CoulombViscous,
+    LuGre,
+    SpringBlock,
+    ThreePhase,
+    load_rig,
+    simulate,
+)
 from stickslip.cli import main
-from stickslip.experiments import LawEstimates
+from stickslip.cli.output import plain
+from stickslip.cli.simulate import _event_rows
+from stickslip.experiments import LawEstimates, carried, extrapolations
 from stickslip.experiments.writing import rig_toml
+from stickslip.trajectory import Event
 
 CART = Path(__file__).parents[2] / "docs" / "howto" / "files" / "pendulum-cart.toml"
 PERIOD = float(ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0).period)
@@ -202,16 +216,131 @@ def test_a_run_that_ends_early_has_its_page_and_its_exit_code(walk):
     assert "The run ends early" in Path("stickslip-run/index.html").read_text()
 
 
-def test_a_page_that_cannot_be_drawn_costs_nothing_else(walk, monkeypatch):
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [
+        (RuntimeError("no ink"), 1, "The page could not be drawn (RuntimeError: no ink)."),
+        (KeyboardInterrupt(), 130, "Cancelled while the page was drawn."),
+    ],
+)
+def test_a_page_that_is_not_drawn_costs_nothing_else_and_is_not_listed(
+    walk, monkeypatch, error, code, said
+):
     from stickslip.report import runs
 
     def fails(_):
-        raise RuntimeError("no ink")
+        raise error
 
     monkeypatch.setattr(runs, "run_page", fails)
-    code, out, err = walk("simulate", CART, "--report")
-    assert (code, "could not be written: no ink" in err) == (0, True)
+    Path("stickslip-run").mkdir()
+    Path("stickslip-run/index.html").write_text("of an earlier run")
+    asked = ("simulate", CART, "--report", "--force", "-o", "run.csv")
+    found, out, err = walk(*asked)
+    assert (found, said in err) == (code, True)
+    assert "no result was written" not in err
     assert "At 3 s: x = " in out
+    assert "Report:" not in out
+    assert Path("run.csv").exists()
+    assert not Path("stickslip-run/index.html").exists()
+    found, out, _ = walk(*asked, "--json")
+    document = json.loads(out)
+    assert (found, document["report"]) == (code, None)
+    assert document["final"]["x"] > 0.0
+
+
+def test_a_run_that_ends_early_says_so_by_its_code_also_where_its_page_fails(walk, monkeypatch):
+    from stickslip.report import runs
+
+    monkeypatch.setattr(runs, "run_page", lambda _: 1 / 0)
+    faster = ("--set", "mechanism.pendulum.profile.slow=300", "--report")
+    assert walk("simulate", CART, *faster)[0] == 3
+
+
+def test_of_many_events_the_terminal_shows_the_first_and_the_last_and_json_all(walk):
+    asked = ("simulate", CART, "--t-end", 30)
+    out = walk(*asked)[1]
+    events = json.loads(walk(*asked, "--json")[1])["events"]
+    times = re.findall(r"^ *(\d+\.\d{6}) ", out, flags=re.MULTILINE)
+    shown = [*events[:12], *events[-4:]]
+    assert times == [f"{event['t']:.6f}" for event in shown]
+    assert f"… {len(events) - 16} further events; --json lists all" in out
+    # a note that would stand for one event leaves the place to that event
+    for count in (16, 17, 18):
+        rows = _event_rows([Event(**event) for event in events[:count]])
+        assert any("further" in row[1] for row in rows) is (count > 17)
+        assert len(rows) == min(count, 17)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "said"),
+    [
+        (
+            ["kinetic_coefficient=0.5"],
+            "friction.coulomb.kinetic_coefficient (mu_k) = 0.5 lies above static_coefficient"
+            " (mu_s) = 0.4 of the file: override both",
+        ),
+        (
+            ["static_coefficient=0.1"],
+            "friction.coulomb.static_coefficient (mu_s) = 0.1 lies below kinetic_coefficient"
+            " (mu_k) = 0.2 of the file: override both",
+        ),
+        (
+            ["kinetic_coefficient=0.5", "static_coefficient=0.4"],
+            "Coulomb.static_coefficient (mu_s) must be at least kinetic_coefficient = 0.5",
+        ),
+    ],
+)
+def test_an_override_against_a_value_of_the_file_names_both(walk, overrides, said):
+    write(
+        "law.toml", SpringBlock(mass=1.0), Coulomb(kinetic_coefficient=0.2, static_coefficient=0.4)
+    )
+    options = [part for one in overrides for part in ("--set", f"friction.{one}")]
+    code, out, err = walk("simulate", CART, "--law", "law.toml", *options)
+    assert (code, out) == (2, "")
+    assert (
+        f"override of law.toml: {'' if len(overrides) == 1 else 'friction.coulomb: '}{said}" in err
+    )
+
+
+def test_an_override_of_a_shared_value_is_named_as_it_was_given(walk):
+    _, _, err = walk("simulate", "--law", "coulomb", "--set", "friction.kinetic_coefficient=0.9")
+    assert "friction.kinetic_coefficient (mu_k) = 0.9 lies above static_coefficient" in err
+
+
+def test_an_ensemble_of_overridden_parameters_is_refused_with_their_names(walk):
+    write("law.toml", SpringBlock(mass=1.0), LAW, KNOWN)
+    law = ("--law", "law.toml", "--set", "friction.kinetic_coefficient=0.3")
+    code, _, err = walk("simulate", CART, *law, "--ensemble", 50)
+    assert code == 2
+    assert "has an interval (kinetic_coefficient overridden)" in err
+    assert "leave out an override" in err
+    assert "given or assumed" not in err  # it was fitted, before
+    assert walk("simulate", CART, *law, "--report")[0] == 0
+    page = Path("stickslip-run/index.html").read_text()
+    assert "overridden" in page
+    assert "given or assumed" not in page
+
+
+def test_python_gets_the_remarks_of_the_command(walk):
+    known = LawEstimates(
+        law="coulomb", intervals={"kinetic_coefficient": (0.19, 0.21)}, largest_speed=0.05
+    )
+    write("law.toml", SpringBlock(mass=1.0), LAW, known)
+    said = json.loads(walk("simulate", CART, "--law", "law.toml", "--json")[1])["remarks"]
+    cart = load_rig(CART)
+    law = carried(load_rig("law.toml"), cart.mechanism)
+    run = simulate(cart.mechanism, law.law, t_end=cart.t_end)
+    assert said == [plain(one) for one in (*law.remarks, *extrapolations(law, cart.mechanism, run))]
+    assert len(said) == 2
+
+
+def test_a_law_on_its_own_mechanism_is_extrapolated_beyond_its_speed(walk):
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    write("law.toml", block, LAW, dataclasses.replace(KNOWN, largest_speed=0.5))
+    remarks = json.loads(walk("simulate", "law.toml", "--json")[1])["remarks"]
+    # sqrt(k / m) (x0 - mu m g / k) = 0.804 m/s, where the pull of the spring equals friction
+    assert len(remarks) == 1
+    assert "reaches 0.804 m/s" in remarks[0]
 
 
 def test_a_page_is_not_replaced_unasked(walk):

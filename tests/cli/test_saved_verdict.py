@@ -86,7 +86,7 @@ def test_a_page_that_fails_costs_neither_the_verdict_nor_the_law(rig, monkeypatc
     folder.mkdir()
     (folder / "index.html").write_text("an earlier page")
     result = run("select", "rig.toml", "--laws", "coulomb", "--force")
-    assert result.exit_code == 0, result.output
+    assert result.exit_code == 1, result.output
     assert "Coulomb" in result.stdout
     assert "The page could not be drawn (ValueError: no ink)" in result.stderr
     # the page of an earlier verdict does not stand beside this one

@@ -22,7 +22,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import ParameterError
-from stickslip.optimisation.cycles import weight_of
+from stickslip.mechanisms import static_normal_force
 
 G = 9.81
 SLOPED = [
@@ -91,8 +91,10 @@ def test_ground_that_is_tilted_slowly_lets_the_block_go_at_the_angle_of_friction
 
 @each
 def test_the_load_is_the_weight_times_the_cosine(mechanism):
-    level = weight_of(mechanism)
-    assert weight_of(replace(mechanism, incline=-0.5)) == pytest.approx(level * math.cos(0.5))
+    level = static_normal_force(mechanism)
+    assert static_normal_force(replace(mechanism, incline=-0.5)) == pytest.approx(
+        level * math.cos(0.5)
+    )
 
 
 def test_a_spring_shoots_the_block_less_far_uphill_by_its_energy():

@@ -8,7 +8,8 @@ import pytest
 
 from stickslip import Axis, Coulomb, Prescribed, SevenStep, SineSwing, SplineSwing, ThreePhase
 from stickslip.errors import InputError
-from stickslip.optimisation import measure, units_of_limits, weight_of
+from stickslip.mechanisms import static_normal_force
+from stickslip.optimisation import measure, units_of_limits
 from stickslip.optimisation.cycles import fitted
 
 G, MU, P, STROKE_LENGTH, FAST = 9.81, 0.2, 0.2, 0.02, 50.0
@@ -103,7 +104,7 @@ def test_peaks_of_the_stretches_hold_the_extreme_of_the_cycle(cart, law, profile
 
 
 def test_weight_and_units_are_read_off_the_mechanism(cart, capsule):
-    assert weight_of(cart) == pytest.approx(0.6 * G, rel=1e-12)
+    assert static_normal_force(cart) == pytest.approx(0.6 * G, rel=1e-12)
     assert units_of_limits(cart)["effort"] == "N m"
     assert units_of_limits(capsule)["rate"] == "m/s"
 

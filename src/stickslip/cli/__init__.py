@@ -8,12 +8,16 @@ from collections.abc import Iterator, Sequence
 
 from typing_extensions import override
 
-__all__ = ["main"]
+__all__ = ["ToldExit", "main"]
 
 BROKEN_PIPE = 1
 BAD_INPUT = 2
 NO_CONVERGENCE = 3
 CANCELLED = 130
+
+
+class ToldExit(SystemExit):
+    """Leaves with a code whose reason the user has been told."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -40,7 +44,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         what = f"{error.filename}: " if error.filename else "cannot write: "
         return _leave(f"{what}{error.strerror or error}.", BAD_INPUT)
     except SystemExit as leaving:
-        if leaving.code == CANCELLED:  # how typer passes an interrupt on
+        # how typer passes an interrupt on
+        if leaving.code == CANCELLED and not isinstance(leaving, ToldExit):
             return _leave("Cancelled; no result was written.", CANCELLED)
         raise
     return 0

@@ -48,8 +48,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     help="Which friction model fits a mechanism, with which parameters, and how surely.",
-    epilog="Exit codes: 0 done, 2 bad input or data, 3 no convergence or no law fits,"
-    " 4 criteria failed, 130 cancelled.",
+    epilog="Exit codes: 0 done, 1 page not drawn, 2 bad input or data, 3 no convergence or no law"
+    " fits, 4 criteria failed, 130 cancelled.",
 )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip.cli.output import note, overrides, plain
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import LawEstimates, Rig, carried, load_rig
+from stickslip.experiments import CarriedLaw, LawEstimates, Rig, carried, load_rig
 from stickslip.experiments.estimates import LOAD
 from stickslip.experiments.units import read_number
 from stickslip.friction import PRINTED_FORMS, FrictionLaw, law_type
@@ -37,12 +37,24 @@ class LawAsked:
 class ChosenLaw:
     """A law and how well it is known."""
 
-    law: FrictionLaw
-    estimates: LawEstimates | None = None
-    remarks: tuple[str, ...] = ()
-    """What does not carry over from where the law was fitted."""
+    carried: CarriedLaw
     source: Rig | None = None
     """Where it was fitted, if that is another file than the rig's."""
+
+    @property
+    def law(self) -> FrictionLaw:
+        """The law, as it is on this mechanism."""
+        return self.carried.law
+
+    @property
+    def estimates(self) -> LawEstimates | None:
+        """Intervals and covariance of its parameters, if its file has them."""
+        return self.carried.estimates
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What does not carry over from where the law was fitted."""
+        return self.carried.remarks
 
     def to_dict(self) -> dict[str, Any]:
         """Return its name, and what is to be known of it if it is from another file."""
@@ -90,9 +102,7 @@ def rig_and_law(
         found = carried(source, rig.mechanism, law=name, load=load)
     for remark in found.remarks:
         note(plain(remark))
-    return rig, ChosenLaw(
-        law=found.law, estimates=found.estimates, remarks=found.remarks, source=source
-    )
+    return rig, ChosenLaw(carried=found, source=source)
 
 
 def _of(law: str, key: str) -> str:
@@ -120,13 +130,19 @@ def _own(rig: Rig, name: str | None) -> ChosenLaw:
         )
     if name in rig.laws:
         known = rig.estimates
-        return ChosenLaw(
-            law=rig.laws[name],
-            estimates=known if known is not None and known.law == name else None,
-        )
+        return _of_rig(rig, rig.laws[name], known if known and known.law == name else None)
     law = starting_law(law_type(name))
     note(f"{rig.path} has no values for {name}: it is run with ordinary ones, {law}.")
-    return ChosenLaw(law=law)
+    return _of_rig(rig, law, None)
+
+
+def _of_rig(rig: Rig, law: FrictionLaw, estimates: LawEstimates | None) -> ChosenLaw:
+    """Return a law on the mechanism of its own file."""
+    return ChosenLaw(
+        carried=CarriedLaw(
+            law=law, estimates=estimates, remarks=(), source=rig.path, fitted_on=rig.mechanism
+        )
+    )
 
 
 def _name(rig: Rig) -> str:

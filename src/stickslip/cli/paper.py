@@ -1,18 +1,19 @@
 """``stickslip paper``."""
 
+from functools import partial
 from pathlib import Path
 
 from stickslip.cli.output import (
     command_line,
     document,
     json_text,
-    note,
     print_json,
     refuse_overwriting,
     show_table,
     stdout,
     write_folder,
 )
+from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.progress import Watching
 from stickslip.experiments import load_rig
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
@@ -20,6 +21,8 @@ from stickslip.paper.cart import CYCLES
 from stickslip.report.numbers import significant
 
 __all__ = ["run"]
+
+DOCUMENT = "paper.json"
 
 
 def run(output: Path, *, force: bool, as_json: bool) -> None:
@@ -32,11 +35,11 @@ def run(output: Path, *, force: bool, as_json: bool) -> None:
     if as_json:
         print_json(content)
         return
-    note("Writing the page ...")
-    page = paper_report(found, command=command_line())
-    write_folder(output, {"index.html": page, "paper.json": json_text(content)})
+    write_folder(output, {DOCUMENT: json_text(content)})
     _show(found)
-    stdout().print(f"\nPage: {output / 'index.html'}", markup=False)
+    kept = f"The numbers are in {output / DOCUMENT}."
+    page = partial(paper_report, found, command=command_line())
+    leave_unless_drawn(draw_page(output, page, kept=kept))
 
 
 def _show(found: PaperAudit) -> None:
@@ -82,7 +85,7 @@ def _show(found: PaperAudit) -> None:
 
 def _show_cart(study: CartStudy) -> None:
     """Print what the cart does with the printed equations, and with the chosen laws."""
-    heads = ["fig.", "run", "travel, m", "last, mm", "back, mm", "lowest, mm/s"]
+    heads = ["fig.", "run", "travel, m", "last, mm", "back-slip, mm", "lowest, mm/s"]
     rows = [
         [
             figure,
@@ -96,8 +99,8 @@ def _show_cart(study: CartStudy) -> None:
         for one in runs
     ]
     title = (
-        f"The cart, masses, length and swing ours: travel in {CYCLES} cycles and in the last, way"
-        " back in a cycle, lowest velocity"
+        f"The cart, masses, length and swing ours: travel in {CYCLES} cycles and in the last,"
+        " back-slip in a cycle, lowest velocity"
     )
     show_table(title, heads, rows)
 

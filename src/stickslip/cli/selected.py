@@ -6,11 +6,11 @@ from typing import Any
 
 import typer
 
-from stickslip.cli import CANCELLED
-from stickslip.cli.output import note, print_json, stdout, write_folder
+from stickslip.cli.output import note, print_json
+from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.experiments import Rig
 from stickslip.friction import FrictionLaw
-from stickslip.report.verdicts import DOCUMENT, PAGE, write_verdict
+from stickslip.report.verdicts import DOCUMENT, write_verdict
 from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict
 
 __all__ = ["NO_LAW", "deliver", "laws_of"]
@@ -43,32 +43,17 @@ def deliver(
     The verdict is written and printed before its page is drawn. `ended` are laws whose search was
     ended early.
     """
+    page_code = 0
     if output is None:
         print_json(content)
     else:
         write_verdict(output, verdict, content)
         show()
-        _draw(output, page)
+        kept = f"The verdict is in {output / DOCUMENT}."
+        page_code = draw_page(output, page, kept=kept)
     if ended:
         note(f"Searches that were ended early may not have converged: {', '.join(ended)}.")
     if verdict.best is None or getattr(verdict.best, "dropped", False):
         note("No law is recommended; the verdict gives the reason.")
         raise typer.Exit(NO_LAW)
-
-
-def _draw(output: Path, page: Callable[[], str]) -> None:
-    """Write the page; if it cannot be drawn, say so and where the verdict is."""
-    note("Drawing the page ...")
-    try:
-        text = page()
-    except KeyboardInterrupt:
-        note(f"Cancelled while the page was drawn. The verdict is in {output / DOCUMENT}.")
-        raise typer.Exit(CANCELLED) from None
-    except Exception as error:  # whatever a page fails with, the verdict stands
-        note(
-            f"The page could not be drawn ({type(error).__name__}: {error}). The verdict is in"
-            f" {output / DOCUMENT}."
-        )
-        return
-    write_folder(output, {PAGE: text})
-    stdout().print(f"\nReport: {output / PAGE}", markup=False)
+    leave_unless_drawn(page_code)

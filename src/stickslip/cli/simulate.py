@@ -3,6 +3,7 @@
 import io
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,24 +22,20 @@ from stickslip.cli.output import (
     show_table,
     stdout,
     write_file,
-    write_folder,
 )
+from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
-from stickslip.experiments import Rig
-from stickslip.experiments.estimates import levels_at
-from stickslip.experiments.wording import number, quantity
+from stickslip.experiments import Rig, extrapolations
 from stickslip.friction import FrictionLaw, bristles_of
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_names
 from stickslip.mechanisms.cycles import cycle_or_none
-from stickslip.optimisation.cycles import weight_of
 from stickslip.report.numbers import residue
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
 from stickslip.solver import FixedStep, Solver
 from stickslip.sweep import Band, DrivenCycle, Spread, band_of, cycles_in
-from stickslip.sweep.cycles import slip_names
-from stickslip.trajectory import Trajectory
+from stickslip.trajectory import Event, Trajectory
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -49,13 +46,8 @@ CRITERIA_FAILED = 4
 EVENT_CHECKS = ("guard_violation", "event_residual", "stick_drift")
 """Parts of a certificate that only a run with located events has."""
 MODES = {0: "stick", 1: "slip +", -1: "slip -", 2: "at stop +", -2: "at stop -"}
-
-
-PAGE = "index.html"
-SAMPLES = 4001
-"""Even times at which the extremes of a run are sought."""
-BEYOND = 1.05
-"""Speeds and loads by which a run exceeds what was fitted, over it, before it is said."""
+FIRST_EVENTS, LAST_EVENTS = 12, 4
+"""Events of which the terminal shows the first and the last."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,19 +99,25 @@ def run(
     seen = criteria_of(ran.run, rig.mechanism)
     if output is not None:
         write_file(output, table_bytes(_table(ran, settings.samples), output))
-    if as_json:
-        content = _content(ran, settings) | {"criteria": asdict(seen)}
-        print_json(document("simulate", content))
-    else:
+    if not as_json:
         _show(ran, settings)
         if output is not None:
             stdout().print(f"\nExported: {output}", markup=False)
+    page_code = 0
     if settings.report is not None:
-        _write_page(ran, settings, settings.report, quiet=as_json)
+        kept = "The result of the run is not affected."
+        page = partial(_page, ran, settings)
+        page_code = draw_page(settings.report, page, kept=kept, quiet=as_json)
+    if as_json:
+        content = _content(ran, settings) | {"criteria": asdict(seen)}
+        if settings.report is not None:
+            content["report"] = None if page_code else str(settings.report / PAGE)
+        print_json(document("simulate", content))
     refuse(ran.run, certified=settings.fixed_step is None)
     if enforce and not (seen.velocity_never_negative and seen.displacement_never_decreases):
         note("A criterion of the paper fails: the body moves backwards.")
         raise typer.Exit(CRITERIA_FAILED)
+    leave_unless_drawn(page_code)
 
 
 def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
@@ -159,7 +157,7 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
             )
     if settings.ensemble is not None and not run.status.complete:
         note("No ensemble was run: the run with the best values ended early.")
-    beyond = _beyond(chosen, rig.mechanism, run)
+    beyond = extrapolations(chosen.carried, rig.mechanism, run)
     for remark in beyond:
         note(remark)
     return Ran(
@@ -177,40 +175,6 @@ def _cycles(mechanism: Mechanism, run: Trajectory) -> tuple[DrivenCycle, ...]:
     return () if period is None else cycles_in(run, mechanism, period)
 
 
-def _beyond(chosen: ChosenLaw, mechanism: Mechanism, run: Trajectory) -> tuple[str, ...]:
-    """Say where a run leaves the speeds and loads at which a law was fitted."""
-    known, source = chosen.estimates, chosen.source
-    if source is None:
-        return ()
-    said = []
-    _, rate = slip_names(mechanism)
-    seen = run.at(np.union1d(np.linspace(*run.span, SAMPLES), run.t))
-    speed, unit = float(np.abs(seen[rate]).max()), run.units[rate]
-    if known is not None and known.largest_speed is not None:
-        most = known.largest_speed
-        if speed > BEYOND * most:
-            said.append(
-                f"The run reaches {quantity(speed, unit)}; the law was fitted at up to"
-                f" {quantity(most, unit)}, and beyond that it is an extrapolation."
-            )
-    contacts = source.mechanism.contacts()
-    has_level = chosen.law.break_away(1.0) > 0.0
-    if (
-        has_level
-        and len(contacts) == 1
-        and levels_at(source.mechanism) == levels_at(mechanism) == "per load"
-    ):
-        load, forces = weight_of(source.mechanism), seen["normal_force"]
-        low, high = float(forces.min()), float(forces.max())
-        if low * BEYOND < load or high > BEYOND * load:
-            said.append(
-                f"The law was fitted at a normal force of {quantity(load, 'N')}; here it is"
-                f" {number(low)} to {quantity(high, 'N')}. Proportionality to the normal force was"
-                " not tested."
-            )
-    return tuple(said)
-
-
 def _table(ran: Ran, samples: int) -> "pd.DataFrame":
     """Return the run at even times; with a band, its ends beside the columns they are of."""
     sampled = ran.run.sampled(samples)
@@ -222,37 +186,29 @@ def _table(ran: Ran, samples: int) -> "pd.DataFrame":
     return frame
 
 
-def _write_page(ran: Ran, settings: Settings, folder: Path, *, quiet: bool) -> None:
-    """Draw the page of a run that is told already: what fails here costs the page only."""
+def _page(ran: Ran, settings: Settings) -> str:
+    """Return the page of a run."""
     from stickslip.report.runs import RunReport, run_page
     from stickslip.report.versions import versions
 
     source = ran.chosen.source
     digests = {"the rig": ran.rig.digest}
     digests |= {} if source is None else {"the law": source.digest}
-    note("Writing the report ...")
-    try:
-        page = run_page(
-            RunReport(
-                rig=ran.rig,
-                law=ran.chosen.law,
-                run=ran.run,
-                estimates=ran.chosen.estimates,
-                remarks=ran.remarks,
-                law_file="" if source is None else source.path,
-                band=ran.band,
-                fixed_step=settings.fixed_step,
-                commands=(command_line(),),
-                versions=versions(),
-                digests=digests,
-            )
+    return run_page(
+        RunReport(
+            rig=ran.rig,
+            law=ran.chosen.law,
+            run=ran.run,
+            estimates=ran.chosen.estimates,
+            remarks=ran.remarks,
+            law_file="" if source is None else source.path,
+            band=ran.band,
+            fixed_step=settings.fixed_step,
+            commands=(command_line(),),
+            versions=versions(),
+            digests=digests,
         )
-        write_folder(folder, {PAGE: page})
-    except Exception as error:  # the result is told already, and worth more than its page
-        note(f"The report could not be written: {error}")
-        return
-    if not quiet:
-        stdout().print(f"\nReport: {folder / PAGE}", markup=False)
+    )
 
 
 def start_of(rig: Rig, law: FrictionLaw) -> Mapping[str, float]:
@@ -315,8 +271,6 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
         content["cycles"] = [asdict(one) | {"mean_velocity": one.mean_velocity} for one in cycles]
     if ran.band is not None:
         content["band"] = ran.band.to_dict()
-    if settings.report is not None:
-        content["report"] = str(settings.report / PAGE)
     return content
 
 
@@ -324,12 +278,8 @@ def _show(ran: Ran, settings: Settings) -> None:
     console, run = stdout(), ran.run
     console.print(Text.assemble((ran.rig.title, "bold"), f", {ran.chosen.law.title} friction"))
     console.print(run.status.value, markup=False)
-    rows = [
-        [f"{event.t:.6f}", event.reason, MODES[event.from_mode], MODES[event.to_mode]]
-        for event in run.events
-    ]
-    if rows:
-        show_table("", ["t, s", "event", "from", "to"], rows)
+    if run.events:
+        show_table("", ["t, s", "event", "from", "to"], _event_rows(run.events))
     ends = run.at(run.span)
     final = ", ".join(
         f"{name} = {ends[name][1] + 0.0:.6g} {run.units[name]}" for name in run.names[:2]
@@ -347,6 +297,19 @@ def _show(ran: Ran, settings: Settings) -> None:
         console.print(f"Not certified: {problem}", markup=False)
     if ran.band is not None:
         _show_band(ran.band, run, slip_names(ran.rig.mechanism)[0])
+
+
+def _event_rows(events: Sequence[Event]) -> list[list[str]]:
+    """Return the first events and the last, and how many are left out between them."""
+    rows = [
+        [f"{event.t:.6f}", event.reason, MODES[event.from_mode], MODES[event.to_mode]]
+        for event in events
+    ]
+    left = len(rows) - FIRST_EVENTS - LAST_EVENTS
+    if left < 2:  # a row that says so would take the place of the only one it leaves out
+        return rows
+    gap = ["", f"… {left:,} further events; --json lists all", "", ""]
+    return [*rows[:FIRST_EVENTS], gap, *rows[-LAST_EVENTS:]]
 
 
 def _show_band(band: Band, run: Trajectory, slip: str) -> None:

@@ -1,6 +1,6 @@
 """Experiments: rigs, measurements and trials, from files or arrays, and what is wrong with them."""
 
-from stickslip.experiments.carrying import CarriedLaw, carried
+from stickslip.experiments.carrying import CarriedLaw, carried, extrapolations
 from stickslip.experiments.checks import Checks, Finding, check
 from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.line import Line
@@ -21,6 +21,7 @@ __all__ = [
     "Rig",
     "carried",
     "check",
+    "extrapolations",
     "load_measurement",
     "load_rig",
     "rig_schema",

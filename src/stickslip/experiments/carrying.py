@@ -1,20 +1,28 @@
-"""A fitted law on another mechanism than the one it was fitted on, and what does not carry over."""
+"""A fitted law on another mechanism, what does not carry over, and where a run extrapolates."""
 
 from dataclasses import dataclass
 from typing import Final, final
 
+import numpy as np
+
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.estimates import LOAD, LawEstimates, Levels, levels_at
 from stickslip.experiments.rig import Rig
-from stickslip.experiments.wording import joined, number, quantity
+from stickslip.experiments.wording import joined, number, quantity, span
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_names, static_normal_force
 from stickslip.quantities import fields_of, parameters, vary
+from stickslip.trajectory import Trajectory
 
-__all__ = ["CarriedLaw", "carried"]
+__all__ = ["CarriedLaw", "carried", "extrapolations"]
 
 PER_LOAD: Final = ("1", "1/m", "s/m")
 """Units of what stands over the normal force: levels, stiffness and damping of bristles."""
+SAMPLES: Final = 4001
+"""Evenly spaced times at which the extremes of a run are sought, beside the solver's own."""
+BEYOND: Final = 1.05
+"""Ratio to the range of the fit above which a run counts as outside of it: 5 % of speed or of
+normal force change no law by more than its parameters are known."""
 
 
 @final
@@ -30,6 +38,8 @@ class CarriedLaw:
     """What does not carry over to this mechanism, in sentences; symbols between dollar signs."""
     source: str
     """The file it is from."""
+    fitted_on: Mechanism
+    """The mechanism of that file."""
 
 
 def carried(
@@ -101,7 +111,70 @@ def carried(
     if here == "per load":
         remarks += _about_bristles(found)
     remarks += _about_doubt(found, known)
-    return CarriedLaw(law=found, estimates=known, remarks=tuple(remarks), source=rig.path)
+    return CarriedLaw(
+        law=found, estimates=known, remarks=tuple(remarks), source=rig.path, fitted_on=rig.mechanism
+    )
+
+
+def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tuple[str, ...]:
+    """Return where a run leaves the speeds and normal forces at which its law was fitted.
+
+    Parameters
+    ----------
+    law : CarriedLaw
+        The law of the run, such as `carried` returns it.
+    mechanism : Mechanism
+        Whose run it is.
+    run : Trajectory
+        The run.
+
+    Returns
+    -------
+    tuple of str
+        A sentence for the speed and one for the normal force, where they lie more than 5 % outside
+        those of the fit. A law that states no range of its fit is compared by the normal force of
+        the mechanism that it is from, and on that very mechanism not at all.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, SpringBlock, simulate
+    >>> block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> known = LawEstimates(law="coulomb", largest_speed=0.5)
+    >>> rig = Rig(
+    ...     mechanism=Axis(inertia=1.0, load=20.0),
+    ...     laws={"coulomb": Coulomb(kinetic_coefficient=0.25)},
+    ...     estimates=known,
+    ... )
+    >>> law = carried(rig, block)
+    >>> for sentence in extrapolations(law, block, simulate(block, law.law, t_end=1.0)):
+    ...     print(sentence)
+    The run reaches 0.755 m/s; the law was fitted at up to 0.5 m/s, and beyond that it is ...
+    The law was fitted at a normal force of 20 N; in this run it is 9.81 N. ...
+    """
+    known = law.estimates
+    if known is None and law.fitted_on is mechanism:
+        return ()
+    said = []
+    _, rate = slip_names(mechanism)
+    seen = run.at(np.union1d(np.linspace(*run.span, SAMPLES), run.t))
+    speed, unit = float(np.abs(seen[rate]).max()), run.units[rate]
+    most = None if known is None else known.largest_speed
+    if most is not None and speed > BEYOND * most:
+        said.append(
+            f"The run reaches {quantity(speed, unit)}; the law was fitted at up to"
+            f" {quantity(most, unit)}, and beyond that it is an extrapolation."
+        )
+    both_known = levels_at(law.fitted_on) == levels_at(mechanism) == "per load"
+    if both_known and law.law.break_away(1.0) > 0.0 and len(law.fitted_on.contacts()) == 1:
+        load, forces = static_normal_force(law.fitted_on), seen["normal_force"]
+        low, high = float(forces.min()), float(forces.max())
+        if low * BEYOND < load or high > BEYOND * load:
+            origin = "was fitted at" if known is not None else "is from a contact with"
+            said.append(
+                f"The law {origin} a normal force of {quantity(load, 'N')}; in this run it is"
+                f" {span(low, high, 'N')}. Proportionality to the normal force was not tested."
+            )
+    return tuple(said)
 
 
 def _name(rig: Rig, law: str | None) -> str:
@@ -214,7 +287,11 @@ def _about_doubt(law: FrictionLaw, known: LawEstimates | None) -> list[str]:
         path.removeprefix("friction."): one.symbol for path, one, _ in parameters(law, "friction")
     }
     said = []
-    assumed = [name for name in known.not_fitted if getattr(law, name, None)]
+    assumed = [
+        name
+        for name in known.not_fitted
+        if getattr(law, name, None) and name not in known.overridden
+    ]
     if assumed:
         were = "was" if len(assumed) == 1 else "were"
         names = joined([f"${symbols[name]}$" for name in assumed])

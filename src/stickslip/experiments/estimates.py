@@ -109,6 +109,8 @@ class LawEstimates:
         forces or torques because no normal force was known.
     largest_speed : float, optional
         Largest slip speed in what was fitted [m/s] or [rad/s].
+    overridden : tuple of str
+        Those of `not_fitted` that were fitted and whose values were then replaced.
 
     Raises
     ------
@@ -141,6 +143,7 @@ class LawEstimates:
     not_fitted: tuple[str, ...] = ()
     levels: Levels = "per load"
     largest_speed: float | None = None
+    overridden: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Check what can be checked without the law."""
@@ -228,13 +231,14 @@ class LawEstimates:
         return self
 
     def without(self, names: Sequence[str]) -> "LawEstimates":
-        """Return what is known of the other parameters; these are taken as given.
+        """Return what is known of the other parameters; these have been overridden.
 
         Examples
         --------
         >>> known = LawEstimates(law="coulomb", intervals={"kinetic_coefficient": (0.2, 0.3)})
-        >>> known.without(["kinetic_coefficient"]).not_fitted
-        ('kinetic_coefficient',)
+        >>> changed = known.without(["kinetic_coefficient"])
+        >>> changed.not_fitted, changed.overridden
+        (('kinetic_coefficient',), ('kinetic_coefficient',))
         """
         mine = [name for name in names if name in self.intervals or name in self.not_identified]
         if not mine:
@@ -245,6 +249,7 @@ class LawEstimates:
             intervals={k: v for k, v in self.intervals.items() if k not in mine},
             not_identified={k: v for k, v in self.not_identified.items() if k not in mine},
             not_fitted=(*self.not_fitted, *mine),
+            overridden=(*self.overridden, *mine),
             covariance_of=tuple(self.covariance_of[i] for i in kept),
             covariance=tuple(tuple(self.covariance[i][j] for j in kept) for i in kept),
         )
@@ -290,9 +295,7 @@ class LawEstimates:
         if count < 1:
             raise InputError(f"draws must be 1 or more, got {count}.")
         if not self.intervals:
-            raise InputError(
-                f"no parameter of {law.name} has an interval: there is nothing to draw from."
-            )
+            raise InputError(self._nothing_to_draw())
         values, names = _values(law), list(self.intervals)
         paths = [f"{PREFIX}.{name}" for name in names]
         random = np.random.default_rng(seed)
@@ -312,6 +315,29 @@ class LawEstimates:
                 )
         table = np.array(kept)
         return {path: table[:, i] for i, path in enumerate(paths)}
+
+    def _nothing_to_draw(self) -> str:
+        """Say why no parameter has an interval."""
+        fixed = [name for name in self.not_fitted if name not in self.overridden]
+        reasons = [
+            f"{', '.join(names)} {what}"
+            for names, what in (
+                (self.overridden, "overridden"),
+                (fixed, "given or assumed"),
+                (list(self.not_identified), "not identified"),
+            )
+            if names
+        ]
+        why = f" ({'; '.join(reasons)})" if reasons else ""
+        cure = (
+            "leave out an override"
+            if self.overridden
+            else "an interval comes from a fit that identifies a parameter"
+        )
+        return (
+            f"no parameter of {self.law} has an interval{why}, so an ensemble has nothing to draw:"
+            f" {cure}."
+        )
 
     def _proposed(
         self, values: Mapping[str, float], names: list[str], random: np.random.Generator, count: int

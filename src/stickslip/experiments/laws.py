@@ -116,9 +116,38 @@ def _missing(law: type[FrictionLaw], key: str, file: str) -> str:
 def _build(
     law: type[FrictionLaw], values: Mapping[str, Any], file: str, overridden: Collection[str]
 ) -> FrictionLaw:
+    given = {key: _plain(value) for key, value in values.items()}
+    _check_order(law, given, file, overridden)
     try:
-        return law(**{key: _plain(value) for key, value in values.items()})
+        return law(**given)
     except ParameterError as error:
         touched = [path for path in overridden if path.startswith("friction.")]
         where = place(touched[0], file, overridden) if touched else file
         raise ParameterError(f"{where}: friction.{law.name}: {error}") from None
+
+
+def _check_order(
+    law: type[FrictionLaw], values: Mapping[str, float], file: str, overridden: Collection[str]
+) -> None:
+    """Name both parameters where an override has put one above or below another of the file."""
+    known = fields_of(law)
+    changed = {
+        key: path
+        for key in values
+        for path in (f"friction.{key}", f"friction.{law.name}.{key}")
+        if path in overridden
+    }
+    for upper, quantity in known.items():
+        lower = quantity.at_least
+        if lower is None or values.get(upper) is None or values.get(lower) is None:
+            continue
+        if values[upper] >= values[lower] or (upper in changed) is (lower in changed):
+            continue
+        key, other, relation = (
+            (upper, lower, "below") if upper in changed else (lower, upper, "above")
+        )
+        raise ParameterError(
+            f"override of {file}: {changed[key]} ({known[key].symbol}) = {values[key]:g} lies"
+            f" {relation} {other} ({known[other].symbol}) = {values[other]:g} of the file: override"
+            f" both, so that {upper} is at least {lower}."
+        )

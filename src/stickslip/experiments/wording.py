@@ -109,6 +109,18 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
     return quantities([value], unit, digits)[0]
 
 
+def span(low: float, high: float, unit: str, digits: int = 3) -> str:
+    """Return the ends of a range with the unit that both share.
+
+    Examples
+    --------
+    >>> span(0.061, 0.0644, "m"), span(9.81, 9.81, "N"), span(900.0, 1200.0, "m")
+    ('61 to 64.4 mm', '9.81 N', '900 to 1,200 m')
+    """
+    least, most = quantities([low, high], unit, digits)
+    return most if least == most else f"{least.partition(' ')[0]} to {most}"
+
+
 def percent(share: float) -> str:
     """Return a share in per cent with two digits.
 

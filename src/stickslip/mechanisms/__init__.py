@@ -11,6 +11,7 @@ from stickslip.mechanisms.base import (
     stops_of,
 )
 from stickslip.mechanisms.capsule import Capsule
+from stickslip.mechanisms.contacts import slip_names, static_normal_force
 from stickslip.mechanisms.matrices import MatrixMechanism
 from stickslip.mechanisms.motors import MOTORS, Motor, Prescribed, Torque
 from stickslip.mechanisms.pendulum import Pendulum
@@ -40,6 +41,8 @@ __all__ = [
     "TowedBlock",
     "TwoMassAxis",
     "mechanisms",
+    "slip_names",
+    "static_normal_force",
     "stops_between",
     "stops_of",
 ]

@@ -1,6 +1,6 @@
 """Motion profiles: which motion drives a mechanism best within limits."""
 
-from stickslip.optimisation.cycles import Cycle, guide_of, measure, units_of_limits, weight_of
+from stickslip.optimisation.cycles import Cycle, guide_of, measure, units_of_limits
 from stickslip.optimisation.limits import Limits, Margin
 from stickslip.optimisation.optimise import optimise_profile
 from stickslip.optimisation.optimum import Optimum
@@ -22,5 +22,4 @@ __all__ = [
     "measure",
     "optimise_profile",
     "units_of_limits",
-    "weight_of",
 ]

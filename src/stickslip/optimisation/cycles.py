@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from stickslip.drives import Profile
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism, Prescribed
+from stickslip.mechanisms import Mechanism, Prescribed, static_normal_force
 from stickslip.simulation import simulate
 from stickslip.solver import EventDriven
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Cycle", "fitted", "guide_of", "measure", "motor_of", "units_of_limits", "weight_of"]
+__all__ = ["Cycle", "fitted", "guide_of", "measure", "motor_of", "units_of_limits"]
 
 Array = NDArray[np.float64]
 
@@ -75,7 +75,7 @@ class Cycle:
     load_share: float
     """Least normal force over the weight."""
     back_slip: float
-    """Way back [m]."""
+    """Back-slip: all motion in the negative direction [m]."""
     peaks: Mapping[str, Array] = field(default_factory=dict, repr=False)
     """Extremes of each stretch of the motion, both ways, by the name of the limit: where a motion
     has several of about one size, each changes smoothly and their largest does not."""
@@ -143,23 +143,6 @@ def units_of_limits(mechanism: Mechanism) -> dict[str, str]:
         "load_share": "1",
         "back_slip": "m",
     }
-
-
-def weight_of(mechanism: Mechanism) -> float:
-    """Return what presses on the contact at rest [N].
-
-    Examples
-    --------
-    >>> from stickslip import Capsule
-    >>> round(weight_of(Capsule(capsule_mass=0.8, inner_mass=0.2)), 9)
-    9.81
-    """
-    (contact,) = mechanism.contacts()
-    if contact.normal is None:
-        return float(1.0 if contact.load is None else contact.load)
-    places = dict.fromkeys((*mechanism.coordinates, contact.normal), 0.0)
-    raised = mechanism.potential_energy(0.0, places | {contact.normal: 1.0})
-    return float(raised - mechanism.potential_energy(0.0, places))
 
 
 def measure(mechanism: Mechanism, law: FrictionLaw, *, samples: int = SAMPLES) -> Cycle:
@@ -283,7 +266,7 @@ def _columns(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
         "position": seen[coordinate],
         "rate": seen[rate],
         "effort": seen[effort],
-        "load_share": seen["normal_force"] / weight_of(mechanism),
+        "load_share": seen["normal_force"] / static_normal_force(mechanism),
     }
 
 

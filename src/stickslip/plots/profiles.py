@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.optimisation import Cycle, Optimum, guide_of, weight_of
+from stickslip.mechanisms import static_normal_force
+from stickslip.optimisation import Cycle, Optimum, guide_of
 from stickslip.plots.series import Array, Sizes, scale_of
 from stickslip.plots.svg import Draw
 from stickslip.plots.theme import C1, C2, INK, MUTED, label_at
@@ -98,7 +99,7 @@ def _bounds(optimum: Optimum) -> dict[str, tuple[float, ...]]:
         for column, name in zip(names, ("position", "rate", "effort"), strict=False)
         if name in given
     }
-    return found | {"normal_force": (given["load_share"] * weight_of(optimum.mechanism),)}
+    return found | {"normal_force": (given["load_share"] * static_normal_force(optimum.mechanism),)}
 
 
 def _panel(

@@ -8,9 +8,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.experiments.wording import number
+from stickslip.experiments.wording import joined, number
 from stickslip.identification.travel import Trial
-from stickslip.quantities import parameters
+from stickslip.quantities import fields_of, parameters
 from stickslip.selection.verdict import Candidate, misfit
 
 __all__ = ["Contradiction", "contradiction"]
@@ -39,7 +39,9 @@ class Contradiction:
     """What to check, in sentences."""
 
 
-def contradiction(trials: Sequence[Trial], closest: Candidate) -> Contradiction | None:
+def contradiction(
+    trials: Sequence[Trial], closest: Candidate, candidates: Sequence[Candidate] = ()
+) -> Contradiction | None:
     """Return why several readings are explained by no law, None if the closest explains them.
 
     Parameters
@@ -48,11 +50,13 @@ def contradiction(trials: Sequence[Trial], closest: Candidate) -> Contradiction 
         The readings.
     closest : Candidate
         The law that the readings call for, with its fit.
+    candidates : sequence of Candidate
+        All laws; what was not fitted of them may be what is wrong.
     """
     if closest.fit is None or len(trials) < 2:
         return None
     errors, stated = np.array(closest.fit.standard_errors), closest.fit.stated
-    repeats = _repeats(trials, errors, stated=stated)
+    repeats = _repeats(trials, errors, _usual(candidates), stated=stated)
     if repeats is not None:
         return repeats
     residuals, freedom = closest.fit.residuals, closest.fit.freedom
@@ -73,7 +77,7 @@ def contradiction(trials: Sequence[Trial], closest: Candidate) -> Contradiction 
     reason = (
         f"The closest, {closest.title} friction, leaves {rms} mm (root mean square), {against}."
     )
-    return Contradiction(reason=reason, check=(*_found(trials, closest), *_usual()))
+    return Contradiction(reason=reason, check=(*_found(trials, closest), _usual(candidates)))
 
 
 def _mm(metres: float) -> str:
@@ -81,7 +85,7 @@ def _mm(metres: float) -> str:
 
 
 def _repeats(
-    trials: Sequence[Trial], errors: NDArray[np.float64], *, stated: bool
+    trials: Sequence[Trial], errors: NDArray[np.float64], usual: str, *, stated: bool
 ) -> Contradiction | None:
     """Return the repeats of one setting that contradict each other most, None if none do."""
     groups: dict[Hashable, list[int]] = {}
@@ -112,7 +116,7 @@ def _repeats(
         f" {_mm(other)}{known}.",
         check=(
             f"Which of the readings {_mm(one)} and {_mm(other)} is wrong: repeat them.",
-            *_usual(),
+            usual,
         ),
     )
 
@@ -149,9 +153,20 @@ def _found(trials: Sequence[Trial], closest: Candidate) -> tuple[str, ...]:
     return tuple(found[:2])
 
 
-def _usual() -> tuple[str, ...]:
+def _usual(candidates: Sequence[Candidate]) -> str:
+    """Return what else may be wrong: the rig, and the parameters that travels do not fit."""
+    held = {
+        quantity.symbol: None
+        for c in candidates
+        for name, quantity in fields_of(type(c.law)).items()
+        if name in c.assumed and not quantity.structural and getattr(c.law, name)
+    }
+    values = (
+        f" The values that were not fitted: {joined([f'${s}$' for s in held])}." if held else ""
+    )
     return (
-        "The rig: mass, stiffness, the unit of its settings, whether the body leaves the spring.",
+        "The rig: mass, stiffness, the unit of its settings, whether the body leaves the spring."
+        + values
     )
 
 

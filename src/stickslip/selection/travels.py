@@ -157,7 +157,7 @@ def _size(candidate: Candidate) -> int:
 def _repeats_of(candidates: Sequence[Candidate], trials: Sequence[Trial]) -> Contradiction | None:
     """Return what speaks against repeats of one setting."""
     plainest = _plainest(candidates)
-    return None if plainest is None else contradiction(trials, plainest)
+    return None if plainest is None else contradiction(trials, plainest, candidates)
 
 
 def _freed(
@@ -216,7 +216,7 @@ def _ranked(
     best = chosen(scored)
     if best is None:
         return scored, None, None
-    against = contradiction(trials, best)
+    against = contradiction(trials, best, scored)
     # where no law is named, none is passed over for it
     marked = mark_passed_over(scored, best) if against is None else scored
     others = [c for c in marked if c is not best]

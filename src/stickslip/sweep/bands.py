@@ -10,11 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.errors import InputError, SimulationError
 from stickslip.experiments import LawEstimates
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_names
 from stickslip.mechanisms.cycles import WHOLE, cycle_or_none
 from stickslip.simulation import ensemble
 from stickslip.solver import EventDriven, Samples
-from stickslip.sweep.cycles import slip_names
 
 __all__ = ["Band", "Spread", "band_of"]
 

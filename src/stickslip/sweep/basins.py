@@ -9,10 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_names
 from stickslip.simulation import check_pair, ensemble
 from stickslip.solver import EventDriven, Output, Samples
-from stickslip.sweep.cycles import slip_names
 from stickslip.sweep.grids import (
     Array,
     Progress,

@@ -6,11 +6,11 @@ from typing import final
 
 import numpy as np
 
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_names
 from stickslip.mechanisms.cycles import WHOLE
 from stickslip.trajectory import Trajectory
 
-__all__ = ["DrivenCycle", "cycles_in", "slip_names"]
+__all__ = ["DrivenCycle", "cycles_in"]
 
 GRID = 2000
 """Evenly spaced times of a cycle at which extremes are sought, beside the solver's own."""
@@ -32,7 +32,7 @@ class DrivenCycle:
     travel: float
     """Last position less the first [m] or [rad]."""
     back_slip: float
-    """All ways in the negative direction [m] or [rad]."""
+    """All motion in the negative direction [m] or [rad]."""
     least_velocity: float
     """Lowest velocity [m/s] or [rad/s]."""
     least_normal_force: float
@@ -85,7 +85,7 @@ def cycles_in(run: Trajectory, mechanism: Mechanism, period: float) -> tuple[Dri
     samples = max(min(GRID, MOST_TIMES // max(count, 1)), 2)
     for k in range(count):
         begin, end = first + k * period, min(first + (k + 1) * period, last)
-        # the velocity changes its sign at the solver's own times, so that ways back are exact
+        # the velocity changes its sign at the solver's own times, so that back-slips are exact
         own = run.t[(run.t > begin) & (run.t < end)]
         seen = run.at(np.union1d(np.linspace(begin, end, samples), own))
         x = seen[slip]
@@ -100,16 +100,3 @@ def cycles_in(run: Trajectory, mechanism: Mechanism, period: float) -> tuple[Dri
             )
         )
     return tuple(found)
-
-
-def slip_names(mechanism: Mechanism) -> tuple[str, str]:
-    """Return the state that slips at the first contact, and its rate.
-
-    Examples
-    --------
-    >>> from stickslip import Pendulum
-    >>> slip_names(Pendulum(mass=1.0, length=0.5))
-    ('theta', 'omega')
-    """
-    slip = mechanism.contacts()[0].slip
-    return slip, mechanism.rates[mechanism.coordinates.index(slip)]

@@ -53,12 +53,12 @@ def law_section(about: RunReport) -> Section:
 def _known(about: RunReport, name: str) -> tuple[str, str]:
     """Return the interval of a parameter, and how it is known."""
     known = about.estimates
-    if known is None or name in known.not_fitted:
-        return "—", "as given" if known is None else "given or assumed"
+    if known is None or name not in (*known.intervals, *known.not_identified, *known.not_fitted):
+        return "—", "as given"
+    if name in known.not_fitted:
+        return "—", "overridden" if name in known.overridden else "given or assumed"
     if name in known.not_identified:
         return "—", f"not identified: {known.not_identified[name]}"
-    if name not in known.intervals:
-        return "—", "as given"
     return numbers.interval(*known.intervals[name]), "fitted"
 
 
@@ -70,7 +70,7 @@ def _drawn(about: RunReport) -> list[Block]:
     how = (
         "with their covariance"
         if len(known.covariance_of) > 1
-        else f"within their {known.interval}"
+        else f"each within its {known.interval}{' interval' if known.interval == '95 %' else ''}"
     )
     text = (
         f"The band: {band.count} draws (seed {band.seed}) of {names}, {how}, in the valid ranges of"

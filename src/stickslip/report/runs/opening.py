@@ -1,9 +1,9 @@
 """The opening of the report of a run: how it ended, how far the body came."""
 
-from stickslip.experiments.wording import capital, count, quantity
+from stickslip.experiments.wording import capital, count, quantity, span
 from stickslip.report.blocks import Fact
 from stickslip.report.documents import Opening, Section
-from stickslip.report.runs.subject import RunReport, spread_text
+from stickslip.report.runs.subject import RunReport
 
 __all__ = ["opening_section"]
 
@@ -46,7 +46,7 @@ def _lede(about: RunReport) -> str:
         said.append(f"{capital(number)} {brought} {about.of(travel, 4)}.")
     band = about.band
     if band is not None:
-        travels = spread_text(band.travel, about.unit)
+        travels = span(band.travel.low, band.travel.high, about.unit)
         said.append(
             f"With the uncertainty of the law's parameters the whole travel is {travels} in 95 % of"
             f" {band.count} runs."
@@ -60,18 +60,20 @@ def _facts(about: RunReport) -> tuple[Fact, ...]:
     band, seen = about.band, about.criteria
     travel = Fact(
         value=about.of(seen.travel, 4),
-        aside="" if band is None else spread_text(band.travel, about.unit),
+        aside="" if band is None else span(band.travel.low, band.travel.high, about.unit),
         what="travel in the whole run",
     )
     mean = Fact(
         value=about.of(about.mean_velocity, per_second=True),
-        aside="" if band is None else spread_text(band.mean_velocity, f"{about.unit}/s"),
+        aside=""
+        if band is None
+        else span(band.mean_velocity.low, band.mean_velocity.high, f"{about.unit}/s"),
         what="mean velocity over whole cycles" if about.cycles else "mean velocity of the run",
     )
     if about.cycles:
-        back = Fact(value=about.of(about.cycles[-1].back_slip), what="way back in the last cycle")
+        back = Fact(value=about.of(about.cycles[-1].back_slip), what="back-slip in the last cycle")
     else:
-        back = Fact(value=about.of(seen.largest_return), what="largest way back")
+        back = Fact(value=about.of(seen.largest_return), what="largest back-slip")
     return travel, mean, back
 
 

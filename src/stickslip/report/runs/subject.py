@@ -6,15 +6,15 @@ from functools import cached_property
 from typing import final
 
 from stickslip.experiments import LawEstimates, Rig
-from stickslip.experiments.wording import quantities, quantity
+from stickslip.experiments.wording import quantity
 from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import slip_names
 from stickslip.mechanisms.cycles import cycle_or_none
 from stickslip.selection import Criteria, criteria_of
-from stickslip.sweep import Band, DrivenCycle, Spread, cycles_in
-from stickslip.sweep.cycles import slip_names
+from stickslip.sweep import Band, DrivenCycle, cycles_in
 from stickslip.trajectory import Trajectory
 
-__all__ = ["RunReport", "spread_text"]
+__all__ = ["RunReport"]
 
 
 @final
@@ -111,16 +111,3 @@ class RunReport:
     def of(self, value: float, digits: int = 3, *, per_second: bool = False) -> str:
         """Return a distance or a speed of the slipping coordinate, with its unit."""
         return quantity(value + 0.0, self.unit + ("/s" if per_second else ""), digits)
-
-
-def spread_text(spread: Spread, unit: str, digits: int = 3) -> str:
-    """Return the ends of a band in words.
-
-    Examples
-    --------
-    >>> spread_text(Spread(0.061, 0.063, 0.0644), "m")
-    '61 to 64.4 mm'
-    """
-    low, high = quantities([spread.low, spread.high], unit, digits)
-    shared = low.partition(" ")[2] == high.partition(" ")[2]
-    return f"{low.partition(' ')[0] if shared else low} to {high}"

@@ -1,0 +1,44 @@
+"""The page of a command: what was found stands, whether its page can be drawn or not."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from stickslip.cli import CANCELLED, ToldExit
+from stickslip.cli.output import note, stdout, write_folder
+from stickslip.report.verdicts import PAGE
+
+__all__ = ["PAGE", "PAGE_FAILED", "draw_page", "leave_unless_drawn"]
+
+PAGE_FAILED = 1
+"""Exit code where the result stands and its page could not be drawn."""
+DRAWN = 0
+
+
+def draw_page(folder: Path, page: Callable[[], str], *, kept: str, quiet: bool = False) -> int:
+    """Write a page into a folder; return 0, or the exit code where it failed or was cancelled.
+
+    An older page does not stay where a new one fails: it would be read as that of this result.
+    `kept` says where the result is.
+    """
+    note("Drawing the page ...")
+    try:
+        write_folder(folder, {PAGE: page()})
+    except KeyboardInterrupt:
+        note(f"Cancelled while the page was drawn. {kept}")
+        code = CANCELLED
+    except Exception as error:  # whatever a page fails with, the result stands
+        note(f"The page could not be drawn ({type(error).__name__}: {error}). {kept}")
+        code = PAGE_FAILED
+    else:
+        if not quiet:
+            stdout().print(f"\nReport: {folder / PAGE}", markup=False)
+        return DRAWN
+    if (folder / PAGE).is_file():
+        (folder / PAGE).unlink()
+    return code
+
+
+def leave_unless_drawn(code: int) -> None:
+    """Leave with the exit code of a page that was not drawn."""
+    if code != DRAWN:
+        raise ToldExit(code)
