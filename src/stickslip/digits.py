@@ -18,6 +18,7 @@ __all__ = [
     "UNBOUNDED",
     "at_place",
     "decimal",
+    "fixed",
     "glued",
     "in_words",
     "interval",
@@ -91,6 +92,33 @@ def glued(text: str) -> str:
 def in_words(value: float) -> str:
     """Return what a number that is not finite is."""
     return UNBOUNDED if math.isinf(value) else NOT_FINITE
+
+
+def fixed(value: float, decimals: int) -> str:
+    """Return a number with a given number of decimals.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+    decimals : int
+        How many digits follow the point.
+
+    Returns
+    -------
+    str
+        The number, or what it is in words if it is not finite.
+
+    Examples
+    --------
+    >>> fixed(1234.567, 1), fixed(-0.001, 2)
+    ('1,234.6', '0.00')
+    """
+    if not math.isfinite(value):
+        return in_words(value)
+    if power_of(decimal(value)) >= DIGITS_OF_A_FLOAT:
+        return significant(value, 3)
+    return plain(at_place(decimal(value), -decimals), -decimals)
 
 
 def interval(low: float, high: float) -> str:

@@ -346,8 +346,8 @@ def plan(
         typer.Option(
             "--between",
             metavar="LOW..HIGH",
-            help="Settings that the rig can take, e.g. 40mm..100mm; if not given, 0.4 of what the"
-            " rig file sets to all of it.",
+            help="Settings that the rig can take, e.g. 40mm..100mm; if not given, those of the"
+            " trials and the rig file, or 0.4 of what the rig file sets to all of it.",
         ),
     ] = None,
     settings: Annotated[int, typer.Option("--settings", help="How many, from 2 to 12.")] = 4,

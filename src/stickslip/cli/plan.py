@@ -22,10 +22,9 @@ from stickslip.experiments import Rig, load_rig
 from stickslip.experiments.measurement import QUANTITIES
 from stickslip.identification.travel import trials_of
 from stickslip.quantities import Quantity, parameters
-from stickslip.report.numbers import fixed, significant
 from stickslip.selection import Plan, plan
-from stickslip.selection.lab_sheet import in_unit, unit_of
-from stickslip.selection.separation import knob_of, setting_text
+from stickslip.selection.separation import knob_of
+from stickslip.selection.sheet_tables import tables_of
 
 __all__ = ["run"]
 
@@ -129,7 +128,6 @@ def _write(found: Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> N
 
 def _show(found: Plan) -> None:
     console = stdout()
-    titles = {name: law.title for name, law in found.laws.items()}
     console.print(found.sentence, markup=False, style="bold")
     if found.assumed:
         console.print(
@@ -137,73 +135,17 @@ def _show(found: Plan) -> None:
             " the scatter as --uncertainty.",
             markup=False,
         )
+    if found.range_source:
+        console.print(plain(found.range_source), markup=False)
     for line in found.remarks:
         console.print(f"! {plain(line)}", markup=False, style="yellow")
-    console.print()
-    rows = [
-        [
-            f"{one.name} {one.quantity.symbol}",
-            in_unit(one.value, one.quantity.unit, 4),
-            in_unit(one.needed, one.quantity.unit),
-            one.verdict,
-            one.how,
-        ]
-        for one in found.preparations
-    ]
-    heads = ["before the runs", "in the rig", "know it to", "stated", "how"]
-    show_table("", heads, rows, whole=heads[:3])
-    for head, text in found.rest.items():
-        console.print(f"  {plain(head)}: {plain(text)}", markup=False)
-    _show_settings(found, titles)
-    _show_laws(found, titles)
+    for table in tables_of(found):
+        console.print(f"\n{plain(table.title)}", markup=False, style="bold")
+        if table.rows:
+            rows = [[plain(cell) for cell in row.cells] for row in table.rows]
+            show_table("", table.heads, rows, whole=table.heads)
+        for head, text in table.lines.items():
+            console.print(f"  {plain(head)}: {plain(text)}", markup=False)
     head, *_ = found.csv().splitlines()
     console.print("\nSave the travels as a CSV file with these columns", markup=False, style="bold")
     console.print(f"  {head}", markup=False)
-
-
-def _show_settings(found: Plan, titles: Mapping[str, str]) -> None:
-    unit, factor = unit_of(found.settings[0].unit)
-    rows = [
-        [
-            f"{factor * row.value:.10g}",
-            *(fixed(1e3 * row.predicted[name], 1) for name in found.laws),
-        ]
-        for row in found.settings
-    ]
-    title = f"\nTravel predicted [mm], {found.repeats} runs each"
-    stdout().print(title, markup=False, style="bold")
-    show_table("", [f"{found.knob} [{unit}]", *titles.values()], rows)
-
-
-def _show_laws(found: Plan, titles: Mapping[str, str]) -> None:
-    console = stdout()
-    if found.tellings:
-        console.print("\nWhich laws they tell apart", style="bold")
-        rows = [
-            [
-                titles[one.holds],
-                titles[one.rival],
-                in_unit(one.gap, "m"),
-                setting_text(one.setting),
-                one.effort,
-            ]
-            for one in found.tellings
-        ]
-        heads = ["if this holds", "this is ruled out", "difference", "at", "by"]
-        show_table("", heads, rows, whole=heads[2:4])
-    console.print("\nWhat they will tell of each law", style="bold")
-    rows = [
-        [
-            titles[one.law],
-            one.estimate.quantity.symbol,
-            significant(one.estimate.value, 3),
-            "" if one.estimate.quantity.unit == "1" else one.estimate.quantity.unit,
-            one.estimate.range,
-            "" if one.identified else "not identified",
-        ]
-        for one in found.expectations
-    ]
-    heads = ["law", "", "if it is", "unit", "expected interval (95 %)", ""]
-    show_table("", heads, rows, whole=heads[1:])
-    for line in dict.fromkeys(one.advice for one in found.expectations if one.advice):
-        console.print(f"  {plain(line)}", markup=False)

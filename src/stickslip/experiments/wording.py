@@ -15,6 +15,7 @@ SCALES: Final = {
     "rad/s": ((0.1, 1e3, "mrad/s"), (1e-4, 1e6, "µrad/s")),
     "N m": ((0.1, 1e3, "mN m"), (1e-4, 1e6, "µN m")),
     "N": ((0.1, 1e3, "mN"), (1e-4, 1e6, "µN")),
+    "kg": ((0.1, 1e3, "g"), (1e-4, 1e6, "mg")),
     "Hz": ((1e3, 1e-3, "kHz"), (0.1, 1e3, "mHz")),
 }
 """By SI unit: the size from which a larger unit or below which a smaller one is shown, its factor
@@ -60,7 +61,9 @@ def _raised(power: int) -> str:
     return str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
-def quantities(values: Sequence[float], unit: str, digits: int = 3) -> list[str]:
+def quantities(
+    values: Sequence[float], unit: str, digits: int = 3, *, degrees: bool = False
+) -> list[str]:
     """Return numbers with their unit, which the largest of them chooses.
 
     Parameters
@@ -71,6 +74,8 @@ def quantities(values: Sequence[float], unit: str, digits: int = 3) -> list[str]
         Their SI unit.
     digits : int
         Significant digits.
+    degrees : bool
+        Whether angles are given in degrees: those of a rig, not those of a joint that moves.
 
     Returns
     -------
@@ -81,7 +86,11 @@ def quantities(values: Sequence[float], unit: str, digits: int = 3) -> list[str]
     --------
     >>> quantities([0.156, 0.148], "N"), quantities([0.002, 0.0305], "m")
     (['0.156 N', '0.148 N'], ['2 mm', '30.5 mm'])
+    >>> quantities([math.pi / 18], "rad", degrees=True), quantities([0.82, 0.0033], "kg")
+    (['10°'], ['0.82 kg', '0.0033 kg'])
     """
+    if degrees and unit == "rad":
+        return [f"{number(math.degrees(value), digits)}°" for value in values]
     size = max((abs(value) for value in values if math.isfinite(value)), default=0.0)
     factor, shown = _scale(size, unit)
     texts = [number(factor * value, digits) for value in values]
@@ -98,7 +107,7 @@ def _scale(size: float, unit: str) -> tuple[float, str]:
     return found
 
 
-def quantity(value: float, unit: str, digits: int = 3) -> str:
+def quantity(value: float, unit: str, digits: int = 3, *, degrees: bool = False) -> str:
     """Return a number with its unit, in thousandths where it would begin with zeros.
 
     Examples
@@ -106,7 +115,7 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
     >>> quantity(24.84, "s"), quantity(0.0005, "m"), quantity(1000.02, "Hz"), quantity(5e-8, "m")
     ('24.8 s', '0.5 mm', '1 kHz', '0.05 µm')
     """
-    return quantities([value], unit, digits)[0]
+    return quantities([value], unit, digits, degrees=degrees)[0]
 
 
 def span(low: float, high: float, unit: str, digits: int = 3) -> str:

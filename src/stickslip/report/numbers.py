@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 from stickslip import digits as dec
-from stickslip.digits import NO_BREAK_SPACE, NOT_FINITE, UNBOUNDED, interval, significant
+from stickslip.digits import NO_BREAK_SPACE, NOT_FINITE, UNBOUNDED, fixed, interval, significant
 from stickslip.errors import InputError
 
 __all__ = [
@@ -118,33 +118,6 @@ def split_estimate(value: float, half_width: float) -> Estimate:
     factor = f"{NO_BREAK_SPACE}{dec.power_factor(power)}"
     scaled = [dec.plain(part.scaleb(-power), place - power) for part in (number, doubt)]
     return Estimate(scaled[0] + factor, f"±{NO_BREAK_SPACE}{scaled[1]}{factor}")
-
-
-def fixed(value: float, decimals: int) -> str:
-    """Return a number with a given number of decimals.
-
-    Parameters
-    ----------
-    value : float
-        The number.
-    decimals : int
-        How many digits follow the point.
-
-    Returns
-    -------
-    str
-        The number, or what it is in words if it is not finite.
-
-    Examples
-    --------
-    >>> fixed(1234.567, 1), fixed(-0.001, 2)
-    ('1,234.6', '0.00')
-    """
-    if not math.isfinite(value):
-        return dec.in_words(value)
-    if dec.power_of(dec.decimal(value)) >= dec.DIGITS_OF_A_FLOAT:
-        return significant(value, 3)
-    return dec.plain(dec.at_place(dec.decimal(value), -decimals), -decimals)
 
 
 def score(value: float) -> str:

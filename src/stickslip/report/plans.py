@@ -1,18 +1,27 @@
 """A plan of travels as a sheet to print and to fill in by hand."""
 
 from collections.abc import Mapping, Sequence
+from typing import Final
 
-from stickslip.quantities import fields_of
-from stickslip.report import numbers
+from stickslip.experiments.wording import number
 from stickslip.report.blocks import Block, Code, KeyValue, KeyValues, Note, Paragraph
 from stickslip.report.documents import Page, Section
-from stickslip.report.selection.texts import quantity_value
 from stickslip.report.tables import Blank, Column, Name, Row, Table
 from stickslip.selection import Plan
-from stickslip.selection.lab_sheet import in_unit, unit_of
-from stickslip.selection.separation import setting_text
+from stickslip.selection.separation import unit_of
+from stickslip.selection.sheet_tables import SheetTable, tables_of
 
 __all__ = ["plan_page"]
+
+NAVS: Final = {
+    "before": "Before the runs",
+    "settings": "Settings",
+    "apart": "Which laws",
+    "values": "Which values",
+}
+"""Sections with tables, as the line on top of the page names them."""
+NUMERIC: Final = "0123456789\N{MINUS SIGN}"
+"""With what numbers begin."""
 
 
 def plan_page(
@@ -53,11 +62,9 @@ def plan_page(
     >>> [section.id for section in page.sections]
     ['before', 'settings', 'apart', 'values', 'runs']
     """
+    tables = tables_of(plan)
     sections = [
-        _before(plan),
-        _settings(plan),
-        _apart(plan),
-        _values(plan),
+        *(_section(plan, tables, name) for name in dict.fromkeys(table.name for table in tables)),
         _runs(plan, save_as),
         _reproduce(reproduce, versions, digest),
     ]
@@ -71,189 +78,47 @@ def plan_page(
     )
 
 
-def _titles(plan: Plan) -> dict[str, str]:
-    return {name: law.title for name, law in plan.laws.items()}
+def _section(plan: Plan, tables: Sequence[SheetTable], name: str) -> Section:
+    """Return the section of the tables of one name."""
+    blocks: list[Block] = []
+    if name == "before":
+        blocks.append(Paragraph(text=plan.sentence))
+        blocks += [Note(title="Note.", text=line) for line in plan.remarks]
+    mine = [table for table in tables if table.name == name]
+    for table in mine:
+        if table.rows:
+            blocks.append(_table(plan, table))
+        if table.lines:
+            items = [KeyValue(key=head, value=text) for head, text in table.lines.items()]
+            blocks.append(KeyValues(items=tuple(items)))
+    return Section(id=name, nav=NAVS[name], heading=mine[0].title, blocks=tuple(blocks))
 
 
-def _before(plan: Plan) -> Section:
-    """Return what to measure before the runs."""
-    columns = (
-        Column(head="parameter"),
-        Column(head="in the rig file", numeric=True, phone="label"),
-        Column(
-            head="know it to\n(standard uncertainty)",
-            numeric=True,
-            phone="label",
-            label="know it to",
-        ),
-        Column(head="stated", phone="label"),
-        Column(head="how"),
-    )
-    rows = [
-        Row(
-            cells=(
-                f"{one.name.capitalize()} ${one.quantity.symbol}$",
-                in_unit(one.value, one.quantity.unit, 4),
-                f"{in_unit(one.needed, one.quantity.unit)}"
-                f" ({numbers.percent(one.needed / abs(one.value))})",
-                one.verdict,
-                one.how,
+def _table(plan: Plan, table: SheetTable) -> Table:
+    """Return a table of a plan as one of a page, with cards on a phone."""
+    unit, _ = unit_of(plan.settings[0].unit)
+    columns = []
+    for i, head in enumerate(table.heads):
+        label = f"{plan.knob} {head} {unit}" if table.name == "settings" else head
+        numeric = all(row.cells[i][:1] in NUMERIC for row in table.rows)
+        columns.append(
+            Column(
+                head=head.replace(" [", "\n["),
+                numeric=numeric,
+                phone="label" if i else "show",
+                label=label if i else "",
             )
         )
-        for one in plan.preparations
-    ]
-    blocks: list[Block] = [
-        Paragraph(text=plan.sentence),
-        *[Note(title="Left out.", text=line) for line in plan.remarks],
-    ]
-    level = _titles(plan)[plan.reference]
-    if rows:
-        caption = (
-            f"Known so well, each of these adds half as much as the {_count(plan)} readings to the"
-            f" uncertainty of the level of {level} friction; three of them widen its interval by a"
-            " third. What all runs share does not average out; what is set anew for each run does."
-        )
-        blocks.append(Table(columns=columns, rows=tuple(rows), caption=caption))
-    if plan.rest:
-        items = [KeyValue(key=head, value=text) for head, text in plan.rest.items()]
-        blocks.append(KeyValues(items=tuple(items)))
-    return Section(
-        id="before", nav="Before the runs", heading="Before the runs", blocks=tuple(blocks)
-    )
-
-
-def _count(plan: Plan) -> int:
-    return len(plan.settings) * plan.repeats
-
-
-def _settings(plan: Plan) -> Section:
-    """Return the travels that each law predicts."""
-    titles, settings = _titles(plan), [setting_text(row) for row in plan.settings]
-    columns = [Column(head=f"travel predicted, mm\n{plan.knob}")]
-    columns += [Column(head=one, numeric=True, phone="label") for one in settings]
     rows = [
         Row(
-            cells=(
-                Name(text=titles[name], aside=_values_of(plan, name)),
-                *(numbers.fixed(1e3 * row.predicted[name], 1) for row in plan.settings),
-            ),
-            chosen=name == plan.reference,
+            cells=(Name(text=first, aside=row.aside) if row.aside else first, *others),
+            chosen=row.chosen,
+            muted=row.muted,
         )
-        for name in plan.laws
+        for row in table.rows
+        for first, *others in [row.cells]
     ]
-    known = f"each to {in_unit(plan.uncertainty, 'm')}"
-    doubt = (
-        f"Travels are taken to be known {known}, 2 % of the longest: an assumption, until repeats"
-        " of one setting show their scatter."
-        if plan.assumed
-        else f"Travels are taken to be known {known}, scatter and reading together."
-    )
-    caption = f"All laws have the level that gives the same travel at the present setting. {doubt}"
-    return Section(
-        id="settings",
-        nav="Settings",
-        heading=f"What to set: {plan.repeats} runs at each of {len(settings)} settings",
-        blocks=(Table(columns=tuple(columns), rows=tuple(rows), caption=caption),),
-    )
-
-
-def _values_of(plan: Plan, name: str) -> str:
-    """Return the values of a law that were counted on."""
-    law = plan.laws[name]
-    found = []
-    for field, quantity in fields_of(type(law)).items():
-        value = getattr(law, field)
-        if value is not None and value != 0.0 and not quantity.structural:
-            found.append(f"${quantity.symbol}$ = {quantity_value(_three(value), quantity.unit)}")
-    return ", ".join(found)
-
-
-def _three(value: float) -> float:
-    return float(f"{value:.3g}")
-
-
-def _apart(plan: Plan) -> Section | None:
-    """Return which laws can be told apart."""
-    if not plan.tellings:
-        return None
-    titles = _titles(plan)
-    columns = (
-        Column(head="if this law holds"),
-        Column(head="this one is ruled out", phone="label", label="rules out"),
-        Column(head="largest\ndifference", numeric=True, phone="label", label="difference"),
-        Column(head="at", numeric=True, phone="label"),
-        Column(head="by"),
-    )
-    rows = [
-        Row(
-            cells=(
-                titles[one.holds],
-                titles[one.rival],
-                in_unit(one.gap, "m"),
-                setting_text(one.setting),
-                one.effort,
-            ),
-            muted=one.repeats is None,
-        )
-        for one in plan.tellings
-    ]
-    told = sum(one.repeats is not None for one in plan.tellings)
-    caption = (
-        "Difference: what is left when the law that is to be ruled out is fitted to the travels of"
-        " the other one. Ruled out: by the test of `stickslip select`, in nine of ten such sets of"
-        f" readings. Grey: not in {plan.tellings[0].most} runs at each setting."
-    )
-    return Section(
-        id="apart",
-        nav="Which laws",
-        heading=f"The runs tell {told} of {len(plan.tellings)} pairs of laws apart",
-        blocks=(Table(columns=columns, rows=tuple(rows), caption=caption),),
-    )
-
-
-def _values(plan: Plan) -> Section:
-    """Return what the runs will tell of each parameter."""
-    titles = _titles(plan)
-    columns = (
-        Column(head="law"),
-        Column(head="parameter", phone="label"),
-        Column(head="if it is", numeric=True, phone="label"),
-        Column(head="expected interval\n95 %", numeric=True, phone="label", label="interval"),
-        Column(head="so"),
-    )
-    rows = []
-    for one in plan.expectations:
-        estimate = one.estimate
-        unit = "" if estimate.quantity.unit == "1" else f" {estimate.quantity.unit}"
-        rows.append(
-            Row(
-                cells=(
-                    titles[one.law],
-                    f"${estimate.quantity.symbol}$",
-                    quantity_value(_three(estimate.value), estimate.quantity.unit),
-                    f"{estimate.range}{unit if estimate.bounded else ''}",
-                    "known" if one.identified else _open(plan, one.law, one.advice),
-                ),
-                muted=not one.identified,
-            )
-        )
-    caption = (
-        "The interval to expect if the law holds with that value and the rig is known as stated, or"
-        " else as needed. What is not fitted by `stickslip select` is fitted here beside what is:"
-        " it shows what the travels could tell of it at best."
-    )
-    return Section(
-        id="values",
-        nav="Which values",
-        heading="What the runs will tell of each law",
-        blocks=(Table(columns=columns, rows=tuple(rows), caption=caption),),
-    )
-
-
-def _open(plan: Plan, law: str, advice: str) -> str:
-    """Return that a parameter is left open, and once for each advice what would tell it."""
-    first = next(one for one in plan.expectations if one.advice == advice)
-    return f"not identified. {advice}" if advice and first.law == law else "not identified"
+    return Table(columns=tuple(columns), rows=tuple(rows), caption=table.caption)
 
 
 def _runs(plan: Plan, save_as: str) -> Section:
@@ -269,7 +134,7 @@ def _runs(plan: Plan, save_as: str) -> Section:
         Row(
             cells=(
                 name,
-                f"{factor * one.value:.10g}",
+                number(factor * one.value),
                 Blank(what="travel"),
                 Blank(what="remarks"),
             )

@@ -9,41 +9,17 @@ from typing import TYPE_CHECKING, Any, final
 
 from typing_extensions import override
 
-from stickslip.experiments.wording import joined, number
+from stickslip.experiments.wording import joined, number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
-from stickslip.selection.separation import Separation, setting_text
+from stickslip.selection.separation import Separation, unit_of, words_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Expectation", "Plan", "Preparation", "Telling", "in_unit", "unit_of"]
-
-
-def in_unit(value: float, unit: str, digits: int = 2) -> str:
-    """Return a number with its unit, lengths in millimetres and masses below 1 kg in grams.
-
-    Examples
-    --------
-    >>> in_unit(0.00055, "m"), in_unit(0.0046, "kg"), in_unit(0.2, "1")
-    ('0.55 mm', '4.6 g', '0.2')
-    """
-    small = unit == "m" or (unit == "kg" and abs(value) < 1.0)
-    factor, name = (1e3, {"m": "mm", "kg": "g"}[unit]) if small else (1.0, unit)
-    return f"{number(factor * value, digits)} {'' if name == '1' else name}".rstrip()
-
-
-def unit_of(unit: str) -> tuple[str, float]:
-    """Return the unit that a sheet is written in, and its numbers over those in SI.
-
-    Examples
-    --------
-    >>> unit_of("m"), unit_of("N")
-    (('mm', 1000.0), ('N', 1.0))
-    """
-    return ("mm", 1e3) if unit == "m" else (unit, 1.0)
+__all__ = ["Expectation", "Plan", "Preparation", "Telling"]
 
 
 @final
@@ -67,7 +43,7 @@ class Preparation:
     @property
     def name(self) -> str:
         """What it is called, in words."""
-        return self.path.rpartition(".")[2].replace("_", " ")
+        return words_of(self.path)
 
     @property
     def verdict(self) -> str:
@@ -75,7 +51,8 @@ class Preparation:
         if self.stated is None:
             return "not stated"
         enough = self.stated <= self.needed * (1.0 + 1e-9)
-        return f"{in_unit(self.stated, self.quantity.unit)}, {'enough' if enough else 'too large'}"
+        stated = quantity(self.stated, self.quantity.unit, 2, degrees=True)
+        return f"{stated}, {'enough' if enough else 'too large'}"
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the preparation as plain numbers and strings."""
@@ -110,15 +87,22 @@ class Telling:
     uncertainty: float
     """Standard uncertainty of one reading at which the planned runs do [m]; 0 if none is small
     enough, since the rig itself is not known well enough."""
+    alike: bool = False
+    """Whether the rival, fitted, makes the same travels to the accuracy of a run."""
 
     @property
-    def effort(self) -> str:
-        """What it takes, in words."""
+    def obstacle(self) -> str:
+        """Why these runs do not rule it out, in words; nothing if they do."""
         if self.repeats is not None:
-            return f"{self.repeats} run{'s' if self.repeats > 1 else ''} at each setting"
-        if self.uncertainty > 0.0:
-            return f"travels to {in_unit(self.uncertainty, 'm')}"
-        return "not by travels: the rig is not known well enough"
+            return ""
+        if self.alike:
+            return "Not separated by any travels, which are the same"
+        known = (
+            f"travels known to {quantity(self.uncertainty, 'm', 2)} would"
+            if self.uncertainty > 0.0
+            else "the uncertainty of the rig covers the difference"
+        )
+        return f"Not separated by any number of repeats up to {self.most} ({known})"
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return it as plain numbers and strings."""
@@ -129,6 +113,7 @@ class Telling:
             "at": {self.setting.path: self.setting.value},
             "repeats": self.repeats,
             "needed_uncertainty": self.uncertainty,
+            "same_travels": self.alike,
         }
 
 
@@ -186,27 +171,33 @@ class Plan:
     """Which laws can be told apart, the easiest first."""
     expectations: tuple[Expectation, ...]
     """What the runs will tell of each law's parameters."""
+    range_source: str = ""
+    """Where the range of the settings is from and how to change it; nothing if it was given."""
+    from_trials: bool = False
+    """Whether levels were fitted to travels; else all laws travel equally far as the rig stands."""
     remarks: tuple[str, ...] = ()
     """What else is to be known."""
 
     @property
     def knob(self) -> str:
         """What is set, in words."""
-        return self.settings[0].path.rpartition(".")[2].replace("_", " ")
+        return words_of(self.settings[0].path)
 
     @property
     def sentence(self) -> str:
         """What to measure and what it tells, in two sentences."""
-        values = joined([setting_text(one) for one in self.settings])
+        unit, factor = unit_of(self.settings[0].unit)
+        values = joined([number(factor * one.value) for one in self.settings])
         count = len(self.settings) * self.repeats
         said = (
-            f"Set the {self.knob} to {values}, {self.repeats} runs each: {count} travels, each"
-            f" known to {in_unit(self.uncertainty, 'm')}."
-        )
+            f"Set the {self.knob} to {values} {unit}, {self.repeats} runs each: {count} travels,"
+            f" each known to {quantity(self.uncertainty, 'm', 2)}."
+        ).replace(" °", "°")
         told = [one for one in self.tellings if one.repeats is not None]
         if not self.tellings:
             return said
-        return f"{said} They tell {len(told)} of {len(self.tellings)} pairs of laws apart."
+        pairs = "pair" if len(self.tellings) == 1 else "pairs"
+        return f"{said} They tell {len(told)} of {len(self.tellings)} {pairs} of laws apart."
 
     def csv(self) -> str:
         """Return the table of runs to fill in, as `load_measurement` and ``select --data`` read it.
@@ -215,6 +206,7 @@ class Plan:
         """
         text = io.StringIO()
         unit, factor = unit_of(self.settings[0].unit)
+        unit = unit.replace("°", "deg")  # a spreadsheet may not read the file as UTF-8
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(["name", f"{self.settings[0].path} [{unit}]", "travel [mm]"])
         writer.writerows(
@@ -244,6 +236,7 @@ class Plan:
             "repeats": self.repeats,
             "uncertainty": self.uncertainty,
             "uncertainty_assumed": self.assumed,
+            "range_source": self.range_source,
             "laws": {
                 name: {p: v for p, v in vars(law).items() if v is not None}
                 for name, law in self.laws.items()

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from stickslip.errors import ConvergenceError, InputError, StickslipError
 from stickslip.experiments import Measurement
 from stickslip.experiments.paths import canonical
-from stickslip.experiments.wording import joined
-from stickslip.friction import LAWS, FrictionLaw, law_type
+from stickslip.experiments.wording import joined, number, quantity
+from stickslip.friction import LAWS, Coulomb, FrictionLaw, law_type
 from stickslip.identification import TravelFit, starting_law
 from stickslip.identification.arguments import Laws, check_given, laws_of
 from stickslip.identification.fitting import fit_trials, payable
@@ -27,6 +27,7 @@ from stickslip.identification.least_squares import expected_fit
 from stickslip.identification.propagation import READINGS, covariance_of
 from stickslip.identification.starts import doubling_slope, required_of
 from stickslip.identification.travel import (
+    LEAST_ERROR,
     TravelModel,
     Trial,
     driven_on,
@@ -34,12 +35,14 @@ from stickslip.identification.travel import (
     trials_of,
 )
 from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms.base import stops_of
 from stickslip.quantities import Quantity, parameters, vary
 from stickslip.selection.admissibility import limit_of
 from stickslip.selection.lab_sheet import Expectation, Plan, Preparation, Telling
 from stickslip.selection.preparing import how_to, otherwise
-from stickslip.selection.separation import Separation, knob_of, separations, setting_text
+from stickslip.selection.separation import Separation, knob_of, predictions, unit_of, words_of
 from stickslip.selection.words import ADVICE
+from stickslip.simulation import simulate
 
 __all__ = ["plan"]
 
@@ -48,7 +51,9 @@ Array: TypeAlias = NDArray[np.float64]
 USUAL = ("coulomb", "viscous", "coulomb-viscous", "stribeck")
 """Laws that travels of a block may tell apart."""
 RANGE = (0.4, 1.0)
-"""Settings planned, over the present one, where no range is given."""
+"""Settings planned, over the present one, where no range is given and no trial has another."""
+NARROW = 0.9
+"""Least setting of trials over the largest, above which they are one setting."""
 COUNT = Quantity("settings", low=2, high=12)
 READING = Quantity("u_s", "m", above=0)
 SCATTER = 0.02
@@ -65,9 +70,12 @@ large widen the interval by a third."""
 TINY = 1e-6
 """Share of a parameter that stands for its uncertainty where only the slope is asked for."""
 VISCOUS = 0.25
-"""Viscous part over the level at the largest speed, where nobody gave a value: a fifth of both."""
+"""Viscous part over the level at the largest speed, where nobody gave a value: a fifth of both. A
+law without a level has a viscous part that is as large as the usual level there."""
 NEAR = 0.9
 """A second point, over the first, where the search of a rival's parameters begins."""
+NEAR_STOP = 1e-9
+"""Distance from a hard stop at which the body is at it [m]."""
 MOVES = 0.05
 """Share of the longest travel below which a setting is not worth a run."""
 
@@ -99,13 +107,15 @@ def plan(
         Standard uncertainties of the mechanism's parameters, by path or last name; those of the
         measurement if not given. Where none is known, that which is needed is counted on.
     between : tuple of float, optional
-        Least and largest setting of what is turned, SI; two fifths of the present one and itself
-        if not given.
+        Least and largest setting of what is turned, SI. If not given, from the least to the largest
+        of the measured trials and the mechanism as it stands; or from two fifths of the present
+        setting to itself where no trial has another.
     settings : int
         How many settings, from 2 to 12.
     uncertainty : float, optional
         Standard uncertainty of one travel [m], the scatter of repeats and that of the reading
-        together; if not given that of the measurement, or else 2 % of the longest travel.
+        together; if not given that of the measurement, or else 2 % of the longest travel. It lies
+        between 1e-5 of the longest travel, to which runs are exact, and all of it.
     t_end : float
         Time after which a body counts as stopped [s].
 
@@ -141,12 +151,17 @@ def plan(
             f"{type(mechanism).__name__} does not come to rest under a drive that goes on as long"
             " as the run lasts, so there is no travel to plan."
         )
+    ends, source = _range(mechanism, knob, done, between)
     candidates = _candidates(mechanism, laws, t_end)
-    levelled, remarks = _levelled(mechanism, candidates, done, uncertainty, t_end)
-    named = _first(levelled)
-    rows, idle = _rows(mechanism, knob, between, count, levelled, named, t_end)
     error = _error(uncertainty, done)
-    size = error or SCATTER * max(abs(row.predicted[named]) for row in rows)
+    if not done:
+        _check_present(mechanism, candidates[_first(candidates)], t_end, error)
+    levelled, remarks = _levelled(mechanism, candidates, done, t_end)
+    settings_at = _settings(mechanism, knob, ends, count)
+    levelled, idle = _stopping(mechanism, knob, settings_at, levelled, t_end, error)
+    named = _first(levelled)
+    rows, still = _rows(mechanism, knob, settings_at, levelled, named, t_end)
+    size = _checked(error, max(abs(row.predicted[named]) for row in rows))
     stated = _stated(mechanism, measurement, doubts)
     bench = _Bench(mechanism=mechanism, rows=rows, error=size, stated=stated, t_end=t_end)
     contrasts = _contrasts(bench.known(levelled[named], LEAST), levelled)
@@ -166,7 +181,9 @@ def plan(
         rest=otherwise(mechanism, levelled[named], share),
         tellings=tuple(one.telling(size, repeats) for one in contrasts),
         expectations=tuple(_expected(bench, levelled, repeats)),
-        remarks=(*remarks, *idle),
+        range_source=source,
+        from_trials=bool(done),
+        remarks=(*remarks, *idle, *still),
     )
 
 
@@ -231,7 +248,10 @@ class _Bench:
     def preparations(self, law: FrictionLaw, repeats: int) -> tuple[Preparation, ...]:
         """Return what to measure before, and how well."""
         known = {path: (q, v) for path, q, v in parameters(self.mechanism, "mechanism")}
-        largest = max(abs(row.value) for row in self.rows)
+        # how far the spring is compressed at most, whatever is set
+        spring = "mechanism.compression"
+        moved = [row.value for row in self.rows if row.path == spring]
+        largest = max(map(abs, moved or [known[spring][1] if spring in known else 0.0]))
         return tuple(
             Preparation(
                 path=path,
@@ -257,6 +277,11 @@ class _Contrast:
     by_hand: Array
     """Standard errors from what is set anew for each run (n,) [m]."""
     shared: Mapping[str, Array]
+
+    @property
+    def longest(self) -> float:
+        """The longest travel of the law that holds [m]."""
+        return max(abs(row.predicted[self.holds]) for row in self.rows)
 
     def sigmas(self, error: float, repeats: int) -> float:
         """Return the differences over their uncertainty, with so many runs at each setting."""
@@ -289,6 +314,7 @@ class _Contrast:
             repeats=self.repeats(error),
             most=MOST,
             uncertainty=self.uncertainty(repeats),
+            alike=float(np.abs(self.left[worst])) <= LEAST_ERROR * self.longest,
         )
 
 
@@ -338,15 +364,17 @@ def _candidates(
 
 
 def _ordinary(mechanism: Mechanism, kind: type[FrictionLaw], t_end: float) -> FrictionLaw:
-    """Return a law with ordinary values; a viscous part beside a level is a fifth of both."""
+    """Return a law with ordinary values; its viscous part is what it would be on this rig."""
     law = starting_law(kind)
-    if not {"kinetic_coefficient", "viscous_coefficient"} <= {*required_of(kind)}:
+    if "viscous_coefficient" not in required_of(kind):
         return law
+    beside = law if _has_level(law) else starting_law(Coulomb)
     path = "friction.kinetic_coefficient"
-    level = {p: v for p, _, v in parameters(law, "friction")}[path]
+    level = {p: v for p, _, v in parameters(beside, "friction")}[path]
     one = Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
-    slope = doubling_slope(TravelModel(law, [path], t_end), [one], [level])
-    return vary(law, "friction", {"friction.viscous_coefficient": VISCOUS * slope})
+    slope = doubling_slope(TravelModel(beside, [path], t_end), [one], [level])
+    share = VISCOUS if beside is law else 1.0
+    return vary(law, "friction", {"friction.viscous_coefficient": share * slope})
 
 
 def _first(laws: Mapping[str, FrictionLaw]) -> str:
@@ -362,20 +390,13 @@ def _levelled(
     mechanism: Mechanism,
     laws: Mapping[str, FrictionLaw],
     done: Sequence[Trial],
-    uncertainty: float | None,
     t_end: float,
 ) -> tuple[dict[str, FrictionLaw], list[str]]:
     """Return laws with the level that travels measured before call for, or else the first law's.
 
-    The sentences say which laws have none, or do not bring the body to rest.
+    The sentences say which laws have none.
     """
     trials = list(done)
-    stated = _error(uncertainty, done)
-
-    def check_rest(law: FrictionLaw) -> None:
-        sizes = [stated or SCATTER * abs(trial.travel) for trial in trials]
-        TravelModel(law, (), t_end).check_rest(trials, (), sizes)
-
     found, remarks = {}, []
     for name, law in sorted(laws.items(), key=lambda item: not _has_level(item[1])):
         if not trials:
@@ -383,17 +404,11 @@ def _levelled(
             trials = [replace(one, travel=TravelModel(law, (), t_end).travel(one, ()))]
             if trials[0].travel == 0.0:
                 raise InputError(
-                    f"{law.title} friction with {law!r} does not let the body move: give other"
-                    " values, or set the rig higher."
+                    f"{law.title} friction{_values_of(law)} does not let the body move: give the"
+                    " law a lower level, or set the rig higher."
                 )
-            try:
-                check_rest(law)
-            except ConvergenceError as reason:
-                raise InputError(f"there is no travel to plan: {reason}") from None
         try:
-            fitted = fit_trials(law, trials, free=payable(law, trials)[:1], t_end=t_end).law
-            check_rest(fitted)
-            found[name] = fitted
+            found[name] = fit_trials(law, trials, free=payable(law, trials)[:1], t_end=t_end).law
         except (ConvergenceError, InputError) as error:
             remarks.append(f"{law.title} friction is left out: {error}")
     if not found:
@@ -401,38 +416,158 @@ def _levelled(
     return {name: found[name] for name in laws if name in found}, remarks
 
 
+def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float | None) -> str:
+    """Return why the distance of a run is no travel that friction ends; nothing if it is one."""
+    model = TravelModel(law, (), t_end)
+    trial = Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
+    try:
+        model.check_rest([trial], (), [error or SCATTER * abs(model.travel(trial, ()))])
+    except ConvergenceError as reason:
+        return str(reason)
+    run = simulate(mechanism, law, t_end=t_end)
+    (contact,) = mechanism.contacts()
+    for stop in stops_of(mechanism):
+        beyond = run[contact.slip] - stop.position
+        if stop.coordinate == contact.slip and bool(
+            np.any((beyond if stop.side == "upper" else -beyond) > -NEAR_STOP)
+        ):
+            at = quantity(float(stop.position), "m")
+            return f"the body runs into the stop at {at}. Set the rig lower."
+    return ""
+
+
+def _check_present(
+    mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float | None
+) -> None:
+    """Refuse a rig that makes no travel as it stands, where the laws are to make the same one."""
+    if said := _why_none(mechanism, law, t_end, error):
+        raise InputError(
+            f"there is no travel to plan with {law.title} friction{_values_of(law)}: {said}"
+        )
+
+
+def _values_of(law: FrictionLaw) -> str:
+    """Return the values of a law, as they stand behind its name."""
+    parts = [
+        f"{q.symbol} = {quantity(value, q.unit)}" for _, q, value in parameters(law, "friction")
+    ]
+    return f" ({', '.join(parts)})" if parts else ""
+
+
+def _range(
+    mechanism: Mechanism,
+    path: str,
+    done: Sequence[Trial],
+    between: tuple[float, float] | None,
+) -> tuple[tuple[float, float], str]:
+    """Return the ends of the settings, the smaller one first, and a sentence on where from."""
+    known = {p: (q, value) for p, q, value in parameters(mechanism, "mechanism")}
+    asked, present = known[path]
+    unit, factor = unit_of(asked.unit)
+    word = words_of(path)
+    if between is not None:
+        low, high = between
+        for value in between:
+            asked.check("plan", "between", value)
+        if not 0.0 < low < high:
+            raise InputError(
+                f"between must be two settings of {path} ({asked.symbol}) above 0 {asked.unit},"
+                f" the smaller one first, got {low:g} and {high:g}."
+            )
+        return between, ""
+    sign = math.copysign(1.0, present)
+    made = [
+        {p: value for p, _, value in parameters(trial.mechanism, "mechanism")}[path]
+        for trial in done
+    ]
+    sizes = sorted({abs(value) for value in (*made, present) if sign * value > 0.0})
+    if sizes[0] <= NARROW * sizes[-1]:
+        low, high = sizes[0], sizes[-1]
+        source = f"The settings span the {word} of the trials and of the rig"
+    else:
+        low, high = RANGE[0] * sizes[-1], RANGE[1] * sizes[-1]
+        source = (
+            f"{'The trials and the rig have' if done else 'The rig has'} one {word}: the settings"
+            f" span {RANGE[0]:g} to {RANGE[1]:g} times it"
+        )
+    low, high = (min(max(sign * one, asked.low), asked.high) for one in (low, high))
+    shown = f"{number(factor * low)} to {number(factor * high)} {unit}".replace(" °", "°")
+    return (low, high), f"{source}, {shown}. Another range is given by --between (Python: between)."
+
+
+def _settings(
+    mechanism: Mechanism, path: str, ends: tuple[float, float], count: int
+) -> list[float]:
+    """Return equidistant settings, to three digits of the unit in which they are read."""
+    _, factor = unit_of({p: q.unit for p, q, _ in parameters(mechanism, "mechanism")}[path])
+    return [float(f"{factor * one:.3g}") / factor for one in np.linspace(*ends, count)]
+
+
+def _stopping(
+    mechanism: Mechanism,
+    path: str,
+    settings: Sequence[float],
+    laws: Mapping[str, FrictionLaw],
+    t_end: float,
+    error: float | None,
+) -> tuple[dict[str, FrictionLaw], list[str]]:
+    """Return the laws whose friction ends the travel at all settings, and why others do not.
+
+    The distance of a body that still moves is that of an arbitrary time, and a hard stop ends the
+    travels of all laws in one place.
+    """
+    found, remarks = dict(laws), []
+    for name, law in laws.items():
+        for value in reversed(settings):
+            said = _why_none(vary(mechanism, "mechanism", {path: value}), law, t_end, error)
+            if said:
+                unit = {p: q.unit for p, q, _ in parameters(mechanism, "mechanism")}[path]
+                at = quantity(value, unit, degrees=True)
+                remarks.append(
+                    f"{law.title} friction is left out: with {words_of(path)} {at}, {said}"
+                )
+                del found[name]
+                break
+    if not found:
+        raise InputError(f"no law can be planned for. {' '.join(remarks)}")
+    return found, remarks
+
+
 def _rows(
     mechanism: Mechanism,
     path: str,
-    between: tuple[float, float] | None,
-    count: int,
+    settings: Sequence[float],
     laws: Mapping[str, FrictionLaw],
     named: str,
     t_end: float,
 ) -> tuple[tuple[Separation, ...], list[str]]:
     """Return settings at which the body moves, and which were left out, as sentences."""
-    known = {p: (q, value) for p, q, value in parameters(mechanism, "mechanism")}
-    quantity, present = known[path]
-    low, high = between or (RANGE[0] * present, RANGE[1] * present)
-    for value in (low, high):
-        quantity.check("plan", "between", value)
-    if between is not None and not 0.0 < low < high:
-        raise InputError(
-            f"between must be two settings of {path} ({quantity.symbol}) above 0 {quantity.unit},"
-            f" the smaller one first, got {low:g} and {high:g}."
-        )
-    factors = np.linspace(low, high, count) / present
-    rows = separations(mechanism, laws, t_end=t_end, factors=factors.tolist())
+    rows = predictions(mechanism, laws, path, [(one, False) for one in settings], t_end=t_end)
     least = MOVES * max((abs(row.predicted[named]) for row in rows), default=0.0)
     kept = tuple(row for row in rows if abs(row.predicted[named]) > least)
     if len(kept) < 2:
+        word, unit = words_of(path), rows[0].unit if rows else ""
+        ends = " to ".join(quantity(one, unit, degrees=True) for one in (settings[0], settings[-1]))
         raise InputError(
-            f"the body moves at {len(kept)} of {count} settings of {path} from {low:g} to"
-            f" {high:g} {quantity.unit}: plan for larger ones."
+            f"the body moves at {len(kept)} of {len(settings)} settings of the {word} from {ends}:"
+            " set the rig higher, or give a higher range as between (--between)."
         )
-    idle = [setting_text(row) for row in rows if row not in kept]
+    idle = [row.text for row in rows if row not in kept]
     said = [f"At {joined(idle)} the body hardly moves: no runs there."] if idle else []
     return kept, said
+
+
+def _checked(error: float | None, longest: float) -> float:
+    """Return the standard uncertainty of a reading that is counted on [m]."""
+    size = SCATTER * longest if error is None else error
+    if not LEAST_ERROR * longest <= size <= longest:
+        least, most, got = (quantity(one, "m") for one in (LEAST_ERROR * longest, longest, size))
+        raise InputError(
+            f"the uncertainty of a travel (u_s) must be from {least}, to which runs are exact, to"
+            f" {most}, the longest travel planned, got {got}: state it as uncertainty"
+            " (--uncertainty)."
+        )
+    return size
 
 
 def _error(given: float | None, done: Sequence[Trial]) -> float | None:

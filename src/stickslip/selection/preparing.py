@@ -3,16 +3,15 @@
 import math
 from collections.abc import Mapping
 
-from stickslip.experiments.wording import number
+from stickslip.experiments.wording import number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters
-from stickslip.selection.lab_sheet import in_unit
 
 __all__ = ["how_to", "otherwise"]
 
 PLAIN = {
-    "mass": "Weigh all that slides, to {needed}. Take a light spring: a third of it moves along.",
+    "mass": "Weigh all that slides, to {needed}.",
     "level": "Measure the push with the force sensor that will record it, to {needed}.",
     "amplitude": "Measure the force with the sensor that will record it, to {needed}.",
     "duration": "Read the push off a record of its force, to {needed}.",
@@ -20,6 +19,8 @@ PLAIN = {
     "upper_stop": "Measure where the stop is, to {needed}.",
 }
 """How to measure a parameter, by its last name, where nothing has to be computed for it."""
+LIFTED = 20.0
+"""Largest mass that is hung on a spring [kg]; what needs more is pressed."""
 
 
 def how_to(mechanism: Mechanism, path: str, needed: float, largest: float) -> str:
@@ -41,18 +42,28 @@ def how_to(mechanism: Mechanism, path: str, needed: float, largest: float) -> st
     }
     unit, value = known[path][0].unit, known[path][1]
     name = path.rpartition(".")[2]
-    text = in_unit(needed, unit)
+    text = quantity(needed, unit, 2, degrees=True)
     if name == "stiffness" and "mechanism.gravity" in known and value > 0.0 and largest > 0.0:
-        g = known["mechanism.gravity"][1]
-        read = needed / value * largest / math.sqrt(2.0)  # a length between two readings
+        load = value * largest / known["mechanism.gravity"][1]
+        read = quantity(needed / value * largest / math.sqrt(2.0), "m", 2)  # two readings
+        length = quantity(largest, "m")
+        if load > LIFTED:
+            return (
+                f"Press the spring together by {length} against a load cell, which takes"
+                f" {number(value * largest)} N. Read both lengths to {read} for {text}, or take the"
+                " slope over several loads."
+            )
         return (
-            f"Hang {in_unit(value * largest / g, 'kg', 3)} on the spring, or press it on a scale:"
-            f" it gives way by {in_unit(largest, 'm', 3)}. Read both lengths to"
-            f" {in_unit(read, 'm')} for {text}; or take the slope of several masses."
+            f"Hang {quantity(load, 'kg')} on the spring, or press it onto a scale: its length"
+            f" changes by {length}. Read both lengths to {read} for {text}, or take the slope over"
+            " several masses."
         )
+    if name == "mass" and known.get("mechanism.stiffness", (None, 0.0))[1]:
+        plain = PLAIN[name].format(needed=text)
+        return f"{plain} A third of the spring's mass moves with it: take a light spring."
     if name == "compression":
         return (
-            f"Set it against a stop or a scale that is good to {text}, anew for each run; its zero"
+            f"Set it anew for each run, against a stop or a scale that is good to {text}. Its zero"
             " is where the spring just touches."
         )
     return PLAIN.get(name, "Measure it to {needed}.").format(needed=text)
@@ -77,10 +88,13 @@ def otherwise(mechanism: Mechanism, law: FrictionLaw, share: float) -> Mapping[s
         return {}
     weight = math.prod(known[name] for name in names)
     slope = known.get("mechanism.incline", 0.0)
-    pressed, down = weight * math.cos(slope), weight * math.sin(slope)
-    pull = max(level * pressed + down, 0.0)
+    # the way of the run: a spring on the other side drives the block the other way
+    way = math.copysign(1.0, known.get("mechanism.compression", 0.0) or 1.0)
+    pressed, along = weight * math.cos(slope), way * weight * math.sin(slope)
+    pull = max(level * pressed + along, 0.0)
     angle = math.degrees(math.atan(level))
     read = math.degrees(share * level / (1.0 + level**2))
+    force = quantity(share * level * pressed, "N", 1)
     found = {
         "$mu_s$ by tilt": (
             "Raise the track until the block just slides: $mu_s$ is the tangent of the angle, about"
@@ -88,18 +102,19 @@ def otherwise(mechanism: Mechanism, law: FrictionLaw, share: float) -> Mapping[s
             " $mu_s$ as well as $mu_k$."
         ),
         "$mu_s$ by a slow pull": (
-            f"Pull uphill until the block slides: the largest force, about {in_unit(pull, 'N')},"
-            f" less {in_unit(down, 'N', 3)} of weight along the ground, over the normal force of"
-            f" {in_unit(pressed, 'N', 3)}. Read it to {in_unit(share * level * pressed, 'N', 1)}."
+            f"Pull {'uphill' if along > 0.0 else 'downhill'} until the block slides: the largest"
+            f" force, about {quantity(pull, 'N', 2)}, {'less' if along > 0.0 else 'plus'}"
+            f" {quantity(abs(along), 'N')} of weight along the track, over the normal force of"
+            f" {quantity(pressed, 'N')}. Read it to {force}."
             if slope
-            else f"It is the largest force before the block slides over its weight, about"
-            f" {in_unit(pull, 'N')} at a weight of {in_unit(weight, 'N', 3)}. Read it to"
-            f" {in_unit(share * level * weight, 'N', 1)}."
+            else f"Pull until the block slides: $mu_s$ is the largest force, about"
+            f" {quantity(pull, 'N', 2)}, over the weight of {quantity(weight, 'N')}. Read it to"
+            f" {force}."
         ),
     }
     stiffness = known.get("mechanism.stiffness", 0.0)
-    if stiffness > 0.0 and known.get("mechanism.compression", 0.0):
-        least = in_unit(pull / stiffness, "m")
+    if stiffness > 0.0 and known.get("mechanism.compression", 0.0) and pull > 0.0:
+        least = quantity(pull / stiffness, "m", 2)
         said = "the force of a slow pull over $k$" if slope else "$mu_s$ $m$ $g$ / $k$"
         found["$mu_s$ by the spring"] = (
             f"The least compression that starts the block is {said}, about {least}."

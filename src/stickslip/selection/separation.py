@@ -1,5 +1,6 @@
 """Which further measurement would tell the candidates apart: found by simulating it."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +13,16 @@ from stickslip.identification.travel import TravelModel, Trial
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, vary
 
-__all__ = ["Proposal", "Separation", "knob_of", "propose", "separations", "setting_text"]
+__all__ = [
+    "Proposal",
+    "Separation",
+    "knob_of",
+    "predictions",
+    "propose",
+    "separations",
+    "unit_of",
+    "words_of",
+]
 
 FACTORS = (0.4, 0.6, 0.8, 1.0, 1.25, 1.5)
 """Settings tried, over the present one: what a rig can usually be set to."""
@@ -24,6 +34,28 @@ BEYOND = (0.75, 1.5)
 """New settings below and above those measured, over the outermost, where they span all others."""
 MOVES = 0.05
 """Share of the longest travel below which a setting is not worth a run."""
+
+
+def unit_of(unit: str) -> tuple[str, float]:
+    """Return the unit that settings are read in, and its numbers over those in SI.
+
+    Examples
+    --------
+    >>> unit_of("m"), unit_of("N"), unit_of("rad")[0]
+    (('mm', 1000.0), ('N', 1.0), '°')
+    """
+    return {"m": ("mm", 1e3), "rad": ("°", math.degrees(1.0))}.get(unit, (unit, 1.0))
+
+
+def words_of(path: str) -> str:
+    """Return what a parameter of the mechanism is called.
+
+    Examples
+    --------
+    >>> words_of("mechanism.compression"), words_of("mechanism.drive.level")
+    ('compression', 'drive level')
+    """
+    return path.removeprefix("mechanism.").replace(".", " ").replace("_", " ")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +72,12 @@ class Separation:
     """Travel [m] by law."""
     measured: bool = False
     """Whether a trial was made at this setting; it is then no proposal."""
+
+    @property
+    def text(self) -> str:
+        """The setting with its unit, lengths in millimetres and angles in degrees."""
+        unit, factor = unit_of(self.unit)
+        return f"{number(factor * self.value, 6)} {unit}".replace(" °", "°")
 
     def gap(self, one: str, other: str) -> float:
         """Return the difference of two predictions [m]."""
@@ -97,7 +135,7 @@ class Proposal:
         others = [titles[name] for name in self.rivals]
         names = others[0] if len(others) == 1 else ", ".join(others[:-1]) + f" and {others[-1]}"
         if not self.settings:
-            first, last = setting_text(self.tried[0]), setting_text(self.tried[-1])
+            first, last = self.tried[0].text, self.tried[-1].text
             ends = f"from {first} to {last}" if len(self.tried) > 1 else f"such as {first}"
             return (
                 f"No setting of {symbol} {ends} would separate {titles[self.best]} from {names}:"
@@ -108,7 +146,7 @@ class Proposal:
             for name in (self.best, self.rival)
         )
         return (
-            f"Set {symbol} to {' and '.join(map(setting_text, self.settings))}, three runs each."
+            f"Set {symbol} to {' and '.join(row.text for row in self.settings)}, three runs each."
             f" {titles[self.best]} predicts {one} m, {titles[self.rival]} {other} m."
         )
 
@@ -141,7 +179,7 @@ def propose(
     inner = tuple(sorted(tried, key=lambda row: _gap([row], best, rivals)[0])[-1:])
     settings = next((s for s in (outer, inner) if s and _gap(s, best, rivals)[0] > doubt), ())
     return Proposal(
-        what=rows[0].path.rpartition(".")[2].replace("_", " "),
+        what=words_of(rows[0].path),
         best=best,
         rival=_gap(settings or tried, best, rivals)[1],
         rivals=tuple(rivals),
@@ -159,26 +197,19 @@ def _gap(rows: Sequence[Separation], best: str, names: Sequence[str]) -> tuple[f
     return gaps[name], name
 
 
-def setting_text(separation: Separation) -> str:
-    """Return a setting with its unit, lengths below a metre in millimetres."""
-    if separation.unit == "m" and abs(separation.value) < 1.0:
-        return f"{1e3 * separation.value:g} mm"
-    return f"{separation.value:g} {separation.unit}"
-
-
 def knob_of(
     mechanism: Mechanism, trials: Sequence[Trial] = ()
 ) -> tuple[str, str, str, float] | None:
     """Return path, symbol, unit and value of the parameter that is set to get other travels.
 
-    What the trials vary, if that is one parameter, can be set; else it is the one that is easiest
-    to turn.
+    What the trials vary, if that is one parameter, can be set; else, or where that one is 0 as the
+    rig stands, it is the one that is easiest to turn.
     """
     known = {
         path: (q.symbol, q.unit, value) for path, q, value in parameters(mechanism, "mechanism")
     }
     varied = [path for path in known if len({_value(trial, path) for trial in trials}) > 1]
-    for path in varied if len(varied) == 1 else KNOBS:
+    for path in (*(varied if len(varied) == 1 else ()), *KNOBS):
         if path in known and known[path][2] != 0:
             return path, *known[path]
     return None
@@ -216,15 +247,57 @@ def separations(
     knob = knob_of(mechanism, trials)
     if knob is None or not laws:
         return ()
-    path, symbol, unit, value = knob
+    path, *_, value = knob
+    settings = _settings(mechanism, path, value, trials, factors)
     initial = trials[0].initial if trials else {}
+    per_cycle = bool(trials and trials[0].cycles)
+    return predictions(
+        mechanism, laws, path, settings, t_end=t_end, initial=initial, per_cycle=per_cycle
+    )
+
+
+def predictions(
+    mechanism: Mechanism,
+    laws: Mapping[str, FrictionLaw],
+    path: str,
+    settings: Sequence[tuple[float, bool]],
+    *,
+    t_end: float,
+    initial: Mapping[str, float] | None = None,
+    per_cycle: bool = False,
+) -> tuple[Separation, ...]:
+    """Predict the travel of each law at given settings; those with which no run ends are left out.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The rig as it stands.
+    laws : mapping of str to FrictionLaw
+        The laws by name.
+    path : str
+        Parameter that is set.
+    settings : sequence of tuple of float and bool
+        Settings, SI, and whether each was measured.
+    t_end : float
+        Time after which a body counts as stopped [s].
+    initial : mapping of str to float, optional
+        Initial states by name.
+    per_cycle : bool
+        Whether travels are those of the whole cycles that end by then.
+    """
+    symbol, unit = next(
+        (q.symbol, q.unit) for one, q, _ in parameters(mechanism, "mechanism") if one == path
+    )
     found = []
-    for setting, measured in _settings(mechanism, path, value, trials, factors):
+    for setting, measured in settings:
         changed = vary(mechanism, "mechanism", {path: setting})
         try:
-            cycles = whole_cycles(changed, t_end) if trials and trials[0].cycles else None
             trial = Trial(
-                mechanism=changed, initial=initial, travel=0.0, half_width=0.0, cycles=cycles
+                mechanism=changed,
+                initial=initial or {},
+                travel=0.0,
+                half_width=0.0,
+                cycles=whole_cycles(changed, t_end) if per_cycle else None,
             )
             predicted = {
                 name: TravelModel(law, (), t_end).travel(trial, ()) for name, law in laws.items()

@@ -1,0 +1,262 @@
+"""The tables of a plan: what stands in which row, for a terminal and a page alike.
+
+Symbols stand between dollar signs, which pages typeset.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import final
+
+from stickslip.digits import fixed, significant
+from stickslip.experiments.wording import joined, number, quantity
+from stickslip.quantities import parameters
+from stickslip.selection.lab_sheet import Plan, Telling
+from stickslip.selection.separation import unit_of
+
+__all__ = ["SheetRow", "SheetTable", "tables_of"]
+
+BLOCK = 6
+"""Settings in one table, so that it fits a terminal of 80 columns and a sheet of paper."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SheetRow:
+    """A row of a table."""
+
+    cells: tuple[str, ...]
+    """One for each head."""
+    aside: str = ""
+    """What distinguishes the first cell, where there is room for it."""
+    chosen: bool = False
+    """Whether the sheet is written for this law."""
+    muted: bool = False
+    """Whether it is not told."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SheetTable:
+    """A table, and what is said in a line each below it."""
+
+    name: str
+    """What it is about: ``"before"``, ``"settings"``, ``"apart"`` or ``"values"``."""
+    title: str
+    """Its heading."""
+    heads: tuple[str, ...]
+    """What the columns are, with their units; the first one names the rows."""
+    rows: tuple[SheetRow, ...]
+    """None where there is nothing of the kind."""
+    caption: str = ""
+    """How to read it, in full."""
+    lines: Mapping[str, str] = field(default_factory=dict)
+    """Sentences below it, by what they are of."""
+
+
+def tables_of(plan: Plan) -> tuple[SheetTable, ...]:
+    """Return the tables of a plan in the order in which they are read.
+
+    Parameters
+    ----------
+    plan : Plan
+        What `stickslip.plan` gave.
+
+    Returns
+    -------
+    tuple of SheetTable
+        What to measure before the runs, the settings with the predicted travels (one table for each
+        six of them), which laws they tell apart, and what they tell of each law.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock, plan
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> tables = tables_of(plan(rig, ["coulomb", "viscous"], uncertainty=0.004))
+    >>> [table.name for table in tables]
+    ['before', 'settings', 'apart', 'values']
+    >>> tables[1].heads
+    ('law', '40', '60', '80', '100')
+    """
+    apart = (_apart(plan),) if plan.tellings else ()
+    return (_before(plan), *_settings(plan), *apart, _values(plan))
+
+
+def _titles(plan: Plan) -> dict[str, str]:
+    return {name: law.title for name, law in plan.laws.items()}
+
+
+def _before(plan: Plan) -> SheetTable:
+    """Return what to measure before the runs, and below it how."""
+    count = len(plan.settings) * plan.repeats
+    rows, how = [], {}
+    for one in plan.preparations:
+        unit = one.quantity.unit
+        name = f"{one.name} ${one.quantity.symbol}$"
+        rows.append(
+            SheetRow(
+                cells=(
+                    name,
+                    quantity(one.value, unit, 4, degrees=True),
+                    quantity(one.needed, unit, 2, degrees=True),
+                    one.verdict,
+                )
+            )
+        )
+        how[f"{one.name[:1].upper()}{one.name[1:]}"] = one.how
+    caption = (
+        "Uncertainties are standard uncertainties. A parameter known as well as needed adds half as"
+        f" much as the {count} readings to the uncertainty of the level of"
+        f" {_titles(plan)[plan.reference]} friction; three such parameters widen its interval by a"
+        " third. An error that all runs share does not average out; that of a setting that is made"
+        " anew for each run does."
+    )
+    return SheetTable(
+        name="before",
+        title="Measure before the runs",
+        heads=("parameter", "value", "needed uncertainty", "stated uncertainty"),
+        rows=tuple(rows),
+        caption=caption,
+        lines={**how, **plan.rest},
+    )
+
+
+def _settings(plan: Plan) -> tuple[SheetTable, ...]:
+    """Return the travels that each law predicts, of up to six settings at a time."""
+    titles = _titles(plan)
+    unit, factor = unit_of(plan.settings[0].unit)
+    # a digit beyond that of the uncertainty
+    decimals = min(max(0, 1 - math.floor(math.log10(1e3 * plan.uncertainty))), 4)
+    level = (
+        "The level of each law is that which the trials call for."
+        if plan.from_trials
+        else "The level of each law is that with which all travel equally far as the rig stands."
+    )
+    known = quantity(plan.uncertainty, "m", 2)
+    doubt = (
+        f"Travels are taken to be known to {known}, 2 % of the longest one: an assumption, until"
+        " repeats at one setting show their scatter."
+        if plan.assumed
+        else f"Travels are taken to be known to {known}, scatter and reading together."
+    )
+    blocks = [plan.settings[i : i + BLOCK] for i in range(0, len(plan.settings), BLOCK)]
+    found = []
+    for block in blocks:
+        rows = [
+            SheetRow(
+                cells=(
+                    titles[name],
+                    *(fixed(1e3 * row.predicted[name], decimals) for row in block),
+                ),
+                aside=_values_of(plan, name),
+                chosen=name == plan.reference,
+            )
+            for name in plan.laws
+        ]
+        last = block is blocks[-1]
+        found.append(
+            SheetTable(
+                name="settings",
+                title=f"Travel predicted [mm] by {plan.knob} [{unit}], {plan.repeats} runs each",
+                heads=("law", *(number(factor * row.value) for row in block)),
+                rows=tuple(rows),
+                caption=f"{level} {doubt} {plan.range_source}".rstrip() if last else "",
+            )
+        )
+    return tuple(found)
+
+
+def _values_of(plan: Plan, name: str) -> str:
+    """Return the values of a law that were counted on."""
+    return ", ".join(
+        f"${asked.symbol}$ = {quantity(value, asked.unit)}"
+        for _, asked, value in parameters(plan.laws[name], "friction")
+        if value
+    )
+
+
+def _apart(plan: Plan) -> SheetTable:
+    """Return which laws the runs tell apart, and below it which they do not, and why."""
+    titles = _titles(plan)
+    unit, factor = unit_of(plan.settings[0].unit)
+    told = [one for one in plan.tellings if one.repeats is not None]
+    rows = [
+        SheetRow(
+            cells=(
+                titles[one.holds],
+                titles[one.rival],
+                number(1e3 * one.gap, 2),
+                number(factor * one.setting.value),
+                f"{one.repeats}",
+            )
+        )
+        for one in told
+    ]
+    open_: dict[str, list[Telling]] = {}
+    for one in plan.tellings:
+        if one.repeats is None:
+            open_.setdefault(one.obstacle, []).append(one)
+    return SheetTable(
+        name="apart",
+        title=f"The runs tell {len(told)} of {len(plan.tellings)} pairs of laws apart",
+        heads=(
+            "if this law holds",
+            "this one is ruled out",
+            "difference [mm]",
+            f"at [{unit}]",
+            "runs each",
+        ),
+        rows=tuple(rows),
+        caption=(
+            "Difference: the largest that is left when the law that is to be ruled out is fitted to"
+            " the travels of the other one, and the setting where it is. Runs each: the number at"
+            " each setting that rules it out by the test of `stickslip select` in nine of ten such"
+            " sets."
+        ),
+        lines={said: _pairs(pairs, titles) for said, pairs in open_.items()},
+    )
+
+
+def _pairs(pairs: Sequence[Telling], titles: Mapping[str, str]) -> str:
+    """Return pairs of laws in words, each law once."""
+    by_law: dict[str, list[str]] = {}
+    for one in pairs:
+        by_law.setdefault(titles[one.holds], []).append(titles[one.rival])
+    return f"{'; '.join(f'{law} from {joined(rivals)}' for law, rivals in by_law.items())}."
+
+
+def _values(plan: Plan) -> SheetTable:
+    """Return what the runs will tell of each parameter, and below it what tells the others."""
+    titles = _titles(plan)
+    rows = []
+    for one in plan.expectations:
+        estimate, asked = one.estimate, one.estimate.quantity
+        unit = "" if asked.unit == "1" else f" [{asked.unit}]"
+        rows.append(
+            SheetRow(
+                cells=(
+                    titles[one.law],
+                    f"${asked.symbol}${unit}",
+                    significant(estimate.value, 3),
+                    estimate.range if one.identified else "not identified",
+                ),
+                muted=not one.identified,
+            )
+        )
+    advice: dict[str, str] = {}
+    for one in plan.expectations:
+        if one.advice:
+            advice.setdefault(one.estimate.quantity.symbol, one.advice)
+    return SheetTable(
+        name="values",
+        title="What the runs will tell of each law",
+        heads=("law", "parameter", "if it is", "95 % interval to expect"),
+        rows=tuple(rows),
+        caption=(
+            "The interval to expect if the law holds with this value and the rig is known as stated"
+            " or, where nothing is stated, as needed. A parameter that `stickslip select` does not fit is fitted here"
+            " beside those that it does: the interval is the best that the travels can give. Not"
+            " identified: the interval would reach the least value that the law allows."
+        ),
+        lines={f"To identify ${symbol}$": text for symbol, text in advice.items()},
+    )
