@@ -254,9 +254,10 @@ def _values(plan: Plan) -> SheetTable:
         rows=tuple(rows),
         caption=(
             "The interval to expect if the law holds with this value and the rig is known as stated"
-            " or, where nothing is stated, as needed. A parameter that `stickslip select` does not fit is fitted here"
-            " beside those that it does: the interval is the best that the travels can give. Not"
-            " identified: the interval would reach the least value that the law allows."
+            " or, where nothing is stated, as needed. A parameter that `stickslip select` does not"
+            " fit is fitted here beside those that it does: the interval is the best that the"
+            " travels can give. Not identified: the interval would reach the least value that the"
+            " law allows."
         ),
         lines={f"To identify ${symbol}$": text for symbol, text in advice.items()},
     )
