@@ -286,15 +286,6 @@ def test_uncertainties_of_what_is_not_there_are_refused():
         Measurement(travel=0.2, doubts={K: 0.0})
 
 
-def test_records_in_time_refuse_them():
-    time = np.linspace(0.0, 1.0, 50)
-    record = Measurement(time=time, position=0.1 * time, force=0.0 * time, doubts={M: 0.01})
-    with pytest.raises(InputError, match="for travels only"):
-        fit(BLOCK, Coulomb, record)
-    with pytest.raises(InputError, match="for travels only"):
-        select(BLOCK, record)
-
-
 def test_unstated_readings_are_not_trusted_against_what_trials_share():
     """Settings that the stiffness moves unalike: nothing may be solved for it from the scatter."""
     draw = np.random.default_rng(3)

@@ -1,4 +1,4 @@
-"""What the uncertainties of a mechanism's parameters make of the travels, to first order."""
+"""What the uncertainties of a mechanism's parameters make of travels, to first order."""
 
 import math
 from collections.abc import Hashable, Mapping, Sequence
@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.identification.travel import TravelModel, Trial
+from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters, vary
 
-__all__ = ["READINGS", "Propagated", "covariance_of", "propagated"]
+__all__ = ["READINGS", "Propagated", "covariance_of", "propagated", "span_of"]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -124,15 +125,26 @@ def _slope(
     model: TravelModel, trial: Trial, values: Sequence[float], path: str, doubt: float
 ) -> float:
     """Return the derivative of the travel by a parameter of the mechanism, inside its range."""
-    known: dict[str, tuple[Quantity, float]] = {
-        name: (quantity, value)
-        for name, quantity, value in parameters(trial.mechanism, "mechanism")
-    }
-    quantity, value = known[path]
-    step = STEP * abs(value) or OF_ZERO * doubt
-    ends = max(value - step, quantity.low), min(value + step, quantity.high)
+    ends = span_of(trial.mechanism, path, doubt)
     low, high = (
         model.travel(trial.with_mechanism(vary(trial.mechanism, "mechanism", {path: end})), values)
         for end in ends
     )
     return (high - low) / (ends[1] - ends[0])
+
+
+def span_of(mechanism: Mechanism, path: str, doubt: float) -> tuple[float, float]:
+    """Return the two values of a parameter, inside its range, between which slopes are taken.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> span_of(SpringBlock(mass=2.0), "mechanism.mass", 0.01)
+    (1.998, 2.002)
+    """
+    known: dict[str, tuple[Quantity, float]] = {
+        name: (quantity, value) for name, quantity, value in parameters(mechanism, "mechanism")
+    }
+    quantity, value = known[path]
+    step = STEP * abs(value) or OF_ZERO * doubt
+    return max(value - step, quantity.low), min(value + step, quantity.high)

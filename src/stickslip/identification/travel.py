@@ -18,7 +18,14 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, vary
 from stickslip.simulation import simulate
 
-__all__ = ["TravelModel", "Trial", "standard_errors", "trials_of", "under_cycles"]
+__all__ = [
+    "TravelModel",
+    "Trial",
+    "standard_errors",
+    "trials_of",
+    "uncertainties_of",
+    "under_cycles",
+]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -68,32 +75,59 @@ def trials_of(mechanism: Mechanism, measurement: Measurement) -> tuple[Trial, ..
         If a record has no travel, or an uncertainty is of no parameter.
     """
     trials = []
-    records = measurement.records()
-    common = _doubts(mechanism, measurement.doubts) if measurement.trials else {}
-    # What any trial sets was set anew for each of them; what none sets is one number for all.
-    anew = {path for record in records for path in record.overrides}
-    shared = {path: one for path, one in common.items() if path not in anew}
-    by_hand = {path: one for path, one in common.items() if path in anew}
-    for record in records:
+    uncertainties = uncertainties_of(mechanism, measurement)
+    for record, (own, shared) in zip(measurement.records(), uncertainties, strict=True):
         if record.travel is None:
             raise InputError(
                 f"this fit uses travels, and record {record.name or 'without a name'!r} has none;"
                 f" it has {', '.join(record.quantities())}."
             )
-        changed = vary(mechanism, "mechanism", record.overrides)
-        own = {**by_hand, **_doubts(changed, record.doubts)}
         trials.append(
             Trial(
-                mechanism=changed,
+                mechanism=vary(mechanism, "mechanism", record.overrides),
                 initial=record.initial,
                 travel=float(record.travel),
                 half_width=float(record.uncertainty.get("travel", 0.0)),
                 kind=record.uncertainty_kind,
                 doubts=own,
-                shared={path: one for path, one in shared.items() if path not in own},
+                shared=shared,
             )
         )
     return tuple(trials)
+
+
+def uncertainties_of(
+    mechanism: Mechanism, measurement: Measurement
+) -> list[tuple[dict[str, float], dict[str, float]]]:
+    """Return standard uncertainties of the mechanism's parameters by path, of each record.
+
+    Those of the record alone come first, then those that all records share: what any record sets
+    was set anew for each of them, and what none sets is one number for all.
+
+    Raises
+    ------
+    InputError
+        If an uncertainty is of no parameter.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0)
+    >>> trials = [Measurement(travel=s, overrides={"mechanism.compression": s}) for s in (0.1, 0.2)]
+    >>> both = Measurement(trials=tuple(trials), doubts={"compression": 1e-3, "mass": 0.01})
+    >>> uncertainties_of(rig, both)[0]
+    ({'mechanism.compression': 0.001}, {'mechanism.mass': 0.01})
+    """
+    records = measurement.records()
+    common = _doubts(mechanism, measurement.doubts) if measurement.trials else {}
+    anew = {path for record in records for path in record.overrides}
+    by_hand = {path: one for path, one in common.items() if path in anew}
+    found = []
+    for record in records:
+        own = {**by_hand, **_doubts(vary(mechanism, "mechanism", record.overrides), record.doubts)}
+        shared = {path: one for path, one in common.items() if path not in own}
+        found.append((own, shared))
+    return found
 
 
 def _doubts(mechanism: Mechanism, given: Mapping[str, float]) -> dict[str, float]:
