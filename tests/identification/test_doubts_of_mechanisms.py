@@ -22,8 +22,9 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
+from stickslip.identification import least_squares as least_squares_of_travels
 from stickslip.identification.fitting import fit_trials
-from stickslip.identification.travel import trials_of
+from stickslip.identification.travel import standard_errors, trials_of
 from stickslip.selection.admissibility import improves
 
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -38,7 +39,7 @@ def mu_of(k, m, x, s):
 def travels(settings, values, error=0.001, doubts=None, own=None):
     return Measurement(
         trials=tuple(
-            Measurement(travel=s, uncertainty=error, overrides={X: x}, doubts=own or {})
+            Measurement(travel=s, uncertainty=error or {}, overrides={X: x}, doubts=own or {})
             for x, s in zip(settings, values, strict=True)
         ),
         doubts=doubts or {},
@@ -205,6 +206,37 @@ def test_a_law_that_is_moved_more_by_the_settings_is_not_taken_for_that():
     assert not improves(one, other, 1)
 
 
+@pytest.mark.parametrize("doubts", [{}, {K: 6.0}, {K: 6.0, X: 0.0004}])
+def test_laws_are_compared_by_the_scatter_where_readings_state_nothing(doubts, monkeypatch):
+    """What stands in for an unstated uncertainty has no part in a verdict, shared errors or not."""
+    draw = np.random.default_rng(5)
+    settings = np.repeat([0.05, 0.07, 0.09, 0.11], 3)
+    s = mu_of(100.0, 1.0, settings, 0.25) * (1.0 - 1.1 * settings) + 0.002 * draw.normal(size=12)
+    trials = trials_of(BLOCK, travels(settings, np.round(s, 4), None, doubts))
+    found = []
+    for factor in (1.0, 10.0):
+        errors, stated = standard_errors(trials)
+        monkeypatch.setattr(
+            least_squares_of_travels,
+            "standard_errors",
+            lambda _, known=(factor * errors, stated): known,
+        )
+        start = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.3)
+        both = [
+            fit_trials(law, trials, starts=[values])
+            for law, values in ((Coulomb(kinetic_coefficient=0.27), [0.27]), (start, [0.25, 0.3]))
+        ]
+        scale, freedom = both[1].variance
+        assert freedom == 10
+        residuals = np.array(both[1].residuals)
+        left = residuals @ np.linalg.solve(both[1].travel_covariance(scale), residuals)
+        assert left == pytest.approx(10.0, rel=1e-6)  # chi-square that agrees with its freedom
+        found.append(both[0].deviance(scale) - both[1].deviance(scale))
+        assert improves(both[1], both[0], 1)
+    # searches end where a step takes a ten thousandth off chi-square
+    assert found[1] == pytest.approx(found[0], rel=1e-3)
+
+
 def test_the_verdict_says_what_limits_the_interval():
     reading = Measurement(travel=0.2, uncertainty=0.001, doubts={K: 2.0})
     verdict = select(BLOCK, reading, [Coulomb])
@@ -284,15 +316,6 @@ def test_uncertainties_of_what_is_not_there_are_refused():
         fit(BLOCK, Coulomb, Measurement(travel=0.2, doubts={"upper_stop": 1.0}))
     with pytest.raises(InputError, match="above 0, got 0"):
         Measurement(travel=0.2, doubts={K: 0.0})
-
-
-def test_records_in_time_refuse_them():
-    time = np.linspace(0.0, 1.0, 50)
-    record = Measurement(time=time, position=0.1 * time, force=0.0 * time, doubts={M: 0.01})
-    with pytest.raises(InputError, match="for travels only"):
-        fit(BLOCK, Coulomb, record)
-    with pytest.raises(InputError, match="for travels only"):
-        select(BLOCK, record)
 
 
 def test_unstated_readings_are_not_trusted_against_what_trials_share():

@@ -224,7 +224,7 @@ def _record(record: Measurement, mechanism: Mechanism | None, grave: bool) -> It
     if enough and not _wrong(still):
         yield from _agreement(record, mechanism, moving)
     if enough and not grave:
-        yield from _course(record, moving)
+        yield from _course(record, mechanism, moving)
 
 
 def _signals(
@@ -254,10 +254,12 @@ def _signals(
         )
 
 
-def _course(record: Measurement, moving: motion.Motion | None) -> Iterator[Finding]:
+def _course(
+    record: Measurement, mechanism: Mechanism | None, moving: motion.Motion | None
+) -> Iterator[Finding]:
     """Yield what the course of the motion and of the friction tells."""
     if moving is not None:
-        yield from motion.reversals(moving)
+        yield from motion.reversals(moving, offset=dynamics.has_offset(record, mechanism))
         yield from motion.rests(moving)
         yield from motion.slow(moving)
     levels = list(level.levels(record, moving))

@@ -101,8 +101,8 @@ class Measurement:
         What was different in this record, by parameter path.
     doubts : mapping of str to float, optional
         Standard uncertainties of the mechanism's parameters, by path, above 0, which fits to
-        travels propagate. Those of a trial are its own; those beside trials are shared by all of
-        them, but for a parameter that trials override, which was set anew for each.
+        travels and records propagate. Those of a trial are its own; those beside trials are shared
+        by all of them, but for a parameter that trials override, which was set anew for each.
     conditions : mapping of str to float or str, optional
         What else was different, such as ``{"temperature [degC]": 20, "direction": "up"}``, by name
         with its unit if it has one. `compare_trials` asks whether friction depends on it.

@@ -20,8 +20,7 @@ def check_given(verb: str, mechanism: object, measurement: object) -> None:
     Raises
     ------
     InputError
-        If one is something else, such as a rig or the name of a file; or if uncertainties of the
-        mechanism stand beside what they are not propagated for.
+        If one is something else, such as a rig or the name of a file.
 
     Examples
     --------
@@ -40,7 +39,6 @@ def check_given(verb: str, mechanism: object, measurement: object) -> None:
             f"{verb} takes a mechanism such as Axis(inertia=1.0), got {_called(mechanism)}."
         )
     if isinstance(measurement, Measurement):
-        _check_doubts(measurement)
         return
     cure = "read a file with load_measurement, or make a Measurement of arrays"
     if isinstance(measurement, str):
@@ -48,17 +46,6 @@ def check_given(verb: str, mechanism: object, measurement: object) -> None:
     elif isinstance(measurement, Rig):
         cure = "give rig.measurement"
     raise InputError(f"{verb} takes a Measurement, got {_called(measurement)}: {cure}.")
-
-
-def _check_doubts(measurement: Measurement) -> None:
-    if measurement.travelled:
-        return
-    stated = [path for one in (measurement, *measurement.trials) for path in one.doubts]
-    if stated:
-        raise InputError(
-            f"the uncertainty of {stated[0]} is propagated into intervals for travels only: leave"
-            " it out for a record, or have the record tell the value with unknown = true."
-        )
 
 
 def _called(given: object) -> str:

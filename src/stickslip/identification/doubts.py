@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from stickslip.experiments.wording import number
 from stickslip.friction import DirectionalLaw, FrictionLaw
-from stickslip.identification.inference import Inference, quantile_of
+from stickslip.identification.inference import Inference
 from stickslip.identification.problem import Linearised
+from stickslip.identification.propagation import READINGS
 from stickslip.identification.results import Estimate
 from stickslip.identification.unknowns import Unknown, Unknowns
 from stickslip.mechanisms import Mechanism
@@ -86,9 +87,20 @@ def estimates_of(
                 high=high,
                 interval=INTERVAL,
                 reason=reason,
+                sources={} if reason else _sources(inference, i),
             )
         )
     return tuple(found)
+
+
+def _sources(inference: Inference, index: int) -> dict[str, float]:
+    """Return the standard errors of an estimate by where they come from; none without others."""
+    if not inference.held:
+        return {}
+    own = {READINGS: math.sqrt(max(inference.covariance[index, index], 0.0))}
+    return own | {
+        path: float(np.linalg.norm(moved[:, index])) for path, moved in inference.held.items()
+    }
 
 
 def _bound_reason(item: Unknown, side: str, value: float) -> str:
@@ -124,10 +136,9 @@ def step_intervals(
         if item.above not in paths:
             continue
         j = paths.index(item.above)
-        c = inference.covariance
-        variance = c[i, i] + c[j, j] - 2.0 * c[i, j]
-        fewest = min(inference.freedom[i], inference.freedom[j])
-        half = float(quantile_of(fewest)) * math.sqrt(max(variance, 0.0))
+        row = np.zeros(len(paths))
+        row[[i, j]] = 1.0, -1.0
+        half = inference.half_width(row)
         step = float(seen.values[i] - seen.values[j])
         found[item.path] = (step, step - half, step + half)
     return found
@@ -188,7 +199,8 @@ def offset_left_out(law: FrictionLaw, mechanism: Mechanism, unknowns: Unknowns) 
 def _together(unknowns: Unknowns, inference: Inference, at_bounds: Mapping[str, str]) -> list[str]:
     """Return sentences on pairs of estimates that move together."""
     lines = []
-    table = inference.correlation
+    # what the mechanism's uncertainty moves together is not for the record to separate
+    table = inference.of_record.correlation
     for i, one in enumerate(unknowns.items):
         for j, other in enumerate(unknowns.items[:i]):
             free = one.path not in at_bounds and other.path not in at_bounds

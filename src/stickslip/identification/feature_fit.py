@@ -25,6 +25,7 @@ from stickslip.identification.features import (
     StickSlipFeatures,
     features_of,
     load_of,
+    refuse_uncertainties,
     towed,
 )
 from stickslip.identification.optimise import Counter, Watch, improve
@@ -115,6 +116,7 @@ def fit_features(
     True
     """
     block = towed(mechanism)
+    refuse_uncertainties(measurement)
     if not 0.0 < share <= 1.0:
         raise InputError(f"fit_features: share must be above 0 and at most 1, got {share!r}.")
     first, rest = _parts(measurement, share)

@@ -29,6 +29,7 @@ __all__ = [
     "evenly",
     "features_of",
     "load_of",
+    "refuse_uncertainties",
     "towed",
 ]
 
@@ -239,6 +240,26 @@ def by_features(measurement: Measurement, route: str | None = None) -> bool:
         return route == ROUTE
     known = set(measurement.quantities())
     return "spring_force" in known and not known & OTHERS
+
+
+def refuse_uncertainties(measurement: Measurement) -> None:
+    """Refuse uncertainties of the mechanism, which fits to features do not propagate.
+
+    Raises
+    ------
+    InputError
+        If there are any.
+
+    Examples
+    --------
+    >>> refuse_uncertainties(Measurement(time=[0.0, 1.0], spring_force=[0.1, 0.2]))
+    """
+    stated = [path for one in (measurement, *measurement.trials) for path in one.doubts]
+    if stated:
+        raise InputError(
+            f"the uncertainty of {stated[0]} is not propagated into intervals of fits to features:"
+            " leave it out."
+        )
 
 
 def towed(mechanism: Mechanism) -> TowedBlock:

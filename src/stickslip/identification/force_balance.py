@@ -154,12 +154,12 @@ class Balanced:
     def __call__(self, record: Measurement, length: float | None) -> ForceMap:
         """Return the problem of a record, in segments of a length [s]."""
         own = balanced(self.mechanism, record, hold=self.hold, segment=length)
-        return replace(self.problem, stretches=own, mass=mass_of(self.mechanism))
+        return replace(self.problem.along(own, record), mass=mass_of(self.mechanism))
 
-    def fitted(self, record: Measurement) -> ForceMap:
+    def fitted(self, record: Measurement, length: float | None = None) -> ForceMap:
         """Return the problem that is fitted: rows that slip, since rests only judge a law."""
-        own = balanced(self.mechanism, record, hold=self.hold, slipping=True)
-        return replace(self.problem, stretches=own, mass=mass_of(self.mechanism))
+        own = balanced(self.mechanism, record, hold=self.hold, segment=length, slipping=True)
+        return replace(self.problem.along(own, record), mass=mass_of(self.mechanism))
 
     def at(self, values: Array) -> "Balanced":
         """Return what derives friction with the mass among values (p,); residuals stay the same."""

@@ -58,14 +58,20 @@ class Halves:
         timed: bool = True,
         several: bool = False,
     ) -> "Halves":
-        """Return estimates of two halves, with Welch's degrees of freedom for their difference."""
-        variances = np.array([one.errors**2 for one in known])
+        """Return estimates of two halves, with Welch's degrees of freedom for their difference.
+
+        Uncertainties of the mechanism move both halves: only by how much they do so unalike counts.
+        """
+        variances = np.array([np.maximum(np.diag(one.covariance), 0.0) for one in known])
         freedoms = np.array([one.freedom for one in known])
+        whole = variances.sum(axis=0)
+        for path, moved in known[0].held.items():
+            whole = whole + np.sum((moved - known[1].held[path]) ** 2, axis=0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            welch = variances.sum(axis=0) ** 2 / np.sum(variances**2 / freedoms, axis=0)
+            welch = whole**2 / np.sum(variances**2 / freedoms, axis=0)
         return cls(
             values=values,
-            errors=np.sqrt(variances.sum(axis=0)),
+            errors=np.sqrt(whole),
             freedom=np.where(np.isfinite(welch), np.maximum(welch, 1.0), 1.0),
             timed=timed,
             several=several,

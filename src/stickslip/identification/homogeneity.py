@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from stickslip.identification.inference import BLOCKS, block_sums
+from stickslip.identification.inference import BLOCKS, Displaced, block_sums
 from stickslip.identification.problem import Linearised
 
 __all__ = ["Homogeneity", "homogeneity", "rows_of"]
@@ -25,6 +25,9 @@ Array = NDArray[np.float64]
 
 CUT = 1e-10
 """Eigenvalue of the scaled normal matrix, over the largest, below which a direction is not seen."""
+
+KNOWN = 1e9
+"""Degrees of freedom of a stated uncertainty."""
 
 
 @final
@@ -62,7 +65,12 @@ def rows_of(seen: Linearised, rows: NDArray[np.bool_]) -> Linearised:
     )
 
 
-def homogeneity(trials: Sequence[Linearised], scale: Array, own: Sequence[int]) -> Homogeneity:
+def homogeneity(
+    trials: Sequence[Linearised],
+    scale: Array,
+    own: Sequence[int],
+    displaced: Sequence[Sequence[Displaced]] = (),
+) -> Homogeneity:
     """Test whether trials share the values of some unknowns.
 
     Parameters
@@ -73,6 +81,8 @@ def homogeneity(trials: Sequence[Linearised], scale: Array, own: Sequence[int]) 
         Derivatives of the values by what the optimiser sees; rows that are free of bounds.
     own : sequence of int
         Which of these each trial may have values of its own for; all trials share the others.
+    displaced : sequence of sequence of Displaced
+        What the uncertainties of the mechanism make of each trial, in one order; none if not given.
 
     Examples
     --------
@@ -108,6 +118,12 @@ def homogeneity(trials: Sequence[Linearised], scale: Array, own: Sequence[int]) 
         whole[np.ix_(place, place)] = between * (apart.T @ apart)
         scatters.append(whole)
         freedoms.append(blocks - 1.0)
+    for several in zip(*displaced, strict=True):
+        pull = np.zeros(size)
+        for one, place, moved in zip(trials, places, several, strict=True):
+            pull[place] += (one.slopes @ scale).T @ moved.rows
+        scatters.append(np.outer(pull, pull))
+        freedoms.append(KNOWN)
     form = _inverse(normal) - gathered @ _inverse(gathered.T @ normal @ gathered) @ gathered.T
     return _matched(float(score @ form @ score), form, scatters, freedoms)
 

@@ -7,9 +7,10 @@ their number are the degrees of freedom of its error (`benchmarks.synthetic_trut
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from stickslip.identification.problem import Linearised
 
 __all__ = [
     "BLOCKS",
+    "Displaced",
     "Inference",
     "block_sums",
     "bootstrap",
@@ -31,6 +33,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+NORMAL_95 = 1.959963984540054
 BLOCKS = 8
 """Blocks of a record between which residuals count as independent."""
 DEPENDENT = 0.05
@@ -40,12 +43,53 @@ ALONE = 1e-12
 ONCE = "only one part of the record depends on it"
 
 
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Displaced:
+    """How far one standard uncertainty of a mechanism's parameter moves the residuals of a fit."""
+
+    path: str
+    """The parameter."""
+    rows: Array
+    """Change of the residuals (n,); 0 in records with a value of their own."""
+    shared: bool = True
+    """Whether it is one number of all records, and not that of one record alone."""
+
+    def of(self, rows: NDArray[np.bool_]) -> "Displaced":
+        """Return the same of some rows."""
+        return replace(self, rows=self.rows[rows])
+
+    def followed(self, seen: Linearised, scale: Array) -> Array:
+        """Return how far estimates (p,) follow: one Gauss-Newton step.
+
+        Parameters
+        ----------
+        seen : Linearised
+            The record at the estimates.
+        scale : array (p, p)
+            Derivatives of the values by what the optimiser sees; rows that are free of bounds.
+
+        Examples
+        --------
+        >>> line = Linearised(
+        ...     values=np.ones(1),
+        ...     residual=np.zeros(2),
+        ...     slopes=np.array([[1.0], [2.0]]),
+        ...     segment=np.zeros(2, dtype=int),
+        ... )
+        >>> Displaced(path="mechanism.mass", rows=np.array([0.1, 0.2])).followed(line, np.eye(1))
+        array([0.1])
+        """
+        known = Directions.of(seen.slopes @ scale)
+        return np.asarray(scale @ known.inverse @ (known.columns.T @ self.rows))
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Inference:
     """Covariances of estimates (p, p), of what the data say and of what white noise would say."""
 
     covariance: Array
-    """From leaving out each block in turn (jackknife over blocks)."""
+    """Of the record: from leaving out each block in turn (jackknife over blocks)."""
     naive: Array
     """As if every residual were independent."""
     freedom: Array
@@ -56,23 +100,63 @@ class Inference:
     """Effective number of independent residuals."""
     reasons: tuple[str, ...] = ()
     """Why a standard error is infinite, for each of the parameters; empty where it is not."""
+    held: Mapping[str, Array] = field(default_factory=dict)
+    """By parameter of the mechanism, how far its standard uncertainties move the estimates (k, p):
+    one row for what all records share, else one for each record."""
+
+    @property
+    def of_record(self) -> "Inference":
+        """The same as if the mechanism were known."""
+        return replace(self, held={})
+
+    @property
+    def of_held(self) -> Array:
+        """Covariance that the uncertainties of the mechanism bring (p, p)."""
+        moved = np.concatenate([np.zeros((1, len(self.freedom))), *self.held.values()])
+        covariance: Array = moved.T @ moved
+        return covariance
+
+    @property
+    def total(self) -> Array:
+        """Covariance of the record and of the uncertainties of the mechanism (p, p)."""
+        total: Array = self.covariance + self.of_held
+        return total
 
     @property
     def errors(self) -> Array:
         """Standard errors (p,)."""
-        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        return np.sqrt(np.maximum(np.diag(self.total), 0.0))
 
     @property
     def half_widths(self) -> Array:
         """Half widths of 95 % intervals (p,)."""
-        return quantile_of(self.freedom) * self.errors
+        return np.array([self.half_width(row) for row in np.eye(len(self.freedom))])
+
+    def half_width(self, row: Array) -> float:
+        """Return the half width of the 95 % interval of a sum of estimates, each times a factor.
+
+        What the record tells has the least degrees of freedom of the estimates in it; standard
+        uncertainties of the mechanism are known.
+
+        Parameters
+        ----------
+        row : array (p,)
+            The factors, of which at least one is not 0.
+        """
+        kept = row != 0.0
+        own, known = (
+            max(float(row[kept] @ table[np.ix_(kept, kept)] @ row[kept]), 0.0)
+            for table in (self.covariance, self.of_held)
+        )
+        quantile = float(quantile_of(np.min(self.freedom[kept])))
+        return math.hypot(quantile * math.sqrt(own), NORMAL_95 * math.sqrt(known))
 
     @property
     def correlation(self) -> Array:
         """Correlation of the estimates (p, p), 0 for what the record does not depend on."""
         known = np.isfinite(self.errors) & (self.errors > 0.0)
         errors = np.where(known, self.errors, 1.0)
-        whole = np.where(np.isfinite(self.covariance), self.covariance, 0.0)
+        whole = np.where(np.isfinite(self.total), self.total, 0.0)
         table: Array = whole / np.outer(errors, errors)
         np.fill_diagonal(table, 1.0)
         return table
@@ -128,7 +212,13 @@ def _neighbours(columns: Array) -> Array:
     return found
 
 
-def infer(seen: Linearised, scale: Array, *, blocks: int = BLOCKS) -> Inference:
+def infer(
+    seen: Linearised,
+    scale: Array,
+    *,
+    blocks: int = BLOCKS,
+    displaced: Sequence[Displaced] = (),
+) -> Inference:
     """Return covariances at an optimum.
 
     One Gauss-Newton step from the optimum for each block that is left out; no run is made. Where a
@@ -151,6 +241,8 @@ def infer(seen: Linearised, scale: Array, *, blocks: int = BLOCKS) -> Inference:
         Derivatives of the values by what the optimiser sees; rows that are free of bounds.
     blocks : int
         Number of blocks of equal length, of records in time.
+    displaced : sequence of Displaced
+        What the uncertainties of the mechanism make of the residuals.
 
     Source: J. G. MacKinnon, M. O. Nielsen, M. D. Webb, "Fast and reliable jackknife and bootstrap
     methods for cluster-robust inference", 2023 (CV3); G. W. Imbens, M. Kolesar, "Robust standard
@@ -188,6 +280,10 @@ def infer(seen: Linearised, scale: Array, *, blocks: int = BLOCKS) -> Inference:
         condition=known.condition,
         effective=effective_size(seen),
         reasons=tuple(reasons),
+        held={
+            path: np.array([one.followed(seen, scale) for one in displaced if one.path == path])
+            for path in dict.fromkeys(one.path for one in displaced)
+        },
     )
 
 
@@ -337,13 +433,15 @@ def bootstrap(
     draws: int = 2000,
     blocks: int = BLOCKS,
     seed: int = 0,
+    held: Mapping[str, Array] | None = None,
 ) -> Array:
     """Return draws (draws, p) of the change of what the optimiser sees when blocks weigh otherwise.
 
     What leaving each block out changes, with random weights: Gauss-Newton steps, no run is made.
     Of a table with independent rows, it is what each row changes. Weights are normal, over the root
     of a chi square of as many degrees as each parameter has; blocks drawn with replacement vary too
-    little where there are so few, and covered 83 % for 95 %.
+    little where there are so few, and covered 83 % for 95 %. What held parameters of the mechanism
+    make of the estimates, as in `Inference.held`, is added.
 
     Examples
     --------
@@ -366,4 +464,7 @@ def bootstrap(
     degrees = np.array([spread.freedom(row) for row in known.inverse])
     shrunk = np.sqrt(stats.chi2.ppf(random.uniform(size=(draws, 1)), degrees) / degrees)
     found: Array = weights @ (singular[:, None] * axes) @ known.inverse.T / shrunk
+    for moved in (held or {}).values():
+        steps = np.linalg.lstsq(scale, moved.T, rcond=None)[0].T
+        found = found + random.standard_normal((draws, len(steps))) @ steps
     return found

@@ -10,7 +10,12 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, ParameterError, SimulationError
 from stickslip.identification.exact import room_for
-from stickslip.identification.propagation import Propagated, covariance_of, propagated
+from stickslip.identification.propagation import (
+    Propagated,
+    agreeing_scale,
+    covariance_of,
+    propagated,
+)
 from stickslip.identification.results import Estimate, TravelFit, variance_of
 from stickslip.identification.starts import Start, starting_points
 from stickslip.identification.travel import TravelModel, Trial, standard_errors
@@ -173,15 +178,12 @@ class _Problem:
 
     def _scale(self, left: Array, freedom: int) -> float:
         """Return the variance of readings with which residuals agree, over that stated."""
-        from scipy.optimize import brentq
 
-        def excess(logarithm: float) -> float:
-            scatter = self.spread.scatter(self.readings * math.exp(0.5 * logarithm))
-            covariance = covariance_of(scatter, self.spread.shared)
-            return float(left @ np.linalg.solve(covariance, left)) - freedom
+        def covariance(scale: float) -> Array:
+            scatter = self.spread.scatter(self.readings * math.sqrt(scale))
+            return covariance_of(scatter, self.spread.shared)
 
-        most = math.log(max(float(np.sum((left / self.readings) ** 2)) / freedom, 1.0)) + 1.0
-        return math.exp(float(brentq(excess, 0.0, most))) if excess(0.0) > 0.0 else 1.0
+        return agreeing_scale(left, self.readings, freedom, covariance)
 
     def _whiten(self) -> None:
         self.whitening = np.linalg.inv(np.linalg.cholesky(self._covariance()))
@@ -267,6 +269,8 @@ class _Problem:
             measured=tuple(self.measured.tolist()),
             predicted=tuple(self.predicted(best).tolist()),
             standard_errors=tuple(scatter.tolist()),
+            reading_errors=tuple(self.readings.tolist()),
+            slopes=self._slopes(best),
             shared={path: tuple(part.tolist()) for path, part in self.spread.shared.items()},
             stated=self.stated,
             condition=condition,
@@ -274,6 +278,12 @@ class _Problem:
             trials=tuple(self.trials),
             runs=self.model.runs,
         )
+
+    def _slopes(self, best: Array) -> tuple[tuple[float, ...], ...]:
+        """Return derivatives of the travels (n, p) by what no bound holds; 0 by the others."""
+        slopes = -np.linalg.solve(self.whitening, self.jacobian(best))
+        free = np.isfinite(slopes).all(axis=0) & (best > self.least) & (best < self.high)
+        return tuple(map(tuple, np.where(free, slopes, 0.0).tolist()))
 
     def _gain(self, best: Array) -> tuple[Array, float]:
         """Return derivatives of values by travels (p, n), and the condition of the scaled Jacobian.

@@ -1,7 +1,7 @@
 """Friction that was measured, and is predicted along the motion that was measured with it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import ParameterError
+from stickslip.experiments import Measurement
 from stickslip.friction import BristleLaw, FrictionLaw, towards
 from stickslip.identification.bristle_paths import displaced, follow
 from stickslip.identification.law_copies import MOVED, Copies
@@ -119,6 +120,15 @@ class ForceMap(RecordProblem):
     def measured(self) -> Array:
         return np.concatenate([one.friction[one.rows_of(None)] for one in self.stretches])
 
+    def along(self, stretches: Sequence[Stretch], measurement: Measurement) -> "ForceMap":
+        """Return the same along other stretches, with the constant force that records set.
+
+        Records that set different ones keep that of the mechanism.
+        """
+        offsets = {one.overrides.get(self.constant, self.offset) for one in measurement.records()}
+        offset = offsets.pop() if len(offsets) == 1 else self.offset
+        return replace(self, stretches=tuple(stretches), offset=offset)
+
     def predicted(self, values: Array) -> Array:
         """Return friction and offset by the law (n,) [N], nothing projected out.
 
@@ -179,6 +189,10 @@ class ForceMap(RecordProblem):
             segment=segment,
             memory=done,
         )
+
+    @override
+    def carried(self, seen: Linearised) -> Array:
+        return self.linearise(seen.values, seen, slopes=False).residual
 
     def _mass(self, values: Array) -> float:
         """Return the mass [kg]: looked for, or that friction was derived with."""

@@ -84,7 +84,8 @@ def sample_posterior(
     """Draw from the posterior of a fit with a flat prior within its bounds.
 
     Residuals are correlated: the likelihood is raised to the share of them that is independent,
-    and their size is that at the best values. Unknowns that a bound holds stay there.
+    and their size is that at the best values. Unknowns that a bound holds stay there. Stated
+    uncertainties of the mechanism move each draw as they move the estimates, to first order.
 
     Parameters
     ----------
@@ -140,10 +141,13 @@ def sample_posterior(
             " RecordFit.bootstrap, which needs nothing."
         ) from None
     draw = _walked if sampler == "emcee" else _nested
-    found = draw(library, target, count, np.random.default_rng(seed))
+    random = np.random.default_rng(seed)
+    draws = np.array([target.values(row) for row in draw(library, target, count, random)])
+    for moved in fit.inference.held.values():
+        draws += random.standard_normal((len(draws), len(moved))) @ moved
     return Posterior(
         paths=fit.unknowns.paths,
-        draws=np.array([target.values(row) for row in found]),
+        draws=draws,
         runs=target.runs,
         cancelled=target.cancelled,
     )

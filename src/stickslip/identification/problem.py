@@ -157,6 +157,14 @@ class RecordProblem(Problem):
     def measured(self) -> Array:
         """What was measured of the quantity compared, of each row (n,)."""
 
+    @abstractmethod
+    def carried(self, seen: Linearised) -> Array:
+        """Return the residuals (n,) at the values, and from the local states, of an answer.
+
+        The answer may be that of the same record with another mechanism: the local states stay
+        where they are, so that the difference of the residuals is smooth in what was changed.
+        """
+
 
 @final
 class Part:

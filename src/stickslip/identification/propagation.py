@@ -1,7 +1,7 @@
-"""What the uncertainties of a mechanism's parameters make of the travels, to first order."""
+"""What the uncertainties of a mechanism's parameters make of travels, to first order."""
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias, final
 
@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.identification.travel import TravelModel, Trial
+from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters, vary
 
-__all__ = ["READINGS", "Propagated", "covariance_of", "propagated"]
+__all__ = ["READINGS", "Propagated", "agreeing_scale", "covariance_of", "propagated", "span_of"]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -85,6 +86,39 @@ def covariance_of(scatter: Array, shared: Mapping[str, Array]) -> Array:
     return np.asarray(sum(parts, np.diag(np.square(scatter))))
 
 
+def agreeing_scale(
+    left: Array, errors: Array, freedom: int, covariance: Callable[[float], Array]
+) -> float:
+    """Return the variance of readings with which residuals agree, over that stated; at least 1.
+
+    It scales the readings alone: what trials share or set does not follow from residuals.
+
+    Parameters
+    ----------
+    left : array (n,)
+        Residuals [m].
+    errors : array (n,)
+        Standard errors of the readings [m].
+    freedom : int
+        Degrees of freedom of the residuals, above 0, which chi-square then has.
+    covariance : callable
+        Covariance of the travels (n, n) [m^2] by that scale.
+
+    Examples
+    --------
+    >>> left, errors = np.array([3.0, -1.0, 2.0]), np.ones(3)
+    >>> f"{agreeing_scale(left, errors, 2, lambda scale: scale * np.eye(3)):.3f}"
+    '7.000'
+    """
+    from scipy.optimize import brentq
+
+    def excess(logarithm: float) -> float:
+        return float(left @ np.linalg.solve(covariance(math.exp(logarithm)), left)) - freedom
+
+    most = math.log(max(float(np.sum((left / errors) ** 2)) / freedom, 1.0)) + 1.0
+    return math.exp(float(brentq(excess, 0.0, most))) if excess(0.0) > 0.0 else 1.0
+
+
 def propagated(model: TravelModel, trials: Sequence[Trial], values: Sequence[float]) -> Propagated:
     """Return what the uncertainties of the mechanism make of each travel.
 
@@ -124,15 +158,26 @@ def _slope(
     model: TravelModel, trial: Trial, values: Sequence[float], path: str, doubt: float
 ) -> float:
     """Return the derivative of the travel by a parameter of the mechanism, inside its range."""
-    known: dict[str, tuple[Quantity, float]] = {
-        name: (quantity, value)
-        for name, quantity, value in parameters(trial.mechanism, "mechanism")
-    }
-    quantity, value = known[path]
-    step = STEP * abs(value) or OF_ZERO * doubt
-    ends = max(value - step, quantity.low), min(value + step, quantity.high)
+    ends = span_of(trial.mechanism, path, doubt)
     low, high = (
         model.travel(trial.with_mechanism(vary(trial.mechanism, "mechanism", {path: end})), values)
         for end in ends
     )
     return (high - low) / (ends[1] - ends[0])
+
+
+def span_of(mechanism: Mechanism, path: str, doubt: float) -> tuple[float, float]:
+    """Return the two values of a parameter, inside its range, between which slopes are taken.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> span_of(SpringBlock(mass=2.0), "mechanism.mass", 0.01)
+    (1.998, 2.002)
+    """
+    known: dict[str, tuple[Quantity, float]] = {
+        name: (quantity, value) for name, quantity, value in parameters(mechanism, "mechanism")
+    }
+    quantity, value = known[path]
+    step = STEP * abs(value) or OF_ZERO * doubt
+    return max(value - step, quantity.low), min(value + step, quantity.high)

@@ -3,9 +3,9 @@
 import html
 import math
 import numbers
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeAlias, final
+from typing import TYPE_CHECKING, Any, Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from stickslip.experiments.units import turned
 from stickslip.identification.applied import inside
 from stickslip.identification.containment import FittedLaw
 from stickslip.identification.halves import Halves
-from stickslip.identification.inference import Inference, bootstrap
+from stickslip.identification.inference import Displaced, Inference, bootstrap
 from stickslip.identification.model_error import ModelError
 from stickslip.identification.optimise import Found, improve
 from stickslip.identification.problem import Held, Linearised, Problem, RecordProblem
@@ -35,10 +35,18 @@ Array = NDArray[np.float64]
 
 SETTLING = 8
 """Rounds in which initial states are fitted at most."""
-Build: TypeAlias = Callable[[Measurement, float | None], RecordProblem]
-"""Makes the problem of another record, with the same unknowns and segments of a length [s]."""
 SETTLED = 0.01
 """Share of the cost that a round must take off for another one to follow."""
+
+
+class Build(Protocol):
+    """Makes problems of other records, with the same unknowns."""
+
+    def __call__(self, record: Measurement, length: float | None) -> RecordProblem:
+        """Return the problem of a record, all of it, in segments of a length [s]."""
+
+    def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
+        """Return the problem of a record as it is fitted: perhaps some of its rows only."""
 
 
 @final
@@ -138,6 +146,8 @@ class RecordFit(Fit):
     """Why the route was chosen, in words; empty if it was asked for or is the usual one."""
     halves: Halves | None = None
     """Estimates from either half of a record in time; None if a half alone cannot be fitted."""
+    displaced: tuple[Displaced, ...] = ()
+    """What stated uncertainties of the mechanism make of the residuals; intervals hold it."""
     model_errors: tuple[ModelError, ...] = ()
     """What the residuals show to be wrong with model, rig or record; intervals leave it out."""
 
@@ -279,10 +289,13 @@ class RecordFit(Fit):
         """Return estimates (draws, p) with blocks of the record weighted anew, in bounds.
 
         What the record does not tell is not a number in all draws, as its interval has no ends.
+        Stated uncertainties of the mechanism move each draw as well.
         """
         unknowns = self.unknowns
         low, high = unknowns.limits()
-        steps = bootstrap(self.found.best, self.scale, draws=draws, seed=seed)
+        steps = bootstrap(
+            self.found.best, self.scale, draws=draws, seed=seed, held=self.inference.held
+        )
         at = np.clip(unknowns.coordinates(self.values) + steps, low, high)
         found = np.array([unknowns.values(one) for one in at])
         found[:, ~np.isfinite(self.inference.errors)] = np.nan

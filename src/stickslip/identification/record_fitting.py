@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,7 @@ from stickslip.identification.loads import as_loaded
 from stickslip.identification.optimise import Found, Watch, search
 from stickslip.identification.record_fit import RecordFit, scale_of
 from stickslip.identification.record_problems import Prepared, Route, Wanted, prepared
+from stickslip.identification.record_propagation import displacements
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.refits import halves_of
 from stickslip.identification.residual_tests import model_errors
@@ -385,7 +387,7 @@ def _lengthened(
                 f"segments of {settings.segment:g} s of this free decay do not tell enough to"
                 f" predict {length:.3g} s: {error} Give longer segments."
             ) from None
-        ready = replace(ready, problem=problem)
+        ready = replace(ready, problem=problem, length=length)
         found = replace(again, evaluations=found.evaluations + again.evaluations)
     return ready, found
 
@@ -400,13 +402,15 @@ def _finished(
     """Return a fit from the end of its search, which began with one from several starts."""
     unknowns, best = ready.problem.unknowns, found.best
     at_bounds = bounds_met(unknowns, best.values)
-    inference = infer(best, scale_of(unknowns, best.values, at_bounds))
     values = dict(zip(unknowns.paths, best.values.tolist(), strict=True))
     law, own = (
         {path: value for path, value in values.items() if path.startswith(f"{room}.")}
         for room in ("friction", "mechanism")
     )
     mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
+    again = partial(ready.build.fitted, length=ready.length)
+    moved = displacements(again, best, mechanism, measurement)
+    inference = infer(best, scale_of(unknowns, best.values, at_bounds), displaced=moved)
     mechanism, said = as_loaded(mechanism, measurement)
     fit = RecordFit(
         law=vary(ready.start, "friction", law),
@@ -419,6 +423,7 @@ def _finished(
         build=ready.build,
         found=found,
         inference=inference,
+        displaced=moved,
         at_bounds=at_bounds,
         sentences=(),
     )

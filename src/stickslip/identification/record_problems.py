@@ -68,6 +68,8 @@ class Prepared:
     """Further start values (p,), the best first."""
     load: float = 1.0
     """Typical normal force [N]."""
+    length: float | None = None
+    """Length of its segments [s], if it is not that of the settings."""
 
     @property
     def few(self) -> RecordProblem | None:
@@ -119,6 +121,9 @@ class _Shot:
             quantity_=self.quantity,
         )
 
+    def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
+        return self(record, length)
+
 
 @dataclass(frozen=True)
 class _Rubbed:
@@ -128,7 +133,11 @@ class _Rubbed:
     problem: ForceMap
 
     def __call__(self, record: Measurement, length: float | None) -> RecordProblem:
-        return replace(self.problem, stretches=stretches_of(self.mechanism, record, segment=length))
+        return self.problem.along(stretches_of(self.mechanism, record, segment=length), record)
+
+    def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
+        own = stretches_of(self.mechanism, record, segment=length, samples=SAMPLES)
+        return self.problem.along(own, record)
 
 
 def _rows(settings: RecordSettings, length: float | None) -> int:

@@ -13,7 +13,7 @@ from stickslip.experiments.cutting import rows_of
 from stickslip.identification.applied import driven
 from stickslip.identification.doubts import bounds_met
 from stickslip.identification.halves import Halves, blocks_of_half
-from stickslip.identification.inference import infer
+from stickslip.identification.inference import Displaced, infer
 from stickslip.identification.optimise import improve
 from stickslip.identification.problem import Linearised, Part, Problem
 from stickslip.identification.record_fit import RecordFit, scale_of
@@ -45,8 +45,11 @@ def refitted(fit: RecordFit, first: float, last: float) -> Linearised | None:
     Linearised or None
         The end of the search; None if nothing is left to fit to.
     """
-    decay = fit.route == "shooting" and not driven(fit.measurement)
-    return _refitted_decay(fit, first, last) if decay else _refitted(fit, first, last)
+    return (_refitted_decay if _decays(fit) else _refitted)(fit, first, last)
+
+
+def _decays(fit: RecordFit) -> bool:
+    return fit.route == "shooting" and not driven(fit.measurement)
 
 
 def halves_of(fit: RecordFit) -> Halves | None:
@@ -79,6 +82,7 @@ def halves_of(fit: RecordFit) -> Halves | None:
             one,
             scale_of(fit.unknowns, one.values, bounds_met(fit.unknowns, one.values)),
             blocks=blocks_of_half(one),
+            displaced=_displaced_in(fit, one),
         )
         for one in (first, second)
     ]
@@ -88,6 +92,18 @@ def halves_of(fit: RecordFit) -> Halves | None:
         timed=not interleaved(fit.problem.spans),
         several=len(np.unique(fit.problem.spans[:, 0])) > 1,
     )
+
+
+def _displaced_in(fit: RecordFit, half: Linearised) -> list[Displaced]:
+    """Return what uncertainties of the mechanism make of a half.
+
+    The halves of a free decay are cut anew: their rows are not those of the whole, and they are
+    compared as if the mechanism were known.
+    """
+    if _decays(fit):
+        return []
+    rows = np.isin(fit.found.best.segment, half.segment)
+    return [one.of(rows) for one in fit.displaced]
 
 
 def positions_of(problem: Problem) -> Array:

@@ -16,7 +16,7 @@ from stickslip.digits import NO_BREAK_SPACE, interval, significant, within
 from stickslip.experiments.estimates import HARD, LawEstimates, Levels, levels_at, spread_of
 from stickslip.experiments.writing import rig_toml
 from stickslip.friction import FrictionLaw
-from stickslip.identification.propagation import covariance_of
+from stickslip.identification.propagation import agreeing_scale, covariance_of
 from stickslip.identification.travel import Trial
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters
@@ -285,6 +285,10 @@ class TravelFit(Fit):
     standard_errors: tuple[float, ...] = ()
     """Standard errors of several travels [m]: as stated, or else lower bounds; with those of what
     was set for each trial by hand."""
+    reading_errors: tuple[float, ...] = ()
+    """Those of the readings alone [m]."""
+    slopes: tuple[tuple[float, ...], ...] = ()
+    """Derivatives of several travels (n, p) by what was fitted; 0 by what a bound holds."""
     shared: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     """How far the standard uncertainty of a parameter that trials share moves each travel [m], by
     path."""
@@ -329,16 +333,22 @@ class TravelFit(Fit):
         """Number of readings less number of fitted parameters."""
         return len(self.measured) - len(self.estimates)
 
-    @property
-    def travel_covariance(self) -> Array:
-        """Covariance of several travels (n, n) [m^2], with what trials share."""
-        shared = {path: np.array(part) for path, part in self.shared.items()}
-        return covariance_of(np.array(self.standard_errors), shared)
+    def travel_covariance(self, scale: float = 1.0) -> Array:
+        """Return the covariance of several travels (n, n) [m^2], with what trials share.
+
+        Parameters
+        ----------
+        scale : float
+            Variance of the readings over that of their standard errors.
+        """
+        readings = np.square(self.reading_errors)
+        scatter = np.sqrt(np.square(self.standard_errors) + (scale - 1.0) * readings)
+        return covariance_of(scatter, {path: np.array(p) for path, p in self.shared.items()})
 
     @property
     def standardised(self) -> tuple[float, ...]:
         """Residuals over the standard deviations of several travels, one a trial."""
-        spread = np.sqrt(np.diag(self.travel_covariance)).tolist()
+        spread = np.sqrt(np.diag(self.travel_covariance())).tolist()
         return tuple(r / e for r, e in zip(self.residuals, spread, strict=True))
 
     @property
@@ -350,18 +360,25 @@ class TravelFit(Fit):
         if not self.standard_errors:
             return 0.0
         residuals = np.array(self.residuals)
-        return float(residuals @ np.linalg.solve(self.travel_covariance, residuals))
+        return float(residuals @ np.linalg.solve(self.travel_covariance(), residuals))
 
-    @property
-    def log_determinant(self) -> float:
-        """Logarithm of the determinant of the covariance over that of uncorrelated micrometres.
+    def deviance(self, scale: float) -> float:
+        """Return minus twice the largest log-likelihood of several travels, less a constant.
 
-        It is the part of minus twice the log-likelihood that `chi_square` leaves out, which is the
-        same for all laws where the mechanism is known.
+        It is chi-square plus the logarithm of the determinant of the covariance, over that of
+        uncorrelated micrometres, which is the same for all laws where the mechanism is known.
+
+        Parameters
+        ----------
+        scale : float
+            Variance of the readings over that of their standard errors. With another one than that
+            of the fit readings weigh otherwise: what was fitted follows to first order.
         """
-        if not self.standard_errors:
-            return 0.0
-        return float(np.linalg.slogdet(1e12 * self.travel_covariance)[1])
+        root = np.linalg.cholesky(self.travel_covariance(scale))
+        left = np.linalg.solve(root, np.array(self.residuals))
+        slopes = np.linalg.solve(root, np.array(self.slopes))
+        left = left - slopes @ np.linalg.lstsq(slopes, left, rcond=None)[0]
+        return float(left @ left + 2.0 * np.sum(np.log(1e6 * np.diag(root))))
 
     @property
     def variance(self) -> tuple[float, float]:
@@ -369,9 +386,18 @@ class TravelFit(Fit):
 
         It is 1 and known, with infinitely many degrees of freedom, where uncertainties were stated
         and chi-square does not exceed the 99 % quantile of its distribution. Else it is estimated
-        from the residuals.
+        from the residuals, beside what trials share or set, which has no scale.
         """
-        return variance_of(self.chi_square, self.freedom, stated=self.stated)
+        whole = variance_of(self.chi_square, self.freedom, stated=self.stated)
+        if not 0.0 < whole[1] < math.inf or (
+            not self.shared and self.standard_errors == self.reading_errors
+        ):
+            return whole
+        residuals, errors = np.array(self.residuals), np.array(self.reading_errors)
+        return (
+            agreeing_scale(residuals, errors, self.freedom, self.travel_covariance),
+            whole[1],
+        )
 
     @override
     def to_dict(self) -> Mapping[str, Any]:

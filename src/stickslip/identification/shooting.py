@@ -188,6 +188,19 @@ class Shooting(RecordProblem):
             directions=directions,
         )
 
+    @override
+    def carried(self, seen: Linearised) -> Array:
+        law, mechanisms = self._changed(seen.values)
+        found = []
+        for k, one in enumerate(self.segments):
+            state = np.where(one.known, one.guess, seen.memory[k].state)
+            mechanism = mechanisms[id(one.mechanism)]
+            run = _bare(one, mechanism, law, state)
+            column = None if run is None else run.states.index(_state_of(mechanism, self.quantity))
+            predicted = np.inf if run is None else run.at(one.times)[:, column]
+            found.append(one.measured - predicted)
+        return np.concatenate(found)
+
     def runs(self, seen: Linearised) -> tuple[Trajectory, ...]:
         """Return the segments simulated again from their fitted states, each with its certificate.
 

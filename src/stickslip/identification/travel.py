@@ -28,6 +28,7 @@ __all__ = [
     "driven_on",
     "standard_errors",
     "trials_of",
+    "uncertainties_of",
     "under_cycles",
 ]
 
@@ -142,25 +143,19 @@ def trials_of(mechanism: Mechanism, measurement: Measurement, t_end: float) -> t
     0.2
     """
     trials = []
-    records = measurement.records()
-    common = _doubts(mechanism, measurement.doubts) if measurement.trials else {}
-    # What any trial sets was set anew for each of them; what none sets is one number for all.
-    anew = {path for record in records for path in record.overrides}
-    shared = {path: one for path, one in common.items() if path not in anew}
-    by_hand = {path: one for path, one in common.items() if path in anew}
-    for number, record in enumerate(records, 1):
+    uncertainties = uncertainties_of(mechanism, measurement)
+    pairs = zip(measurement.records(), uncertainties, strict=True)
+    for number, (record, (own, shared)) in enumerate(pairs, 1):
         name = record.travelled
         if not name:
             raise InputError(
                 f"this fit uses travels, and record {record.name or 'without a name'!r} has none;"
                 f" it has {', '.join(record.quantities())}."
             )
-        changed = vary(mechanism, "mechanism", record.overrides)
-        own = {**by_hand, **_doubts(changed, record.doubts)}
         scale, cycles = scale_of(mechanism, record, t_end, f"trial {record.name or number}")
         trials += [
             Trial(
-                mechanism=changed,
+                mechanism=vary(mechanism, "mechanism", record.overrides),
                 initial=record.initial,
                 travel=scale * float(value),
                 half_width=scale * record.uncertainty.get(name, 0.0),
@@ -169,11 +164,45 @@ def trials_of(mechanism: Mechanism, measurement: Measurement, t_end: float) -> t
                 cycles=cycles,
                 kind=record.uncertainty_kind,
                 doubts=own,
-                shared={path: one for path, one in shared.items() if path not in own},
+                shared=shared,
             )
             for value in np.atleast_1d(record.values(name))
         ]
     return tuple(trials)
+
+
+def uncertainties_of(
+    mechanism: Mechanism, measurement: Measurement
+) -> list[tuple[dict[str, float], dict[str, float]]]:
+    """Return standard uncertainties of the mechanism's parameters by path, of each record.
+
+    Those of the record alone come first, then those that all records share: what any record sets
+    was set anew for each of them, and what none sets is one number for all.
+
+    Raises
+    ------
+    InputError
+        If an uncertainty is of no parameter.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0)
+    >>> trials = [Measurement(travel=s, overrides={"mechanism.compression": s}) for s in (0.1, 0.2)]
+    >>> both = Measurement(trials=tuple(trials), doubts={"compression": 1e-3, "mass": 0.01})
+    >>> uncertainties_of(rig, both)[0]
+    ({'mechanism.compression': 0.001}, {'mechanism.mass': 0.01})
+    """
+    records = measurement.records()
+    common = _doubts(mechanism, measurement.doubts) if measurement.trials else {}
+    anew = {path for record in records for path in record.overrides}
+    by_hand = {path: one for path, one in common.items() if path in anew}
+    found = []
+    for record in records:
+        own = {**by_hand, **_doubts(vary(mechanism, "mechanism", record.overrides), record.doubts)}
+        shared = {path: one for path, one in common.items() if path not in own}
+        found.append((own, shared))
+    return found
 
 
 def _doubts(mechanism: Mechanism, given: Mapping[str, float]) -> dict[str, float]:

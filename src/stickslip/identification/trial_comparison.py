@@ -17,7 +17,7 @@ from stickslip.identification.condition_lines import ConditionLine, line_over
 from stickslip.identification.doubts import bounds_met, estimates_of
 from stickslip.identification.fitting import fit
 from stickslip.identification.homogeneity import Homogeneity, homogeneity, rows_of
-from stickslip.identification.inference import infer, quantile_of
+from stickslip.identification.inference import Displaced, infer, quantile_of
 from stickslip.identification.optimise import improve
 from stickslip.identification.problem import Held, Linearised, Part
 from stickslip.identification.record_fit import RecordFit, scale_of
@@ -277,6 +277,7 @@ def comparison_of(joint: RecordFit) -> TrialComparison:
     records = joint.measurement.records()
     trials, failed = [], {}
     present: list[Linearised] = []
+    moved: list[list[Displaced]] = []
     for number, record in enumerate(records):
         name = record.name or f"trial {number + 1}"
         rows = record_of[best.segment] == number
@@ -284,11 +285,12 @@ def comparison_of(joint: RecordFit) -> TrialComparison:
             failed[name] = "nothing of it was used"
             continue
         present.append(rows_of(best, rows))
+        moved.append([one.of(rows) for one in joint.displaced])
         try:
             trials.append(_alone(joint, number, name, np.flatnonzero(record_of == number), own))
         except (ConvergenceError, InputError, SimulationError) as error:
             failed[name] = str(error)
-    test = homogeneity(present, joint.scale, own)
+    test = homogeneity(present, joint.scale, own, moved)
     lines = _lines(trials)
     return TrialComparison(
         fit=joint,
@@ -312,7 +314,14 @@ def _alone(
     end, _ = improve(problem, joint.values[list(own)])
     unknowns = problem.unknowns
     bounds = bounds_met(unknowns, end.values)
-    inference = infer(end, scale_of(unknowns, end.values, bounds))
+    rows = np.isin(joint.found.best.segment, segments)
+    moved = [one.of(rows) for one in joint.displaced]
+    inference = infer(end, scale_of(unknowns, end.values, bounds), displaced=moved)
+    alone = {one.path for one in moved if not one.shared}
+    # what all trials share moves them together, which no difference between them shows
+    apart = replace(
+        inference, held={path: by for path, by in inference.held.items() if path in alone}
+    )
     known = {one.path: one for one in joint.estimates}
     told = replace(
         unknowns,
@@ -322,7 +331,7 @@ def _alone(
     errors = [
         # what all trials together leave open is told by none of them
         float(error) if one.bounded and known[one.path].bounded and error > 0.0 else math.inf
-        for error, one in zip(inference.errors, estimates, strict=True)
+        for error, one in zip(apart.errors, estimates, strict=True)
     ]
     return TrialEstimates(
         name=name,

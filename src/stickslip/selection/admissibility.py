@@ -54,9 +54,10 @@ def _at(limit: float, estimate: Estimate) -> str:
 def improves(richer: TravelFit, simpler: TravelFit, extra: int) -> bool:
     """Whether a fit leaves significantly less than that of a simpler law.
 
-    The drop of chi-square is compared with the 97.5 % quantile of its distribution if the extra
+    The drop of the deviance is compared with the 97.5 % quantile of its distribution if the extra
     parameters are not there: chi-square with as many degrees of freedom where the uncertainty of
-    the readings is known, and F where it is estimated from what the richer law leaves.
+    the readings is known, and F where it is estimated from what the richer law leaves. Both laws
+    are weighed with that uncertainty, so that what is shared or set beside it counts alike.
 
     Parameters
     ----------
@@ -72,9 +73,8 @@ def improves(richer: TravelFit, simpler: TravelFit, extra: int) -> bool:
         return False
     known = math.isinf(freedom)
     needed = stats.chi2.ppf(LEVEL, extra) if known else extra * stats.f.ppf(LEVEL, extra, freedom)
-    drop = (simpler.chi_square - richer.chi_square) / factor
     # uncertain settings move the travels of each law by as much as that law says
-    return drop + simpler.log_determinant - richer.log_determinant > float(needed)
+    return simpler.deviance(factor) - richer.deviance(factor) > float(needed)
 
 
 def chosen(candidates: Sequence[Candidate]) -> Candidate | None:

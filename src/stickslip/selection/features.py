@@ -22,7 +22,7 @@ from stickslip.identification.containment import FittedLaw
 from stickslip.identification.feature_fit import free_of
 from stickslip.identification.feature_result import MISSED
 from stickslip.identification.feature_scores import as_good, error_of_score, room_of
-from stickslip.identification.features import ROUTE
+from stickslip.identification.features import ROUTE, refuse_uncertainties
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.feature_speeds import other_speeds
 from stickslip.selection.feature_verdict import FeatureCandidate, FeatureVerdict
@@ -72,6 +72,7 @@ def select_features(
             "features of stick-slip are compared over half a record: leave out purpose, horizon and"
             " other routes."
         )
+    refuse_uncertainties(measurement)
     checks = checked(mechanism, measurement, validate)
     features = features_of(measurement, mechanism=mechanism)
     seed = 0 if settings is None else settings.seed

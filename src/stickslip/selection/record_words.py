@@ -13,7 +13,7 @@ from stickslip.identification.halves import difference
 from stickslip.selection.choice import as_good
 from stickslip.selection.experiments import Experiment
 from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
-from stickslip.selection.settled import settled_estimates
+from stickslip.selection.settled import limit_of, settled_estimates
 from stickslip.selection.specifications import REFERENCE
 from stickslip.selection.verdict import Wording
 
@@ -414,8 +414,11 @@ def _second_errors(best: RecordCandidate, on_second: SecondRecord) -> tuple[str,
 
 def _settles(best: RecordCandidate) -> tuple[str, ...]:
     assert best.fit is not None
-    known = settled_estimates(best.fit)
-    return tuple(f"${e.quantity.symbol}$ = {plus_minus(e)}." for e in known[:MOST])
+    fit = best.fit
+    return tuple(
+        f"${e.quantity.symbol}$ = {plus_minus(e)}.{limit_of(fit, e)}"
+        for e in settled_estimates(fit)[:MOST]
+    )
 
 
 def _cannot_tell(

@@ -4,8 +4,11 @@ import numpy as np
 
 from stickslip.identification import Estimate, RecordFit
 from stickslip.identification.doubts import TOGETHER
+from stickslip.identification.travel import uncertainties_of
+from stickslip.quantities import vary
+from stickslip.selection.limits import limit_text
 
-__all__ = ["half_of", "moved_by_errors", "settled_estimates", "traded"]
+__all__ = ["half_of", "limit_of", "moved_by_errors", "settled_estimates", "traded"]
 
 
 def half_of(estimate: Estimate) -> float:
@@ -13,9 +16,25 @@ def half_of(estimate: Estimate) -> float:
     return 0.5 * (estimate.high - estimate.low)
 
 
+def limit_of(fit: RecordFit, estimate: Estimate) -> str:
+    """Return what limits the interval of an estimate, as a sentence; empty if nothing was stated.
+
+    It is the record or the uncertainty of the mechanism.
+    """
+    if not estimate.sources:
+        return ""
+    mechanism, measurement = fit.mechanism, fit.measurement
+    pairs = zip(measurement.records(), uncertainties_of(mechanism, measurement), strict=True)
+    stated = [
+        (vary(mechanism, "mechanism", record.overrides), {**shared, **own})
+        for record, (own, shared) in pairs
+    ]
+    return limit_text(estimate, stated, "the record")
+
+
 def traded(fit: RecordFit) -> frozenset[str]:
     """Return the paths of what trades off with another unknown: only together they are known."""
-    table = np.abs(fit.inference.correlation)
+    table = np.abs(fit.inference.of_record.correlation)
     found = set()
     for i, one in enumerate(fit.unknowns.paths):
         for j, other in enumerate(fit.unknowns.paths[:i]):

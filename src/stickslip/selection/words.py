@@ -8,11 +8,11 @@ from collections.abc import Collection, Mapping, Sequence
 
 from stickslip.experiments.wording import joined, number
 from stickslip.identification import Estimate
-from stickslip.identification.propagation import READINGS
 from stickslip.identification.travel import Trial
-from stickslip.quantities import fields_of, parameters
+from stickslip.quantities import fields_of
 from stickslip.selection.admissibility import doubts
 from stickslip.selection.contradictions import Contradiction
+from stickslip.selection.limits import limit_text
 from stickslip.selection.separation import Proposal
 from stickslip.selection.verdict import Candidate, Wording, misfit
 
@@ -233,7 +233,9 @@ def _settles(trials: Sequence[Trial], best: Candidate | None) -> tuple[str, ...]
         )
     open_ = doubts(best) if len(trials) > 1 else {}
     settled = [e for e in best.fit.estimates if e.path.rpartition(".")[2] not in open_]
-    lines += [_range_line(one, best) + _limit(one, trials) for one in settled]
+    stated = [(trial.mechanism, {**trial.shared, **trial.doubts}) for trial in trials]
+    readings = "the readings" if len(trials) > 1 else "the reading"
+    lines += [_range_line(one, best) + limit_text(one, stated, readings) for one in settled]
     return tuple(lines[:3])
 
 
@@ -249,39 +251,6 @@ def _range_line(estimate: Estimate, best: Candidate) -> str:
     inside = estimate.low <= given <= estimate.high
     doubt = DOUBT_NAMES.get(estimate.interval, f"{estimate.interval} interval")
     return f"{lies}; the given {_short(given)} is {'inside' if inside else 'outside'} the {doubt}."
-
-
-def _limit(estimate: Estimate, trials: Sequence[Trial]) -> str:
-    """Say what of the rig and its readings makes most of an interval, where both are stated."""
-    rig = {path: error for path, error in estimate.sources.items() if path != READINGS}
-    if not rig:
-        return ""
-    path = max(rig, key=lambda one: rig[one])
-    known = f"the {path.rpartition('.')[2].replace('_', ' ')}{_known_to(path, trials)}"
-    several = len(trials) > 1
-    if rig[path] > estimate.sources[READINGS]:
-        readings = "the readings do" if several else "the reading does"
-        return f" {known[0].upper()}{known[1:]} limits it more than {readings}."
-    readings = "The readings limit" if several else "The reading limits"
-    return f" {readings} it more than {known} does."
-
-
-def _known_to(path: str, trials: Sequence[Trial]) -> str:
-    """Return the uncertainty of a parameter in brackets: its share, or itself if that differs."""
-    pairs = set()
-    for trial in trials:
-        known = {p: (value, q.unit) for p, q, value in parameters(trial.mechanism, "mechanism")}
-        doubt = {**trial.shared, **trial.doubts}.get(path)
-        if doubt is not None:
-            pairs.add((doubt, *known[path]))
-    shares = {f"{100.0 * doubt / abs(value):.2g} %" for doubt, value, _ in pairs if value}
-    if len(shares) == 1:
-        return f" ({shares.pop()})"
-    sizes = {
-        f"{1e3 * doubt:.2g} mm" if unit == "m" else f"{doubt:.2g} {unit}"
-        for doubt, _, unit in pairs
-    }
-    return f" ({sizes.pop()})" if len(sizes) == 1 else ""
 
 
 def _cannot_tell(

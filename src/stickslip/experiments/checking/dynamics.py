@@ -60,6 +60,16 @@ def missing(record: Measurement, mechanism: Mechanism | None) -> Iterator[Findin
     )
 
 
+def has_offset(record: Measurement, mechanism: Mechanism | None) -> bool:
+    """Whether a constant force may stand beside friction in a record.
+
+    A sensor of force may have one, and so may the mechanism; one that drives itself, and whose
+    position alone was recorded, has the forces that its parameters say.
+    """
+    measured = {*record.quantities()} & {*DRIVES, *OTHERS}
+    return bool(measured) or mechanism is None or "offset" in mechanism.__dataclass_fields__
+
+
 def energy(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
     """Doubt a motion that gains energy, or keeps it, where nothing drives it.
 

@@ -90,8 +90,12 @@ def motion_of(record: Measurement) -> Motion | None:
     return Motion(time=time, velocity=velocity_of(record), noise=float(noise), unit=unit)
 
 
-def reversals(motion: Motion) -> Iterator[Finding]:
-    """Count the changes of direction, and say what follows from there being none."""
+def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
+    """Count the changes of direction, and say what follows from there being none.
+
+    Motion one way tells no friction level from a constant force: one that a fit looks for, or that
+    a sensor of force may add. Where there is no such `offset`, nothing is lost.
+    """
     seen = motion.directions[motion.directions != 0]
     if not seen.size:
         noise, fastest = quantities([motion.noise, motion.fastest], motion.unit)
@@ -118,13 +122,11 @@ def reversals(motion: Motion) -> Iterator[Finding]:
         )
         return
     way = "forward" if seen[0] > 0 else "backward"
+    one_number = ", so that friction level and offset are one number here" if offset else ""
     yield Finding(
         kind="reversals",
-        severity="warning",
-        sentence=(
-            f"No reversals: the motion goes {way} only, so that friction level and offset are one"
-            " number here."
-        ),
+        severity="warning" if offset else "info",
+        sentence=f"No reversals: the motion goes {way} only{one_number}.",
         numbers=numbers,
     )
 

@@ -39,7 +39,7 @@ from stickslip.selection import RecordVerdict
 from stickslip.selection.next_measurements import predictor_of
 from stickslip.selection.predictors import Steady
 from stickslip.selection.record_words import in_sentence
-from stickslip.selection.settled import moved_by_errors, settled_estimates, traded
+from stickslip.selection.settled import limit_of, moved_by_errors, settled_estimates, traded
 
 __all__ = ["law_lines", "level_at", "levels_at_speed", "opening_section"]
 
@@ -71,7 +71,7 @@ def opening_section(verdict: RecordVerdict, kicker: str, remark: str = "") -> Se
 
 
 def _settles(fit: RecordFit) -> tuple[str, ...]:
-    lines = [f"{label_of(e)} is {_said(e)}." for e in settled_estimates(fit)]
+    lines = [f"{label_of(e)} is {_said(e)}.{limit_of(fit, e)}" for e in settled_estimates(fit)]
     return tuple([*lines[:2], *levels_at_speed(fit), *lines[2:]][:3])
 
 

@@ -115,7 +115,7 @@ def _to_digits(value: float, estimate: Estimate) -> str:
 
 def _narrow(fit: RecordFit, index: int) -> str:
     """Return how many times wider the interval is than one that takes residuals as independent."""
-    error = float(fit.inference.errors[index])
+    error = float(fit.inference.of_record.errors[index])
     naive = math.sqrt(max(float(fit.inference.naive[index, index]), 0.0))
     if not (math.isfinite(error) and 0.0 < naive < math.inf) or not fit.estimates[index].bounded:
         return "—"

@@ -1,0 +1,62 @@
+"""What limits an interval: what was measured, or the uncertainty of the mechanism."""
+
+from collections.abc import Mapping, Sequence
+
+from stickslip.identification import Estimate
+from stickslip.identification.propagation import READINGS
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters
+
+__all__ = ["limit_text"]
+
+
+def limit_text(
+    estimate: Estimate, stated: Sequence[tuple[Mechanism, Mapping[str, float]]], readings: str
+) -> str:
+    """Return which source makes most of an interval, as a sentence; empty if there is only one.
+
+    Parameters
+    ----------
+    estimate : Estimate
+        With its sources.
+    stated : sequence of tuple of Mechanism and mapping of str to float
+        The mechanism of each trial, and standard uncertainties of its parameters by path.
+    readings : str
+        What was measured: ``"the reading"``, ``"the readings"`` or ``"the record"``.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Measurement, SpringBlock, fit
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> reading = Measurement(travel=0.2, uncertainty=0.001, doubts={"stiffness": 3.0})
+    >>> (level,) = fit(rig, Coulomb, reading).estimates
+    >>> limit_text(level, [(rig, {"mechanism.stiffness": 3.0})], "the reading")
+    ' The stiffness (3 %) limits it more than the reading does.'
+    """
+    rig = {path: error for path, error in estimate.sources.items() if path != READINGS}
+    if not rig:
+        return ""
+    path = max(rig, key=lambda one: rig[one])
+    known = f"the {path.rpartition('.')[2].replace('_', ' ')}{_known_to(path, stated)}"
+    verb = "do" if readings.endswith("s") else "does"
+    if rig[path] > estimate.sources[READINGS]:
+        return f" {known[0].upper()}{known[1:]} limits it more than {readings} {verb}."
+    limit = "limit" if readings.endswith("s") else "limits"
+    return f" {readings[0].upper()}{readings[1:]} {limit} it more than {known} does."
+
+
+def _known_to(path: str, stated: Sequence[tuple[Mechanism, Mapping[str, float]]]) -> str:
+    """Return the uncertainty of a parameter in brackets: its share, or itself if that differs."""
+    pairs = set()
+    for mechanism, doubts in stated:
+        known = {p: (value, q.unit) for p, q, value in parameters(mechanism, "mechanism")}
+        if path in doubts:
+            pairs.add((doubts[path], *known[path]))
+    shares = {f"{100.0 * doubt / abs(value):.2g} %" for doubt, value, _ in pairs if value}
+    if len(shares) == 1:
+        return f" ({shares.pop()})"
+    sizes = {
+        f"{1e3 * doubt:.2g} mm" if unit == "m" else f"{doubt:.2g} {unit}"
+        for doubt, _, unit in pairs
+    }
+    return f" ({sizes.pop()})" if len(sizes) == 1 else ""
