@@ -125,7 +125,7 @@ def test_counts_that_a_sampler_has_no_use_for_are_refused(fit, counts, said):
 def test_a_fit_to_travels_is_refused_in_one_message():
     rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     travels = stickslip.fit(rig, Viscous, Measurement(travel=0.2))
-    with pytest.raises(InputError, match="a fit to a record .* got a TravelFit"):
+    with pytest.raises(InputError, match=r"a fit to a record .* got a TravelFit"):
         sample_posterior(travels)
 
 
