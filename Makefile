@@ -18,7 +18,7 @@ export REQUIRE_DATA ?= 1
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help select test examples lint types architecture unit doctest docs bench slow fuzz format clean
+.PHONY: help select test examples stubs lint types architecture unit doctest docs bench slow fuzz format clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
@@ -32,6 +32,9 @@ test: lint types architecture ## run every check
 
 examples: unit ## tests, then the examples in docstrings
 	$(MAKE) --no-print-directory doctest
+
+stubs: $(DEV) ## write the stubs of packages that load their names lazily
+	$(BIN)/python tools/stubs.py
 
 lint: $(DEV) ## formatting and lint rules
 	$(call heading,ruff format --check)

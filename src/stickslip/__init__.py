@@ -1,12 +1,12 @@
 """Which friction model fits a mechanism, with which parameters and how surely; and its simulation.
 
-Everything public is importable from here and loaded when first asked for.
+Everything public is importable from here and loaded when first asked for. What type checkers
+and editors read is `__init__.pyi`, which `make stubs` writes from the table below.
 """
 
-import importlib
-from typing import Any
+from stickslip.lazy import attach
 
-_HOME = {
+HOMES = {
     "Axis": "mechanisms",
     "BoundedMechanism": "mechanisms",
     "BristleLaw": "friction",
@@ -114,17 +114,17 @@ _HOME = {
     "write_report": "report",
 }
 
-__all__ = sorted([*_HOME, "__version__"])  # noqa: PLE0605  # read off the table above
+__all__ = sorted([*HOMES, "__version__"])  # noqa: PLE0605  # read off the table above
+
+_load, _ = attach(__name__, HOMES)
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name == "__version__":
         from importlib.metadata import version
 
         return version("stickslip")
-    if name not in _HOME:
-        raise AttributeError(f"module 'stickslip' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"stickslip.{_HOME[name]}"), name)
+    return _load(name)
 
 
 def __dir__() -> list[str]:

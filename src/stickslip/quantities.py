@@ -10,12 +10,14 @@ import math
 import numbers
 import types
 import typing
-from collections.abc import Callable, Collection, Hashable, Iterator, Mapping
-from typing import Any, TypeVar
+from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
 
 from stickslip.errors import ParameterError, StickslipError, UnknownNameError
 
 __all__ = [
+    "Converted",
+    "Numbers",
     "Parametrised",
     "Quantity",
     "fields_of",
@@ -29,7 +31,47 @@ __all__ = [
     "vary",
 ]
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
 T = TypeVar("T", bound="Parametrised")
+Accepted_contra = TypeVar("Accepted_contra", contravariant=True)
+Kept_co = TypeVar("Kept_co", covariant=True)
+
+
+class HasArray(Protocol):
+    """What NumPy makes an array of: arrays, columns of tables."""
+
+    def __array__(self) -> "NDArray[Any]":
+        """Return the array."""
+
+
+Numbers: TypeAlias = Sequence[float] | HasArray
+"""A series of numbers, as arguments take it."""
+
+if TYPE_CHECKING:
+
+    class Converted(Generic[Accepted_contra, Kept_co]):
+        """The type of a field whose class converts what it was given: ``Converted[given, kept]``.
+
+        Type checkers read off a descriptor what a constructor accepts and what an attribute is. At
+        run time there is none: the annotation is the type that is kept.
+        """
+
+        def __get__(self, instance: object, owner: type | None = None) -> Kept_co:
+            """Return what is kept."""
+
+        def __set__(self, instance: object, value: Accepted_contra) -> None:
+            """Take what is given."""
+
+else:
+
+    class Converted:
+        """A field whose class converts what it was given: ``Converted[given, kept]``."""
+
+        def __class_getitem__(cls, types: tuple[type, type]) -> type:
+            """Return the type that is kept."""
+            return types[1]
 
 
 @dataclasses.dataclass(frozen=True)

@@ -12,6 +12,7 @@ from stickslip.errors import InputError, UnknownNameError
 if TYPE_CHECKING:
     import numpy as np
     import pandas as pd
+    import xarray as xr
     from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["Certificate", "Ensemble", "Event", "Status", "Trajectory"]
@@ -252,7 +253,7 @@ class Trajectory:
         # Adding 0 makes -0.0 a plain 0.
         return pd.DataFrame({"t": self.t, **{name: self[name] for name in self.names}}) + 0
 
-    def to_xarray(self) -> Any:
+    def to_xarray(self) -> "xr.Dataset":
         """Return the columns as an xarray Dataset over time, with units."""
         import xarray as xr
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from tests.selection.test_records import AXIS, QUICK, TRUTH, recorded
 
-from stickslip import CoulombViscous
+import stickslip
+from stickslip import CoulombViscous, Measurement, SpringBlock, Viscous
 from stickslip.errors import InputError
 from stickslip.identification import posterior
 from stickslip.identification.posterior import sample_posterior
@@ -119,6 +120,13 @@ def test_live_points_say_how_often_nested_sampling_predicts(linear):
 def test_counts_that_a_sampler_has_no_use_for_are_refused(fit, counts, said):
     with pytest.raises(InputError, match=said):
         sample_posterior(fit, **counts)
+
+
+def test_a_fit_to_travels_is_refused_in_one_message():
+    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    travels = stickslip.fit(rig, Viscous, Measurement(travel=0.2))
+    with pytest.raises(InputError, match=r"a fit to a record .* got a TravelFit"):
+        sample_posterior(travels)
 
 
 def test_an_unknown_sampler_is_refused(fit):

@@ -2,7 +2,7 @@
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
@@ -39,6 +39,10 @@ from stickslip.cli.options import (
     Unknown,
     Validate,
 )
+
+if TYPE_CHECKING:
+    from stickslip.identification.route_choice import RouteName
+    from stickslip.selection.records import PurposeName
 
 __all__ = ["app"]
 
@@ -109,7 +113,11 @@ def select(
         columns=columns, units=units, gain=gain, repair=repair, conditions=conditions
     )
     fitted = partial(How, segment=segment, hold=hold, starts=starts, seed=seed)
-    how = fitted(purpose=purpose, horizon=horizon, route=route)
+    how = fitted(
+        purpose=cast("PurposeName | None", purpose),  # names are checked where they are used
+        horizon=horizon,
+        route=cast("RouteName | None", route),
+    )
     asked = Asked(
         data=data or [], reading=reading, validate=validate, unknown=unknown or [], how=how
     )
@@ -153,7 +161,14 @@ def fit(
     reading = reading_of(
         columns=columns, units=units, gain=gain, repair=repair, conditions=conditions
     )
-    how = How(horizon=horizon, route=route, segment=segment, hold=hold, starts=starts, seed=seed)
+    how = How(
+        horizon=horizon,
+        route=cast("RouteName | None", route),
+        segment=segment,
+        hold=hold,
+        starts=starts,
+        seed=seed,
+    )
     asked = Asked(
         data=data or [], reading=reading, validate=validate, unknown=unknown or [], how=how
     )

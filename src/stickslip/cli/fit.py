@@ -117,7 +117,7 @@ def _fitted(
                 known=known,
                 unknown=found.unknown,
                 t_end=rig.t_end,
-                watch=lambda runs: bar(law.name, int(runs)),
+                watch=lambda runs: bar(law.name, runs),
             )
     with (
         Interrupts() as interrupts,

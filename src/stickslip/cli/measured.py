@@ -16,10 +16,11 @@ from stickslip.experiments.records import read_data
 from stickslip.identification import Estimate, RecordSettings
 from stickslip.identification.features import by_features
 from stickslip.identification.record_fitting import route_of
-from stickslip.identification.route_choice import RouteChoice, choose_route
+from stickslip.identification.route_choice import RouteChoice, RouteName, choose_route
 from stickslip.report.numbers import interval, significant
 from stickslip.selection.feature_words import share
 from stickslip.selection.record_words import error_text
+from stickslip.selection.records import PurposeName
 from stickslip.selection.verdict import Wording
 
 __all__ = [
@@ -39,9 +40,9 @@ __all__ = [
 class How:
     """How records are fitted and judged, as the options say it; None where they say nothing."""
 
-    purpose: str | None = None
+    purpose: PurposeName | None = None
     horizon: float | None = None
-    route: str | None = None
+    route: RouteName | None = None
     segment: float | None = None
     hold: str | None = None
     starts: int | None = None

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.laws import LawAsked, rig_and_law
@@ -33,6 +33,10 @@ from stickslip.optimisation import (
     units_of_limits,
 )
 from stickslip.quantities import Quantity, fields_of, full_path, named, parameters
+
+if TYPE_CHECKING:
+    from stickslip.optimisation.problem import GoalName
+    from stickslip.optimisation.spaces import KindName
 
 __all__ = ["Settings", "run"]
 
@@ -101,8 +105,8 @@ def _found(rig: Rig, law: FrictionLaw, settings: Settings) -> Optimum:
             rig.mechanism,
             law,
             limits=limits,
-            goal=settings.goal,
-            kind=settings.kind,
+            goal=cast("GoalName", settings.goal),  # names are checked where they are used
+            kind=cast("KindName", settings.kind),
             interval=interval,
             knots=settings.knots,
             evaluations=settings.evaluations,

@@ -111,12 +111,12 @@ class Watching(_Shown):
         self.compiling = Compiling(self._bars)
         """Shows what is compiled before the work begins."""
 
-    def __call__(self, name: str, runs: int) -> None:
+    def __call__(self, name: str, runs: float) -> None:
         """Note that a law has had so many runs."""
         done = self._names.index(name) if name in self._names else 0
         self._say(f"{self._verb} {name}")
         self._bars.update(
-            self._task, completed=done, description=f"{self._verb} {name}", runs=f"{runs} runs"
+            self._task, completed=done, description=f"{self._verb} {name}", runs=f"{runs:.0f} runs"
         )
 
 

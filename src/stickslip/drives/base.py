@@ -74,7 +74,7 @@ class Drive(Parametrised, ABC):
     def time_scale(self) -> float:
         """Return the shortest time in which the smooth part changes much [s], or infinity."""
 
-    def repeats(self) -> Scalar | None:
+    def repeats(self) -> float | None:
         """Return the duration of a cycle [s], None where the drive does not repeat itself."""
         return None
 

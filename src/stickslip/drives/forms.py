@@ -5,14 +5,14 @@ import math
 import numbers
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal, final
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, final
 
 from typing_extensions import override
 
 from stickslip.drives.base import BEGINNING, Drive, Piece, Straight, earlier, least, repeated
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, sin
-from stickslip.quantities import Quantity
+from stickslip.quantities import Numbers, Quantity
 
 __all__ = ["PiecewiseLinear", "Pulse", "Ramp", "Sampled", "Sine", "Square", "StraightPieces"]
 
@@ -69,12 +69,12 @@ class Square(Straight):
     """When the first cycle begins."""
 
     @property
-    def mean(self) -> Scalar:
+    def mean(self) -> float:
         """Mean value of a cycle."""
         return self.low + self.duty * (self.high - self.low)
 
     @override
-    def repeats(self) -> Scalar:
+    def repeats(self) -> float:
         return self.period
 
     @override
@@ -143,7 +143,7 @@ class Sine(Drive):
         return -abs(self.amplitude), abs(self.amplitude)
 
     @override
-    def repeats(self) -> Scalar:
+    def repeats(self) -> float:
         return 1.0 / self.frequency
 
     @override
@@ -201,6 +201,10 @@ class PiecewiseLinear(Straight):
     values: tuple[float, ...]
     """Values at the points."""
 
+    if TYPE_CHECKING:  # any series is taken and kept as a tuple
+
+        def __init__(self, *, times: Numbers, values: Numbers) -> None: ...
+
     @override
     def __post_init__(self) -> None:
         """Check the points and keep them as tuples of floats."""
@@ -237,6 +241,12 @@ class Sampled(Straight):
     """Samples."""
     hold: Literal["zero", "first"] = "zero"
     """Order of the hold: ``"zero"`` keeps the value, ``"first"`` joins the samples."""
+
+    if TYPE_CHECKING:  # any series is taken and kept as a tuple
+
+        def __init__(
+            self, *, times: Numbers, values: Numbers, hold: Literal["zero", "first"] = "zero"
+        ) -> None: ...
 
     @override
     def __post_init__(self) -> None:
@@ -277,6 +287,10 @@ class StraightPieces(Straight):
     """Value at the start of each piece."""
     slopes: tuple[float, ...]
     """Change a second in each piece; 0 for the last one."""
+
+    if TYPE_CHECKING:  # any series is taken and kept as a tuple
+
+        def __init__(self, *, times: Numbers, values: Numbers, slopes: Numbers) -> None: ...
 
     @override
     def __post_init__(self) -> None:

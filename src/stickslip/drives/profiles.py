@@ -5,14 +5,14 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal, final
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, final
 
 from typing_extensions import override
 
 from stickslip.drives.base import Drive, Piece, Straight, repeated
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, sin, sqrt
-from stickslip.quantities import Quantity
+from stickslip.quantities import Numbers, Quantity
 
 __all__ = ["Profile", "SevenStep", "SineSwing", "SplineSwing", "ThreePhase"]
 
@@ -26,22 +26,22 @@ class Profile(Drive, ABC):
 
     @property
     @abstractmethod
-    def period(self) -> Scalar:
+    def period(self) -> float:
         """Duration of a cycle [s]."""
 
     @property
     @abstractmethod
-    def start_position(self) -> Scalar:
+    def start_position(self) -> float:
         """Position [rad] or [m] at time 0."""
 
     @property
-    def start_rate(self) -> Scalar:
+    def start_rate(self) -> float:
         """Rate [rad/s] or [m/s] at time 0."""
         return 0.0
 
     @final
     @override
-    def repeats(self) -> Scalar:
+    def repeats(self) -> float:
         return self.period
 
     @abstractmethod
@@ -137,18 +137,19 @@ class ThreePhase(Stepped):
         return (self.fast, self.slow) if self.first == "fast" else (self.slow, self.fast)
 
     @property
-    def peak_rate(self) -> Scalar:
+    def peak_rate(self) -> float:
         """Largest rate, on the way there and on the way back."""
-        return sqrt(4.0 * self.amplitude / (1.0 / self.fast + 1.0 / self.slow))
+        rate: float = sqrt(4.0 * self.amplitude / (1.0 / self.fast + 1.0 / self.slow))
+        return rate
 
     @property
     @override
-    def period(self) -> Scalar:
+    def period(self) -> float:
         return 2.0 * self.peak_rate * (1.0 / self.fast + 1.0 / self.slow)
 
     @property
     @override
-    def start_position(self) -> Scalar:
+    def start_position(self) -> float:
         return -self.amplitude
 
     @override
@@ -199,20 +200,20 @@ class SevenStep(Stepped):
             )
 
     @property
-    def _cruise(self) -> Scalar:
+    def _cruise(self) -> float:
         """Duration of a cruise [s]."""
         ramps = 0.5 * self.top_rate * (1.0 / self.fast + 1.0 / self.slow)
         return 2.0 * self.amplitude / self.top_rate - ramps
 
     @property
     @override
-    def period(self) -> Scalar:
+    def period(self) -> float:
         ramps = 2.0 * self.top_rate * (1.0 / self.fast + 1.0 / self.slow)
         return 2.0 * self._cruise + ramps + self.pause
 
     @property
     @override
-    def start_position(self) -> Scalar:
+    def start_position(self) -> float:
         return -self.amplitude
 
     @override
@@ -243,12 +244,12 @@ class SineSwing(Profile):
 
     @property
     @override
-    def period(self) -> Scalar:
+    def period(self) -> float:
         return 1.0 / self.frequency
 
     @property
     @override
-    def start_position(self) -> Scalar:
+    def start_position(self) -> float:
         return -self.amplitude
 
     @property
@@ -298,6 +299,10 @@ class SplineSwing(Stepped):
     duration: Annotated[float, Quantity("T", "s", above=0)]
     """Duration of a cycle."""
 
+    if TYPE_CHECKING:  # any series is taken and kept as a tuple
+
+        def __init__(self, *, positions: Numbers, duration: float) -> None: ...
+
     @override
     def __post_init__(self) -> None:
         """Check the positions and keep them as a tuple of floats."""
@@ -317,17 +322,17 @@ class SplineSwing(Stepped):
 
     @property
     @override
-    def period(self) -> Scalar:
+    def period(self) -> float:
         return self.duration
 
     @property
     @override
-    def start_position(self) -> Scalar:
+    def start_position(self) -> float:
         return self.positions[0]
 
     @property
     @override
-    def start_rate(self) -> Scalar:
+    def start_rate(self) -> float:
         return self._scaled()[0] / self.duration
 
     def _scaled(self) -> tuple[float, list[float]]:

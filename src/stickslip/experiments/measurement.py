@@ -3,10 +3,10 @@
 import math
 import numbers
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Literal, cast, final
+from typing import Any, Literal, TypeAlias, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.condition_values import plain_conditions
 from stickslip.experiments.line import Line
-from stickslip.quantities import Quantity
+from stickslip.quantities import Converted, Numbers, Quantity
 
 __all__ = [
     "KINDS_OF_UNCERTAINTY",
@@ -29,6 +29,13 @@ __all__ = [
 Array = NDArray[np.float64]
 Kind = Literal["scalars", "series", "friction-map"]
 Uncertainty = Literal["rounding", "standard", "interval"]
+Series: TypeAlias = Converted[Numbers | None, Array | None]
+Values: TypeAlias = Converted[float | Numbers | None, Array | float | None]
+ByQuantity: TypeAlias = Converted[float | Mapping[str, float], Mapping[str, float]]
+# defaults, whose type a type checker need not compare with what is kept
+ABSENT: Any = None
+NONE_STATED: Any = field(default_factory=dict)
+NO_TRIALS: Any = ()
 
 KINDS_OF_UNCERTAINTY: tuple[Uncertainty, ...] = ("rounding", "standard", "interval")
 
@@ -119,7 +126,7 @@ class Measurement:
         The line on which positions in a plane were projected.
     name, provenance : str
         What the record is called and where it comes from.
-    trials : tuple of Measurement
+    trials : sequence of Measurement
         Instead of all the above: records of one kind.
 
     Raises
@@ -148,19 +155,19 @@ class Measurement:
     {'mechanism.stiffness': 2.0}
     """
 
-    time: Array | None = None
-    position: Array | float | None = None
-    velocity: Array | float | None = None
-    force: Array | float | None = None
-    friction: Array | float | None = None
-    load: Array | float | None = None
-    spring_force: Array | float | None = None
-    pull: Array | float | None = None
-    reference: Array | float | None = None
-    travel: Array | float | None = None
-    mean_velocity: Array | float | None = None
-    travel_per_cycle: Array | float | None = None
-    uncertainty: Mapping[str, float] = field(default_factory=dict)
+    time: Series = ABSENT
+    position: Values = ABSENT
+    velocity: Values = ABSENT
+    force: Values = ABSENT
+    friction: Values = ABSENT
+    load: Values = ABSENT
+    spring_force: Values = ABSENT
+    pull: Values = ABSENT
+    reference: Values = ABSENT
+    travel: Values = ABSENT
+    mean_velocity: Values = ABSENT
+    travel_per_cycle: Values = ABSENT
+    uncertainty: ByQuantity = NONE_STATED
     uncertainty_kind: Uncertainty = "standard"
     overrides: Mapping[str, float] = field(default_factory=dict)
     doubts: Mapping[str, float] = field(default_factory=dict)
@@ -172,7 +179,7 @@ class Measurement:
     line: Line | None = None
     name: str = ""
     provenance: str = ""
-    trials: tuple["Measurement", ...] = ()
+    trials: Converted[Sequence["Measurement"], tuple["Measurement", ...]] = NO_TRIALS
 
     def __post_init__(self) -> None:
         """Check all parts and keep them as floats, read-only arrays and plain mappings."""

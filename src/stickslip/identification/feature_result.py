@@ -22,7 +22,7 @@ from stickslip.identification.features import (
     load_of,
 )
 from stickslip.identification.problem import Linearised
-from stickslip.identification.results import Estimate, Fit, estimates_for
+from stickslip.identification.results import Estimate, Fit, Law_co, estimates_for
 from stickslip.identification.unknowns import Unknowns
 from stickslip.mechanisms import TowedBlock
 from stickslip.simulation import simulate
@@ -46,7 +46,7 @@ MISSED = 0.05
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
-class FeatureFit(Fit):
+class FeatureFit(Fit[Law_co]):
     """A law on a towed block whose limit cycle has the features of a record.
 
     The mechanism has the fitted mass; its load stays the nominal one.

@@ -1,6 +1,9 @@
 """The verb `fit`."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import cast
+
+from typing_extensions import TypeVar
 
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
@@ -15,7 +18,7 @@ from stickslip.identification.least_squares import fit_several
 from stickslip.identification.record_fitting import fit_record
 from stickslip.identification.record_settings import RecordSettings
 from stickslip.identification.results import Fit, TravelFit
-from stickslip.identification.route_choice import RouteChoice, asked_for
+from stickslip.identification.route_choice import RouteChoice, RouteName, asked_for
 from stickslip.identification.starts import Start, check_known, starting_law, with_known
 from stickslip.identification.travel import (
     TravelModel,
@@ -29,6 +32,9 @@ from stickslip.quantities import parameters
 
 __all__ = ["check_rest", "fit", "fit_trials", "payable"]
 
+AnyLaw = TypeVar("AnyLaw", bound=FrictionLaw, default=FrictionLaw)
+"""The type of law that a fit was given; a name could stand for any."""
+
 PAID_BY_TRAVEL = ("kinetic_coefficient", "viscous_coefficient")
 """Travels tell a level and a slope with speed; what shapes the curve needs a velocity trace."""
 PAID_BY_CYCLES = "static_coefficient"
@@ -37,17 +43,17 @@ PAID_BY_CYCLES = "static_coefficient"
 
 def fit(
     mechanism: Mechanism,
-    law: FrictionLaw | type[FrictionLaw] | str,
+    law: AnyLaw | type[AnyLaw] | str,
     measurement: Measurement,
     *,
     free: str | Sequence[str] | None = None,
     known: Mapping[str, float] | None = None,
     unknown: str | Sequence[str] = (),
-    route: str | RouteChoice | None = None,
+    route: RouteName | RouteChoice | None = None,
     settings: RecordSettings | None = None,
     t_end: float = 10.0,
     watch: Callable[[float], object] | None = None,
-) -> Fit:
+) -> Fit[AnyLaw]:
     """Fit the free parameters of a law to what was measured.
 
     Travels are fitted by runs to rest; records in time by simulated segments; friction that was
@@ -107,19 +113,20 @@ def fit(
     """
     check_given("fit", mechanism, measurement)
     unknown, free = names_of(unknown), None if free is None else names_of(free)
-    law = _known_law(law, known)
+    given = _known_law(law, known)
+    found: Fit
     if by_features(measurement, asked_for(route)):
         _refuse_known(known)
         seed = 0 if settings is None else settings.seed
-        return fit_features(
-            mechanism, law, measurement, unknown=unknown, free=free, seed=seed, watch=watch
+        found = fit_features(
+            mechanism, given, measurement, unknown=unknown, free=free, seed=seed, watch=watch
         )
-    if not measurement.travelled:
+    elif not measurement.travelled:
         refuse_faults(measurement, mechanism)
         with with_doubts(measurement, mechanism, of=ConvergenceError):
-            return fit_record(
+            found = fit_record(
                 mechanism,
-                law,
+                given,
                 measurement,
                 unknown=unknown,
                 free=free,
@@ -128,13 +135,14 @@ def fit(
                 settings=settings,
                 watch=watch,
             )
-    if unknown:
+    elif unknown:
         raise InputError("a few travels cannot tell parameters of the mechanism from friction.")
-    start = with_known(starting_law(law), known) if isinstance(law, type) else law
-    trials = trials_of(mechanism, measurement, t_end)
-    found = fit_trials(start, trials, free=free, t_end=t_end, watch=watch)
-    check_rest(found, t_end)
-    return found
+    else:
+        start = with_known(starting_law(given), known) if isinstance(given, type) else given
+        trials = trials_of(mechanism, measurement, t_end)
+        found = fit_trials(start, trials, free=free, t_end=t_end, watch=watch)
+        check_rest(found, t_end)
+    return cast("Fit[AnyLaw]", found)  # each of them changes the numbers of a law, not its type
 
 
 def _known_law(

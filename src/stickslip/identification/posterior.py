@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.identification.record_fit import RecordFit
+from stickslip.identification.results import Fit
 from stickslip.quantities import full_path
 
 __all__ = ["Posterior", "sample_posterior"]
@@ -73,7 +74,7 @@ class Posterior:
 
 
 def sample_posterior(
-    fit: RecordFit,
+    fit: Fit,
     *,
     sampler: Literal["emcee", "dynesty"] = "emcee",
     steps: int | None = None,
@@ -89,8 +90,8 @@ def sample_posterior(
 
     Parameters
     ----------
-    fit : RecordFit
-        What is drawn around; each draw predicts the whole record once.
+    fit : Fit
+        A `RecordFit`, which is drawn around; each draw predicts the whole record once.
     sampler : {"emcee", "dynesty"}
         An ensemble of walkers, or nested sampling, which also finds further modes.
     steps : int, optional
@@ -112,7 +113,8 @@ def sample_posterior(
     Raises
     ------
     InputError
-        If the sampler is not installed, not known, or takes no such number.
+        If the fit is one of travels or features, or the sampler is not installed, not known, or
+        takes no such number.
 
     Examples
     --------
@@ -129,6 +131,11 @@ def sample_posterior(
     Source: D. Foreman-Mackey et al., "emcee: The MCMC Hammer", PASP 125, 2013; J. Speagle,
     "dynesty", MNRAS 493, 2020.
     """
+    if not isinstance(fit, RecordFit):
+        raise InputError(
+            "sample_posterior takes a fit to a record of motion or friction (a RecordFit), got a"
+            f" {type(fit).__name__}."
+        )
     if sampler not in ("emcee", "dynesty"):
         raise InputError(f"sampler must be 'emcee' or 'dynesty', got {sampler!r}.")
     target = _Target(fit, watch)

@@ -23,7 +23,7 @@ from stickslip.identification.inference import Displaced, Inference, bootstrap
 from stickslip.identification.model_error import ModelError
 from stickslip.identification.optimise import Found, improve
 from stickslip.identification.problem import Held, Linearised, Problem, RecordProblem
-from stickslip.identification.results import Fit, estimates_for
+from stickslip.identification.results import Fit, Law_co, estimates_for
 from stickslip.identification.unknowns import Unknowns
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ class Prediction:
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
-class RecordFit(Fit):
+class RecordFit(Fit[Law_co]):
     """A fit to records in time: estimates in the order of the unknowns, residuals, restarts."""
 
     route: str

@@ -6,11 +6,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeAlias, final
+from typing import Any, Generic, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from typing_extensions import override
+from typing_extensions import TypeVar, override
 
 from stickslip.digits import NO_BREAK_SPACE, interval, significant, within
 from stickslip.experiments.estimates import HARD, LawEstimates, Levels, levels_at, spread_of
@@ -22,9 +22,11 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters
 from stickslip.simulation import simulate
 
-__all__ = ["Estimate", "Fit", "TravelFit", "estimates_for", "variance_of"]
+__all__ = ["Estimate", "Fit", "Law_co", "TravelFit", "estimates_for", "variance_of"]
 
 Array: TypeAlias = NDArray[np.float64]
+Law_co = TypeVar("Law_co", bound=FrictionLaw, default=FrictionLaw, covariant=True)
+"""What type of law was fitted, as far as a type checker can know."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,10 +102,10 @@ def _spaced(text: str) -> str:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fit(ABC):
+class Fit(ABC, Generic[Law_co]):
     """A law whose free parameters make a mechanism behave as measured."""
 
-    law: FrictionLaw
+    law: Law_co
     """The law with its fitted parameters."""
     mechanism: Mechanism
     """The mechanism: as measured first, with what was fitted of it."""
@@ -113,7 +115,7 @@ class Fit(ABC):
     """What is to be known of the mechanism as it is saved, in sentences."""
 
     @final
-    def to_law(self) -> FrictionLaw:
+    def to_law(self) -> Law_co:
         """Return the fitted law."""
         return self.law
 
@@ -261,7 +263,7 @@ def _largest_speed(trial: Trial, law: FrictionLaw) -> float:
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
-class TravelFit(Fit):
+class TravelFit(Fit[Law_co]):
     """A fit to travels.
 
     Examples

@@ -9,7 +9,7 @@ measured, needs no such prediction, but a motion that is measured well.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import final
+from typing import Literal, TypeAlias, final
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from stickslip.mechanisms import Mechanism
 
 __all__ = [
     "RouteChoice",
+    "RouteName",
     "asked_for",
     "better_route",
     "choose_route",
@@ -34,6 +35,9 @@ __all__ = [
     "to_compare",
     "unexplained_share",
 ]
+
+RouteName: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics", "features"]
+"""What `fit` and `select` may be asked for."""
 
 UNPREDICTED = 0.5
 """Share of the motion left unexplained beyond which simulated segments do not serve."""

@@ -22,6 +22,7 @@ from stickslip.identification.optimise import improve
 from stickslip.identification.problem import Held, Linearised, Part
 from stickslip.identification.record_fit import RecordFit, scale_of
 from stickslip.identification.record_settings import RecordSettings
+from stickslip.identification.route_choice import RouteName
 from stickslip.identification.trial_estimates import TrialEstimates
 from stickslip.identification.trial_words import SURE, sentences_of
 from stickslip.mechanisms import Mechanism
@@ -159,7 +160,7 @@ def compare_trials(
     free: str | Sequence[str] | None = None,
     known: Mapping[str, float] | None = None,
     unknown: str | Sequence[str] = (),
-    route: str | None = None,
+    route: RouteName | None = None,
     settings: RecordSettings | None = None,
     watch: Callable[[float], object] | None = None,
 ) -> TrialComparison:

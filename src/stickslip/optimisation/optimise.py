@@ -16,10 +16,10 @@ from stickslip.optimisation.cycles import fitted, guide_of, measure, motor_of
 from stickslip.optimisation.limits import Limits
 from stickslip.optimisation.optimum import Optimum
 from stickslip.optimisation.polish import polish
-from stickslip.optimisation.problem import FINER, GOALS, Judged, Problem
+from stickslip.optimisation.problem import FINER, GOALS, GoalName, Judged, Problem
 from stickslip.optimisation.scenarios import scenarios_of
 from stickslip.optimisation.search import Told, search
-from stickslip.optimisation.spaces import Space, kind_of, space_of
+from stickslip.optimisation.spaces import KindName, Space, kind_of, space_of
 from stickslip.optimisation.states import Memory
 from stickslip.quantities import named
 from stickslip.simulation import simulate
@@ -42,8 +42,8 @@ def optimise_profile(
     law: FrictionLaw,
     *,
     limits: Limits,
-    goal: str = "travel",
-    kind: str = "three-phase",
+    goal: GoalName = "travel",
+    kind: KindName = "three-phase",
     interval: Mapping[str, tuple[float, float]] | None = None,
     scenarios: Sequence[FrictionLaw] | None = None,
     quantile: float = 0.05,
@@ -138,18 +138,18 @@ def optimise_profile(
         goal=named(GOALS, goal, "goal"),
         limits=plan.limits,
     )
-    kind = kind_of(kind)
-    space = space_of(kind, plan.limits, knots)
+    known = kind_of(kind)
+    space = space_of(known, plan.limits, knots)
     subject = repr((problem, plan, law, space, _versions()))
     memory = Memory(state, subject)  # a file that cannot be used is told before anything runs
     start = problem.judge(plan.profile, samples=FINER)
     work = _Work(problem=problem, plan=plan, memory=memory, watch=watch)
     reference = work.best_of(space_of(REFERENCE, plan.limits, knots), plan.profile, start)
     best = reference
-    if kind != REFERENCE:
+    if known != REFERENCE:
         first = reference.judged.profile if reference.judged else plan.profile
         best = work.best_of(space, first, start, done=reference)
-    return _optimum(work, law, kind, best, reference.judged, start)
+    return _optimum(work, law, known, best, reference.judged, start)
 
 
 def _versions() -> list[str]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import final
+from typing import Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from stickslip.optimisation.limits import Limits, Margin
 from stickslip.optimisation.scenarios import Scenarios
 from stickslip.quantities import vary
 
-__all__ = ["FAILED", "GOALS", "Goal", "Judged", "Problem"]
+__all__ = ["FAILED", "GOALS", "Goal", "GoalName", "Judged", "Problem"]
 
 Array = NDArray[np.float64]
 
@@ -45,6 +45,7 @@ def _economy(cycle: Cycle) -> float:
     return cycle.travel / cycle.work if cycle.work > 0.0 else 0.0
 
 
+GoalName: TypeAlias = Literal["travel", "speed", "economy"]
 GOALS: Mapping[str, Goal] = {
     goal.name: goal
     for goal in (

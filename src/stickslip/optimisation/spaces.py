@@ -4,7 +4,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import ClassVar, Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.optimisation.limits import Limits
 from stickslip.quantities import fields_of, named
 
-__all__ = ["KINDS", "Space", "kind_of", "space_of"]
+__all__ = ["KINDS", "KindName", "Space", "kind_of", "space_of"]
 
 Array = NDArray[np.float64]
 
@@ -259,6 +259,10 @@ class Splines(Space):
         return {}
 
 
+KindName: TypeAlias = Literal[
+    "three-phase", "seven-step", "sine", "spline", "sine-swing", "spline-swing"
+]
+"""The names that searches take: those of `KINDS` and of `TYPES`."""
 KINDS: Mapping[str, type[Space]] = {
     space.kind: space for space in (ThreePhases, SevenSteps, Sines, Splines)
 }

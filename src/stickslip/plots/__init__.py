@@ -1,9 +1,8 @@
 """Figures: the only room that knows matplotlib, which is loaded when a name is first asked for."""
 
-import importlib
-from typing import Any
+from stickslip.lazy import attach
 
-_HOME = {
+HOMES = {
     "C1": "theme",
     "C2": "theme",
     "C3": "theme",
@@ -58,14 +57,6 @@ _HOME = {
     "standalone_svg": "svg",
 }
 
-__all__ = sorted(_HOME)  # noqa: PLE0605  # read off the table above
+__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'stickslip.plots' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"stickslip.plots.{_HOME[name]}"), name)
-
-
-def __dir__() -> list[str]:
-    return __all__
+__getattr__, __dir__ = attach(__name__, HOMES)

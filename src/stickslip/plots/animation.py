@@ -14,7 +14,7 @@ from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism
 from stickslip.plots.checking import check_scene, check_size, file_of, number
 from stickslip.plots.encoding import ENCODERS, Encoder, encoder_of
-from stickslip.plots.scenes.shapes import Scene
+from stickslip.plots.scenes.shapes import Drawn, Scene
 from stickslip.plots.series import horizon
 from stickslip.plots.stage import Stage, moments_of
 from stickslip.plots.svg import Draw, Size
@@ -34,7 +34,7 @@ Pixels: TypeAlias = NDArray[np.uint8]
 
 
 def draw_scene(
-    run: Trajectory, mechanism: Mechanism, t: float, *, scene: Scene | None = None
+    run: Trajectory, mechanism: Drawn, t: float, *, scene: Scene[Drawn] | None = None
 ) -> Draw:
     """Return a drawing of a mechanism at one moment of a run, beside its time plots.
 
@@ -83,7 +83,7 @@ def draw_scene(
 
 def animate(
     run: Trajectory,
-    mechanism: Mechanism,
+    mechanism: Drawn,
     path: str | Path,
     *,
     fps: float = 25.0,
@@ -91,7 +91,7 @@ def animate(
     until: float | None = None,
     size: Size = ANIMATION_SIZE,
     dpi: float = 72.0,
-    scene: Scene | None = None,
+    scene: Scene[Drawn] | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Path | None:
     """Write an animation of a run as a GIF or MP4 file, chosen by the ending of its name.

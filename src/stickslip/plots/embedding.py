@@ -7,10 +7,9 @@ from typing import Final
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.mechanisms import Mechanism
 from stickslip.plots.animation import ANIMATION_SIZE, draw_scene, frame_times, frames
 from stickslip.plots.encoding import gif_of
-from stickslip.plots.scenes.shapes import Scene
+from stickslip.plots.scenes.shapes import Drawn, Scene
 from stickslip.plots.svg import Size, standalone_svg
 from stickslip.trajectory import Trajectory
 
@@ -26,7 +25,7 @@ SLOWEST: Final = 5.0
 
 def animation_html(
     run: Trajectory,
-    mechanism: Mechanism,
+    mechanism: Drawn,
     *,
     alt: str,
     fps: float = 20.0,
@@ -36,7 +35,7 @@ def animation_html(
     narrow: Size | None = None,
     still: float | None = None,
     most_bytes: int = MOST,
-    scene: Scene | None = None,
+    scene: Scene[Drawn] | None = None,
 ) -> str:
     """Return an animation of a run as HTML that needs no other file.
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Measurement, check
@@ -62,7 +62,7 @@ from stickslip.selection.specifications import (
 )
 from stickslip.selection.suited import one_way, unsuited_by
 
-__all__ = ["LEFT_OUT", "PURPOSES", "RecordWatch", "checked", "select_records"]
+__all__ = ["LEFT_OUT", "PURPOSES", "PurposeName", "RecordWatch", "checked", "select_records"]
 
 RecordWatch: TypeAlias = Callable[[str, float], object]
 """Called with a candidate and the least residual so far, not a number before it begins.
@@ -74,7 +74,8 @@ was compared on other blocks than the rest could not be ranked.
 
 SPARE = ("viscous_coefficient",)
 """Fields that stand beside what makes a law that law; one that goes to 0 is left out."""
-PURPOSES = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
+PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
+PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
@@ -88,7 +89,7 @@ def select_records(
     laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None = None,
     *,
     unknown: Sequence[str] = (),
-    purpose: str = "simulate",
+    purpose: PurposeName = "simulate",
     horizon: float | None = None,
     route: str | RouteChoice | None = None,
     validate: Measurement | None = None,
@@ -160,7 +161,7 @@ def _tried(
     ]
 
 
-def _aim(purpose: str, horizon: float | None) -> float:
+def _aim(purpose: PurposeName, horizon: float | None) -> float:
     """Return how far predictions go [s]."""
     if purpose not in PURPOSES:
         raise InputError(f"purpose must be one of {', '.join(PURPOSES)}, got {purpose!r}.")

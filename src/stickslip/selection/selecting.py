@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
@@ -10,12 +9,14 @@ from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification.arguments import Laws, check_given, laws_of, names_of
 from stickslip.identification.features import by_features
 from stickslip.identification.record_settings import RecordSettings
-from stickslip.identification.route_choice import RouteChoice, asked_for
+from stickslip.identification.route_choice import RouteChoice, RouteName, asked_for
 from stickslip.mechanisms import Mechanism
+from stickslip.selection.feature_verdict import FeatureVerdict
 from stickslip.selection.features import select_features
-from stickslip.selection.records import select_records
+from stickslip.selection.record_verdict import RecordVerdict
+from stickslip.selection.records import PurposeName, select_records
 from stickslip.selection.travels import select_travels
-from stickslip.selection.verdict import Verdict
+from stickslip.selection.verdict import TravelVerdict
 from stickslip.solver import Progress
 
 __all__ = ["select"]
@@ -27,16 +28,16 @@ def select(
     laws: Laws | FrictionLaw | type[FrictionLaw] | str | None = None,
     *,
     unknown: str | Sequence[str] = (),
-    purpose: str = "simulate",
+    purpose: PurposeName = "simulate",
     horizon: float | None = None,
-    route: str | RouteChoice | None = None,
+    route: RouteName | RouteChoice | None = None,
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
     t_end: float = 10.0,
-    watch: Callable[[str, Any], object] | None = None,
+    watch: Callable[[str, float], object] | None = None,
     compiling: Progress | None = None,
     executor: Executor | None = None,
-) -> Verdict:
+) -> TravelVerdict | RecordVerdict | FeatureVerdict:
     """Fit every law to a measurement, compare them on what they have not seen, and name one.
 
     Parameters
@@ -77,7 +78,7 @@ def select(
 
     Returns
     -------
-    Verdict
+    TravelVerdict, RecordVerdict or FeatureVerdict
         Candidates, the law to use, what the data settle and what they cannot tell.
 
     Raises
@@ -93,8 +94,8 @@ def select(
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
     >>> verdict = select(rig, reading, [Coulomb, Viscous])
-    >>> verdict.best.name, verdict.ranked
-    ('coulomb', False)
+    >>> verdict.best.name, [candidate.name for candidate in verdict.candidates]
+    ('coulomb', ['coulomb', 'viscous'])
     """
     check_given("select", mechanism, measurement)
     unknown, laws = names_of(unknown), laws_of(laws)

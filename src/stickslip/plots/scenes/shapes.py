@@ -4,6 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
+from typing_extensions import TypeVar
+
+from stickslip.mechanisms import Mechanism
 from stickslip.trajectory import Trajectory
 
 __all__ = [
@@ -11,6 +14,7 @@ __all__ = [
     "Ball",
     "Box",
     "Coil",
+    "Drawn",
     "Fill",
     "Ground",
     "Moment",
@@ -137,7 +141,9 @@ class Picture:
     """What the arrows are called; friction, normal force and drive if not given."""
 
 
-Scene: TypeAlias = Callable[[Any, Trajectory], Picture]
+Drawn = TypeVar("Drawn", bound=Mechanism, default=Any)
+"""The mechanism that a scene is of."""
+Scene: TypeAlias = Callable[[Drawn, Trajectory], Picture]
 """Called once with the mechanism and its run, sampled evenly; dimensions that the mechanism does
 not have follow from the run.
 """

@@ -1,0 +1,38 @@
+"""Public names of a package that are loaded when they are first asked for."""
+
+import importlib
+from collections.abc import Callable, Mapping
+
+__all__ = ["attach"]
+
+
+def attach(
+    package: str, homes: Mapping[str, str]
+) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+    """Return the ``__getattr__`` and ``__dir__`` of a package whose names are loaded lazily.
+
+    Type checkers and editors cannot follow them: what they read is the ``__init__.pyi`` that
+    ``tools/stubs.py`` writes from the same table.
+
+    Parameters
+    ----------
+    package : str
+        Name of the package.
+    homes : mapping of str to str
+        By public name, the module of the package that defines it.
+
+    Examples
+    --------
+    >>> load, names = attach("stickslip", {"Coulomb": "friction", "simulate": "simulation"})
+    >>> names()
+    ['Coulomb', 'simulate']
+    >>> load("Coulomb").name
+    'coulomb'
+    """
+
+    def load(name: str) -> object:
+        if name not in homes:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        return getattr(importlib.import_module(f"{package}.{homes[name]}"), name)
+
+    return load, lambda: sorted(homes)

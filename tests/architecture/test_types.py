@@ -1,0 +1,345 @@
+"""What a type checker knows of the package: a user's script is checked with mypy, strictly."""
+
+import ast
+import doctest
+import importlib
+import inspect
+import os
+import re
+import subprocess
+import sys
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import get_args
+
+import pytest
+from tools import stubs
+
+import stickslip
+import stickslip.plots
+from stickslip.friction import LAWS
+from stickslip.identification.features import ROUTE
+from stickslip.identification.record_fitting import ROUTES
+from stickslip.identification.route_choice import RouteName
+from stickslip.mechanisms import MECHANISMS
+from stickslip.optimisation.problem import GOALS, GoalName
+from stickslip.optimisation.spaces import KINDS, TYPES, KindName
+from stickslip.selection.records import PURPOSES, PurposeName
+
+ROOT = Path(__file__).parents[2]
+Reported = Mapping[str, Sequence[str]]
+
+CORRECT = """
+from pathlib import Path
+
+import numpy as np
+
+import stickslip as st
+from stickslip import (
+    Axis, Capsule, Coulomb, CoulombViscous, EventTimes, FixedStep, LuGre, Max, Measurement,
+    Pendulum, PendulumCart, PID, Pulse, RecordFit, Sampled, SineSwing, SpringBlock, Stribeck,
+    TowedBlock, TravelVerdict, TwoMassAxis, average_velocity, closed_loop, ensemble, fit, load_rig,
+    load_measurement, sample_posterior, select, simulate,
+)
+from stickslip.plots import draw_run, save
+
+block = SpringBlock(mass=1, stiffness=100.0, drive=Pulse(level=10.0, duration=0.1))
+law = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
+run = simulate(block, law, t_end=1.0, y0={"x": 0.0}, solver=FixedStep(dt=1e-4))
+last = float(run["x"][-1]) + run.events[0].t + run.certificate.energy_error
+t = np.linspace(0.0, 1.0, 11)
+signals = Sampled(times=t, values=t.tolist(), hold="first") + Pulse(level=1.0, duration=0.5)
+reveal_type(run)
+reveal_type(run["x"])
+reveal_type(run.status)
+reveal_type(run.to_dataframe())
+
+one = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+both = Measurement(trials=[one, Measurement(travel=[0.1, 0.2], overrides={"mechanism.mass": 2})])
+table = Measurement(velocity=t, friction=[float(x) for x in t], uncertainty={"friction": 0.1})
+record = load_measurement(Path("run.csv"), columns={"position": ["x", "y"]}, repair="sort")
+reveal_type(one.travel)
+reveal_type(one.uncertainty)
+reveal_type(record)
+reveal_type(load_rig().measurement)
+
+result = fit(block, Coulomb, one)
+reveal_type(result)
+print(result.law.kinetic_coefficient, result.estimates[0].low, result.to_law().name)
+reveal_type(fit(block, law, one).law)
+reveal_type(fit(block, "lugre", one).law)
+found = fit(Axis(inertia=1.0), CoulombViscous, table, route="force-map", unknown="inertia")
+print(found.law.viscous_coefficient)
+if isinstance(found, RecordFit):
+    reveal_type(found.score(record))
+reveal_type(sample_posterior(found, steps=100))
+
+verdict = select(block, record, [Coulomb, "lugre", Stribeck], purpose="position")
+reveal_type(verdict)
+reveal_type(verdict.sentence)
+if verdict.best is not None:
+    print(verdict.best.name, verdict.best.title, verdict.best.fit)
+if isinstance(verdict, TravelVerdict):
+    reveal_type(verdict.best)
+reveal_type(st.check(record, mechanism=block))
+
+runs = ensemble(block, law, {"friction.kinetic_coefficient": t}, t_end=1.0,
+                outputs={"fastest": Max("v"), "rest": EventTimes("stop")})
+reveal_type(runs)
+reveal_type(runs["fastest"])
+motor = st.Torque(drive=Pulse(level=1.0, duration=1.0))
+capsule = Capsule(capsule_mass=1.0, inner_mass=0.5, drive=motor)
+swing = SineSwing(amplitude=0.1, frequency=2.0)
+reveal_type(swing.period)
+reveal_type(average_velocity(capsule, law, {"mechanism.inner_mass": [0.1, 0.2]}))
+reveal_type(closed_loop(block, law, PID(proportional=1.0), period=0.001, t_end=1.0))
+reveal_type(st.LAWS["coulomb"])
+reveal_type(st.__version__)
+reveal_type(draw_run(run))
+"""
+REVEALED = (
+    "Trajectory",
+    "ndarray[tuple[Any, ...], dtype[float64]]",
+    "Status",
+    "DataFrame",
+    "ndarray[tuple[Any, ...], dtype[float64]] | float | None",
+    "Mapping[str, float]",
+    "Measurement",
+    "Measurement | None",
+    "Fit[Coulomb]",
+    "Coulomb",
+    "FrictionLaw",
+    "Score",
+    "Posterior",
+    "TravelVerdict | RecordVerdict | FeatureVerdict",
+    "str",
+    "Candidate | None",
+    "Checks",
+    "Ensemble",
+    "ndarray[tuple[Any, ...], dtype[float64]]",
+    "float",
+    "VelocityMap",
+    "ClosedLoop",
+    "type[FrictionLaw]",
+    "str",
+)
+
+MISTAKES = """
+from stickslip import *
+from stickslip import Coloumb  # !
+import stickslip
+
+block = SpringBlock(mass=1.0)
+law = Coulomb(kinetic_coefficient=0.25)
+reading = Measurement(travel=0.2)
+x: int = simulate("nonsense", 3)  # !
+simulate(block, law)  # !
+simulate(block, "coulomb", t_end=1.0)  # !
+simulate(block, law, t_end=1.0, tolerance=1e-3)  # !
+simulate(block, law, t_end=1.0, solver="rk4")  # !
+simulate(block, law, t_end=1.0).energy  # !
+simulate(block, law, t_end=1.0)["x"].nonsense  # !
+SpringBlock(mass="1 kg")  # !
+SpringBlock(stiffness=1.0)  # !
+Coulomb(kinetic_coeficient=0.25)  # !
+Coulomb(0.25)  # !
+law.kinetic_coefficient = 0.3  # !
+law.viscous_coefficient  # !
+EventDriven(tier="fast")  # !
+FixedStep(dt=1e-3, method="leapfrog")  # !
+Measurement(travel="0.2 m")  # !
+Measurement(travell=0.2)  # !
+Measurement(travel=0.2, uncertainty_kind="guessed")  # !
+reading.travel + 1.0  # !
+Sampled(times="now", values=[1.0])  # !
+load_measurement("a.csv", repair="all")  # !
+load_measurement("a.csv", colums={})  # !
+fit(block, reading, law)  # !
+fit(block, Coulomb, reading).law.viscous_coefficient  # !
+fit(block, Coulomb, reading, route="shoting")  # !
+fit(block, Coulomb, reading).residuals  # !
+select(block, reading, [Coulomb, SpringBlock])  # !
+select(block, reading, purpose="positon")  # !
+select(block, reading).best.name  # !
+ensemble(block, law, {"friction.kinetic_coefficient": [0.1, 0.2]})  # !
+ensemble(block, law, {}, t_end=1.0, outputs={"fastest": "v"})  # !
+average_velocity(block, law, [1.0])  # !
+closed_loop(block, law, 3.0, period=0.001, t_end=1.0)  # !
+optimise_profile(block, law, limits=Limits(), goal="beauty")  # !
+animate(simulate(block, law, t_end=1.0), law, "a.gif")  # !
+y: int = load_rig()  # !
+stickslip.simulte  # !
+stickslip.__version__ + 1  # !
+"""
+
+FROM_A_FILE = {"examples.load_rig", "examples.write_report"}
+"""Examples that ask what a file held for what only one law or mechanism has."""
+
+
+def example_of(value: object) -> str:
+    """Return the example of a docstring as a function below the imports of its module."""
+    module = importlib.import_module(value.__module__)
+    imports = [
+        ast.unparse(node)
+        for node in ast.parse(inspect.getsource(module)).body
+        if isinstance(node, (ast.Import, ast.ImportFrom))
+    ]
+    lines = [
+        f"    {line}"
+        for example in doctest.DocTestParser().get_examples(inspect.getdoc(value) or "")
+        for line in example.source.splitlines()
+    ]
+    head = [*imports, f"from {module.__name__} import *", "def example() -> None:"]
+    return "\n".join([*head, *lines, ""])
+
+
+EXAMPLES = {
+    f"examples.{name}": example_of(getattr(stickslip, name))
+    for name in stickslip.__all__
+    if ">>>" in (inspect.getdoc(getattr(stickslip, name)) or "")
+}
+
+CONFIG = """
+[mypy]
+strict = true
+follow_imports = silent
+[mypy-examples.*]
+# an example may use a name for two things, needs no types of its own, and finds what it looks for
+allow_redefinition = true
+disallow_untyped_defs = false
+disallow_untyped_calls = false
+strict_optional = false
+ignore_missing_imports = true
+disable_error_code = assignment
+"""
+
+
+@pytest.fixture(scope="module")
+def reported(
+    tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest
+) -> Mapping[str, Sequence[str]]:
+    """What mypy says of each script, checked as a user of the package would; one run for all."""
+    scripts = {"correct": CORRECT, "mistakes": MISTAKES, **EXAMPLES}
+    for module in (stickslip, stickslip.plots):
+        name = module.__name__
+        lines = [f"import {name}", *(f"reveal_type({name}.{one})" for one in module.__all__)]
+        scripts[f"names_{name.replace('.', '_')}"] = "\n".join(lines)
+    folder = tmp_path_factory.mktemp("scripts")
+    scripts["examples.__init__"] = ""
+    (folder / "mypy.ini").write_text(CONFIG, encoding="utf-8")
+    for name, text in scripts.items():
+        path = folder / f"{name.replace('.', '/')}.py"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text.lstrip("\n"), encoding="utf-8")
+    cache = request.config.cache.mkdir("mypy-of-users")
+    done = subprocess.run(
+        [
+            *(sys.executable, "-m", "mypy", f"--cache-dir={cache}", "--no-error-summary"),
+            ".",
+        ],
+        cwd=folder,
+        env={**os.environ, "MYPYPATH": str(ROOT / "src")},
+        capture_output=True,
+        text=True,
+        timeout=900,
+        check=False,
+    )
+    assert done.returncode == 1, done.stdout + done.stderr  # 2 is a failure of mypy itself
+    found: dict[str, list[str]] = {name: [] for name in scripts}
+    for line in done.stdout.splitlines():
+        found[line.partition(".py:")[0].replace("/", ".")].append(line)
+    return found
+
+
+def short(revealed: str) -> str:
+    """Return a type without the modules of its parts."""
+    return re.sub(r"(?<![\w.])(?:\w+\.)+(?=\w)", "", revealed)
+
+
+def errors(lines: Sequence[str]) -> list[str]:
+    return [line for line in lines if ": error:" in line]
+
+
+def test_a_correct_script_passes_mypy_strict_and_has_types_everywhere(reported: Reported) -> None:
+    assert errors(reported["correct"]) == []
+    notes = [line.partition('Revealed type is "')[2].rstrip('"') for line in reported["correct"]]
+    types = [short(note) for note in notes if note]
+    assert types[:-1] == list(REVEALED)
+    assert types[-1].startswith("def (")
+
+
+def test_each_mistake_in_a_script_is_reported_and_nothing_else(reported: Reported) -> None:
+    code = MISTAKES.lstrip("\n").splitlines()
+    wrong = {i for i, line in enumerate(code, 1) if line.endswith("# !")}
+    found = {int(line.split(":")[1]) for line in errors(reported["mistakes"])}
+    assert {code[i - 1] for i in wrong ^ found} == set()
+
+
+@pytest.mark.parametrize("module", [stickslip, stickslip.plots])
+def test_every_public_name_is_known_to_a_type_checker(
+    reported: Reported, module: ModuleType
+) -> None:
+    lines = reported[f"names_{module.__name__.replace('.', '_')}"]
+    assert len(lines) == len(module.__all__)
+    for name, line in zip(module.__all__, lines, strict=True):
+        assert "Revealed type is" in line, line
+        assert '"Any"' not in line, line
+        value = getattr(module, name)
+        if inspect.isclass(value):
+            assert f" -> {value.__module__}.{value.__qualname__}" in line, line
+
+
+@pytest.mark.parametrize("name", sorted(EXAMPLES))
+def test_the_example_of_a_public_name_passes_the_type_checker(
+    name: str, reported: Reported
+) -> None:
+    if name in FROM_A_FILE:
+        (line,) = errors(reported[name])
+        assert "[attr-defined]" in line
+    else:
+        assert errors(reported[name]) == []
+
+
+@pytest.mark.parametrize("package", stubs.PACKAGES)
+def test_the_stub_of_a_package_is_what_its_table_of_names_makes(package: str) -> None:
+    path = stubs.folder(package) / "__init__.pyi"
+    assert path.read_text(encoding="utf-8") == stubs.stub(package), "run `make stubs`"
+
+
+def test_every_package_that_loads_lazily_has_a_stub() -> None:
+    lazy = {
+        ".".join(path.parent.relative_to(stubs.SOURCE).parts)
+        for path in stubs.SOURCE.rglob("__init__.py")
+        if "__getattr__" in path.read_text(encoding="utf-8")
+    }
+    assert lazy == set(stubs.PACKAGES)
+
+
+@pytest.mark.parametrize(
+    ("type_", "names"),
+    [
+        (RouteName, (*ROUTES, ROUTE)),
+        (PurposeName, tuple(PURPOSES)),
+        (GoalName, tuple(GOALS)),
+        (KindName, (*KINDS, *TYPES)),
+    ],
+)
+def test_a_type_of_names_lists_the_names_that_are_taken(
+    type_: object, names: Sequence[str]
+) -> None:
+    assert get_args(type_) == names
+
+
+def test_the_wheel_has_the_stubs_and_the_mark_of_a_typed_package(tmp_path: Path) -> None:
+    build = pytest.importorskip("hatchling.builders.wheel")
+    (path,) = build.WheelBuilder(str(ROOT)).build(directory=str(tmp_path), versions=["standard"])
+    names = set(zipfile.ZipFile(path).namelist())
+    stubbed = {f"{package.replace('.', '/')}/__init__.pyi" for package in stubs.PACKAGES}
+    assert {"stickslip/py.typed", *stubbed} <= names
+
+
+def test_registered_laws_and_mechanisms_are_public() -> None:
+    registered = [*LAWS.values(), *MECHANISMS.values()]
+    assert {kind.__name__ for kind in registered} <= set(stickslip.__all__)

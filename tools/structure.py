@@ -1,0 +1,242 @@
+"""Print the numbers by which the structure of the package is judged: python tools/structure.py.
+
+Everything is counted from the sources with `ast`, but for what one command runs, which is watched
+in a process of its own, and the tests, which pytest collects.
+"""
+
+import ast
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+SOURCE = ROOT / "src"
+PACKAGE = "stickslip"
+UPPER = ("cli", "identification", "selection", "report", "plots")
+"""Rooms that only a route should tell apart."""
+ROUTE_BASES = {"Fit", "Verdict", "Problem"}
+"""Classes of which each route has its own subclasses."""
+ROUTE_TYPES = {"Measurement", "RouteChoice", "Score", "Balanced", "_Rubbed", "_Shot"}
+"""Further classes by which code tells routes apart."""
+ROUTE_QUESTIONS = {"travel", "friction", "spring_force", "shooting", "force-map", "features"} | {
+    "inverse-dynamics",
+    "series",
+    "friction-map",
+    "scalars",
+}
+"""Texts that name a route or what it is chosen by."""
+
+WATCH = """
+import json, sys, threading
+from pathlib import Path
+seen = set()
+def watch(frame, event, argument):
+    if event == "call":
+        seen.add(frame.f_code)
+threading.setprofile(watch)
+sys.setprofile(watch)
+from stickslip.cli import main
+try:
+    main(["select", "--output", sys.argv[1], "--force"])
+except SystemExit as ended:
+    code = ended.code
+else:
+    code = 0
+sys.setprofile(None)
+import stickslip
+root = str(Path(stickslip.__file__).parent)
+# bodies of modules and classes run on import; comprehensions belong to their function
+own = [c for c in seen if c.co_filename.startswith(root) and not c.co_name.startswith("<")]
+own = [c for c in own if c.co_flags & 2]
+print(json.dumps({
+    "code": code,
+    "imported": len([name for name in sys.modules if name.partition(".")[0] == "stickslip"]),
+    "functions": len({(c.co_filename, c.co_firstlineno, c.co_name) for c in own}),
+    "modules": len({c.co_filename for c in own}),
+}), file=sys.stderr)
+"""
+"""Runs the command on the bundled rig; flag 2, CO_NEWLOCALS, is that of functions."""
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+def sources() -> dict[str, Path]:
+    """Return the files of the package by the names of their modules."""
+    found = {}
+    for path in sorted((SOURCE / PACKAGE).rglob("*.py")):
+        parts = path.relative_to(SOURCE).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
+
+
+def imports(tree: ast.Module, known: dict[str, Path]) -> Iterator[str]:
+    """Yield the modules of the package that a module imports, anywhere in its text."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in known)
+        elif isinstance(node, ast.ImportFrom) and node.module in known:
+            below = [f"{node.module}.{alias.name}" for alias in node.names]
+            modules = [name for name in below if name in known]
+            yield from modules
+            if len(modules) < len(below):
+                yield node.module
+
+
+def importers(trees: dict[str, ast.Module], known: dict[str, Path]) -> dict[str, set[str]]:
+    """Return by module the modules that import it; a table of lazy names imports, too."""
+    found: dict[str, set[str]] = defaultdict(set)
+    for name, tree in trees.items():
+        for other in imports(tree, known):
+            found[other].add(name)
+        for node in tree.body:
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "HOMES":
+                for home in set(ast.literal_eval(node.value).values()):
+                    found[f"{name}.{home}"].add(name)
+    return found
+
+
+def public_functions(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Yield the number of arguments and the docstring of each public function and method."""
+    bodies = [(tree.body, False)]
+    bodies += [
+        (node.body, True)
+        for node in tree.body
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+    ]
+    for body, is_class in bodies:
+        for node in body:
+            if not isinstance(node, Function) or node.name.startswith("_"):
+                continue
+            marks = {ast.unparse(mark).rpartition(".")[2] for mark in node.decorator_list}
+            if marks & {"override", "overload", "property", "cached_property", "setter"}:
+                continue  # documented where they are declared, or attributes
+            a = node.args
+            count = len(a.posonlyargs) + len(a.args) + len(a.kwonlyargs)
+            count += (a.vararg is not None) + (a.kwarg is not None)
+            count -= is_class and "staticmethod" not in marks
+            yield count, ast.get_docstring(node) or ""
+
+
+def share_documented(trees: Sequence[ast.Module], least: int) -> str:
+    """Return how many public functions with so many arguments have a section Parameters."""
+    texts = [text for tree in trees for n, text in public_functions(tree) if n >= least]
+    told = sum("Parameters\n----" in text for text in texts)
+    return f"{told} of {len(texts)} ({told / len(texts):.0%})"
+
+
+def route_types(trees: dict[str, ast.Module]) -> set[str]:
+    """Return the names of the classes that belong to one route."""
+    classes = [
+        node for tree in trees.values() for node in tree.body if isinstance(node, ast.ClassDef)
+    ]
+    found, before = set(ROUTE_BASES), 0
+    while len(found) > before:
+        before = len(found)
+        found |= {
+            node.name
+            for node in classes
+            if found & {ast.unparse(base).partition("[")[0] for base in node.bases}
+        }
+    return (found - ROUTE_BASES) | ROUTE_TYPES
+
+
+def route_checks(tree: ast.Module, types: set[str]) -> tuple[int, int]:
+    """Return how often a module asks for the type of a route, and for its name or quantities."""
+    by_type = by_text = 0
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "isinstance":
+            asked = {n.id for n in ast.walk(node.args[1]) if isinstance(n, ast.Name)}
+            by_type += bool(asked & types)
+        elif isinstance(node, ast.MatchClass):
+            by_type += ast.unparse(node.cls) in types
+        elif isinstance(node, ast.Compare):
+            texts = {n.value for n in ast.walk(node) if isinstance(n, ast.Constant)}
+            by_text += bool(texts & ROUTE_QUESTIONS)
+        elif isinstance(node, ast.Call) and ast.unparse(node.func) == "by_features":
+            by_text += 1
+    return by_type, by_text
+
+
+def watched() -> dict[str, int]:
+    """Return what `stickslip select` on the bundled rig imports and runs."""
+    with tempfile.TemporaryDirectory() as folder:
+        done = subprocess.run(
+            [sys.executable, "-c", WATCH, str(Path(folder, "report"))],
+            env={**os.environ, "PYTHONPATH": str(SOURCE)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+    found: dict[str, int] = json.loads(done.stderr.splitlines()[-1])
+    if found["code"]:
+        raise SystemExit(f"stickslip select ended with {found['code']}:\n{done.stderr}")
+    return found
+
+
+def tests_collected() -> str:
+    """Return how many tests pytest collects, those included that only `make slow` runs."""
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "--collect-only",
+        "-q",
+        "-m",
+        "",
+        "-p",
+        "no:cacheprovider",
+    ]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    return done.stdout.strip().splitlines()[-1].partition(" tests")[0]
+
+
+def table() -> Iterator[tuple[str, object]]:
+    """Yield what is counted and the number."""
+    known = sources()
+    texts = {name: path.read_text(encoding="utf-8") for name, path in known.items()}
+    trees = {name: ast.parse(text) for name, text in texts.items()}
+    modules = {name for name, path in known.items() if path.name != "__init__.py"}
+    yield "lines in src", sum(text.count("\n") for text in texts.values())
+    yield "files in src", len(known)
+    yield "modules (files without __init__)", len(modules)
+    users = importers(trees, known)
+    yield "modules with exactly one importer", sum(len(users[name]) == 1 for name in modules)
+    folders = Counter(known[name].parent for name in modules)
+    for folder, count in folders.most_common(3):
+        yield f"modules in {folder.relative_to(SOURCE)}", count
+    types = route_types(trees)
+    for room in UPPER:
+        own = [tree for name, tree in trees.items() if name.startswith(f"{PACKAGE}.{room}")]
+        by_type, by_text = (
+            sum(found) for found in zip(*(route_checks(t, types) for t in own), strict=True)
+        )
+        yield f"{room}: isinstance and match on types of a route", by_type
+        yield f"{room}: comparisons with the name or quantity of a route", by_text
+    for least in (2, 3):
+        shown = share_documented([*trees.values()], least)
+        yield f"public functions of {least} or more arguments with Parameters", shown
+    yield "public names at the top", len(ast.literal_eval(_homes(trees[PACKAGE]))) + 1
+    seen = watched()
+    yield "stickslip select: modules imported", seen["imported"]
+    yield "stickslip select: modules with a function that ran", seen["modules"]
+    yield "stickslip select: functions that ran", seen["functions"]
+    yield "tests collected", tests_collected()
+
+
+def _homes(tree: ast.Module) -> ast.expr:
+    (found,) = (
+        node.value
+        for node in tree.body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "HOMES"
+    )
+    return found
+
+
+if __name__ == "__main__":
+    for name, value in table():
+        print(f"{name:62} {value}", flush=True)

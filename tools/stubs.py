@@ -1,0 +1,55 @@
+"""Write the `__init__.pyi` of packages whose names are loaded lazily: python tools/stubs.py.
+
+Type checkers and editors do not run `__getattr__`. They read these stubs, which name the same
+modules as the table HOMES that the packages load from.
+"""
+
+import ast
+from collections import defaultdict
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parent.parent / "src"
+PACKAGES = ("stickslip", "stickslip.plots")
+EXTRA = {"stickslip": ("__version__",)}
+"""Public names of which there is no module: texts."""
+
+
+def folder(package: str) -> Path:
+    """Return the folder of a package."""
+    return SOURCE.joinpath(*package.split("."))
+
+
+def homes(package: str) -> dict[str, str]:
+    """Return the module that defines each public name, read off the source of a package."""
+    tree = ast.parse((folder(package) / "__init__.py").read_text(encoding="utf-8"))
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "HOMES":
+            table: dict[str, str] = ast.literal_eval(node.value)
+            return table
+    raise SystemExit(f"{package}/__init__.py has no table HOMES.")
+
+
+def stub(package: str) -> str:
+    """Return the text of the `__init__.pyi` of a package."""
+    modules = defaultdict(list)
+    for name, module in homes(package).items():
+        modules[f"{package}.{module}"].append(name)
+    extra = EXTRA.get(package, ())
+    lines = [
+        "# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.",
+        "# ruff: noqa: I001, RUF022",
+    ]
+    lines += [
+        f"from {module} import {name} as {name}"
+        for module in sorted(modules)
+        for name in sorted(modules[module])
+    ]
+    lines += ["", *(f"{name}: str\n" for name in extra)]
+    names = sorted([*homes(package), *extra])
+    lines += ["__all__ = [", *(f'    "{name}",' for name in names), "]", ""]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    for package in PACKAGES:
+        (folder(package) / "__init__.pyi").write_text(stub(package), encoding="utf-8")
