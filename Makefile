@@ -18,7 +18,7 @@ export REQUIRE_DATA ?= 1
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help select test examples stubs lint types architecture unit doctest docs bench slow fuzz format clean
+.PHONY: help select test examples stubs lint types architecture unit doctest docs bench golden slow fuzz format clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
@@ -66,6 +66,9 @@ docs: $(DEV) ## documentation in docs/_build/html, warnings are errors
 
 bench: $(DEV) ## benchmarks
 	$(BIN)/python -m benchmarks
+
+golden: $(DEV) ## compare what twelve rigs and records give with tests/golden (minutes)
+	$(BIN)/python -m benchmarks.golden compare tests/golden --jobs $(WORKERS)
 
 slow: $(DEV) ## tests that compile much or take long, which `make test` leaves out
 	$(PYTEST) -n $(WORKERS) -m slow

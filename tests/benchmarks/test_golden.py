@@ -1,0 +1,233 @@
+"""Golden files: what is compared, what is left out of it, and what a failure does."""
+
+import json
+import re
+from dataclasses import replace
+
+import pytest
+from benchmarks import golden
+from benchmarks.golden_cases import CASES, PYTHON, Case, Command
+from hypothesis import given
+from hypothesis import strategies as st
+
+VERDICT = {
+    "stickslip": "0.1.0",
+    "best": "coulomb",
+    "candidates": [{"law": "coulomb", "score": 0.123456789, "held_out": [1.0, 2.0, 3.0]}],
+}
+TEXT = "Held-out error: 0.60 mm\nUse Coulomb friction.\nstderr:\nmu_s was given."
+FILES = {"select.txt": TEXT, "verdict.json": golden.json_text(json.dumps(VERDICT))}
+SCRIPT = """
+import json, os, sys, time
+from pathlib import Path
+Path("page.html").write_text(f"<h1>Run</h1><p>Written on {time.strftime('%Y-%m-%d')}.</p>")
+Path("run.csv").write_text("t,x\\n" + "".join(f"{k},{k / 7}\\n" for k in range(500)))
+Path("law.toml").write_text("mu_k = 0.25484199796151420\\n")
+print(json.dumps({"version": sys.version.split()[0], "folder": os.getcwd(), "mu_k": 1 / 3}))
+print("Searching ...", file=sys.stderr)
+print("mu_s was given.", file=sys.stderr)
+"""
+
+
+def edited(name, old, new):
+    assert FILES[name].count(old) == 1
+    return {**FILES, name: FILES[name].replace(old, new)}
+
+
+def own(name, script, *codes):
+    """Return a case whose only command is a script."""
+
+    def prepare(folder):
+        (folder / "script.py").write_text(script)
+
+    command = Command(name="script", line=(PYTHON, "script.py"), codes=codes or (0,))
+    return Case(name=name, seconds=1, prepare=prepare, commands=(command,))
+
+
+def test_equal_files_are_equal():
+    found = golden.compare(FILES, dict(FILES))
+    assert (found.diff, str(found)) == ((), "equal")
+
+
+def test_a_digit_that_changed_is_found_with_its_place_and_size():
+    found = golden.compare(FILES, edited("verdict.json", "0.123456789", "0.123456780"))
+    assert found.lines == 1
+    # 9e-9 of 0.123456789, up to rounding of two numbers of 9 digits
+    assert found.largest == pytest.approx(9e-9 / 0.123456789, rel=1e-6)
+    assert found.where == "verdict.json: candidates[0].score"
+    assert any(line.startswith("-") and "0.123456789" in line for line in found.diff)
+
+
+def test_a_line_that_changed_is_found():
+    found = golden.compare(FILES, edited("select.txt", "0.60 mm", "0.61 mm"))
+    assert (found.lines, found.largest, str(found)) == (1, 0.0, "1 line differs")
+    assert "+Held-out error: 0.61 mm" in found.diff
+    assert not any("verdict.json" in line for line in found.diff)
+
+
+def test_files_that_came_or_went_differ():
+    gone = {"select.txt": TEXT}
+    for one, other in ((FILES, gone), (gone, FILES)):
+        found = golden.compare(one, other)
+        assert found.lines == len(FILES["verdict.json"].splitlines())
+        assert any("no such file" in line for line in found.diff)
+    assert golden.compare({"empty.txt": ""}, {}).lines == 1
+
+
+def test_numbers_keep_their_partners_where_a_key_was_renamed():
+    new = edited("verdict.json", '"candidates"', '"ranking"')
+    found = golden.compare(FILES, new)
+    assert (found.lines, found.largest, found.unpaired) == (1, 0.0, 0)
+    new["verdict.json"] = new["verdict.json"].replace("2.0", "2.5")
+    found = golden.compare(FILES, new)
+    assert (found.largest, found.where) == (0.2, "verdict.json: candidates[0].held_out[1]")
+    fewer = edited("verdict.json", "1.0 2.0 3.0".replace(" ", ", "), "1.0")
+    assert golden.compare(FILES, fewer).unpaired == 2
+
+
+def test_a_tolerance_is_for_numbers_only():
+    digit = edited("verdict.json", "0.123456789", "0.123456780")
+    assert str(golden.compare(FILES, digit, rtol=1e-6)) == "equal"
+    assert golden.compare(FILES, digit, rtol=1e-9).lines == 1
+    word = edited("select.txt", "Use Coulomb", "Use Dahl")
+    assert golden.compare(FILES, word, rtol=1e3).lines == 1
+    # a line that came does not hide one with a number
+    more = {**digit, "select.txt": "New.\n" + TEXT}
+    assert golden.compare(FILES, more, rtol=1e-6).lines == 1
+
+
+def test_long_diffs_are_cut_and_say_so():
+    old, new = ({"a.txt": "\n".join(f"{word} {k}" for k in range(100))} for word in ("x", "y"))
+    found = golden.compare(old, new, shown=10)
+    assert found.lines == 100
+    assert len(found.diff) == 11
+    assert re.fullmatch(r"\.\.\. and \d+ more lines", found.diff[-1])
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False), st.integers(0, 10**20))
+def test_real_numbers_are_no_noise(x, n):
+    for text in (f"mu_k = {x!r}, {n} rows.", f"{x:.3g} to {x:.6f}", f"{n:,}", f"[{x!r}]"):
+        if len(f"{abs(x):.0f}") < 40:  # as many digits as a hash has; nobody prints those
+            assert golden.plain(text, {"/tmp/golden-1": "<folder>"}) == text
+
+
+def test_versions_hashes_dates_and_folders_are_noise():
+    said = f"stickslip 0.1.0, numpy 2.4.6rc1 {'0a' * 32} 2025-11-21T12:38:17+00:00 /tmp/g-1/a.csv"
+    assert golden.plain(said, {"/tmp/g-1": "<folder>"}) == (
+        "stickslip <version>, numpy <version> <hash> <date> <folder>/a.csv"
+    )
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_numbers_for_programs_are_rounded_to_nine_digits_once(x):
+    text = golden.rounded(f"a = {x!r}")
+    # half a unit of the ninth digit; the least floats have fewer digits than nine
+    assert float(text[4:]) == pytest.approx(x, rel=5.1e-9, abs=1e-320)
+    assert golden.rounded(text) == text
+    assert json.loads(golden.json_text(json.dumps({"a": x})))["a"] == pytest.approx(
+        x, rel=5.1e-9, abs=1e-320
+    )
+
+
+def test_digits_of_names_and_short_numbers_stay():
+    for text in ("k1002_v4300.parquet", "1.50", "1e-05", "law 12345678901b", "100000000000.toml"):
+        assert golden.rounded(text) == text
+
+
+def test_a_long_run_keeps_its_first_and_last_rows():
+    text = golden.csv_text("t,x\n" + "\n".join(f"{k},{k / 3}" for k in range(1001)))
+    lines = text.splitlines()
+    assert len(lines) == 1 + golden.ROWS
+    assert lines[:3] == ["t,x", "0,0.0", "5,1.66666667"]
+    assert lines[-1] == "1000,333.333333"
+    assert golden.csv_text("t,x\n0,1") == "t,x\n0,1"
+
+
+def test_the_text_of_a_page_has_sentences_rows_and_titles_of_figures():
+    page = """
+    <html><head><title>Runs</title><style>p { color: red }</style></head><body>
+    <nav><a href="#a">Contents</a></nav><h2>Two &amp; more. Laws</h2>
+    <p>Error 0.60 mm. See C. A. Coulomb, <i>v</i><sub>s</sub> = 3 × 10<sup>−17</sup> m.</p>
+    <figure><svg aria-label="Travel" class="w"><text>0.5</text><path d="M0"/></svg>
+    <svg aria-label="Travel" class="n"><g><br/><text>0.7</text></g></svg>
+    <figcaption><b>Travel.</b> Of each law.</figcaption></figure>
+    <table><tr><th>law</th><th>travel<br>m</th></tr>
+    <tr><td>Coulomb<div>chosen</div></td>
+    <td><span aria-hidden="true">o<br></span>0.20</td></tr></table>
+    <ul><li>One. Two.</li></ul><pre>$ stickslip select
+  --force</pre></body></html>"""
+    assert golden.page_text(page).splitlines() == [
+        "Runs",
+        "## Two & more. Laws",
+        "Error 0.60 mm.",
+        "See C. A. Coulomb, v_s = 3 × 10^−17 m.",
+        "[figure: Travel]",
+        "Travel.",
+        "Of each law.",
+        "| law | travel m |",
+        "| Coulomb chosen | 0.20 |",
+        "- One.",
+        "  Two.",
+        "$ stickslip select",
+        "  --force",
+    ]
+
+
+def test_what_a_command_prints_and_writes_is_kept_without_noise():
+    found = golden.run(own("made-up", SCRIPT))
+    assert not found.failure
+    assert sorted(found.files) == ["law.toml", "page.txt", "run.csv", "script.json", "script.txt"]
+    told = json.loads(found.files["script.json"])
+    assert told == {"version": "<version>", "folder": "<folder>", "mu_k": 0.333333333}
+    assert found.files["page.txt"] == "# Run\nWritten on <date>."
+    assert found.files["law.toml"].strip() == "mu_k = 0.254841998"
+    assert found.files["script.txt"].splitlines() == [
+        "$ python script.py", "exit code 0", "stderr:", "mu_s was given.",
+    ]  # fmt: skip
+    assert golden.run(own("made-up", SCRIPT)).files == found.files
+
+
+def test_a_case_that_fails_does_not_stop_the_others(tmp_path, monkeypatch, capsys):
+    cases = own("broken", "raise SystemExit('no such law')"), own("sound", SCRIPT)
+    monkeypatch.setattr(golden, "CASES", cases)
+    assert golden.main(["record", str(tmp_path), "--jobs", "2"]) == 1
+    assert "no such law" in capsys.readouterr().out
+    assert [path.name for path in tmp_path.iterdir()] == ["sound"]
+    assert golden.main(["compare", str(tmp_path)]) == 1
+    *_, broken, sound = capsys.readouterr().out.splitlines()
+    assert re.fullmatch(r"broken +failed: .*exit code 1 / no such law", broken)
+    assert re.fullmatch(r"sound +equal", sound)
+
+
+def test_an_exit_code_that_is_a_verdict_is_kept_and_another_is_a_failure():
+    script = "raise SystemExit(3)"
+    assert "exit code 3" in golden.run(own("made-up", script, 0, 3)).files["script.txt"]
+    found = golden.run(own("made-up", script, 0))
+    assert "exit code 3" in found.failure
+
+
+def test_the_exit_code_says_whether_anything_differs(tmp_path, monkeypatch, capsys):
+    case = own("made-up", SCRIPT)
+    monkeypatch.setattr(golden, "CASES", (case,))
+    here = str(tmp_path)
+    assert golden.main(["compare", here]) == 1
+    assert "no golden files" in capsys.readouterr().out
+    assert golden.main(["record", here]) == 0
+    assert golden.main(["compare", here]) == 0
+    other = replace(case, prepare=own("", SCRIPT.replace("1 / 3", "1 / 4")).prepare)
+    monkeypatch.setattr(golden, "CASES", (other,))
+    capsys.readouterr()
+    assert golden.main(["compare", here, "--keep", str(tmp_path / "new")]) == 1
+    told = capsys.readouterr().out
+    assert '+ "mu_k": 0.25' in told
+    assert "1 line differs; numbers by up to 0.25 (script.json: mu_k)" in told
+    # what was kept is what a record of the new code would be
+    assert golden.main(["compare", str(tmp_path / "new")]) == 0
+    with pytest.raises(SystemExit, match="there are made-up"):
+        golden.main(["compare", here, "--only", "made"])
+
+
+def test_cases_have_names_of_their_own_and_commands_too():
+    assert len({case.name for case in CASES}) == len(CASES) == 12
+    for case in CASES:
+        assert len({command.name for command in case.commands}) == len(case.commands) > 0
