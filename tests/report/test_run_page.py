@@ -100,7 +100,7 @@ def test_the_page_of_the_reference_cart_says_its_numbers():
     assert "5 whole cycles bring 0.2787 m" in said
     assert "24.86" in said  # the first cycle
     assert "does not hold: lowest velocity −6.1" in said
-    assert "0.314 mm way back in the last cycle" in said
+    assert "0.314 mm back-slip in the last cycle" in said
 
 
 def test_of_very_many_cycles_some_are_shown_and_the_others_are_said_to_be_left_out():

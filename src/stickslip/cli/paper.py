@@ -82,7 +82,7 @@ def _show(found: PaperAudit) -> None:
 
 def _show_cart(study: CartStudy) -> None:
     """Print what the cart does with the printed equations, and with the chosen laws."""
-    heads = ["fig.", "run", "travel, m", "last, mm", "back, mm", "lowest, mm/s"]
+    heads = ["fig.", "run", "travel, m", "last, mm", "back-slip, mm", "lowest, mm/s"]
     rows = [
         [
             figure,
@@ -96,8 +96,8 @@ def _show_cart(study: CartStudy) -> None:
         for one in runs
     ]
     title = (
-        f"The cart, masses, length and swing ours: travel in {CYCLES} cycles and in the last, way"
-        " back in a cycle, lowest velocity"
+        f"The cart (masses, length and swing are ours): travel in {CYCLES} cycles and in the last"
+        " one, back-slip per cycle, lowest velocity"
     )
     show_table(title, heads, rows)
 

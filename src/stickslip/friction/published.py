@@ -271,7 +271,7 @@ class PrintedStribeck(_Memoryless):
     )
     cure: ClassVar[str] = "[$F_c$ + ($F_s$ − $F_c$) exp(−|$v$/$v_s$|^{n})] sgn $v$ + $sigma_2$ $v$"
     right: ClassVar[str] = (
-        "its rule for rest, with the limit $F_s$, is right, and the only one in the paper that is"
+        "the rule for rest, with its limit $F_s$: the only one in the paper that is right"
     )
     corrected: ClassVar[type[FrictionLaw]] = Stribeck
 
@@ -458,7 +458,7 @@ ENERGY = RightEquation(
     equation="(11)",
     title="energy equation",
     formula=r"\tfrac12 k x^2 = \mu m g s",
-    right="for a block that leaves its spring; x is the compression",
+    right="for a block that leaves its spring; $x$ is the compression",
 )
 
 PRINTED_EQUATIONS: tuple[type[PrintedForm] | RightEquation, ...] = (

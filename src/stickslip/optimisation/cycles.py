@@ -75,7 +75,7 @@ class Cycle:
     load_share: float
     """Least normal force over the weight."""
     back_slip: float
-    """Way back [m]."""
+    """Back-slip [m]."""
     peaks: Mapping[str, Array] = field(default_factory=dict, repr=False)
     """Extremes of each stretch of the motion, both ways, by the name of the limit: where a motion
     has several of about one size, each changes smoothly and their largest does not."""

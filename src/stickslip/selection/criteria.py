@@ -23,7 +23,7 @@ class Criteria:
     least_velocity: float
     """Lowest velocity [m/s]."""
     largest_return: float
-    """Largest way back from the farthest point so far [m]."""
+    """Largest back-slip, from the farthest point so far [m]."""
     velocity_never_negative: bool
     """Criterion 1. A law with elastic presliding fails it rightly: the body springs back."""
     displacement_never_decreases: bool

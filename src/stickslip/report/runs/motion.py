@@ -140,7 +140,7 @@ def _cycle_table(about: RunReport) -> Table:
     unit = "mm" if about.unit == "m" else f"m{about.unit}"
     heads = [f"travel\n{unit}"]
     heads += ["95 % band\n" + unit] if about.band is not None else []
-    heads += [f"mean\n{unit}/s", f"way back\n{unit}", f"lowest velocity\n{unit}/s"]
+    heads += [f"mean\n{unit}/s", f"back-slip\n{unit}", f"lowest velocity\n{unit}/s"]
     heads.append("least normal force\nN")
     columns = [Column(head="")]
     columns += [
@@ -247,7 +247,7 @@ def criteria_section(about: RunReport) -> Section:
             key="2. The displacement never decreases",
             value=_held(
                 seen.displacement_never_decreases,
-                f"largest way back {about.of(seen.largest_return)}",
+                f"largest back-slip {about.of(seen.largest_return)}",
             ),
             mark="ok" if seen.displacement_never_decreases else "warn",
         ),

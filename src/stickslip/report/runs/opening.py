@@ -69,9 +69,9 @@ def _facts(about: RunReport) -> tuple[Fact, ...]:
         what="mean velocity over whole cycles" if about.cycles else "mean velocity of the run",
     )
     if about.cycles:
-        back = Fact(value=about.of(about.cycles[-1].back_slip), what="way back in the last cycle")
+        back = Fact(value=about.of(about.cycles[-1].back_slip), what="back-slip in the last cycle")
     else:
-        back = Fact(value=about.of(seen.largest_return), what="largest way back")
+        back = Fact(value=about.of(seen.largest_return), what="largest back-slip")
     return travel, mean, back
 
 
