@@ -132,7 +132,7 @@ def test_equation_2_is_the_motion_of_the_exact_run(study):
 
 
 def test_the_old_scheme_goes_to_nearly_the_same_place_as_the_exact_run(study):
-    # checked values: travel in five cycles, and way back in a cycle in mm
+    # checked values: travel in five cycles, and back-slip in a cycle in mm
     for key, exact, travels, backs in (
         ("printed-1", "exact", (0.270, 0.279), (7.9, 0.35)),
         ("table-1", "table-1-exact", (0.160, 0.188), (7.3, 0.0)),

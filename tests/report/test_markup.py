@@ -38,11 +38,11 @@ class Tags(HTMLParser):
     ("name", "html", "text"),
     [
         ("mu_d", '<i class="v">μ</i><sub>d</sub>', "μ_d"),
-        ("mu_s", '<i class="v">μ</i><sub>s</sub>', "μₛ"),
+        ("mu_s", '<i class="v">μ</i><sub>s</sub>', "μ_s"),
         ("sigma_0", '<i class="v">σ</i><sub>0</sub>', "σ₀"),
-        ("F_v-", '<i class="v">F</i><sub>v−</sub>', "Fᵥ₋"),
+        ("F_v-", '<i class="v">F</i><sub>v−</sub>', "F_v−"),
         ("v", '<i class="v">v</i>', "v"),
-        ("theta_phi", '<i class="v">θ</i><sub>φ</sub>', "θᵩ"),
+        ("theta_phi", '<i class="v">θ</i><sub>φ</sub>', "θ_φ"),
         ("F_c_max", '<i class="v">F</i><sub>c,max</sub>', "F_c,max"),
     ],
 )

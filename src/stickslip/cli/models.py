@@ -1,15 +1,30 @@
 """``stickslip models``."""
 
+from textwrap import fill, indent
 from typing import Any
 
 from rich.text import Text
 
 from stickslip.cli.output import document, plain, print_json, show_table, stdout
 from stickslip.errors import UnknownNameError
-from stickslip.friction import PRINTED_FORMS, SOURCES, BristleLaw, FrictionLaw, PrintedForm, laws
+from stickslip.friction import (
+    PRINTED_EQUATIONS,
+    PRINTED_FORMS,
+    SOURCES,
+    BristleLaw,
+    FrictionLaw,
+    PrintedForm,
+    RightEquation,
+    laws,
+)
 from stickslip.quantities import Quantity, fields_of
+from stickslip.report.formulas import formula_text, published_dict
+from stickslip.report.markup import plain as plain_text
 
 __all__ = ["run"]
+
+INDENT = "    "
+"""Before a formula and its notes."""
 
 
 def run(name: str | None, *, published: bool, as_json: bool) -> None:
@@ -41,28 +56,38 @@ def _all(*, as_json: bool) -> None:
 
 def _printed(*, as_json: bool) -> None:
     if as_json:
-        forms = [_form(form) for form in PRINTED_FORMS.values()]
+        forms = list(map(published_dict, PRINTED_EQUATIONS))
         print_json(document("models", {"printed": forms}))
         return
-    for form in PRINTED_FORMS.values():
+    for form in PRINTED_EQUATIONS:
         _show_form(form)
 
 
-def _show_form(form: type[PrintedForm]) -> None:
+def _show_form(form: type[PrintedForm] | RightEquation) -> None:
     console = stdout()
-    console.print(Text.assemble((f"eq. {form.equation} {form.title}", "bold"), f" ({form.name})"))
-    console.print(f"  as printed  {form.formula}", markup=False)
-    console.print(f"  wrong       {form.defect}", markup=False)
-    if form.right:
-        console.print(f"  right       {form.right}", markup=False)
-    console.print(f"  used here   {form.cure} ({form.corrected.name})\n", markup=False)
+    name = f" ({form.name})" if form.name else ""
+    console.print(Text.assemble((f"{form.equation} {form.title}", "bold"), name))
+    console.print(indent(formula_text(form.formula), INDENT), markup=False, soft_wrap=True)
+    notes = {
+        "defect": form.defect,
+        "right" if form.defect else "right as printed": form.right,
+        "used here": f"{form.cure} ({form.corrected.name})" if form.corrected else "",
+    }
+    for key, text in notes.items():
+        if text:
+            console.print(_note(f"{key}: {plain_text(text)}", console.width), markup=False)
+    console.print()
+
+
+def _note(text: str, width: int) -> str:
+    return fill(text, width, initial_indent=INDENT, subsequent_indent=f"{INDENT}  ")
 
 
 def _one(name: str, *, as_json: bool) -> None:
     if name in PRINTED_FORMS:
         form = PRINTED_FORMS[name]
         if as_json:
-            print_json(document("models", _form(form)))
+            print_json(document("models", published_dict(form)))
         else:
             _show_form(form)
         return
@@ -75,7 +100,7 @@ def _one(name: str, *, as_json: bool) -> None:
     console = stdout()
     console.print(law.title, markup=False, style="bold")
     console.print(f"{next(iter((law.__doc__ or '').splitlines()), '')}\n", markup=False)
-    console.print(f"{law.formula}\n", markup=False)
+    console.print(f"{formula_text(law.formula)}\n", markup=False, soft_wrap=True)
     rows = [
         [field, quantity.symbol, quantity.unit, quantity.range, _default(law, field)]
         for field, quantity in fields_of(law).items()
@@ -108,17 +133,4 @@ def _law(law: type[FrictionLaw]) -> dict[str, Any]:
             for field, quantity in fields_of(law).items()
         },
         "sources": [SOURCES[key] for key in law.sources],
-    }
-
-
-def _form(form: type[PrintedForm]) -> dict[str, Any]:
-    return {
-        "name": form.name,
-        "title": form.title,
-        "equation": form.equation,
-        "as_printed": form.formula,
-        "defect": form.defect,
-        "right": form.right,
-        "cure": form.cure,
-        "corrected_law": form.corrected.name,
     }

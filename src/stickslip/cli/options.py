@@ -234,7 +234,7 @@ LoadShare = Annotated[
     str, typer.Option("--load-share", help='Least normal force over the weight, e.g. "10 %".')
 ]
 BackSlip = Annotated[
-    str | None, typer.Option("--back-slip", help='Longest way back in a cycle, e.g. "1 mm".')
+    str | None, typer.Option("--back-slip", help='Largest back-slip in a cycle, e.g. "1 mm".')
 ]
 Interval = Annotated[
     list[str] | None,

@@ -99,8 +99,8 @@ def _show_cart(study: CartStudy) -> None:
         for one in runs
     ]
     title = (
-        f"The cart, masses, length and swing ours: travel in {CYCLES} cycles and in the last,"
-        " back-slip in a cycle, lowest velocity"
+        f"The cart (masses, length and swing are ours): travel in {CYCLES} cycles and in the last"
+        " one, back-slip per cycle, lowest velocity"
     )
     show_table(title, heads, rows)
 

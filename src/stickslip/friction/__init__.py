@@ -17,7 +17,12 @@ from stickslip.friction.dahl import Dahl
 from stickslip.friction.direction_dependent import DirectionDependent
 from stickslip.friction.lugre import LuGre
 from stickslip.friction.power_viscous import PowerViscous
-from stickslip.friction.published import PRINTED_FORMS, PrintedForm
+from stickslip.friction.published import (
+    PRINTED_EQUATIONS,
+    PRINTED_FORMS,
+    PrintedForm,
+    RightEquation,
+)
 from stickslip.friction.quadratic_drag import QuadraticDrag
 from stickslip.friction.registry import LAWS, contained_laws, law_type, laws
 from stickslip.friction.sources import SOURCES
@@ -26,6 +31,7 @@ from stickslip.friction.viscous import Viscous
 
 __all__ = [
     "LAWS",
+    "PRINTED_EQUATIONS",
     "PRINTED_FORMS",
     "SOURCES",
     "BristleLaw",
@@ -41,6 +47,7 @@ __all__ = [
     "PowerViscous",
     "PrintedForm",
     "QuadraticDrag",
+    "RightEquation",
     "SetValuedLaw",
     "Stribeck",
     "Viscous",

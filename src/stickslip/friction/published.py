@@ -4,7 +4,7 @@ They are evaluated literally, as a block diagram would: `stickslip.FixedStep` ru
 corrected law that each one stands for is its `corrected`. Formulas are in the paper's symbols.
 Where its typesetting leaves a choice, the docstring says how it is read here. The paper writes (1)
 to (4) as forces on the body and (5) to (10) as resistances; `PrintedForm.force` is a resistance
-in all of them.
+in all of them. (2) and (11) are right as printed, so there is nothing to run.
 """
 
 from abc import ABC, abstractmethod
@@ -26,7 +26,7 @@ from stickslip.friction.viscous import Viscous
 from stickslip.maths import sign
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["PRINTED_FORMS", "PrintedForm"]
+__all__ = ["PRINTED_EQUATIONS", "PRINTED_FORMS", "PrintedForm", "RightEquation"]
 
 
 Mu = Annotated[float, Quantity("mu_k", low=0)]
@@ -36,15 +36,41 @@ Sigma1 = Annotated[float, Quantity("sigma_1", "N s/m", low=0)]
 Sigma2 = Annotated[float, Quantity("sigma_2", "N s/m", low=0)]
 Vs = Annotated[float, Quantity("v_s", "m/s", above=0)]
 
-NO_LIMIT = (
-    "at rest friction equals the resultant force without a limit, so a resting body never starts"
-)
-LIMIT = "at rest F_x only up to mu_s N"
+NO_LIMIT = "at rest friction equals the resultant force without limit: a body at rest never starts"
+LIMIT = "at rest $F_x$, up to $mu_s$ $N$"
+
+
+def _switched(sliding: str) -> str:
+    """Return the LaTeX of (6) to (10): a force that slides, and F_x at rest."""
+    return (
+        rf"F_f = \begin{{cases}} {sliding} & (\dot x \neq 0) \\"
+        r" F_x & (\dot x = 0) \end{cases}"
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class RightEquation:
+    """A published equation that is right as printed."""
+
+    name: ClassVar[None] = None
+    defect: ClassVar[str] = ""
+    cure: ClassVar[str] = ""
+    corrected: ClassVar[None] = None
+
+    equation: str
+    """Number in the paper."""
+    title: str
+    """What the paper calls it."""
+    formula: str
+    """The equation as printed, in LaTeX."""
+    right: str
+    """For what it is right, in words."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PrintedForm(Parametrised, ABC):
-    """A published equation, kept with its misprint."""
+    """A published equation, kept with its defect."""
 
     name: ClassVar[str]
     title: ClassVar[str]
@@ -54,7 +80,7 @@ class PrintedForm(Parametrised, ABC):
     formula: ClassVar[str]
     """The equation as printed, in LaTeX."""
     defect: ClassVar[str]
-    """What is wrong, in words."""
+    """What is wrong or missing, in words."""
     cure: ClassVar[str]
     """The corrected form, in words or symbols."""
     right: ClassVar[str] = ""
@@ -97,6 +123,24 @@ class _Memoryless(PrintedForm, ABC):
         return ()
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Switched(PrintedForm, ABC):
+    """(6) to (10): a force times sgn v, which at rest is the applied force without limit."""
+
+    @final
+    @override
+    def force(
+        self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
+    ) -> float:
+        if velocity == 0:
+            return applied
+        return float(self.unsigned(velocity, bristles, load) * sign(velocity))
+
+    @abstractmethod
+    def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
+        """Return what sgn v multiplies [N]."""
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
 class PrintedCoulomb(_Memoryless):
@@ -107,9 +151,10 @@ class PrintedCoulomb(_Memoryless):
     equation: ClassVar[str] = "(1)"
     formula: ClassVar[str] = r"F_f = -\mu N \operatorname{sgn}(\dot x), \quad N = M g + F_y"
     defect: ClassVar[str] = (
-        "no stiction: sgn 0 = 0 is no friction at rest, so that a block diagram chatters and creeps"
+        "no stiction: with sgn 0 = 0 there is no friction at rest, so that a body that should be"
+        " held creeps, by an amount that the time step sets"
     )
-    cure: ClassVar[str] = "stick while the needed force is at most mu_s N"
+    cure: ClassVar[str] = "the same, and stick while the needed force is at most $mu_s$ $N$"
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
 
     kinetic_coefficient: Mu
@@ -121,13 +166,26 @@ class PrintedCoulomb(_Memoryless):
         return float(self.kinetic_coefficient * load * sign(velocity))
 
 
+CART_DYNAMICS = RightEquation(
+    equation="(2)",
+    title="dynamic model with (1), of [6]",
+    formula=(
+        r"(M+m) \ddot x"
+        r" \quad {} - m l \ddot\theta (\mu \sin\theta \operatorname{sgn} \dot x + \cos\theta)"
+        r" \quad {} + m l \dot\theta^2 (\sin\theta - \mu \cos\theta \operatorname{sgn} \dot x)"
+        r" \quad {} + \mu (M+m) g \operatorname{sgn} \dot x = 0"
+    ),
+    right="it follows from (1) and the motion of the pendulum, while the cart slides",
+)
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
 class PrintedImprovedCoulomb(_Memoryless):
     """Eq. (3), of the paper's reference [7]: the coefficient and the force carry the sign of v."""
 
     name: ClassVar[str] = "printed-3"
-    title: ClassVar[str] = "improved Coulomb, of [7]"
+    title: ClassVar[str] = "improved friction model of [7]"
     equation: ClassVar[str] = "(3)"
     formula: ClassVar[str] = (
         r"F_f = -\mu N \operatorname{sgn}(\dot x), \quad N = M g + F_y, \quad"
@@ -136,9 +194,11 @@ class PrintedImprovedCoulomb(_Memoryless):
     )
     defect: ClassVar[str] = (
         "the sign of the velocity enters twice and cancels: friction accelerates a body that moves"
-        " backwards; at rest sgn 0 = 0 removes it, whatever mu is"
+        " backwards; at rest sgn 0 = 0 removes it, whatever $mu$ is"
     )
-    cure: ClassVar[str] = "one sign: mu_k N sgn v; stick while the needed force is at most mu_s N"
+    cure: ClassVar[str] = (
+        "$mu_k$ $N$ sgn $v$, and stick while the needed force is at most $mu_s$ $N$"
+    )
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
 
     kinetic_coefficient: Mu
@@ -169,8 +229,8 @@ class PrintedCartDynamics(_Memoryless):
         r" \quad {} + \mu (M+m) g \operatorname{sgn} \dot x = 0"
     )
     defect: ClassVar[str] = (
-        "with mu of (3), sgn enters the terms of the pendulum once and that of the weight twice:"
-        " friction of the weight accelerates a cart that moves backwards"
+        "with $mu$ of (3), the sign enters the terms of the pendulum once and that of the weight"
+        " twice: friction of the weight accelerates a cart that moves backwards"
     )
     cure: ClassVar[str] = "(2), with the stick rule"
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
@@ -178,12 +238,16 @@ class PrintedCartDynamics(_Memoryless):
     kinetic_coefficient: Mu
     weight: Annotated[float, Quantity("W", "N", above=0)]
     """Weight of cart and ball, (M + m) g."""
+    signed: bool = True
+    """Whether mu has the sign that (3) gives it; if not, it is the plain coefficient of (1)."""
 
     @override
     def force(
         self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
     ) -> float:
-        mu = self.kinetic_coefficient * sign(velocity if velocity != 0 else applied)
+        mu = self.kinetic_coefficient
+        if self.signed:
+            mu *= sign(velocity if velocity != 0 else applied)
         return float(mu * (load - self.weight) + mu * self.weight * sign(velocity))
 
 
@@ -202,12 +266,12 @@ class PrintedStribeck(_Memoryless):
         r" F_v = F_c + (F_s - F_c) e^{-\dot x / \dot x_s} + \mu \dot x"
     )
     defect: ClassVar[str] = (
-        "moving backwards, F_v grows without limit (the exponent lacks |.|) and has the wrong sign"
-        " (sgn v is missing)"
+        "moving backwards, $F_v$ grows without limit (the exponent lacks |·|) and has the wrong"
+        " sign (sgn $v$ is missing)"
     )
-    cure: ClassVar[str] = "[F_c + (F_s - F_c) exp(-|v/v_s|^n)] sgn v + sigma_2 v"
+    cure: ClassVar[str] = "[$F_c$ + ($F_s$ − $F_c$) exp(−|$v$/$v_s$|^{n})] sgn $v$ + $sigma_2$ $v$"
     right: ClassVar[str] = (
-        "its rule for rest, with the limit F_s, is right, and the only one in the paper that is"
+        "the rule for rest, with its limit $F_s$: the only one in the paper that is right"
     )
     corrected: ClassVar[type[FrictionLaw]] = Stribeck
 
@@ -229,21 +293,20 @@ class PrintedStribeck(_Memoryless):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PrintedDahl(PrintedForm):
+class PrintedDahl(_Switched):
     """Eq. (6): the bristle force is multiplied by sgn v; at rest it equals the applied force."""
 
     name: ClassVar[str] = "printed-6"
     title: ClassVar[str] = "Dahl"
     equation: ClassVar[str] = "(6)"
     formula: ClassVar[str] = (
-        r"\frac{dz}{dt} = \dot x - \sigma_0 \frac{|\dot x|}{F_c} Z, \quad"
-        r" F_f = \begin{cases} F_d = \sigma_0 Z \operatorname{sgn}(\dot x) & (\dot x \neq 0) \\"
-        r" F_x & (\dot x = 0) \end{cases}"
+        r"\frac{dz}{dt} = \dot x - \sigma_0 \frac{|\dot x|}{F_c} Z, \quad "
+        + _switched(r"F_d = \sigma_0 Z \operatorname{sgn}(\dot x)")
     )
     defect: ClassVar[str] = (
-        f"Z has a sign already: moving backwards, sgn reverses the bristle force; {NO_LIMIT}"
+        f"$Z$ has a sign already: moving backwards, sgn reverses the bristle force; {NO_LIMIT}"
     )
-    cure: ClassVar[str] = "F = sigma_0 z, at rest too, which ends at F_c"
+    cure: ClassVar[str] = "$F$ = $sigma_0$ $z$, at rest too, which ends at $F_c$"
     corrected: ClassVar[type[FrictionLaw]] = Dahl
     bristles: ClassVar[tuple[str, ...]] = ("z",)
 
@@ -251,11 +314,8 @@ class PrintedDahl(PrintedForm):
     bristle_stiffness: Sigma0
 
     @override
-    def force(
-        self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
-    ) -> float:
-        (z,) = bristles
-        return applied if velocity == 0 else float(self.bristle_stiffness * z * sign(velocity))
+    def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
+        return self.bristle_stiffness * bristles[0]
 
     @override
     def bristle_rates(
@@ -268,66 +328,54 @@ class PrintedDahl(PrintedForm):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PrintedCoulombSwitch(_Memoryless):
+class PrintedCoulombSwitch(_Switched, _Memoryless):
     """Eq. (7): Coulomb with the static switch; at rest friction equals the applied force."""
 
     name: ClassVar[str] = "printed-7"
     title: ClassVar[str] = "Coulomb"
     equation: ClassVar[str] = "(7)"
-    formula: ClassVar[str] = (
-        r"F_f = \begin{cases} F_c = \mu N \operatorname{sgn}(\dot x) & (\dot x \neq 0) \\"
-        r" F_x & (\dot x = 0) \end{cases}"
-    )
+    formula: ClassVar[str] = _switched(r"F_c = \mu N \operatorname{sgn}(\dot x)")
     defect: ClassVar[str] = NO_LIMIT
-    cure: ClassVar[str] = LIMIT
+    cure: ClassVar[str] = f"$mu_k$ $N$ sgn $v$; {LIMIT}"
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
 
     kinetic_coefficient: Mu
 
     @override
-    def force(
-        self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
-    ) -> float:
-        mu_k = self.kinetic_coefficient
-        return applied if velocity == 0 else float(mu_k * load * sign(velocity))
+    def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
+        return self.kinetic_coefficient * load
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PrintedViscousSwitch(_Memoryless):
+class PrintedViscousSwitch(_Switched, _Memoryless):
     """Eq. (8): purely viscous, multiplied by sgn v; at rest it equals the applied force."""
 
     name: ClassVar[str] = "printed-8"
     title: ClassVar[str] = "viscous"
     equation: ClassVar[str] = "(8)"
-    formula: ClassVar[str] = (
-        r"F_f = \begin{cases} F_v = \mu_v \dot x \operatorname{sgn}(\dot x) & (\dot x \neq 0) \\"
-        r" F_x & (\dot x = 0) \end{cases}"
-    )
+    formula: ClassVar[str] = _switched(r"F_v = \mu_v \dot x \operatorname{sgn}(\dot x)")
     defect: ClassVar[str] = (
         f"a sgn too many: it accelerates a body that moves backwards; {NO_LIMIT}"
     )
-    cure: ClassVar[str] = "sigma_2 v"
+    cure: ClassVar[str] = "$sigma_2$ $v$"
     corrected: ClassVar[type[FrictionLaw]] = Viscous
 
     viscous_coefficient: Sigma2
 
     @override
-    def force(
-        self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
-    ) -> float:
-        sigma_2 = self.viscous_coefficient
-        return applied if velocity == 0 else float(sigma_2 * velocity * sign(velocity))
+    def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
+        return self.viscous_coefficient * velocity
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PrintedLuGre(PrintedForm):
+class PrintedLuGre(_Switched):
     """Eq. (9): all three parts multiplied by sgn v; at rest it equals the applied force.
 
-    The exponent is malformed: two minus signs, and alpha beside the fraction. It is taken as
-    -|v / v_s|^alpha, which no other equation of the paper contradicts. The paper numbers the sigmas
-    1 to 3; they are named here as everywhere else.
+    The exponent cannot be read with certainty: two minus signs, and alpha beside the fraction. It
+    is taken as -|v / v_s|^alpha, which no other equation of the paper contradicts. The paper
+    numbers the sigmas 1 to 3; they are named here as everywhere else.
     """
 
     name: ClassVar[str] = "printed-9"
@@ -335,16 +383,22 @@ class PrintedLuGre(PrintedForm):
     equation: ClassVar[str] = "(9)"
     formula: ClassVar[str] = (
         r"\frac{dz}{dt} = \dot x - \frac{\sigma_1 |\dot x|}{F_v} Z, \quad"
-        r" F_v = F_c + (F_s - F_c) e^{-\frac{-(\dot x)}{v_s} \alpha}, \quad"
-        r" F_f = \begin{cases} F_v = (\sigma_1 Z + \sigma_2 \frac{dz}{dt} + \sigma_3 \dot x)"
-        r" \operatorname{sgn}(\dot x) & (\dot x \neq 0) \\ F_x & (\dot x = 0) \end{cases}"
+        r" F_v = F_c + (F_s - F_c) e^{-\frac{-(\dot x)}{v_s} \alpha}, \quad "
+        + _switched(
+            r"F_v = (\sigma_1 Z + \sigma_2 \frac{dz}{dt} + \sigma_3 \dot x)"
+            r" \operatorname{sgn}(\dot x)"
+        )
     )
     defect: ClassVar[str] = (
-        "moving backwards, sgn reverses all three parts, which accelerate the body; F_v stands for"
-        " two things, the exponent is malformed (two minus signs, alpha beside the fraction);"
-        f" {NO_LIMIT}"
+        "moving backwards, sgn reverses all three parts, which accelerate the body; $F_v$ stands"
+        " for two things; the exponent cannot be read with certainty (two minus signs, $alpha$"
+        f" beside the fraction); {NO_LIMIT}"
     )
-    cure: ClassVar[str] = f"sigma_0 z + sigma_1 z' + sigma_2 v with exp(-|v/v_s|^n); {LIMIT}"
+    cure: ClassVar[str] = (
+        "$F$ = $sigma_0$ $z$ + $sigma_1$ $z$′ + $sigma_2$ $v$, at rest too, with"
+        " exp(−|$v$/$v_s$|^{n}); the $sigma_1$, $sigma_2$, $sigma_3$ of (9) are $sigma_0$,"
+        " $sigma_1$, $sigma_2$ here"
+    )
     corrected: ClassVar[type[FrictionLaw]] = LuGre
     bristles: ClassVar[tuple[str, ...]] = ("z",)
 
@@ -357,15 +411,11 @@ class PrintedLuGre(PrintedForm):
     exponent: Annotated[float, Quantity("alpha", above=0)] = 2.0
 
     @override
-    def force(
-        self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
-    ) -> float:
-        if velocity == 0:
-            return applied
+    def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
         (z,) = bristles
         (z_dot,) = self.bristle_rates(velocity, bristles, load)
         total = self.bristle_stiffness * z + self.bristle_damping * z_dot
-        return float((total + self.viscous_coefficient * velocity) * sign(velocity))
+        return total + self.viscous_coefficient * velocity
 
     @override
     def bristle_rates(
@@ -380,50 +430,53 @@ class PrintedLuGre(PrintedForm):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PrintedCoulombViscousSwitch(_Memoryless):
+class PrintedCoulombViscousSwitch(_Switched, _Memoryless):
     """Eq. (10): the viscous part is multiplied by sgn v; no limit at rest."""
 
     name: ClassVar[str] = "printed-10"
     title: ClassVar[str] = "Coulomb + viscous"
     equation: ClassVar[str] = "(10)"
-    formula: ClassVar[str] = (
-        r"F_f = \begin{cases} F_c \operatorname{sgn}(\dot x) + \mu \dot x"
-        r" \operatorname{sgn}(\dot x) & (\dot x \neq 0) \\ F_x & (\dot x = 0) \end{cases}"
+    formula: ClassVar[str] = _switched(
+        r"F_c \operatorname{sgn}(\dot x) + \mu \dot x \operatorname{sgn}(\dot x)"
     )
     defect: ClassVar[str] = (
         "the viscous part has a sgn too many and accelerates a body that moves backwards;"
         f" {NO_LIMIT}"
     )
-    cure: ClassVar[str] = f"F_c sgn v + sigma_2 v; {LIMIT}"
+    cure: ClassVar[str] = f"$F_c$ sgn $v$ + $sigma_2$ $v$; {LIMIT}"
     corrected: ClassVar[type[FrictionLaw]] = CoulombViscous
 
     kinetic_coefficient: Mu
     viscous_coefficient: Sigma2
 
     @override
-    def force(
-        self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
-    ) -> float:
-        mu_k, sigma_2 = self.kinetic_coefficient, self.viscous_coefficient
-        if velocity == 0:
-            return applied
-        return float((mu_k * load + sigma_2 * velocity) * sign(velocity))
+    def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
+        return self.kinetic_coefficient * load + self.viscous_coefficient * velocity
 
+
+ENERGY = RightEquation(
+    equation="(11)",
+    title="energy equation",
+    formula=r"\tfrac12 k x^2 = \mu m g s",
+    right="for a block that leaves its spring; $x$ is the compression",
+)
+
+PRINTED_EQUATIONS: tuple[type[PrintedForm] | RightEquation, ...] = (
+    PrintedCoulomb,
+    CART_DYNAMICS,
+    PrintedImprovedCoulomb,
+    PrintedCartDynamics,
+    PrintedStribeck,
+    PrintedDahl,
+    PrintedCoulombSwitch,
+    PrintedViscousSwitch,
+    PrintedLuGre,
+    PrintedCoulombViscousSwitch,
+    ENERGY,
+)
+"""The equations (1) to (11) of the paper, in its order."""
 
 PRINTED_FORMS: Mapping[str, type[PrintedForm]] = MappingProxyType(
-    {
-        form.name: form
-        for form in (
-            PrintedCoulomb,
-            PrintedImprovedCoulomb,
-            PrintedCartDynamics,
-            PrintedStribeck,
-            PrintedDahl,
-            PrintedCoulombSwitch,
-            PrintedViscousSwitch,
-            PrintedLuGre,
-            PrintedCoulombViscousSwitch,
-        )
-    }
+    {form.name: form for form in PRINTED_EQUATIONS if not isinstance(form, RightEquation)}
 )
-"""The printed equations by name; (2) is right and (11) an energy balance, so neither is here."""
+"""Those that err or leave something out, by name: they run as printed."""

@@ -28,7 +28,7 @@ ROUNDS, BACK = 40, 15
 LAPS = 2
 """How often both are done."""
 SPARE = (1e-4, 1e-3, 5e-3)
-"""Shares of the limits that are left free on the way back, the next where one did not do."""
+"""Shares of the limits that are left free on the back-slip, the next where one did not do."""
 GAIN = 1e-3
 """Relative gain of a lap below which there is no next one."""
 BROKEN = -10.0

@@ -16,6 +16,7 @@ from stickslip.paper.stick_slip import StickSlip, stick_slip
 from stickslip.paper.unpublished import Requirement, StepTravel, requirements, step_travels
 from stickslip.paper.values import PaperValues
 from stickslip.quantities import fields_of, vary
+from stickslip.report.formulas import published_dict
 from stickslip.selection import FixedStepRow, TravelVerdict, compare_fixed_steps, select_travels
 from stickslip.simulation import simulate
 
@@ -151,15 +152,8 @@ class PaperAudit:
 
 
 def _consequence_dict(consequence: Consequence) -> dict[str, Any]:
-    form = consequence.form
     return {
-        "equation": form.equation,
-        "title": form.title,
-        "as_printed": form.formula,
-        "defect": form.defect,
-        "cure": form.cure,
-        "right": form.right,
-        "corrected_law": form.corrected.name,
+        **published_dict(consequence.form),
         "tests": {
             one.test: {
                 "printed": _finite(asdict(one.printed)),

@@ -5,7 +5,7 @@ The paper prints neither the masses nor the length nor the swing of its cart; th
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -47,7 +47,7 @@ class CartRun:
 
     @property
     def returns(self) -> tuple[float, ...]:
-        """All ways backwards of each cycle [m]."""
+        """Back-slip of each cycle [m]."""
         return tuple(cycle.back_slip for cycle in self.cycles)
 
     @property
@@ -67,7 +67,7 @@ class CartRun:
 
     @property
     def mean_return(self) -> float:
-        """Way backwards in a cycle, the mean of all [m]."""
+        """Back-slip in a cycle, the mean of all [m]."""
         return math.fsum(self.returns) / len(self.returns)
 
     @property
@@ -82,8 +82,8 @@ class CartRun:
             "law": self.law.name,
             "travel": self.travel,
             "travel_by_cycle": list(self.travels),
-            "way_back_by_cycle": list(self.returns),
-            "mean_way_back": self.mean_return,
+            "back_slip_by_cycle": list(self.returns),
+            "mean_back_slip": self.mean_return,
             "least_velocity": self.least_velocity,
             "least_velocity_by_cycle": list(self.least_velocities),
             "least_normal_force": self.least_normal_force,
@@ -99,7 +99,7 @@ class Share:
     least_velocity: float
     """What it adds to the lowest velocity [m/s]."""
     mean_return: float
-    """What it adds to the way backwards in a cycle [m]."""
+    """What it adds to the back-slip in a cycle [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -172,7 +172,7 @@ class CartStudy:
                 {
                     "cause": share.key,
                     "least_velocity": share.least_velocity,
-                    "mean_way_back": share.mean_return,
+                    "mean_back_slip": share.mean_return,
                 }
                 for share in self.shares
             ],
@@ -210,7 +210,7 @@ def study_cart(
     held = FixedStep(dt=STEP, stick_rule=True)
     exact = EventDriven()
     weight = (CART.cart_mass + CART.ball_mass) * CART.gravity
-    signed = PrintedCartDynamics(**level, weight=weight)
+    signed = PrintedCartDynamics(kinetic_coefficient=KINETIC, weight=weight)
     plain = PrintedCoulomb
     at_table_1 = Coulomb(kinetic_coefficient=levels[0], static_coefficient=levels[1])
     return CartStudy(
@@ -218,6 +218,7 @@ def study_cart(
         swing=SWING,
         runs=(
             _run("printed-4", "(3), (4) as printed", signed, free),
+            _run("unsigned-4", "(4) with the μ of (1)", replace(signed, signed=False), free),
             _run("printed-1", "(1), (2) as printed", plain(**level), free),
             _run("fixed", "corrected, no stick rule", law, free),
             _run("fixed-held", "corrected, stick rule", law, held),

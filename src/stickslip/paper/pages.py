@@ -143,13 +143,14 @@ def _opening(found: PaperAudit) -> Opening:
         kicker=SOURCES["paper"],
         verdict="One travel cannot rank friction models.",
         lede=(
-            "The paper writes that a spring is released, and of experiment and simulation that 10 N"
-            f" act for 0.1 s. With the spring released, {first.law.title} friction with Table I's"
-            f" coefficient travels {spring.travel:.3f} m, {percent(spring.relative_error or 0.0)}"
-            f" from the measured {found.measured:.2f} m. A push gives {push.travel:.3f} m, the"
-            f" reading nearest to the printed {first.published.travel or 0.0:.2f} m; that a push"
-            " stood for the spring in the simulation is our inference. The other rows depend on"
-            " values that are not printed."
+            "The paper writes that a spring is released, and also that 10 N act for 0.1 s, in both"
+            f" experiment and simulation. With the spring released, {first.law.title} friction with"
+            f" Table I’s coefficient travels {spring.travel:.3f} m,"
+            f" {percent(spring.relative_error or 0.0)} from the measured"
+            f" {found.measured:.2f} m. A push gives {push.travel:.3f} m, the reading nearest to the"
+            f" printed {first.published.travel or 0.0:.2f} m; that a push stood for the"
+            " spring in the simulation is our inference. The other rows depend on"
+            " values that the paper does not print."
         ),
         facts=_facts(found, {key: sum(n.reading == key for n in reached) for key in "AB"}),
         settles=(*found.verdict.words.settles[:2], _push_text(found)),
@@ -172,7 +173,8 @@ def _push_text(found: PaperAudit) -> str:
     ]
     low, high = (level / values.load for level in levels)
     return (
-        "Both take the spring as released. If the block was pushed as written, $mu_k$ lies between"
+        "Both statements take the spring as released. If the block was pushed with 10 N for 0.1 s,"
+        " $mu_k$ lies between"
         f" {low:.3f} and {high:.3f}."
     )
 
@@ -184,7 +186,7 @@ def _facts(found: PaperAudit, reached: Mapping[str, int]) -> tuple[Fact, ...]:
         Fact(
             value=percent(abs(spring.relative_error or 0.0)),
             aside=f"printed: {percent(first.published.relative_error or 0.0)}",
-            what=f"error of {first.law.title} with Table I's coefficient, spring released",
+            what=f"error of {first.law.title} with Table I’s coefficient, spring released",
         ),
         Fact(
             value=f"{fixed(push.work_in, 3)} J",
@@ -194,7 +196,7 @@ def _facts(found: PaperAudit, reached: Mapping[str, int]) -> tuple[Fact, ...]:
         Fact(
             value=f"{reached['A']} of {len(found.table)} rows",
             aside=f"{reached['B']} with the spring",
-            what="of Table II follow from unpublished values for the push, Table I kept",
+            what="of Table II can follow from unpublished values for the push, Table I kept",
         ),
     )
 

@@ -1,10 +1,10 @@
 """How far bristle laws move the block back when it stops and nothing holds it."""
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from stickslip.friction import Dahl, FrictionLaw, LuGre
+from stickslip.friction import FrictionLaw
 from stickslip.paper.excitations import rigs
+from stickslip.paper.unpublished import dahl_row, lugre_row
 from stickslip.paper.values import PaperValues
 from stickslip.selection import Criteria, criteria_of
 from stickslip.simulation import simulate
@@ -24,21 +24,11 @@ class Springback:
 
 
 def springbacks(values: PaperValues) -> tuple[Springback, ...]:
-    """Push the block with Dahl and LuGre friction, without a hold at zero velocity."""
-    load = values.load
-    dahl = Dahl.from_forces(
-        load=load, kinetic_force=values.mu_k * load, bristle_stiffness=STIFFNESS
-    )
-    lugre = LuGre.from_forces(
-        load=load,
-        kinetic_force=values.mu_k * load,
-        static_force=values.mu_s * load,
-        stribeck_velocity=values.stribeck_velocity,
-        bristle_stiffness=STIFFNESS,
-        bristle_damping=math.sqrt(STIFFNESS),
-    )
+    """Push the block with Dahl and LuGre friction, as in Table II but with nothing to hold it."""
+    held = dahl_row(values, STIFFNESS)
+    laws = replace(held, static_switch=False), lugre_row(values, STIFFNESS)
     _, _, push = rigs(values.rig)["A"]
     return tuple(
         Springback(law=law, criteria=criteria_of(simulate(push, law, t_end=1.0), push))
-        for law in (dahl, lugre)
+        for law in laws
     )

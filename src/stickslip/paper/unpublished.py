@@ -98,7 +98,7 @@ def _cases(values: PaperValues) -> dict[str, Case]:
             50.0,
             lambda sigma: dahl_row(values, sigma),
             True,
-            "bristles that give way by centimetres, the block held at its first stop",
+            "bristles that yield by centimetres, the block held at its first stop",
         ),
         "lugre": (
             "sigma_0",
@@ -115,7 +115,7 @@ def _cases(values: PaperValues) -> dict[str, Case]:
             2.0,
             lambda sigma: Viscous(viscous_coefficient=sigma),
             False,
-            "another model: purely viscous, without the dry friction of Table I",
+            "for instance another model: purely viscous, without the dry friction of Table I",
         ),
         "coulomb-viscous": (
             "sigma_2",

@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.plots.labels import Curve, label_curves, label_ends
-from stickslip.plots.series import Sizes, dense, horizon
+from stickslip.plots.series import RIVALS, Sizes, dense, horizon
 from stickslip.plots.svg import Draw
-from stickslip.plots.theme import C1, C2, C3, C4, INK, MUTED, SLIP_BACK, label_at
+from stickslip.plots.theme import C1, MUTED, SLIP_BACK, label_at
 from stickslip.trajectory import Trajectory
 
 __all__ = ["EXCITATION_SIZES", "draw_excitations", "excitation_colours"]
@@ -38,7 +38,7 @@ def excitation_colours(labels: Mapping[str, object], chosen: str | None = None) 
     True
     """
     chosen = next(iter(labels)) if chosen is None else chosen
-    others = iter((C2, C4, C3, INK, MUTED) * len(labels))
+    others = iter(RIVALS * len(labels))
     return {label: C1 if label == chosen else next(others) for label in labels}
 
 

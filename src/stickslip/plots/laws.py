@@ -11,7 +11,7 @@ from stickslip.characterize import presliding_length, presliding_loop
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, Stribeck, towards
 from stickslip.plots.series import Array, Sizes, scale_of
 from stickslip.plots.svg import Draw
-from stickslip.plots.theme import C1, INK, LINE, MUTED, label_at
+from stickslip.plots.theme import C1, INK, LINE, MUTED, label_at, symbol_label
 
 __all__ = [
     "characteristic",
@@ -141,12 +141,13 @@ def draw_stribeck(law: Stribeck, load: float) -> Draw:
         axes.set_ylim(0, 1.25 * f_s)
         axes.set_xlabel(f"velocity, {unit}")
         axes.set_ylabel("friction, N")
-        label_at(axes, 0.0, f_s, f"F_s = {f_s:.2f} N, at rest up to this", INK, offset=(9, 6))
-        label_at(
-            axes, factor * v[-1], f_c, f"F_c = {f_c:.2f} N", INK, offset=(0, -10), align="right"
-        )
-        label_at(axes, factor * v_s, 0.0, f"v_s = {factor * v_s:g} {unit}", INK, offset=(6, 14))
-        label_at(axes, factor * v_s, at_v_s, "1/e of F_s − F_c is left", MUTED, offset=(8, 6))
+        static, coulomb, speed = map(symbol_label, ("F_s", "F_c", "v_s"))
+        end, mark = factor * v[-1], factor * v_s
+        label_at(axes, 0.0, f_s, f"{static} = {f_s:.2f} N, at rest up to this", INK, offset=(9, 6))
+        label_at(axes, end, f_c, f"{coulomb} = {f_c:.2f} N", INK, offset=(0, -10), align="right")
+        label_at(axes, mark, 0.0, f"{speed} = {mark:g} {unit}", INK, offset=(6, 14))
+        left = f"1/e of {static} − {coulomb} is left"
+        label_at(axes, mark, at_v_s, left, MUTED, offset=(8, 6))
 
     return draw
 

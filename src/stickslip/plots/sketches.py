@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Polygon, Rectangle
 
 from stickslip.plots.svg import Draw, Size, inline_svg
-from stickslip.plots.theme import C1, C2, C4, INK, MUTED, SURFACE
+from stickslip.plots.theme import C1, C2, C4, INK, MUTED, SURFACE, symbol_label
 
 __all__ = ["SCHEMATICS", "SKETCHES", "SKETCH_SIZE", "draw_sketch", "schematic", "sketch"]
 
@@ -183,7 +183,7 @@ def _cart(axes: Axes) -> None:
     _arrow_to(axes, (264, 120), (324, 120), C1)
     _text(axes, 294, 106, "x", C1)
     _arrow_to(axes, (88, 190), (44, 190), C2)
-    _text(axes, 66, 204, "F_f", C2)
+    _text(axes, 66, 204, symbol_label("F_f"), C2)
     _arrow_to(axes, (222, 180), (222, 132), MUTED)
     _text(axes, 234, 152, "N")
 
@@ -208,7 +208,7 @@ def _rig(axes: Axes) -> None:
             axes.plot([end, end], [height - 7, height + 7], color=MUTED, linewidth=0.8)
         _arrow_to(axes, (left, height), (right, height), C1)
         _text(axes, (left + right) / 2, height - 13, name, C1)
-    _text(axes, 60, 200, "μ_d, μ_s")
+    _text(axes, 60, 200, f"{symbol_label('mu_d')}, {symbol_label('mu_s')}")
 
 
 def _text(axes: Axes, x: float, y: float, text: str, colour: str = INK) -> None:

@@ -2,7 +2,7 @@
 
 An inline figure is drawn twice, wide and narrow, because a scaled-down figure has unreadable
 text; the style sheet of the page shows one of them. Text stays text: selectable, and small. Write
-units and symbols in plain Unicode, since mathtext would become outlines.
+units in plain Unicode and symbols by `stickslip.plots.theme.symbol_label`.
 """
 
 import io
@@ -37,6 +37,7 @@ _COLOUR = re.compile(r"#[0-9a-f]{6}")
 _DECIMAL = re.compile(r"-?\d+\.\d+")
 _REFERENCE = re.compile(r"#([A-Za-z][\w.-]*)")
 _CIRCLE = re.compile(r"M 0 ([\d.]+) \s*(?:C [^CLQz]*){8}z\s*")
+_FILL = re.compile(r"fill:[^;]*;?")
 _SUFFIXES: Final = ("png", "svg", "pdf")
 _MANY_MARKERS: Final = 30
 _LONG_PATH: Final = 400
@@ -222,6 +223,8 @@ def _tree(svg: bytes, prefix: str) -> ElementTree.Element:
     _prune(root, _used_ids(root))
     for element in root.iter():
         _tidy(element, prefix)
+        if element.tag == "text":
+            _let_flow(element)
     for key in ("width", "height", "version"):
         root.attrib.pop(key, None)
     root.attrib |= {"stroke-linejoin": "round", "stroke-linecap": "butt"}
@@ -291,9 +294,30 @@ def _tidy(element: ElementTree.Element, prefix: str) -> None:
         # The page, or the root of a file, chooses the face.
         rules = re.sub(r"font-family: [^;]*;? ?", "", element.get("style", ""))
         element.set("style", re.sub(r"([:;]) ", r"\1", rules).rstrip("; "))
-    if element.tag != "text":
+    if element.tag not in {"text", "tspan"}:
         element.text = None
     element.tail = None
+
+
+def _let_flow(text: ElementTree.Element) -> None:
+    """Join the letters of mathtext, each of which stands where that of another face would.
+
+    What is above or below the line is moved by ``dy``, and the next piece moved back.
+    """
+    letters = sorted(text.findall("tspan"), key=lambda letter: float(letter.get("x", "0")))
+    for letter in letters:
+        text.remove(letter)
+        text.text = None
+    line, last = "", text
+    for letter in letters:
+        height, look = letter.get("y", "0"), _FILL.sub("", letter.get("style", "")).rstrip(";")
+        if height == line and look == last.get("style"):
+            last.text = f"{last.text or ''}{letter.text or ''}"
+            continue
+        move = {"dy": f"{float(height) - float(line):.3f}"} if line else {"x": "0.0", "y": height}
+        place = {key: _short(value, 2) for key, value in move.items() if float(value) or not line}
+        last = ElementTree.SubElement(text, "tspan", {"style": look, **place})
+        last.text, line = letter.text, height
 
 
 def _short(text: str, digits: int) -> str:

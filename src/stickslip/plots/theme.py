@@ -6,6 +6,7 @@ or on paper as it stands; `stickslip.plots.svg` replaces them by CSS variables w
 decides between light and dark. No two may be equal, or that replacement could not tell them apart.
 """
 
+import re
 import threading
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -38,6 +39,7 @@ __all__ = [
     "label_column",
     "shade",
     "spread",
+    "symbol_label",
 ]
 
 INK: Final = "#14191d"
@@ -121,6 +123,14 @@ STYLE: Final[MappingProxyType[str, Any]] = MappingProxyType(
 )
 """Settings of matplotlib for the figures of this package."""
 
+_LETTERS: Final = (
+    "alpha beta gamma delta epsilon zeta eta theta iota kappa"
+    " lambda mu nu xi pi rho sigma tau upsilon phi chi psi"
+    " omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega"
+)
+GREEK: Final = frozenset(_LETTERS.split())
+"""Letters that mathtext knows by these names."""
+_SYMBOL: Final = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9_+-]+)?")
 _LOCK: Final = threading.RLock()
 
 
@@ -299,3 +309,30 @@ def spread(positions: Sequence[float], gap: float) -> list[float]:
     for rank, index in enumerate(order):
         placed[index] = levels[rank] + rank * gap
     return placed
+
+
+def symbol_label(name: str) -> str:
+    r"""Return a symbol for a figure, in mathtext: an italic letter with an upright subscript.
+
+    Parameters
+    ----------
+    name : str
+        Letter or Greek name, then perhaps an underscore and a subscript. Anything else stays.
+
+    Returns
+    -------
+    str
+        What a label may contain, beside other text.
+
+    Examples
+    --------
+    >>> symbol_label("mu_d"), symbol_label("F")
+    ('$\\mu_{\\mathrm{d}}$', '$F$')
+    """
+    if not _SYMBOL.fullmatch(name):
+        return name.replace("$", r"\$")
+    letter, _, below = name.partition("_")
+    if len(letter) > 1:
+        letter = f"\\{letter}" if letter in GREEK else rf"\mathit{{{letter}}}"
+    below = below.replace("_", ",")
+    return rf"${letter}_{{\mathrm{{{below}}}}}$" if below else f"${letter}$"

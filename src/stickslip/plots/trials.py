@@ -20,7 +20,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.plots.laws import characteristic
 from stickslip.plots.series import Sizes, in_mm
 from stickslip.plots.svg import Draw
-from stickslip.plots.theme import C1, C2, C3, C4, DATA, INK, MUTED
+from stickslip.plots.theme import C1, C2, C3, C4, DATA, INK, MUTED, symbol_label
 from stickslip.quantities import vary
 
 __all__ = ["TRIAL_SIZES", "draw_trials"]
@@ -161,7 +161,7 @@ def _parameter(
         axes.margins(x=0.3)
     quantity = comparison.trials[0].estimates[i].quantity
     unit = "" if quantity.unit == "1" else f", {quantity.unit}"
-    axes.set_title(f"{quantity.symbol}{unit}", color=MUTED)
+    axes.set_title(f"{symbol_label(quantity.symbol)}{unit}", color=MUTED)
     what = condition_name(condition) or "trial"
     in_unit = condition_unit(condition)
     axes.set_xlabel(f"{what}, {in_unit}" if in_unit else what)

@@ -20,11 +20,9 @@ _GREEK: Final = MappingProxyType(
     | {"Delta": "Δ", "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π", "Sigma": "Σ"}
     | {"Phi": "Φ", "Psi": "Ψ", "Omega": "Ω"}
 )
-_SUBSCRIPTS: Final = MappingProxyType(
-    dict(
-        zip("0123456789+−aehijklmnoprstuvxβγρφχ", "₀₁₂₃₄₅₆₇₈₉₊₋ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓᵦᵧᵨᵩᵪ", strict=True)
-    )
-)
+_PLAIN: Final = "0123456789+−"
+_SUBSCRIPTS: Final = MappingProxyType(str.maketrans(_PLAIN, "₀₁₂₃₄₅₆₇₈₉₊₋"))
+_SUPERSCRIPTS: Final = MappingProxyType(str.maketrans(_PLAIN, "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻"))
 _TOKEN: Final = re.compile(
     r"\$(?P<symbol>[A-Za-z][A-Za-z0-9_+-]*)\$"
     r"|\*\*(?P<bold>\S(?:.*?\S)?)\*\*"
@@ -37,6 +35,9 @@ _TOKEN: Final = re.compile(
 _UNIT: Final = re.compile(
     r"(?<=\d) (?=(?:%|±|×|[µmk]?m|m?s|k?N|[km]?J|k?g|k?Hz|[kMG]?Pa|m?rad|K|°C)(?![A-Za-z]))"
 )
+_FUNCTION: Final = re.compile(r"[A-Za-z]{2,}")
+THIN: Final = "0.17em"
+"""Space about the name of a function, which some browsers set too wide and some not at all."""
 _TAGS: Final = MappingProxyType(
     {"bold": "b", "code": "code", "sup": "sup", "sub": "sub", "raised": "sup"}
 )
@@ -72,7 +73,9 @@ def symbol(name: str) -> Markup:
 
 
 def symbol_text(name: str) -> str:
-    """Return a symbol as plain text, for figures and terminals.
+    """Return a symbol as plain text, for terminals.
+
+    Unicode has only some letters as subscripts, so that all of them follow an underscore.
 
     Parameters
     ----------
@@ -82,7 +85,7 @@ def symbol_text(name: str) -> str:
     Returns
     -------
     str
-        The letter and a Unicode subscript, or an underscore where Unicode has none.
+        The letter; digits and signs below the line, letters behind an underscore.
 
     Raises
     ------
@@ -95,11 +98,21 @@ def symbol_text(name: str) -> str:
     ('σ₀', 'μ_d')
     """
     letter, subscript = _parts(name)
-    if not subscript:
-        return letter
-    if all(character in _SUBSCRIPTS for character in subscript):
-        return letter + "".join(_SUBSCRIPTS[character] for character in subscript)
-    return f"{letter}_{subscript}"
+    return lowered(letter, subscript) if subscript else letter
+
+
+def lowered(text: str, subscript: str) -> str:
+    """Return plain text with a subscript."""
+    if set(subscript) <= set(_PLAIN):
+        return text + subscript.translate(_SUBSCRIPTS)
+    return f"{text}_{subscript}"
+
+
+def raised(text: str, superscript: str) -> str:
+    """Return plain text with a superscript."""
+    if set(superscript) <= set(_PLAIN):
+        return text + superscript.translate(_SUPERSCRIPTS)
+    return f"{text}^{superscript if len(superscript) == 1 else f'({superscript})'}"
 
 
 def inline(text: str) -> Markup:
@@ -203,6 +216,12 @@ def mathml(latex: str, *, display: bool = True) -> Markup:
     >>> print(mathml(r"F = \mu_d N", display=False)[:46])
     <math display="inline"><mrow><mi>F</mi><mo>=</
     """
+    root = math_tree(latex, display=display)
+    return Markup(ElementTree.tostring(root, encoding="unicode"))
+
+
+def math_tree(latex: str, *, display: bool = True) -> ElementTree.Element:
+    """Return an equation as the tree of its MathML, entities resolved."""
     from latex2mathml.converter import convert_to_element
 
     try:
@@ -217,7 +236,17 @@ def mathml(latex: str, *, display: bool = True) -> Markup:
         if element.tag == "mo" and element.text in {"|", "/"}:
             # Browsers space these like signs of relation, whatever stands beside them.
             element.attrib |= {"lspace": "0", "rspace": "0"}
-    return Markup(ElementTree.tostring(root, encoding="unicode"))
+        row = [None, *element, None]
+        for before, child, after in zip(row, element, row[2:], strict=False):
+            if child.tag in {"mi", "mo"} and _FUNCTION.fullmatch(child.text or ""):
+                child.tag = "mo"
+                child.set("lspace", "0" if _is_bracket(before) else THIN)
+                child.set("rspace", "0" if _is_bracket(after) else THIN)
+    return root
+
+
+def _is_bracket(element: ElementTree.Element | None) -> bool:
+    return element is None or element.text == "("
 
 
 def _parts(name: str) -> tuple[str, str]:
@@ -242,4 +271,6 @@ def _plain_token(match: re.Match[str]) -> str:
     kind, content = match.lastgroup or "", match[match.lastgroup or 0]
     if kind == "symbol":
         return symbol_text(content)
+    if kind in ("sub", "sup"):
+        return (lowered if kind == "sub" else raised)("", content)
     return plain(content) if kind == "bold" else content

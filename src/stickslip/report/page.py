@@ -12,7 +12,7 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
 from stickslip.errors import InputError
-from stickslip.report import markup
+from stickslip.report import formulas, markup
 from stickslip.report.blocks import Block
 from stickslip.report.documents import Page
 
@@ -108,6 +108,7 @@ def _environment() -> Environment:
         keep_trailing_newline=True,
     )
     environment.filters |= {
+        "branches": formulas.branches,
         "inline": markup.inline,
         "lines": _lines,
         "equation_parts": markup.equation_parts,

@@ -85,7 +85,7 @@ def cycles_in(run: Trajectory, mechanism: Mechanism, period: float) -> tuple[Dri
     samples = max(min(GRID, MOST_TIMES // max(count, 1)), 2)
     for k in range(count):
         begin, end = first + k * period, min(first + (k + 1) * period, last)
-        # the velocity changes its sign at the solver's own times, so that back-slips are exact
+        # the velocity changes its sign at the solver's own times, so that back-slip is exact
         own = run.t[(run.t > begin) & (run.t < end)]
         seen = run.at(np.union1d(np.linspace(begin, end, samples), own))
         x = seen[slip]

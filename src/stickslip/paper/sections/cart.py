@@ -30,11 +30,11 @@ STEP_TEXT = f"steps of {1e3 * STEP:g} ms"
 CAUSES = {
     "misprint": (
         "the misprint",
-        "(3), (4) instead of the corrected law, both without the stick rule, in {step}",
+        "(3), (4) against the corrected law, both without the stick rule, in {step}",
     ),
-    "no-stick-rule": ("no rule for rest", "without the stick rule instead of with it, in {step}"),
-    "step": ("the step", "{step} instead of located events, with the stick rule"),
-    "friction": ("friction itself", "the exact run: the swing pulls harder than friction holds"),
+    "no-stick-rule": ("no rule for rest", "without and with the stick rule, in {step}"),
+    "step": ("the time step", "{step} against located events, both with the stick rule"),
+    "friction": ("the cart itself", "the exact run: the swing pulls harder than friction holds"),
 }
 """What each share is called, and which runs it is the difference of."""
 ANIMATED = 12.0
@@ -82,13 +82,14 @@ def _setting(study: CartStudy) -> str:
     cart, swing = study.cart, study.swing
     angle = f"{math.degrees(swing.amplitude):.0f}°"
     return (
-        "The paper prints neither masses nor length nor swing of its cart, and the sources it names"
-        f" were not at hand. Those here are ours: cart {cart.cart_mass:g} kg, ball"
-        f" {cart.ball_mass:g} kg, rod {cart.length:g} m, $mu_k$ = $mu_s$ = {KINETIC:g}; the rod"
-        f" swings from −{angle} to {angle} and back with {swing.fast:g}, −{swing.slow:g} and"
-        f" {swing.fast:g} rad/s², in {study.period:.5f} s. {counted(CYCLES).capitalize()} cycles"
-        " from rest, as printed and corrected, in steps of the paper's sample time of 10 ms"
-        " (forward Euler is ours) and exactly; the rod is where the swing says in all of them."
+        "The paper prints neither the masses nor the length nor the swing of its cart, and the"
+        " sources that it cites were not at hand. The values here are ours: cart"
+        f" {cart.cart_mass:g} kg, ball {cart.ball_mass:g} kg, rod {cart.length:g} m,"
+        f" $mu_k$ = $mu_s$ = {KINETIC:g}; the rod swings from −{angle} to {angle} and"
+        f" back with {swing.fast:g}, −{swing.slow:g} and {swing.fast:g} rad/s², in"
+        f" {study.period:.5f} s. {counted(CYCLES).capitalize()} cycles from rest, as printed"
+        " and corrected, in steps of the paper’s sample time of 10 ms (forward"
+        " Euler is our choice) and exactly. The rod follows the same swing in all runs."
     )
 
 
@@ -102,8 +103,8 @@ def _animation(study: CartStudy) -> Animation:
     return Animation(
         html=html,
         caption="**The exact run** in its first two cycles, to scale and in real time."
-        " The cart is yellow where it sticks; arrows are the forces of the ground and the"
-        " torque.",
+        " The cart is yellow while it sticks; the arrows are the forces of the ground and"
+        " the torque.",
     )
 
 
@@ -112,12 +113,14 @@ def _misprint_text(study: CartStudy) -> str:
     exact = study.run("exact")
     return (
         "By its text, the cart of the paper goes forwards in Figs 2 and 11, to the same"
-        " displacement. The coefficient of (3) already has the sign of the velocity, and the"
-        " weight in (4) is multiplied by it once more. With the unsigned coefficient of Section II"
-        " the weight term is right, and the terms of the pendulum lack the sign. (1) and (2) give"
-        f" {fixed(study.run('printed-1').travel, 3)} m in the same steps and"
-        f" {fixed(exact.travel, 3)} m exactly. So we take (3) and (4) for a misprint, not for what"
-        " was simulated."
+        " displacement, and was simulated with “the friction model (2) and the dynamic model (4)”."
+        " The coefficient of (3) already has the sign of the velocity, and the weight in (4) is"
+        " multiplied by that sign once more. With the plain coefficient of (1) the weight term is"
+        " right and only the terms of the pendulum lack the sign: (4) then gives"
+        f" {fixed(study.run('unsigned-4').travel, 3)} m, against"
+        f" {fixed(study.run('printed-1').travel, 3)} m by (1) and (2) in the same steps and"
+        f" {fixed(exact.travel, 3)} m exactly. So we infer that the signed coefficient of (3) is a"
+        " slip of notation, and not what was simulated."
     )
 
 
@@ -129,7 +132,7 @@ def _same_displacement(study: CartStudy) -> str:
         f" the backward motion. At $mu$ = {KINETIC:g} that is roughly so, as the table above shows."
         f" At the levels of its Table I the old scheme gives {fixed(old.travel, 3)} m and the exact"
         f" run {fixed(exact.travel, 3)} m, and the cart {slips}: all {length(old.mean_return, 2)}"
-        " of way back in a cycle come from the step and the missing rule for rest."
+        " of back-slip in a cycle come from the step and the missing rule for rest."
         if exact.mean_return == 0.0
         else "The old scheme against the exact run at the levels of Table I."
     )
@@ -146,7 +149,7 @@ def _run_table(runs: Sequence[CartRun]) -> Table:
             head="lowest velocity\nmm/s", numeric=True, phone="label", label="lowest velocity, mm/s"
         ),
         Column(
-            head="way back\nmm/cycle", numeric=True, phone="label", label="way back, mm per cycle"
+            head="back-slip\nmm/cycle", numeric=True, phone="label", label="back-slip, mm per cycle"
         ),
     )
     rows = tuple(_run_row(one) for one in runs)
@@ -184,8 +187,8 @@ def _printed_figure(study: CartStudy) -> Figure:
         ),
         caption=(
             "**In place of Fig. 2. Cart displacement with (3) and (4)** as printed, beside the"
-            " exact run, until they part: once the cart moves backwards, friction of its weight"
-            " accelerates it."
+            " exact run, for the time before they part: once the cart moves backwards, friction of"
+            " its weight accelerates it."
         ),
     )
 
@@ -202,8 +205,9 @@ def _cycle_figure(study: CartStudy) -> Figure:
             **CYCLE_SIZES,
         ),
         caption=(
-            f"**The same with {STEP_TEXT} and exactly**: all cycles, and the velocity near zero in"
-            f" the last one. Yellow: the exact run sticks. {_same_text(study)}"
+            f"**(1) and (2), as printed and corrected, in {STEP_TEXT}, and the exact run**: all"
+            " cycles, and the velocity near zero in the last one. Yellow: the exact run sticks."
+            f" {_same_text(study)}"
         ),
     )
 
@@ -222,13 +226,13 @@ def _shares_text(study: CartStudy) -> str:
     return (
         "The paper names the cause itself (III.A): friction “changes its direction to the opposite"
         " at once”, which “cannot be achieved exactly even if the sample time is very small”. In"
-        " numbers: each line of the table is what one thing adds, the last of them the exact run;"
-        " together they are what (3), (4) show. Of the lowest velocity of the corrected law in"
-        f" {STEP_TEXT}, {_speed(free.least_velocity)}, the step and the missing rule for rest make"
-        f" {percent(late / free.least_velocity)}; exactly it is {_speed(exact.least_velocity)}."
-        f" What remains is real: the cart slips back {length(exact.mean_return, 2)} a cycle, since"
-        " the swing pulls it back harder than friction can hold. A criterion on the sign of the"
-        " velocity cannot tell the one from the other."
+        " numbers: each row of the table is what one cause adds, and the rows add up to the run"
+        f" with (3) and (4). In {STEP_TEXT} the corrected law reaches"
+        f" {_speed(free.least_velocity)}, of which the step and the missing rule for rest make up"
+        f" {percent(late / free.least_velocity)}; the exact run reaches"
+        f" {_speed(exact.least_velocity)}. That remainder is real: this cart slips back"
+        f" {length(exact.mean_return, 2)} a cycle, since the swing pulls it back harder than"
+        " friction can hold. A criterion on the sign of the velocity cannot tell the two apart."
     )
 
 
@@ -243,7 +247,7 @@ def _share_table(study: CartStudy) -> Table:
             head="lowest velocity\nmm/s", numeric=True, phone="label", label="lowest velocity, mm/s"
         ),
         Column(
-            head="way back\nmm/cycle", numeric=True, phone="label", label="way back, mm per cycle"
+            head="back-slip\nmm/cycle", numeric=True, phone="label", label="back-slip, mm per cycle"
         ),
     )
     printed = study.run("printed-4")
@@ -272,8 +276,8 @@ def _share_row(share: Share) -> Row:
 def _scatter_text(study: CartStudy) -> str:
     found = [1e3 * velocity for velocity in study.run("fixed").least_velocities]
     return (
-        "The shares of the step are those of these steps and vanish with them; that of friction"
-        " stays. Where the steps fall differs from cycle to cycle: without the stick rule the"
+        "The shares of the step and of the missing rule for rest vanish with the step; that of the"
+        " cart itself stays. The steps fall differently in each cycle: without the stick rule the"
         f" lowest velocities of the {counted(CYCLES)} cycles are {interval(min(found), max(found))}"
         " mm/s."
     )

@@ -6,7 +6,7 @@ import numpy as np
 
 from stickslip.friction import FrictionLaw, PrintedForm
 from stickslip.paper.audit import PaperAudit
-from stickslip.paper.cart import CartRun, CartStudy
+from stickslip.paper.cart import KINETIC, CartRun, CartStudy
 from stickslip.plots.motion import draw_motion
 from stickslip.plots.svg import inline_svg
 from stickslip.quantities import fields_of
@@ -37,8 +37,8 @@ def _heading(study: CartStudy) -> str:
     if "selected" not in travels:
         return f"{study.run('paper').law.title} friction moves the cart {travels['paper']} a cycle"
     return (
-        f"With the law that select names the cart moves {travels['selected']} a cycle, with the"
-        f" paper’s example {travels['paper']}"
+        f"The cart moves {travels['selected']} a cycle with the law that select names, and"
+        f" {travels['paper']} with the paper’s example"
     )
 
 
@@ -49,9 +49,9 @@ def _text(found: PaperAudit) -> str:
         "The paper selects Coulomb or Coulomb + viscous friction, and takes the latter “for"
         " instance” into the cart, with a viscous coefficient that it does not print:"
         f" {found.values.viscous:g} N s/m is assumed here, as in the tables above. `select`"
-        f" {chosen} for the rig, with the level that the measured travel gives. Cart and swing are"
-        " those of Fig. 2, so ours: the profile and the parameters of the paper’s sources are not"
-        " known, and the printed figure can be compared in kind only."
+        f" {chosen} for the rig, with the coefficient that the measured travel gives. Cart and"
+        " swing are those used for Fig. 2 above, which are ours; so the printed figure can be"
+        " compared in kind only."
     )
 
 
@@ -76,7 +76,7 @@ def _table(study: CartStudy) -> Table:
         Column(head="first cycle\nmm", numeric=True, phone="label", label="first cycle, mm"),
         Column(head="last cycle\nmm", numeric=True, phone="label", label="last cycle, mm"),
         Column(
-            head="way back\nmm/cycle", numeric=True, phone="label", label="way back, mm per cycle"
+            head="back-slip\nmm/cycle", numeric=True, phone="label", label="back-slip, mm per cycle"
         ),
         Column(
             head="lowest normal\nforce, N",
@@ -116,7 +116,8 @@ def _figure(study: CartStudy) -> Figure:
             wide=(880, 300),
             narrow=(358, 420),
         ),
-        caption="**In place of Fig. 11. The cart with the law that was chosen**, solved exactly.",
+        caption="**In place of Fig. 11. The cart under Coulomb + viscous friction**, the paper’s"
+        " example, and under the law that select names; both solved exactly.",
     )
 
 
@@ -129,7 +130,8 @@ def _return_text(study: CartStudy) -> str:
     asked = max(largest_pull(one) for one in study.choices)
     return (
         f"The cart never slips back: at rest the swing pulls it back with up to {percent(asked)} of"
-        " the normal force, less than what friction holds. In Fig. 2, with a lower level, it does."
+        " the normal force, less than friction can hold. In the exact run for Fig. 2, with a lower"
+        f" level of {KINETIC:g}, it does."
     )
 
 

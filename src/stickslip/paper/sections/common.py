@@ -7,7 +7,7 @@ from stickslip.report import Axis
 
 __all__ = ["COLOURS", "counted", "travel_axis"]
 
-COLOURS: dict[str, Literal["c1", "c2", "c3", "c4"]] = {"A": "c2", "B": "c1", "C": "c4"}
+COLOURS: dict[str, Literal["c1", "c2", "c3", "c4"]] = {"A": "c2", "B": "c1", "C": "c3"}
 """Colour of each reading of the rig."""
 
 NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")

@@ -35,11 +35,11 @@ def excitation_section(found: PaperAudit) -> Section:
     row = found.table[0]
     mu_k = getattr(row.law, "kinetic_coefficient", 0.0)
     text = (
-        "“When the spring is released, the steel block will move forward”, the paper writes, and"
-        " “$F$=Kx the external applied force”; and also “Both in the simulation study and in the"
-        " experiment, the applied force is $F$=10N, the applied time is 0.1s”. A spring that is"
-        f" released is no constant push. Same block, same $mu_k$ = {mu_k:g}, same {row.law.title}"
-        " law:"
+        "“When the spring is released, the steel block will move forward”, the paper writes, with"
+        " “$F$=$K$$x$ the external applied force”; and also “Both in the simulation study and"
+        " in the experiment, the applied force is $F$=10N, the applied time is 0.1s”. A released"
+        f" spring does not push with a constant force. Both readings, and a control, with the same"
+        f" block, $mu_k$ = {mu_k:g} and {row.law.title} friction:"
     )
     travels = {f"{reading.criteria.travel:.2f}" for reading in row.readings}
     return Section(
@@ -90,7 +90,7 @@ def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> Figure:
     return Figure(
         svg=svg,
         caption=(
-            "**Travel in the three readings.** Blue-grey band:"
+            "**Travel in the two readings and the control.** Blue-grey band:"
             f" {interval(low, high)} m, the travels that round to {found.measured:.2f} m."
         ),
     )
@@ -145,8 +145,8 @@ def _closed_forms(readings: Sequence[Excitation]) -> Caption:
     """Set the runs against the formulas."""
     known = [r for r in readings if r.closed_form is not None]
     parts = [
-        f"{r.key} {r.closed_form:.7f} m, simulation differs by"
+        f"{r.key} {r.closed_form:.7f} m, simulated within"
         f" {residue(abs(r.criteria.travel - (r.closed_form or 0.0)))} m"
         for r in known
     ]
-    return Caption(text=f"By formula: {'; '.join(parts)}.")
+    return Caption(text=f"Closed forms: {'; '.join(parts)}.")

@@ -41,7 +41,7 @@ def schematic_section(found: PaperAudit) -> Section:
                         ),
                         caption="**Fig. 1. Pendulum-driven cart.** Mass $M$, ball $m$ on a rod of"
                         " length $l$, angle $theta$ from the vertical, displacement $x$, torque"
-                        " $tau$. The values are not printed.",
+                        " $tau$, friction coefficient $mu$. The paper prints no values.",
                     ),
                 ),
                 right=(
@@ -83,8 +83,8 @@ def phenomena_section(found: PaperAudit) -> Section:
             caption=(
                 "**III.B.1, stick-slip motion.** The block of Table I, pulled through its spring at"
                 f" {1e3 * SPEED:g} mm/s (ours). It sticks for {pulled.stick_time:.3f} s and slips"
-                f" for {pulled.slip_time:.3f} s; the closed forms differ by {residue(error)} of"
-                " that."
+                f" for {pulled.slip_time:.3f} s, as the closed forms have it within a relative"
+                f" {residue(error)}."
             ),
         )
     ]
@@ -100,7 +100,7 @@ def phenomena_section(found: PaperAudit) -> Section:
                     narrow=(358, 260),
                 ),
                 caption="**Fig. 3. Stribeck effect.** $F_s$ and $F_c$ by Table I; $v_s$ is not"
-                " printed and assumed. The upright line is what the contact holds at rest.",
+                " printed, and assumed here. The vertical line is what the contact holds at rest.",
             )
         )
     figures += [
@@ -112,8 +112,8 @@ def phenomena_section(found: PaperAudit) -> Section:
                 **presliding_sizes(len(bristle)),
             ),
             caption="**Fig. 4. Presliding displacement**: friction against a slow displacement to"
-            " and fro, before and at the onset of slip. The paper shows the measurement of its"
-            " reference [13]; this is what the laws make of it.",
+            " and fro, before slip and at its onset. The paper shows the measurement of its"
+            " reference [13]; these are the corrected Dahl and LuGre laws.",
         ),
         Figure(
             svg=inline_svg(
@@ -122,8 +122,8 @@ def phenomena_section(found: PaperAudit) -> Section:
                 prefix="laws-of-table2",
                 **characteristic_sizes(len(laws)),
             ),
-            caption="**The laws of Table II** against velocity, corrected. At rest any force up"
-            " to break-away; bristle laws by their steady curve.",
+            caption="**The laws of Table II** against velocity, corrected. At rest, any force up"
+            " to break-away; for bristle laws, the curve of steady sliding.",
         ),
     ]
     return Section(
@@ -141,8 +141,8 @@ def figure_section(found: PaperAudit) -> Section:
         _run_figure(rows[name], number) for name, number in RUN_FIGURES.items() if name in rows
     ]
     text = (
-        "Displacement and velocity of the block in A, B and C. Figs 2 and 11, the cart,"
-        " have sections of their own."
+        "Displacement and velocity of the block in A, B and C, with the parameters of the table"
+        " above. Figs 2 and 11, of the cart, have sections of their own."
     )
     return Section(
         id="figures",

@@ -31,7 +31,7 @@ def merit_section(found: PaperAudit) -> Section:
         ),
         KeyValue(
             key="The rule for rest of (5)",
-            value="the resultant force up to $F_s$, and $F_s$ beyond: the rule that is used here",
+            value="the resultant force up to $F_s$, and $F_s$ beyond it: the rule used here",
             mark="ok",
         ),
         KeyValue(
@@ -49,7 +49,7 @@ def merit_section(found: PaperAudit) -> Section:
             value="its relative errors follow from its displacements and the measured 0.20 m",
             mark="ok",
         ),
-        KeyValue(key="The dynamics (2)", value="right, with the law (1)", mark="ok"),
+        KeyValue(key="The dynamics (2)", value="right while the cart slides, with (1)", mark="ok"),
         KeyValue(
             key="The energy balance (11)",
             value=(
@@ -63,17 +63,17 @@ def merit_section(found: PaperAudit) -> Section:
             value=(
                 f"with Table I’s $mu_s$ = {found.values.mu_s:g} the swing that is used here pulls"
                 f" the resting cart back with at most {percent(pull)} of the normal force, and the"
-                f" way back is {_way(exact_1.mean_return)} a cycle"
+                f" back-slip is {_way(exact_1.mean_return)} a cycle"
             ),
             mark="ok" if exact_1.mean_return == 0.0 else "warn",
         ),
         KeyValue(
             key="“The same displacement”",
             value=(
-                "roughly so, like for like, old scheme in steps of 10 ms against exact, five"
-                f" cycles: {fixed(old.travel, 3)} and {fixed(exact.travel, 3)} m at $mu$ = 0.2,"
-                f" {fixed(old_1.travel, 3)} and {fixed(exact_1.travel, 3)} m at the levels of"
-                f" Table I; the way back falls from {_way(old.mean_return)} to"
+                "roughly so, like for like, (1) and (2) in steps of 10 ms against the exact run,"
+                f" five cycles: {fixed(old.travel, 3)} and {fixed(exact.travel, 3)} m at"
+                f" $mu$ = 0.2, {fixed(old_1.travel, 3)} and {fixed(exact_1.travel, 3)} m at the"
+                f" levels of Table I; the back-slip falls from {_way(old.mean_return)} to"
                 f" {_way(exact.mean_return)} and from {_way(old_1.mean_return)} to"
                 f" {_way(exact_1.mean_return)} a cycle"
             ),

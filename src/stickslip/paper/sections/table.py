@@ -3,7 +3,6 @@
 from stickslip.experiments.wording import joined
 from stickslip.paper.audit import PaperAudit, TableRow
 from stickslip.paper.sections.common import counted, travel_axis
-from stickslip.paper.springback import STIFFNESS
 from stickslip.report import (
     Block,
     Caption,
@@ -26,12 +25,12 @@ __all__ = ["ranking_section", "table_section"]
 def table_section(found: PaperAudit) -> Section:
     """Show every row of Table II, its three columns beside ours in readings A and B."""
     titles = {row.law.name: row.law.title for row in found.table}
-    others = [f"{titles[name]} to {fixed(x, 3)} m" for name, x in found.viscous_travels.items()]
+    others = [f"{titles[name]} ({fixed(x, 3)} m)" for name, x in found.viscous_travels.items()]
     text = (
-        f"Same {counted(len(found.table))} models, Table I coefficients. What the paper does not"
-        f" print is assumed: {_assumptions(found)}. With the spring released, what is left of the"
-        " differences is what was assumed: the same viscous part, which (5) and (9) also have,"
-        f" brings {joined(others)}, where Coulomb + viscous is."
+        f"The same {counted(len(found.table))} models with the coefficients of Table I. What the"
+        f" paper does not print is assumed: {_assumptions(found)}. With the spring released, the"
+        " models differ only by what is assumed: with the same viscous part, which (5) and (9) also"
+        f" have, {joined(others)} come close to Coulomb + viscous."
     )
     return Section(
         id="table2",
@@ -70,8 +69,9 @@ def _table(found: PaperAudit) -> Table:
         columns=columns,
         rows=tuple(_row(row) for row in found.table),
         caption=(
-            "The first three columns after the name are printed. Ours hold the block at its first"
-            " stop, by the static switch of the paper, and never move backwards."
+            "The first three columns after the name are printed in the paper. Our runs hold the"
+            " block at its first stop, by the paper’s switch to static friction, and never move"
+            " backwards."
         ),
     )
 
@@ -132,10 +132,10 @@ def ranking_section(found: PaperAudit) -> Section:
         blocks=(
             Paragraph(
                 text=(
-                    "The criteria: “the velocity will not change to negative”, “the displacement of"
-                    " the mass block will not decrease”, and of what remains the least relative"
-                    " error. In the printed table this leaves out LuGre and puts Coulomb and"
-                    " Coulomb + viscous first, as the paper concludes."
+                    "The criteria are “the velocity will not change to negative” and “the"
+                    " displacement of the mass block will not decrease”; among the models that meet"
+                    " them the least relative error decides. In the printed table this excludes"
+                    " LuGre and puts Coulomb and Coulomb + viscous first, as the paper concludes."
                 )
             ),
             Table(columns=columns, rows=rows),
@@ -159,10 +159,10 @@ def _caption(found: PaperAudit) -> str:
     errors = sorted(abs(row.reading("B").criteria.relative_error or 0.0) for row in found.table)
     half = 0.005 / found.measured
     return (
-        f"In B the errors of the first four are {percent(errors[0])} to {percent(errors[3])}, and"
-        f" the measured travel is printed to ± {percent(half)}: their order means nothing, and the"
-        " place of Coulomb + viscous follows from its assumed coefficient. With one travel each law"
-        " has a value that reproduces it, so `select` ranks none; it names Coulomb, which needs the"
+        f"In B the errors of the first four are {percent(errors[0])} to {percent(errors[3])}, while"
+        f" the measured travel is rounded to ± {percent(half)}: their order means nothing, and the"
+        " place of Coulomb + viscous follows from its assumed coefficient. Each law has a value"
+        " that reproduces one travel, so `select` ranks none; it names Coulomb, which needs the"
         " fewest assumptions."
     )
 
@@ -170,16 +170,18 @@ def _caption(found: PaperAudit) -> str:
 def _note(found: PaperAudit) -> Block:
     """Say what criterion 1 does to laws with elastic presliding."""
     backs = [
-        f"{back.law.title} {1e3 * back.criteria.least_velocity:.2g} mm/s"
+        f"{1e3 * back.criteria.least_velocity:.2g} mm/s and"
+        f" {1e6 * back.criteria.largest_return:.0f} µm for {back.law.title}"
         for back in found.springbacks
     ]
     speeds = " and ".join(backs).replace("-", "−")
     return Note(
-        title="The first criterion rejects stiff bristles for their physics.",
+        title="The first criterion rejects elastic spring-back, which is physical.",
         text=(
-            "Bristle laws let the block spring back by its elastic deflection when it stops: at"
-            f" {STIFFNESS / 1e5:g} × 10⁵ N/m and without a hold, {speeds}. That is"
-            " physics, not error. In the tables above the block is held at its first stop, by the"
-            " paper’s static switch, and no row fails for that reason."
+            "Bristles are springs, and a block on them springs back when it stops. With bristles of"
+            " 10⁵ N/m and nothing to hold the block, the lowest velocity and the back-slip are"
+            f" {speeds}, taken with the other values of its 1995 paper. In the"
+            " tables above the block is held at its first stop, by the paper’s"
+            " switch to static friction, and no row fails for that reason."
         ),
     )

@@ -39,17 +39,19 @@ def unpublished_section(found: PaperAudit) -> Section:
         id="unpublished",
         nav="Unpublished values",
         heading=(
-            f"With Table I kept, {counted(reached['A'])} of {counted(total)} travels follow from"
-            f" unpublished values for the push, {counted(reached['B'])} for the spring"
+            f"With Table I kept, unpublished values can give {counted(reached['A'])} of the"
+            f" {counted(total)} travels for the push and {counted(reached['B'])} for the spring"
         ),
         blocks=(
             Paragraph(
                 text=(
                     "The paper prints no stiffness or damping of bristles, no Stribeck velocity and"
-                    " no viscous coefficient. These values, found by root finding in readings A and"
-                    " B, give its travels; below each the range for travels that round to the"
-                    " printed figure. Two rows need more: another coefficient than Table I's, and"
-                    " another model."
+                    " no viscous coefficient. The values below, found by root finding in readings A"
+                    " and B, give its travels; under each value is the range for travels that round"
+                    " to the printed figure. Coulomb would need another coefficient than Table I’s,"
+                    " and Stribeck less dry friction than Table I has, since (5) never falls below"
+                    " Coulomb friction. For the push no viscous coefficient gives the row of"
+                    " Coulomb + viscous."
                 )
             ),
             Table(columns=columns, rows=rows),
@@ -57,8 +59,8 @@ def unpublished_section(found: PaperAudit) -> Section:
             _bristle_table(found),
             Caption(
                 text=(
-                    "That a value gives the row does not show that it was used. To settle it would"
-                    " take the parameters of the paper's simulations."
+                    "That a value gives the row does not show that it was used. Only the parameters"
+                    " of the paper’s simulations could settle that."
                 )
             ),
         ),
@@ -79,11 +81,11 @@ def _step_text(found: PaperAudit) -> str:
         for one in found.step_travels
     ]
     return (
-        "There is another way to the 0.16 m of Coulomb and of Coulomb + viscous: in steps of 10 ms,"
-        " the sample time that the paper states for its cart, forward Euler with the stick rule"
-        f" gives {joined(parts)} for the push, with Table I's coefficients. Friction misses the"
-        " first step there, since sgn 0 = 0; the exact push gives 0.154 m. Which of these it was"
-        " cannot be told from the paper."
+        "The 0.16 m of Coulomb and of Coulomb + viscous can also come from the time step: in steps"
+        " of 10 ms, the sample time that the paper states for its cart, forward Euler with the"
+        f" stick rule gives {joined(parts)} for the push, with Table I’s coefficients. Friction"
+        " misses the first step, since sgn 0 = 0; the exact push gives 0.154 m. Which of these it"
+        " was cannot be told from the paper."
     )
 
 
@@ -128,7 +130,8 @@ def _bristle_table(found: PaperAudit) -> Table:
         for one, other in zip(dahl, lugre, strict=True)
     )
     caption = (
-        "The push of reading A with softer and softer bristles, LuGre as in the table above."
+        "The push of reading A with softer and softer bristles; LuGre with the other values of its"
+        " 1995 paper, as in the table above."
         " Published: Dahl 0.25 m, LuGre 0.13 m with a velocity that becomes negative."
     )
     return Table(columns=columns, rows=rows, caption=caption)
