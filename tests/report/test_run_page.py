@@ -97,7 +97,7 @@ def test_every_section_can_be_made_of(case):
 def test_the_page_of_the_reference_cart_says_its_numbers():
     said = texts(run_page(about(CART, COULOMB, 5 * SWING.period)))
     assert "The body moves 63.5 mm in a cycle of 0.724 s" in said
-    assert "5 whole cycles bring 0.2787 m" in said
+    assert "The body advances 0.2787 m in 5 whole cycles" in said
     assert "24.86" in said  # the first cycle
     assert "does not hold: lowest velocity −6.1" in said
     assert "0.314 mm back-slip in the last cycle" in said
@@ -139,7 +139,7 @@ def test_what_was_not_fitted_and_what_was_drawn_is_said():
     assert "not identified: the record does not show it" in said
     assert "given or assumed" in said
     assert "40 draws (seed 0) of kinetic coefficient" in said
-    assert "Kept at their values: static coefficient, stribeck velocity" in said
+    assert "Held fixed: static coefficient, stribeck velocity" in said
 
 
 def test_a_band_of_runs_of_which_none_lasts_says_why():

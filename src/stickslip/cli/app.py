@@ -226,13 +226,19 @@ def simulate(
     ] = 1001,
     fixed_step: Annotated[
         float | None,
-        typer.Option("--fixed-step", help="Run as a block diagram with this step [s] instead."),
+        typer.Option(
+            "--fixed-step",
+            help="Simulate in fixed steps of this size [s], as a block diagram does.",
+        ),
     ] = None,
     method: Annotated[
         str, typer.Option("--method", help="Integrator of the fixed step: euler, heun or rk4.")
     ] = "euler",
     no_stick_rule: Annotated[
-        bool, typer.Option("--no-stick-rule", help="Fixed step: never hold the body.")
+        bool,
+        typer.Option(
+            "--no-stick-rule", help="Fixed step: without the rule that holds the body at rest."
+        ),
     ] = False,
     ensemble: Annotated[
         int | None,
@@ -240,24 +246,24 @@ def simulate(
             "--ensemble",
             metavar="N",
             min=2,
-            help="Also run N draws of the law's parameters from the estimates in its file.",
+            help="Also simulate N draws of the law's parameters from the estimates in its file.",
         ),
     ] = None,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed of these draws.")] = 0,
     report: Annotated[
-        bool, typer.Option("--report", help="Write a page of the run, stickslip-run/index.html.")
+        bool, typer.Option("--report", help="Write a report of the run, stickslip-run/index.html.")
     ] = False,
     report_to: Annotated[
         Path | None,
         typer.Option(
-            "--report-to", metavar="FOLDER", help="Write the page into this folder instead."
+            "--report-to", metavar="FOLDER", help="Write the report into this folder instead."
         ),
     ] = None,
     force: Force = False,
     as_json: Json = False,
     enforce: Enforce = False,
 ) -> None:
-    """Simulate the rig with one law; show events and certificate, export the run, draw a page.
+    """Simulate the rig with one law; show events and certificate, export the run, write a report.
 
     With a fitted law from a file, --ensemble draws its parameters from their estimates and shows
     the 95 % band of the motion.

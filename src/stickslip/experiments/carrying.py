@@ -297,7 +297,7 @@ def _about_doubt(law: FrictionLaw, known: LawEstimates | None) -> list[str]:
         names = joined([f"${symbols[name]}$" for name in assumed])
         said.append(f"{names} {were} given or assumed, not fitted.")
     said += [
-        f"${symbols[name]}$ is not identified ({reason}): its value is one of many."
+        f"${symbols[name]}$ is not identified ({reason}): other values fit as well."
         for name, reason in known.not_identified.items()
     ]
     return said

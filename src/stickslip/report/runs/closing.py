@@ -1,5 +1,6 @@
 """The end of the report of a run: the law and its doubt, certificate, how to reproduce it."""
 
+from stickslip.experiments.estimates import HARD
 from stickslip.experiments.wording import number
 from stickslip.quantities import parameters
 from stickslip.report import numbers
@@ -42,7 +43,7 @@ def law_section(about: RunReport) -> Section:
     )
     blocks: list[Block] = [Math(latex=law.formula), Table(columns=columns, rows=tuple(rows))]
     if about.remarks:
-        title = "From one mechanism to another."
+        title = "Validity of the law."
         blocks.append(Note(kind="info", title=title, text=" ".join(about.remarks)))
     blocks += _drawn(about)
     from_file = f", from `{about.law_file}`" if about.law_file else ""
@@ -70,7 +71,9 @@ def _drawn(about: RunReport) -> list[Block]:
     how = (
         "with their covariance"
         if len(known.covariance_of) > 1
-        else f"each within its {known.interval}{' interval' if known.interval == '95 %' else ''}"
+        else f"uniform within the {known.interval}"
+        if known.interval in HARD
+        else "normal with the 95 % interval"
     )
     text = (
         f"The band: {band.count} draws (seed {band.seed}) of {names}, {how}, in the valid ranges of"
@@ -79,7 +82,7 @@ def _drawn(about: RunReport) -> list[Block]:
     kept = [*known.not_fitted, *known.not_identified]
     if kept:
         words = ", ".join(name.replace("_", " ") for name in kept)
-        text += f" Kept at their values: {words}."
+        text += f" Held fixed: {words}."
     return [Caption(text=text)]
 
 
@@ -93,8 +96,8 @@ def certificate_section(about: RunReport) -> Section:
     else:
         heading = "The run is not certified"
     text = (
-        "A certificate says that the equations were solved, by energies integrated apart from the"
-        " motion. It does not say that the law is that of the contact."
+        "The certificate shows that the equations were solved: energies are integrated"
+        " independently of the motion. It does not show that the law is right for the contact."
     )
     items = evidence(about.run, located=exact)
     blocks = (KeyValues(items=items), Caption(text=text))

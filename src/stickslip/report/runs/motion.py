@@ -95,7 +95,7 @@ def motion_section(about: RunReport) -> Section:
 
 
 def cycles_section(about: RunReport) -> Section | None:
-    """Return what each cycle of the drives brings, None without whole cycles."""
+    """Return the travel of each cycle of the drives, None without whole cycles."""
     cycles = about.cycles
     if not cycles:
         return None
@@ -129,19 +129,19 @@ def _cycles_heading(about: RunReport) -> str:
         return "The last cycle ends where it began"
     travels = [one.travel for one in about.cycles]
     if len(travels) == 1:
-        return f"One cycle brings {about.of(travels[0])}"
+        return f"The body advances {about.of(travels[0])} in one cycle"
     change = abs(travels[-1] - travels[-2])
     if change <= STEADY * abs(travels[-1]):
-        return f"Each cycle brings {about.of(travels[-1])} once the motion has settled"
-    return f"The last cycle brings {about.of(travels[-1])}, and the motion has not settled"
+        return f"The body advances {about.of(travels[-1])} per cycle once the motion has settled"
+    return f"The body advances {about.of(travels[-1])} in the last cycle and has not settled"
 
 
 def _cycle_table(about: RunReport) -> Table:
     unit = "mm" if about.unit == "m" else f"m{about.unit}"
     heads = [f"travel\n{unit}"]
     heads += ["95 % band\n" + unit] if about.band is not None else []
-    heads += [f"mean\n{unit}/s", f"back-slip\n{unit}", f"lowest velocity\n{unit}/s"]
-    heads.append("least normal force\nN")
+    heads += [f"mean velocity\n{unit}/s", f"back-slip\n{unit}", f"lowest velocity\n{unit}/s"]
+    heads.append("lowest normal force\nN")
     columns = [Column(head="")]
     columns += [
         Column(head=head, numeric=True, phone="label", label=head.replace("\n", ", "))
@@ -181,14 +181,13 @@ def animation_section(about: RunReport) -> Section | None:
     if length <= 0.0:
         return None
     speed = length / min(max(length, SHORTEST), LONGEST)
-    pace = "as fast as it is"
+    pace = "in real time"
     if abs(speed - 1.0) > 1e-9:
         pace = (
-            f"{number(1.0 / speed, 2)} times slower"
+            f"slowed down {number(1.0 / speed, 2)} times"
             if speed < 1.0
-            else f"{number(speed, 2)} times faster"
+            else f"sped up {number(speed, 2)} times"
         )
-        pace += " than it is"
     html = animation_html(
         about.run,
         about.rig.mechanism,
@@ -200,7 +199,7 @@ def animation_section(about: RunReport) -> Section | None:
         narrow=PHONE,
     )
     caption = (
-        f"**The first {quantity(length, 's')}**, to scale and {pace}. The sliding body is yellow"
+        f"**The first {quantity(length, 's')}**, to scale, {pace}. The sliding body is yellow"
         " where it sticks; arrows are forces."
     )
     block = Animation(html=html, caption=caption)
@@ -211,7 +210,7 @@ def events_section(about: RunReport) -> Section:
     """Return what happened how often, first and last."""
     events = about.run.events
     if about.fixed_step is not None or not events:
-        text = "Fixed steps locate no events." if about.fixed_step is not None else "No event."
+        text = "Fixed steps locate no events." if about.fixed_step is not None else "No events."
         blocks: Sequence[Block] = (Caption(text=text),)
         return Section(id="events", nav="Events", heading="Events", blocks=tuple(blocks))
     kinds = list(dict.fromkeys(event.reason for event in events))
@@ -259,8 +258,8 @@ def criteria_section(about: RunReport) -> Section:
         ),
     )
     text = (
-        "A body that a drive pulls back harder than friction holds it does move backwards, and one"
-        " on elastic bristles springs back as it stops: failing criterion 1 or 2 does not refute"
+        "A drive that pulls back harder than friction holds does move the body backwards, and"
+        " elastic bristles spring back as the body stops: failing criterion 1 or 2 does not refute"
         " the law."
     )
     blocks = (KeyValues(items=items), Caption(text=text))

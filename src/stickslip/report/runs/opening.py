@@ -1,6 +1,6 @@
 """The opening of the report of a run: how it ended, how far the body came."""
 
-from stickslip.experiments.wording import capital, count, quantity, span
+from stickslip.experiments.wording import count, quantity, span
 from stickslip.report.blocks import Fact
 from stickslip.report.documents import Opening, Section
 from stickslip.report.runs.subject import RunReport
@@ -29,7 +29,7 @@ def _headline(about: RunReport) -> str:
     if about.cycles:
         last = about.cycles[-1]
         if not last.moves_on:
-            return "The body does not move on: no cycle ends elsewhere than it began"
+            return "The body makes no net motion: the last cycle ends where it began"
         return f"The body moves {about.of(last.travel)} in a cycle of {quantity(last.period, 's')}"
     if seen.stop_time is not None:
         after = quantity(seen.stop_time, "s")
@@ -41,15 +41,14 @@ def _lede(about: RunReport) -> str:
     said = [about.run.status.value]
     if about.cycles:
         number = count(len(about.cycles), "whole cycle")
-        brought = "brings" if len(about.cycles) == 1 else "bring"
         travel = sum(one.travel for one in about.cycles)
-        said.append(f"{capital(number)} {brought} {about.of(travel, 4)}.")
+        said.append(f"The body advances {about.of(travel, 4)} in {number}.")
     band = about.band
     if band is not None:
         travels = span(band.travel.low, band.travel.high, about.unit)
         said.append(
-            f"With the uncertainty of the law's parameters the whole travel is {travels} in 95 % of"
-            f" {band.count} runs."
+            f"With the law's parameters drawn from their estimates, the travel of the whole run is"
+            f" {travels} in 95 % of {band.count} runs."
         )
         if band.ended_early:
             said.append(f"{band.ended_early} of them ended early and are left out.")
@@ -80,10 +79,10 @@ def _facts(about: RunReport) -> tuple[Fact, ...]:
 def _settles(about: RunReport) -> tuple[str, ...]:
     if about.fixed_step is not None:
         step = quantity(about.fixed_step, "s")
-        return (f"What steps of {step} make of the equations; no event is located.",)
+        return (f"The solution in fixed steps of {step}; events are not located.",)
     if not about.run.certificate.certified:
         return ()
-    return ("The motion of these equations with this law: the run is certified.",)
+    return ("The solution of these equations with this law: the run is certified.",)
 
 
 def _cannot_tell(about: RunReport) -> tuple[str, ...]:
@@ -91,11 +90,13 @@ def _cannot_tell(about: RunReport) -> tuple[str, ...]:
     if about.law_file:
         said.append("Whether this contact has the friction of the one on which the law was fitted.")
     if about.estimates is None:
-        said.append("How well the law is known: its values are taken as they stand.")
+        said.append("The uncertainty of the motion: the law has no intervals.")
     elif about.band is None:
-        said.append("What the intervals of the law make of the motion; `--ensemble 200` runs them.")
+        said.append(
+            "The uncertainty of the motion: `--ensemble 200` computes it from the law's intervals."
+        )
     else:
         said.append("How the body would move with another law that fits the data as well.")
     if not about.run.status.complete:
-        said.append("What comes after its end.")
+        said.append("The motion after the run ended.")
     return tuple(said)
