@@ -42,6 +42,7 @@ from stickslip.selection.preparing import how_to, otherwise
 from stickslip.selection.separation import Separation, knob_of, predictions, unit_of, words_of
 from stickslip.selection.words import ADVICE
 from stickslip.simulation import simulate
+from stickslip.trajectory import Trajectory
 
 __all__ = ["plan"]
 
@@ -74,7 +75,11 @@ law without a level has a viscous part that is as large as the usual level there
 NEAR = 0.9
 """A second point, over the first, where the search of a rival's parameters begins."""
 AT_REST = 1e-2
-"""Speed at the last time over the mean speed of the run, above which a body does not stop."""
+"""Speed at the end of a run over its mean speed, above which a body does not stop."""
+LATE = 0.1
+"""Share of a run that is its end."""
+SAMPLES = 201
+"""Times at which the end of a run is looked at."""
 NEAR_STOP = 1e-9
 """Distance from a hard stop at which the body is at it [m]."""
 MOVES = 0.05
@@ -330,10 +335,10 @@ def _knob(mechanism: Mechanism, done: Sequence[Trial]) -> str:
     contacts = mechanism.contacts()
     if knob is None or len(contacts) != 1:
         raise InputError(
-            f"a plan is for travels so far: of a body that a compressed spring or a push"
-            f" (compression, drive.level or drive.amplitude, not 0) sets in motion and friction"
-            f" stops. {type(mechanism).__name__} as it stands is none. For records in time take a"
-            " first one: check says what it can tell, and select which to take next."
+            "a plan is made for a body that a compressed spring or a push (compression,"
+            " drive.level or drive.amplitude, not 0) sets in motion and friction stops."
+            f" {type(mechanism).__name__} as it stands is not such a body. For records in time take"
+            " a first one: check says what it can tell, and select which one to take next."
         )
     return knob[0]
 
@@ -409,28 +414,41 @@ def _levelled(
     return {name: found[name] for name in laws if name in found}, remarks
 
 
-def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float) -> str:
-    """Return why the distance of a run is no travel that friction ends; nothing if it is one."""
-    run = simulate(mechanism, law, t_end=t_end)
+def _why_none(mechanism: Mechanism, run: Trajectory, longest: float = 0.0) -> str:
+    """Return why the distance of a run is no travel that friction ends; nothing if it is one.
+
+    Bristles without damping ring on about one place: only what shifts the place by a share of the
+    travel, or of the longest one, is motion.
+    """
     (contact,) = mechanism.contacts()
-    index = mechanism.coordinates.index(contact.slip)
-    end = run.at(run.span)
-    travel, speed = end[contact.slip], abs(float(end[mechanism.rates[index]][1]))
-    if speed > AT_REST * abs(float(travel[1] - travel[0])) / t_end:
-        still = quantity(speed, f"{mechanism.units[index]}/s", 2)
-        return f"the body does not come to rest within {t_end:g} s (it still moves at {still})"
+    unit = mechanism.units[mechanism.coordinates.index(contact.slip)]
+    t_end = run.span[1]
+    late = run.at(np.linspace((1.0 - LATE) * t_end, t_end, SAMPLES))[contact.slip]
+    moved = float(np.ptp(late))
+    if moved > AT_REST * LATE * max(_travel(mechanism, run), longest):
+        return (
+            f"the body does not come to rest within {t_end:g} s (it moves by"
+            f" {quantity(moved, unit, 2)} in the last {quantity(LATE * t_end, 's')})"
+        )
     for stop in stops_of(mechanism):
         beyond = run[contact.slip] - stop.position
         if stop.coordinate == contact.slip and bool(
             np.any((beyond if stop.side == "upper" else -beyond) > -NEAR_STOP)
         ):
-            return f"the body runs into the stop at {quantity(float(stop.position), 'm')}"
+            return f"the body runs into the stop at {quantity(float(stop.position), unit)}"
     return ""
+
+
+def _travel(mechanism: Mechanism, run: Trajectory) -> float:
+    """Return how far the body is at the end from where it began [m]."""
+    (contact,) = mechanism.contacts()
+    start, end = run.at(run.span)[contact.slip]
+    return abs(float(end - start))
 
 
 def _check_present(mechanism: Mechanism, law: FrictionLaw, t_end: float) -> None:
     """Refuse a rig that makes no travel as it stands, where the laws are to make the same one."""
-    if said := _why_none(mechanism, law, t_end):
+    if said := _why_none(mechanism, simulate(mechanism, law, t_end=t_end)):
         cure = (
             "set the rig lower" if "stop" in said else "give the law a higher level, or set t_end"
         )
@@ -509,18 +527,23 @@ def _stopping(
     The distance of a body that still moves is that of an arbitrary time, and a hard stop ends the
     travels of all laws in one place.
     """
-    found, remarks = dict(laws), []
+    found, remarks = {}, []
+    unit = {p: q.unit for p, q, _ in parameters(mechanism, "mechanism")}[path]
+    rigs = [vary(mechanism, "mechanism", {path: value}) for value in settings]
     for name, law in laws.items():
-        for value in reversed(settings):
-            said = _why_none(vary(mechanism, "mechanism", {path: value}), law, t_end)
-            if said:
-                unit = {p: q.unit for p, q, _ in parameters(mechanism, "mechanism")}[path]
-                at = quantity(value, unit, degrees=True)
-                remarks.append(
-                    f"{law.title} friction is left out: with {words_of(path)} {at} {said}."
-                )
-                del found[name]
-                break
+        runs = [simulate(rig, law, t_end=t_end) for rig in rigs]
+        longest = max(_travel(rig, run) for rig, run in zip(rigs, runs, strict=True))
+        reasons = {
+            value: said
+            for value, rig, run in zip(settings, rigs, runs, strict=True)
+            if (said := _why_none(rig, run, longest))
+        }
+        if not reasons:
+            found[name] = law
+            continue
+        value, said = reasons.popitem()
+        at = quantity(value, unit, degrees=True)
+        remarks.append(f"{law.title} friction is left out: with {words_of(path)} {at} {said}.")
     if not found:
         raise InputError(f"no law can be planned for. {' '.join(remarks)}")
     return found, remarks
