@@ -44,11 +44,12 @@ def test_a_plan_is_printed(run, folder):
     code, out, _ = run("plan", "rig.toml", *LAWS, "--uncertainty", "2mm")
     assert code == 0
     text = re.sub(r"\s+", " ", out)
-    assert "Set the compression to 32 mm, 48 mm, 64 mm and 80 mm, 3 runs each" in text
+    assert "Set the compression to 32, 48, 64 and 80 mm, 3 runs each" in text
     assert "12 travels, each known to 2 mm. They tell 3 of 3 pairs of laws apart." in text
     assert "Hang 1.18 kg on the spring" in text
     assert "name,mechanism.compression [mm],travel [mm]" in text
     assert "is assumed" not in text
+    assert "The rig has one compression: the settings span 0.4 to 1 times it, 32 to 80 mm." in text
 
 
 def test_an_uncertainty_that_nobody_stated_is_said_to_be_assumed(run, folder):
@@ -138,4 +139,42 @@ def test_a_rig_with_records_is_told_what_a_plan_is_for(run, folder):
     (folder / "axis.toml").write_text('[mechanism]\ntype = "axis"\ninertia = "80 kg"\n')
     code, _, err = run("plan", "axis.toml")
     assert code == 2
-    assert "a plan is for travels so far" in err
+    assert "a plan is made for a body" in err
+
+
+TABLE = re.compile(r"\S {2,}\S")
+"""Rows of a table have gaps between their cells; sentences have none."""
+
+
+def test_tables_fit_eighty_columns(run, folder):
+    """Also with twelve settings, an incline and a law of a long name."""
+    laws = "coulomb,viscous,coulomb-viscous,coulomb-viscous-static"
+    change = ("--set", "mechanism.incline=0.05")
+    code, out, _ = run("plan", "rig.toml", "--laws", laws, "--settings", "12", *change)
+    assert code == 0
+    rows = [line for line in out.splitlines() if TABLE.search(line)]
+    assert len(rows) > 20
+    assert max(map(len, rows)) <= 80
+
+
+def test_angles_are_printed_in_degrees(run, folder):
+    text = RIG + 'incline = { value = "6 deg", uncertainty = "0.5 deg" }\n'
+    (folder / "rig.toml").write_text(text)
+    code, out, _ = run("plan", "rig.toml", "--law", "coulomb")
+    assert code == 0
+    assert re.search(r"incline beta +6° +\S+° +0.5°, too large", out)
+    assert not re.search(r"\brad\b", out)
+
+
+def test_settings_of_trials_give_the_range(run, folder):
+    trials = "".join(
+        f'[[trial]]\nset = {{ compression = "{x} mm" }}\ntravel = "{s} mm"\n'
+        for x, s in ((40, 58), (80, 231), (120, 519))
+    )
+    (folder / "rig.toml").write_text(RIG + trials)
+    code, out, _ = run("plan", "rig.toml", "--law", "coulomb", "--settings", "3")
+    assert code == 0
+    text = re.sub(r"\s+", " ", out)
+    assert "Set the compression to 40, 80 and 120 mm" in text
+    assert "The settings span the compression of the trials and of the rig, 40 to 120 mm." in text
+    assert "Another range is given by --between" in text

@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -162,7 +163,7 @@ def test_what_no_travel_tells_has_another_way():
     sheet = plan(BLOCK, Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35))
     # atan 0.35 = 19.3 degrees; 0.35 x 0.82 kg x 9.81 m/s^2 = 2.8 N; over 145 N/m = 19 mm
     assert "about 19° for 0.35" in sheet.rest["$mu_s$ by tilt"]
-    assert "about 2.8 N at a weight of 8.04 N" in sheet.rest["$mu_s$ by a slow pull"]
+    assert "about 2.8 N, over the weight of 8.04 N" in sheet.rest["$mu_s$ by a slow pull"]
     assert "about 19 mm" in sheet.rest["$mu_s$ by the spring"]
     (static,) = (e for e in sheet.expectations if e.estimate.quantity.symbol == "mu_s")
     assert not static.identified
@@ -215,8 +216,8 @@ def test_settings_at_which_the_block_hardly_moves_are_left_out():
 @pytest.mark.parametrize(
     ("given", "options", "said"),
     [
-        (TowedBlock(mass=1.0, stiffness=100.0, speed=0.1), {}, "a plan is for travels so far"),
-        (Axis(inertia=1.0), {}, "Axis as it stands is none"),
+        (TowedBlock(mass=1.0, stiffness=100.0, speed=0.1), {}, "a plan is made for a body"),
+        (Axis(inertia=1.0), {}, "Axis as it stands is not such a body"),
         (SpringBlock(mass=1.0), {}, "compression, drive.level or drive.amplitude"),
         (
             SpringBlock(mass=1.0, drive=Sine(amplitude=9.0, frequency=1.0)),
@@ -225,8 +226,12 @@ def test_settings_at_which_the_block_hardly_moves_are_left_out():
         ),
         (BLOCK, {"settings": 1}, "settings.*at least 2 and at most 12, got 1"),
         (BLOCK, {"between": (0.08, 0.04)}, "the smaller one first"),
-        (BLOCK, {"between": (0.001, 0.004)}, "plan for larger ones"),
+        (BLOCK, {"between": (0.001, 0.004)}, "give a higher range as between"),
         (BLOCK, {"uncertainty": 0.0}, "above 0 m, got 0"),
+        (BLOCK, {"uncertainty": 50.0}, "0.231 m, the longest travel planned, got 50 m"),
+        (BLOCK, {"uncertainty": 1e-9}, "from 2.31 µm, to which runs are exact"),
+        (replace(BLOCK, upper_stop=0.15), {}, "runs into the stop at 0.15 m"),
+        (replace(BLOCK, compression=0.01), {}, r"\(mu_k = 0.25\) does not let the body move"),
         (BLOCK, {"doubts": {"stifness": 1.0}}, "stifness"),
         (BLOCK, {"laws": []}, "no friction law to plan for"),
         (BLOCK, {"laws": Coulomb(kinetic_coefficient=2.0)}, "does not let the body move"),
@@ -256,3 +261,131 @@ def test_a_plan_prints_and_goes_into_json(three):
     assert content["repeats"] == 3
     assert content["sheet"].startswith("name,mechanism.compression [mm],travel [mm]")
     assert content["tells_apart"][0]["repeats"] == 1
+
+
+def measured(**travels):
+    """Return trials at settings of one parameter, given as ``x40=0.058`` in thousandths."""
+    path, pairs = travels.pop("path"), travels.items()
+    return Measurement(
+        trials=tuple(
+            Measurement(travel=s, uncertainty=SIGMA, overrides={path: int(name[1:]) / 1e3})
+            for name, s in pairs
+        )
+    )
+
+
+def test_settings_span_the_trials_and_the_present_one():
+    sheet = plan(
+        BLOCK, ["coulomb"], measurement=measured(path=X, x100=0.36, x120=0.519), settings=3
+    )
+    assert [one.value for one in sheet.settings] == pytest.approx([0.08, 0.1, 0.12])
+    assert "of the trials and of the rig, 80 to 120 mm" in sheet.range_source
+
+
+def test_one_trial_at_the_present_setting_gives_no_range():
+    sheet = plan(BLOCK, ["coulomb"], measurement=measured(path=X, x80=0.231))
+    assert [one.value for one in sheet.settings] == pytest.approx(SETTINGS)
+    assert "The trials and the rig have one compression" in sheet.range_source
+
+
+def test_a_given_range_is_taken_and_needs_no_source():
+    done = measured(path=X, x100=0.36, x120=0.519)
+    sheet = plan(BLOCK, ["coulomb"], measurement=done, between=(0.05, 0.09), settings=2)
+    assert [one.value for one in sheet.settings] == pytest.approx([0.05, 0.09])
+    assert sheet.range_source == ""
+
+
+def test_what_trials_vary_is_what_is_set():
+    """The plan set the compression to shares of the stiffness: travels are k x_0^2 / (2 mu m g)."""
+    done = measured(path=K, x100000=0.159, x200000=0.318)
+    sheet = plan(BLOCK, Coulomb(kinetic_coefficient=0.25), measurement=done, settings=3)
+    assert {one.path for one in sheet.settings} == {K}
+    assert [one.value for one in sheet.settings] == pytest.approx([100.0, 150.0, 200.0])
+    level = sheet.laws["coulomb"].kinetic_coefficient
+    for one in sheet.settings:
+        expected = one.value * 0.08**2 / (2.0 * level * 0.82 * 9.81)
+        assert one.predicted["coulomb"] == pytest.approx(expected, rel=1e-6)
+    (spring,) = (one.how for one in sheet.preparations if one.path == K)
+    assert "its length changes by 80 mm" in spring
+
+
+def test_inclines_are_set_in_degrees():
+    track = replace(BLOCK, incline=math.radians(5.0))
+    path = "mechanism.incline"
+    done = Measurement(
+        trials=tuple(
+            Measurement(travel=s, uncertainty=0.002, overrides={path: math.radians(angle)})
+            for angle, s in ((5.0, 0.17), (10.0, 0.138))
+        )
+    )
+    sheet = plan(track, ["coulomb"], measurement=done, settings=2)
+    assert sheet.csv().splitlines()[:2] == ["name,mechanism.incline [deg],travel [mm]", "run 1,5,"]
+    assert sheet.sentence.startswith("Set the incline to 5 and 10°, 3 runs each")
+
+
+def test_trials_on_an_incline_leave_the_compression_of_a_level_rig_to_be_set():
+    done = Measurement(travel=0.17, uncertainty=0.002, overrides={"mechanism.incline": 0.09})
+    sheet = plan(
+        BLOCK, ["coulomb"], measurement=Measurement(trials=(done, Measurement(travel=0.23)))
+    )
+    assert {one.path for one in sheet.settings} == {X}
+
+
+def test_a_law_under_which_the_body_creeps_on_is_left_out_and_named():
+    """Viscous friction stops no body on an incline: its distance is that of the last time."""
+    sheet = plan(replace(BLOCK, incline=0.17), ["coulomb", "viscous"])
+    assert list(sheet.laws) == ["coulomb"]
+    assert any("Viscous friction is left out" in line for line in sheet.remarks)
+    assert any("does not come to rest within 10 s" in line for line in sheet.remarks)
+
+
+def test_bristles_that_ring_are_at_rest():
+    """Dahl's bristles have no damping: the block stops but for micrometres."""
+    assert "dahl" in plan(BLOCK, ["coulomb", "dahl"], settings=2).laws
+
+
+def test_a_viscous_law_needs_no_guess_of_its_coefficient():
+    """At 2.3 m/s and 1.06 m of travel c is 540 N s/m, 10,000 times the ordinary value."""
+    heavy = SpringBlock(mass=250.0, stiffness=9e4, compression=0.12)
+    assert "viscous" in plan(heavy, ["coulomb", "viscous"]).laws
+    assert plan(heavy, ["viscous"]).reference == "viscous"
+
+
+def test_equal_travels_are_called_equal_whatever_the_rig_is_known_to():
+    (one,) = plan(BLOCK, ["coulomb", "quadratic-drag"]).tellings
+    assert one.alike
+    assert one.repeats is None
+    assert one.obstacle == "Not separated by any travels, since both laws predict the same"
+
+
+def test_what_no_number_of_repeats_separates_is_said(three):
+    sheet = plan(BLOCK, ["coulomb", "stribeck"], uncertainty=SIGMA)
+    (one,) = sheet.tellings
+    assert one.repeats is None
+    assert not one.alike
+    assert one.obstacle.startswith("Not separated by any number of repeats up to 10 (")
+
+
+def test_a_stiff_spring_is_pressed_and_not_loaded_with_a_tonne():
+    heavy = SpringBlock(mass=250.0, stiffness=9e4, compression=0.12)
+    (how,) = (one.how for one in plan(heavy, ["coulomb"]).preparations if one.path == K)
+    # 9e4 N/m x 0.12 m = 10,800 N: 1.1 tonnes
+    assert how.startswith(
+        "Press the spring together by 0.12 m against a load cell, which takes 10,800"
+    )
+
+
+@pytest.mark.parametrize(
+    ("angle", "compression", "way", "weight"),
+    [
+        (0.09, 0.08, "uphill", "less"),
+        (-0.09, 0.08, "downhill", "plus"),
+        (-0.09, -0.08, "uphill", "less"),
+    ],
+)
+def test_a_pull_along_an_incline_goes_the_way_of_the_run(angle, compression, way, weight):
+    track = replace(BLOCK, incline=angle, compression=compression)
+    pull = plan(track, ["coulomb"]).rest["$mu_s$ by a slow pull"]
+    assert pull.startswith(f"Pull {way} until the block slides")
+    # 0.82 kg x 9.81 m/s^2 x sin 0.09 = 0.723 N
+    assert f"{weight} 0.723 N of weight along the track" in pull

@@ -259,3 +259,22 @@ def test_no_law_is_passed_over_where_none_is_named():
     assert content["best"] is None
     assert content["closest"] == verdict.closest.name
     assert not any(one["passed_over"] for one in content["candidates"])
+
+
+def test_assumed_values_are_fitted_where_no_law_explains_the_travels_without():
+    rig = dataclasses.replace(RIG, mass=0.82, stiffness=145.0)
+    truth = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.45, stribeck_velocity=0.3)
+    measured = readings(
+        truth, (0.06, 0.085, 0.12), rig=rig, errors=(0.0, 0.0, 0.0), uncertainty=1e-3
+    )
+    laws = {
+        "coulomb": Coulomb(kinetic_coefficient=0.25, static_coefficient=0.45),
+        "stribeck": dataclasses.replace(truth, kinetic_coefficient=0.25, stribeck_velocity=0.05),
+    }
+    given = select(rig, measured, laws)
+    assert given.best is None
+    found = select(rig, measured, laws, assumed={"stribeck": ("stribeck_velocity",)})
+    assert found.best is not None
+    assert found.best.name == "stribeck"
+    # exact travels of the law itself: what is left is the tolerance of the search
+    assert found.best.fit.estimate("stribeck_velocity").value == pytest.approx(0.3, rel=1e-3)

@@ -139,8 +139,12 @@ def _show(found: Plan) -> None:
         console.print(plain(found.range_source), markup=False)
     for line in found.remarks:
         console.print(f"! {plain(line)}", markup=False, style="yellow")
+    title = ""
     for table in tables_of(found):
-        console.print(f"\n{plain(table.title)}", markup=False, style="bold")
+        console.print()
+        if table.title != title:
+            title = table.title
+            console.print(plain(title), markup=False, style="bold")
         if table.rows:
             rows = [[plain(cell) for cell in row.cells] for row in table.rows]
             show_table("", table.heads, rows, whole=table.heads)

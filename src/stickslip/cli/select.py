@@ -94,6 +94,7 @@ def _selected(
             found.measurement,
             laws,
             unknown=found.unknown,
+            assumed=rig.assumed,
             validate=found.validate,
             t_end=rig.t_end,
             watch=watch,

@@ -97,10 +97,13 @@ def _section(plan: Plan, tables: Sequence[SheetTable], name: str) -> Section:
 def _table(plan: Plan, table: SheetTable) -> Table:
     """Return a table of a plan as one of a page, with cards on a phone."""
     unit, _ = unit_of(plan.settings[0].unit)
-    columns = []
+    columns: list[Column] = []
     for i, head in enumerate(table.heads):
-        label = f"{plan.knob} {head} {unit}" if table.name == "settings" else head
-        numeric = all(row.cells[i][:1] in NUMERIC for row in table.rows)
+        label = f"at {head} {unit}".replace(" °", "°") if table.name == "settings" else head
+        # words beside a column of numbers are on its side, or they touch it
+        numeric = any(column.numeric for column in columns) or all(
+            row.cells[i][:1] in NUMERIC for row in table.rows
+        )
         columns.append(
             Column(
                 head=head.replace(" [", "\n["),
@@ -126,8 +129,13 @@ def _runs(plan: Plan, save_as: str) -> Section:
     unit, factor = unit_of(plan.settings[0].unit)
     columns = (
         Column(head="run"),
-        Column(head=f"{plan.knob}\n{unit}", numeric=True, phone="label"),
-        Column(head="travel\nmm", phone="label", label="travel, mm"),
+        Column(
+            head=f"{plan.knob}\n[{unit}]",
+            numeric=True,
+            phone="label",
+            label=f"{plan.knob} [{unit}]",
+        ),
+        Column(head="travel\n[mm]", phone="label", label="travel [mm]"),
         Column(head="remarks", phone="hide"),
     )
     rows = tuple(

@@ -13,7 +13,7 @@ from stickslip.identification.travel import Trial
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.verdict import Candidate, misfit
 
-__all__ = ["Contradiction", "contradiction"]
+__all__ = ["Contradiction", "closest_of", "contradiction"]
 
 MANY = 5.0
 """Root mean square of standardised residuals beyond which a law does not explain the readings. An
@@ -37,6 +37,12 @@ class Contradiction:
     """What is wrong, as a sentence."""
     check: tuple[str, ...]
     """What to check, in sentences."""
+
+
+def closest_of(candidates: Sequence[Candidate]) -> Candidate | None:
+    """Return the fitted law that leaves least; one with invented values if there is no other."""
+    fitted = [c for c in candidates if c.fit is not None and not c.dropped]
+    return min([c for c in fitted if not c.invented] or fitted, key=misfit, default=None)
 
 
 def contradiction(
@@ -70,6 +76,7 @@ def contradiction(
         return None
     if not stated and left <= SHARE * size:
         return None
+    closest = closest_of(candidates) or closest
     rms = number(1e3 * misfit(closest), 2)
     times = number(misfit(closest) / math.sqrt(float((errors**2).mean())), 2)
     compared = f"{times} times their standard error" if stated else f"travels of {_mm(size)}"

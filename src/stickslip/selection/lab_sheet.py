@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, final
 
 from typing_extensions import override
 
-from stickslip.experiments.wording import joined, number, quantity
+from stickslip.experiments.wording import count, joined, number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate
 from stickslip.mechanisms import Mechanism
@@ -96,7 +96,7 @@ class Telling:
         if self.repeats is not None:
             return ""
         if self.alike:
-            return "Not separated by any travels, which are the same"
+            return "Not separated by any travels, since both laws predict the same"
         known = (
             f"travels known to {quantity(self.uncertainty, 'm', 2)} would"
             if self.uncertainty > 0.0
@@ -188,16 +188,15 @@ class Plan:
         """What to measure and what it tells, in two sentences."""
         unit, factor = unit_of(self.settings[0].unit)
         values = joined([number(factor * one.value) for one in self.settings])
-        count = len(self.settings) * self.repeats
         said = (
-            f"Set the {self.knob} to {values} {unit}, {self.repeats} runs each: {count} travels,"
-            f" each known to {quantity(self.uncertainty, 'm', 2)}."
+            f"Set the {self.knob} to {values} {unit}, {self.repeats} runs each:"
+            f" {len(self.runs())} travels, each known to {quantity(self.uncertainty, 'm', 2)}."
         ).replace(" °", "°")
         told = [one for one in self.tellings if one.repeats is not None]
         if not self.tellings:
             return said
-        pairs = "pair" if len(self.tellings) == 1 else "pairs"
-        return f"{said} They tell {len(told)} of {len(self.tellings)} {pairs} of laws apart."
+        pairs = count(len(self.tellings), "pair")
+        return f"{said} They tell {len(told)} of {pairs} of laws apart."
 
     def csv(self) -> str:
         """Return the table of runs to fill in, as `load_measurement` and ``select --data`` read it.

@@ -334,10 +334,10 @@ def _knob(mechanism: Mechanism, done: Sequence[Trial]) -> str:
     contacts = mechanism.contacts()
     if knob is None or len(contacts) != 1:
         raise InputError(
-            f"a plan is for travels so far: of a body that a compressed spring or a push"
-            f" (compression, drive.level or drive.amplitude, not 0) sets in motion and friction"
-            f" stops. {type(mechanism).__name__} as it stands is none. For records in time take a"
-            " first one: check says what it can tell, and select which to take next."
+            "a plan is made for a body that a compressed spring or a push (compression,"
+            " drive.level or drive.amplitude, not 0) sets in motion and friction stops."
+            f" {type(mechanism).__name__} as it stands is not such a body. For records in time take"
+            " a first one: check says what it can tell, and select which one to take next."
         )
     return knob[0]
 
@@ -416,12 +416,13 @@ def _levelled(
     return {name: found[name] for name in laws if name in found}, remarks
 
 
-def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float | None) -> str:
-    """Return why the distance of a run is no travel that friction ends; nothing if it is one."""
-    model = TravelModel(law, (), t_end)
-    trial = Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
+def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float) -> str:
+    """Return why the distance of a run is no travel that friction ends; nothing if it is one.
+
+    Bodies that still move by less than the error of a reading, as undamped bristles do, are at rest.
+    """
     try:
-        model.check_rest([trial], (), [error or SCATTER * abs(model.travel(trial, ()))])
+        TravelModel(law, (), t_end).check_rest([_trial(mechanism)], (), [error])
     except ConvergenceError as reason:
         return str(reason)
     run = simulate(mechanism, law, t_end=t_end)
@@ -431,16 +432,27 @@ def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float
         if stop.coordinate == contact.slip and bool(
             np.any((beyond if stop.side == "upper" else -beyond) > -NEAR_STOP)
         ):
-            at = quantity(float(stop.position), "m")
+            at = quantity(float(stop.position), mechanism.units[0])
             return f"the body runs into the stop at {at}. Set the rig lower."
     return ""
+
+
+def _travel(mechanism: Mechanism, law: FrictionLaw, t_end: float) -> float:
+    """Return how far the body is at the end from where it began [m]."""
+    return abs(TravelModel(law, (), t_end).travel(_trial(mechanism), ()))
+
+
+def _trial(mechanism: Mechanism) -> Trial:
+    """Return a run that is not yet measured."""
+    return Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
 
 
 def _check_present(
     mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float | None
 ) -> None:
     """Refuse a rig that makes no travel as it stands, where the laws are to make the same one."""
-    if said := _why_none(mechanism, law, t_end, error):
+    size = SCATTER * _travel(mechanism, law, t_end) if error is None else error
+    if said := _why_none(mechanism, law, t_end, size):
         raise InputError(
             f"there is no travel to plan with {law.title} friction{_values_of(law)}: {said}"
         )
@@ -516,18 +528,24 @@ def _stopping(
     The distance of a body that still moves is that of an arbitrary time, and a hard stop ends the
     travels of all laws in one place.
     """
-    found, remarks = dict(laws), []
+    found, remarks = {}, []
+    unit = {p: q.unit for p, q, _ in parameters(mechanism, "mechanism")}[path]
+    rigs = [vary(mechanism, "mechanism", {path: value}) for value in settings]
     for name, law in laws.items():
-        for value in reversed(settings):
-            said = _why_none(vary(mechanism, "mechanism", {path: value}), law, t_end, error)
-            if said:
-                unit = {p: q.unit for p, q, _ in parameters(mechanism, "mechanism")}[path]
-                at = quantity(value, unit, degrees=True)
-                remarks.append(
-                    f"{law.title} friction is left out: with {words_of(path)} {at}, {said}"
-                )
-                del found[name]
-                break
+        size = error
+        if size is None:
+            size = SCATTER * max(_travel(rig, law, t_end) for rig in rigs)
+        reasons = {
+            value: said
+            for value, rig in zip(settings, rigs, strict=True)
+            if (said := _why_none(rig, law, t_end, size))
+        }
+        if not reasons:
+            found[name] = law
+            continue
+        value, said = reasons.popitem()
+        at = quantity(value, unit, degrees=True)
+        remarks.append(f"{law.title} friction is left out: with {words_of(path)} {at}, {said}")
     if not found:
         raise InputError(f"no law can be planned for. {' '.join(remarks)}")
     return found, remarks

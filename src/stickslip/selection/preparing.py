@@ -15,6 +15,7 @@ PLAIN = {
     "level": "Measure the push with the force sensor that will record it, to {needed}.",
     "amplitude": "Measure the force with the sensor that will record it, to {needed}.",
     "duration": "Read the push off a record of its force, to {needed}.",
+    "incline": "Measure the rise of the track over its length, or its angle, to {needed}.",
     "lower_stop": "Measure where the stop is, to {needed}.",
     "upper_stop": "Measure where the stop is, to {needed}.",
 }

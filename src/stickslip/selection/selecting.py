@@ -28,6 +28,7 @@ def select(
     laws: Laws | FrictionLaw | type[FrictionLaw] | str | None = None,
     *,
     unknown: str | Sequence[str] = (),
+    assumed: Mapping[str, Sequence[str]] | None = None,
     purpose: PurposeName = "simulate",
     horizon: float | None = None,
     route: RouteName | RouteChoice | None = None,
@@ -53,6 +54,9 @@ def select(
         and LuGre, for records ten, for features of stick-slip those with a step above sliding.
     unknown : str or sequence of str
         Parameters of the mechanism that are looked for too, such as ``"inertia"``.
+    assumed : mapping of str to sequence of str, optional
+        By name of the law, parameters whose values were assumed, not measured, such as those of
+        `Rig.assumed`: for travels, they are fitted where no law explains the readings without.
     purpose : {"simulate", "position", "compensate"}
         What the law is for. It sets what is scored: motion over 4 s, motion over 1 s, or the
         friction force.
@@ -103,7 +107,13 @@ def select(
     if measurement.travelled and not by_its_features:
         _check_travels(unknown, validate)
         return select_travels(
-            mechanism, measurement, _kinds(laws), t_end=t_end, watch=watch, compiling=compiling
+            mechanism,
+            measurement,
+            _kinds(laws),
+            assumed=assumed,
+            t_end=t_end,
+            watch=watch,
+            compiling=compiling,
         )
     if by_its_features:
         return select_features(

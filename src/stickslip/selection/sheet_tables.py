@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import final
 
 from stickslip.digits import fixed, significant
-from stickslip.experiments.wording import joined, number, quantity
+from stickslip.experiments.wording import count, joined, number, quantity
 from stickslip.quantities import parameters
 from stickslip.selection.lab_sheet import Plan, Telling
 from stickslip.selection.separation import unit_of
@@ -88,7 +88,6 @@ def _titles(plan: Plan) -> dict[str, str]:
 
 def _before(plan: Plan) -> SheetTable:
     """Return what to measure before the runs, and below it how."""
-    count = len(plan.settings) * plan.repeats
     rows, how = [], {}
     for one in plan.preparations:
         unit = one.quantity.unit
@@ -106,7 +105,7 @@ def _before(plan: Plan) -> SheetTable:
         how[f"{one.name[:1].upper()}{one.name[1:]}"] = one.how
     caption = (
         "Uncertainties are standard uncertainties. A parameter known as well as needed adds half as"
-        f" much as the {count} readings to the uncertainty of the level of"
+        f" much as the {len(plan.runs())} readings to the uncertainty of the level of"
         f" {_titles(plan)[plan.reference]} friction; three such parameters widen its interval by a"
         " third. An error that all runs share does not average out; that of a setting that is made"
         " anew for each run does."
@@ -128,9 +127,9 @@ def _settings(plan: Plan) -> tuple[SheetTable, ...]:
     # a digit beyond that of the uncertainty
     decimals = min(max(0, 1 - math.floor(math.log10(1e3 * plan.uncertainty))), 4)
     level = (
-        "The level of each law is that which the trials call for."
+        "Each law has the level that fits the trials."
         if plan.from_trials
-        else "The level of each law is that with which all travel equally far as the rig stands."
+        else "Each law has the level that gives the same travel with the rig as it stands."
     )
     known = quantity(plan.uncertainty, "m", 2)
     doubt = (
@@ -139,7 +138,9 @@ def _settings(plan: Plan) -> tuple[SheetTable, ...]:
         if plan.assumed
         else f"Travels are taken to be known to {known}, scatter and reading together."
     )
-    blocks = [plan.settings[i : i + BLOCK] for i in range(0, len(plan.settings), BLOCK)]
+    size = math.ceil(len(plan.settings) / math.ceil(len(plan.settings) / BLOCK))
+    blocks = [plan.settings[i : i + size] for i in range(0, len(plan.settings), size)]
+    title = f"Predicted travel [mm] at each {plan.knob} [{unit}], {plan.repeats} runs each"
     found = []
     for block in blocks:
         rows = [
@@ -157,7 +158,7 @@ def _settings(plan: Plan) -> tuple[SheetTable, ...]:
         found.append(
             SheetTable(
                 name="settings",
-                title=f"Travel predicted [mm] by {plan.knob} [{unit}], {plan.repeats} runs each",
+                title=title,
                 heads=("law", *(number(factor * row.value) for row in block)),
                 rows=tuple(rows),
                 caption=f"{level} {doubt} {plan.range_source}".rstrip() if last else "",
@@ -198,20 +199,19 @@ def _apart(plan: Plan) -> SheetTable:
             open_.setdefault(one.obstacle, []).append(one)
     return SheetTable(
         name="apart",
-        title=f"The runs tell {len(told)} of {len(plan.tellings)} pairs of laws apart",
+        title=f"The runs tell {len(told)} of {count(len(plan.tellings), 'pair')} of laws apart",
         heads=(
             "if this law holds",
             "this one is ruled out",
-            "difference [mm]",
+            "gap [mm]",
             f"at [{unit}]",
             "runs each",
         ),
         rows=tuple(rows),
         caption=(
-            "Difference: the largest that is left when the law that is to be ruled out is fitted to"
-            " the travels of the other one, and the setting where it is. Runs each: the number at"
-            " each setting that rules it out by the test of `stickslip select` in nine of ten such"
-            " sets."
+            "Gap: the largest difference that is left when the law to be ruled out is fitted to the"
+            " travels of the other one, and the setting where it is. Runs each: the number at each"
+            " setting that rules it out by the test of `stickslip select` in nine of ten such sets."
         ),
         lines={said: _pairs(pairs, titles) for said, pairs in open_.items()},
     )
@@ -255,9 +255,9 @@ def _values(plan: Plan) -> SheetTable:
         caption=(
             "The interval to expect if the law holds with this value and the rig is known as stated"
             " or, where nothing is stated, as needed. A parameter that `stickslip select` does not"
-            " fit is fitted here beside those that it does: the interval is the best that the"
-            " travels can give. Not identified: the interval would reach the least value that the"
-            " law allows."
+            " fit is fitted here beside those that it does: its interval is the best that these"
+            " travels can give. Not identified: the interval reaches the least value that the law"
+            " allows."
         ),
         lines={f"To identify ${symbol}$": text for symbol, text in advice.items()},
     )

@@ -14,11 +14,11 @@ from stickslip.identification.travel import Trial, standard_errors, trials_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.selection.admissibility import chosen, mark_passed_over
-from stickslip.selection.contradictions import Contradiction, contradiction
+from stickslip.selection.contradictions import Contradiction, closest_of, contradiction
 from stickslip.selection.separation import Proposal, Separation, propose, separations
 from stickslip.selection.specifications import check_apart
 from stickslip.selection.travel_candidates import Watch, try_law, with_held_out
-from stickslip.selection.verdict import Candidate, TravelVerdict
+from stickslip.selection.verdict import Candidate, TravelVerdict, misfit
 from stickslip.selection.words import wording
 from stickslip.solver import Progress
 
@@ -26,6 +26,8 @@ __all__ = ["select_travels"]
 
 PLAIN = tuple(name for name, law in LAWS.items() if not law.on_request)
 """What a few travels can be compared with: they have no direction and no more than a slope."""
+WORTH = 0.7
+"""Share of the root mean square residual that fitting assumed values must leave at most."""
 UNSTATED = 0.02
 """Share of the travels up to which residuals count as small where no uncertainty was stated."""
 
@@ -35,6 +37,7 @@ def select_travels(
     measurement: Measurement,
     laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None = None,
     *,
+    assumed: Mapping[str, Sequence[str]] | None = None,
     t_end: float = 10.0,
     watch: Watch | None = None,
     compiling: Progress | None = None,
@@ -51,6 +54,9 @@ def select_travels(
         The candidates; instances bring start values and assumptions, types take ordinary ones.
         If not given, or an empty mapping, Coulomb, viscous, both, Stribeck, Dahl and LuGre.
         Parameters that a type cannot do without, and that are not fitted, count as invented.
+    assumed : mapping of str to sequence of str, optional
+        By name of the law, parameters whose values were assumed, not measured. They are fitted
+        where no law explains the travels and there are more settings than fitted parameters.
     t_end : float
         Time after which a body counts as stopped [s].
     watch : callable, optional
@@ -94,7 +100,7 @@ def select_travels(
         )
     candidates.sort(key=lambda c: list(named).index(c.name))
     if scored:
-        candidates = _freed(candidates, trials, t_end, watch)
+        candidates = _freed(candidates, trials, assumed or {}, t_end, watch)
     candidates, best, against = (
         _ranked(candidates, trials, t_end, watch)
         if scored
@@ -163,31 +169,50 @@ def _repeats_of(candidates: Sequence[Candidate], trials: Sequence[Trial]) -> Con
 def _freed(
     candidates: Sequence[Candidate],
     trials: Sequence[Trial],
+    assumed: Mapping[str, Sequence[str]],
     t_end: float,
     watch: Watch | None,
 ) -> list[Candidate]:
-    """Fit what was invented too, where the readings call for more and pay for it.
+    """Fit what was invented or assumed too, where the readings call for more and pay for it.
 
     That is where the law that they call for so far leaves more than their uncertainty, and there
     are more settings than parameters.
     """
     best = chosen(candidates)
-    if best is None or best.fit is None or not _leaves_much(best.fit):
+    if best is not None and best.fit is not None and not _leaves_much(best.fit):
         return list(candidates)
     settings = len({trial.setting for trial in trials})
+    simpler = [other for other in candidates if not other.invented]
     found = []
     for c in candidates:
-        free = [f"friction.{name}" for name in required_of(type(c.law))]
-        if c.invented and c.fit is not None and len(free) < settings:
-            simpler = [other for other in candidates if not other.invented]
+        free = _to_free(c, assumed.get(c.name, ()), settings)
+        if free and c.fit is not None:
+            others = [other for other in simpler if other is not c]
             freed = try_law(
-                c.name, c.law, trials, t_end=t_end, ordinary=c.ordinary, simpler=simpler,
+                c.name, c.law, trials, t_end=t_end, ordinary=c.ordinary, simpler=others,
                 free=free, watch=watch,
             )  # fmt: skip
-            found.append(c if freed.dropped else freed)
+            better = not freed.dropped and (c.invented or misfit(freed) < WORTH * misfit(c))
+            found.append(freed if better else c)
         else:
             found.append(c)
     return found
+
+
+def _to_free(candidate: Candidate, assumed: Sequence[str], settings: int) -> list[str]:
+    """Return the paths to fit where ordinary or assumed values may be wrong.
+
+    Of assumed values those come first that move the travel most.
+    """
+    if candidate.invented:
+        paths = [f"friction.{name}" for name in required_of(type(candidate.law))]
+        return paths if len(paths) < settings else []
+    moving = [name for name in assumed if candidate.influence.get(name, 0.0) > 0.0]
+    if not moving or candidate.fit is None:
+        return []
+    moving.sort(key=lambda name: -candidate.influence[name])
+    paths = [e.path for e in candidate.fit.estimates][:1]
+    return [*paths, *(f"friction.{name}" for name in moving)][: max(settings - 1, 0)]
 
 
 def _leaves_much(fit: TravelFit) -> bool:
@@ -217,8 +242,10 @@ def _ranked(
     if best is None:
         return scored, None, None
     against = contradiction(trials, best, scored)
-    # where no law is named, none is passed over for it
-    marked = mark_passed_over(scored, best) if against is None else scored
+    if against is None:
+        marked = mark_passed_over(scored, best)
+    else:  # where no law is named, none is passed over for it
+        marked, best = scored, closest_of(scored) or best
     others = [c for c in marked if c is not best]
     others.sort(key=lambda c: (bool(c.dropped), math.inf if c.score is None else c.score))
     return [best, *others], best, against
