@@ -10,9 +10,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement
 from stickslip.experiments.paths import canonical
+from stickslip.experiments.units import check_uncertainty
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, vary
@@ -132,13 +133,18 @@ def uncertainties_of(
 
 def _doubts(mechanism: Mechanism, given: Mapping[str, float]) -> dict[str, float]:
     """Return uncertainties by full path, of parameters that have a value."""
-    known = {path for path, _, _ in parameters(mechanism, "mechanism")}
+    known = {path: (quantity, v) for path, quantity, v in parameters(mechanism, "mechanism")}
     found = {canonical(mechanism, path): doubt for path, doubt in given.items()}
-    for path in found:
+    for path, doubt in found.items():
         if path not in known:
             raise InputError(
                 f"{path} has an uncertainty, but {type(mechanism).__name__} has no value of it."
             )
+        quantity, value = known[path]
+        try:
+            check_uncertainty(doubt, value, quantity)
+        except ParameterError as error:
+            raise ParameterError(f"doubts: {path} {error}") from None
     return found
 
 

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, StickslipError
 from stickslip.experiments import Measurement
-from stickslip.experiments.paths import canonical
 from stickslip.experiments.wording import joined
 from stickslip.friction import LAWS, FrictionLaw, law_type
 from stickslip.identification import TravelFit, starting_law
@@ -26,7 +25,13 @@ from stickslip.identification.fitting import fit_trials, payable
 from stickslip.identification.least_squares import expected_fit
 from stickslip.identification.propagation import READINGS, covariance_of
 from stickslip.identification.starts import doubling_slope, required_of
-from stickslip.identification.travel import TravelModel, Trial, standard_errors, trials_of
+from stickslip.identification.travel import (
+    TravelModel,
+    Trial,
+    standard_errors,
+    trials_of,
+    uncertainties_of,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters, vary
 from stickslip.selection.admissibility import limit_of
@@ -439,10 +444,8 @@ def _stated(
 ) -> dict[str, float]:
     """Return stated uncertainties of the mechanism by full path."""
     given = doubts if doubts is not None else measurement.doubts if measurement else {}
-    found = {canonical(mechanism, path): float(one) for path, one in given.items()}
-    for path, one in found.items():
-        Quantity("u", above=0).check("plan.doubts", path, one)
-    return found
+    ((own, _),) = uncertainties_of(mechanism, Measurement(travel=0.0, doubts=given))
+    return own
 
 
 def _contrasts(bench: _Bench, laws: Mapping[str, FrictionLaw]) -> list[_Contrast]:

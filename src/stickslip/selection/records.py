@@ -79,7 +79,10 @@ PURPOSES = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
 LEFT_OUT = "the search was ended before its turn"
-HOPELESS = "not judged: another law leaves less than a third of what this one leaves of the record"
+HOPELESS = (
+    "not judged: the search was stopped early, since the residual is more than three times that of"
+    " another law"
+)
 
 
 def select_records(
