@@ -179,6 +179,24 @@ def test_select_takes_trials_from_a_table(run, tmp_path):
     assert found == pytest.approx(0.25, rel=2e-3)
 
 
+def test_select_says_why_a_law_has_no_held_out_error(run, tmp_path):
+    """What nobody gave or fitted is not judged beside laws that need no guess."""
+    table = tmp_path / "travels.csv"
+    table.write_text(
+        "travel [mm],uncertainty [mm],mechanism.compression [mm]\n67,1,60\n117,1,80\n181,1,100\n"
+    )
+    rig = tmp_path / "rig.toml"
+    rig.write_text(
+        '[mechanism]\ntype = "spring-block"\nmass = 1.0\nstiffness = 100.0\n'
+        "[friction.coulomb]\nkinetic_coefficient = 0.25\n"
+    )
+    code, out, _ = run("select", str(rig), "--data", str(table), "--laws", "coulomb,stribeck")
+    assert code == 0
+    (row,) = (line for line in out.splitlines() if line.startswith("Stribeck "))
+    assert row.rstrip().endswith("—")
+    assert "Stribeck: not judged: mu_s and v_s were assumed, not fitted" in out
+
+
 def test_cite_prints_the_sources_of_the_laws_asked_for(run):
     _, out, _ = run("cite", "lugre")
     assert "Canudas de Wit" in out

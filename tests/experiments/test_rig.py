@@ -469,7 +469,7 @@ BAD_TEXT = {
     "published law": (f"{MECHANISM}[[published]]\nlaw = 'coulom'", "'coulom'. .*'coulomb'"),
     "published error": (
         f"{MECHANISM}[[published]]\nlaw = 'dahl'\nrelative_error = '-1 %'",
-        r"published.0.relative_error \(e\) must be at least 0, got '-1 %'",
+        r"published.0.relative_error \(e\) must be at least 0 %, got '-1 %'",
     ),
     "end time": (f"{MECHANISM}[run]\nt_end = '0 s'", r"run.t_end \(t_end\) must be above 0 s"),
     "title": (f"title = 5\n{MECHANISM}", "title must be text in quotes, got 5"),

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stickslip.errors import ParameterError
-from stickslip.experiments.units import factor, read_number
+from stickslip.experiments.units import check_uncertainty, factor, read_number
 from stickslip.quantities import Quantity
 
 
@@ -76,7 +76,7 @@ def test_what_is_no_number_is_refused_with_the_symbol_and_a_cure(value, unit, me
 
 
 def test_ranges_are_checked_after_conversion_and_the_text_is_shown():
-    with pytest.raises(ParameterError, match=r"\(m\) must be above 0 kg, got '-1 g'"):
+    with pytest.raises(ParameterError, match=r"\(m\) must be above 0 g, got '-1 g'"):
         read_number("-1 g", Quantity("m", "kg", above=0))
 
 
@@ -89,3 +89,53 @@ def test_units_without_a_target_are_converted_to_si():
 def test_any_text_is_a_number_or_a_parameter_error(text):
     with contextlib.suppress(ParameterError):
         assert math.isfinite(read_number(text, Quantity("q", "1")))
+
+
+@pytest.mark.parametrize(
+    ("text", "quantity", "said"),
+    [
+        (
+            "90 deg",
+            Quantity("beta", "rad", low=-1.57, high=1.57),
+            "at least -89.9544 and at most 89.9544 deg, got '90 deg'",
+        ),
+        ("-3 g", Quantity("m", "kg", above=0), "above 0 g, got '-3 g'"),
+        ("700 mm", Quantity("x", "m", high=0.5), "at most 500 mm, got '700 mm'"),
+        ("120 %", Quantity("e", high=1.0), "at most 100 %, got '120 %'"),
+        ("2", Quantity("e", high=1.0), "at most 1, got '2'"),
+    ],
+)
+def test_a_range_is_told_in_the_unit_that_was_written(text, quantity, said):
+    with pytest.raises(ParameterError) as error:
+        read_number(text, quantity)
+    assert said in str(error.value)
+
+
+STIFFNESS = Quantity("k", "N/m", low=0)
+
+
+@pytest.mark.parametrize(
+    ("uncertainty", "given", "said"),
+    [
+        (
+            200.0,
+            "200 %",
+            "(u_k) must be above 0 N/m and below 50 N/m, half of the value, got '200 %'",
+        ),
+        (50.0, None, "below 50 N/m, half of the value, got 50 N/m"),
+        (0.0, "0 N/m", "got '0 N/m': leave it out of a value that is exact"),
+        (math.nan, None, "got nan N/m"),
+    ],
+)
+def test_an_uncertainty_says_its_range_its_unit_and_a_cure(uncertainty, given, said):
+    with pytest.raises(ParameterError) as error:
+        check_uncertainty(uncertainty, 100.0, STIFFNESS, given)
+    assert said in str(error.value)
+
+
+def test_what_may_be_negative_may_be_less_than_its_uncertainty():
+    angle = Quantity("beta", "rad", low=-1.57, high=1.57)
+    assert check_uncertainty(0.01, 0.002, angle) == 0.01
+    assert check_uncertainty(0.01, 0.0, STIFFNESS) == 0.01  # of 0, any share is infinite
+    with pytest.raises(ParameterError, match="above 0 rad, got"):
+        check_uncertainty(-0.01, 0.002, angle)

@@ -495,5 +495,13 @@ def test_a_law_whose_search_was_cut_short_is_not_judged_and_says_so():
     dahl = next(one for one in verdict.candidates if one.name == "dahl")
     assert dahl.fit.found.hopeless
     assert dahl.validation is None
-    assert dahl.outcome.startswith("not judged: another law leaves less than a third")
+    assert dahl.outcome.startswith("not judged: the search was stopped early")
+    assert verdict.missing == ()  # what was not judged says so itself
+    short = dataclasses.replace(verdict.best.validation, extrapolation=math.nan)
+    again = dataclasses.replace(
+        verdict,
+        candidates=[dataclasses.replace(verdict.best, validation=short), *verdict.candidates[1:]],
+    )
+    (line,) = again.missing
+    assert line.startswith("No error on the last third (quadratic-drag): no segment of 4 s lies in")
     assert any("cut short" in sentence for sentence in dahl.fit.sentences)

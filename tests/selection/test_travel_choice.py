@@ -73,6 +73,8 @@ def test_a_law_with_values_that_nobody_gave_is_shown_and_never_taken():
     stribeck = next(c for c in verdict.candidates if c.name == "stribeck")
     assert stribeck.invented == ("static_coefficient", "stribeck_velocity")
     assert stribeck.score is None
+    assert stribeck.unscored == "not judged: $mu_s$ and $v_s$ were assumed, not fitted"
+    assert verdict.best.unscored == ""
     assert "neither measured, given nor fitted" in stribeck.passed_over
     assert verdict.to_dict()["candidates"][-1]["invented"]
 

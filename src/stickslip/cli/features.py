@@ -14,6 +14,7 @@ from stickslip.cli.measured import (
     show_warnings,
 )
 from stickslip.cli.output import (
+    NONE,
     command_line,
     document,
     plain,
@@ -129,14 +130,14 @@ def _show(verdict: FeatureVerdict) -> None:
 
 def _row(one: FeatureCandidate, *, second: bool, nominal: bool) -> list[str]:
     def told(value: float | None) -> str:
-        return "" if value is None or not math.isfinite(value) else signed_share(value)
+        return NONE if value is None or not math.isfinite(value) else signed_share(value)
 
     cells = [
         f"{one.name}, nominal" if nominal else one.name,
-        str(one.parameters) if one.fit else "",
-        share(one.score) if one.fit else "",
-        share(one.score_error) if math.isfinite(one.score_error) else "",
+        str(one.parameters) if one.fit else NONE,
+        share(one.score) if one.fit else NONE,
+        share(one.score_error) if math.isfinite(one.score_error) else NONE,
         *(told(one.errors.get(name)) for name in COMPARED),
     ]
     size = math.sqrt(sum(e**2 for e in one.second.values()) / max(len(one.second), 1))
-    return cells + ([share(size) if one.second else ""] if second else [])
+    return cells + ([share(size) if one.second else NONE] if second else [])

@@ -17,6 +17,7 @@ from stickslip.documents import document, json_text, write_file, write_folder
 from stickslip.errors import InputError
 
 __all__ = [
+    "NONE",
     "command_line",
     "document",
     "json_text",
@@ -32,6 +33,8 @@ __all__ = [
     "write_folder",
 ]
 
+NONE = "—"
+"""A cell without a value."""
 GAP = 2
 """Spaces between columns."""
 FOLDED = 16
@@ -94,7 +97,7 @@ def show_table(
 
 
 def _is_number(cell: str) -> bool:
-    return not cell or cell[0].isdigit() or cell[0] in "-−.+"
+    return cell in ("", NONE) or cell[0].isdigit() or cell[0] in "-−.+"
 
 
 def print_json(content: Mapping[str, Any]) -> None:

@@ -9,6 +9,7 @@ import typer
 from stickslip.cli.features import select_on_features
 from stickslip.cli.measured import Asked, Measured, measured, show_open
 from stickslip.cli.output import (
+    NONE,
     command_line,
     document,
     note,
@@ -121,12 +122,15 @@ def _show(verdict: TravelVerdict) -> None:
     heads += ["held-out error, mm"] if verdict.ranked else []
     console.print()
     show_table("", heads, [_row(c, ranked=verdict.ranked) for c in verdict.candidates])
+    for one in verdict.candidates if verdict.ranked else ():
+        if one.unscored:
+            console.print(f"  {one.title}: {plain(one.unscored)}", markup=False)
     show_open(words)
 
 
 def _row(candidate: Candidate, *, ranked: bool) -> list[str]:
     if candidate.fit is None or candidate.criteria is None:
-        return [candidate.title, "no value fits", "", "", ""] + [""] * ranked
+        return [candidate.title, "no value fits", *[NONE] * (3 + ranked)]
     found = candidate.fit.estimates
     cells = [
         candidate.title,
@@ -135,5 +139,5 @@ def _row(candidate: Candidate, *, ranked: bool) -> list[str]:
         plain(length(candidate.criteria.travel)),
         "yes" if candidate.criteria.velocity_never_negative else "no",
     ]
-    score = "" if candidate.score is None else significant(1e3 * candidate.score, 3)
+    score = NONE if candidate.score is None else significant(1e3 * candidate.score, 3)
     return cells + ([score] if ranked else [])

@@ -14,6 +14,7 @@ from stickslip.cli.measured import (
     show_warnings,
 )
 from stickslip.cli.output import (
+    NONE,
     command_line,
     document,
     plain,
@@ -120,6 +121,8 @@ def _show(verdict: RecordVerdict) -> None:
     console.print()
     for one in verdict.candidates:
         console.print(f"  {one.name}: {plain(one.outcome)}", markup=False)
+    for line in verdict.missing:
+        console.print(f"  {line}", markup=False)
     if verdict.closest.fit:
         title = verdict.closest.title + ("" if verdict.best else ", closest but not recommended")
         console.print(f"\n{title}", markup=False, style="bold")
@@ -132,12 +135,12 @@ def _row(candidate: RecordCandidate, verdict: RecordVerdict, *, second: bool) ->
     def told(value: float | None) -> str:
         known = value is not None and math.isfinite(value)
         turning = verdict.measurement.turning
-        return error_text(float(value or 0.0), verdict.quantity, turning=turning) if known else ""
+        return error_text(float(value or 0.0), verdict.quantity, turning=turning) if known else NONE
 
     seen = candidate.validation
     cells = [
         candidate.name,
-        str(candidate.parameters) if candidate.fit else "",
+        str(candidate.parameters) if candidate.fit else NONE,
         told(candidate.score),
         told(seen.error if seen else None),
         told(seen.extrapolation if seen else None),

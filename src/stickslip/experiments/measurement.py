@@ -444,8 +444,8 @@ def _positive(owner: str, given: object) -> dict[str, float]:
     for name, value in found.items():
         if not value > 0.0:
             raise ParameterError(
-                f"Measurement.{owner} of {name!r} must be a standard uncertainty above 0, got"
-                f" {value:g}."
+                f"Measurement.{owner} of {name!r} must be a standard uncertainty above 0 in the SI"
+                f" unit of the parameter, got {value:g}. Leave it out where the value is exact."
             )
     return found
 

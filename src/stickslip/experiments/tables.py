@@ -19,7 +19,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from stickslip.drives import Drive, Profile
 from stickslip.drives.registry import DRIVES, PROFILES
 from stickslip.errors import ParameterError
-from stickslip.experiments.units import allowed, read_number, shown
+from stickslip.experiments.units import allowed, check_uncertainty, read_number, shown
 from stickslip.mechanisms import MOTORS, Mechanism, Motor
 from stickslip.quantities import Parametrised, Quantity, fields_of
 
@@ -80,16 +80,17 @@ class Number:
 
     def _doubt(self, given: object, value: float) -> float:
         """Return a standard uncertainty in the unit of the value, of which it may be a share."""
-        symbol = f"u_{self.quantity.symbol}"
+        symbol, unit = f"u_{self.quantity.symbol}", self.quantity.unit
         if isinstance(given, str) and given.rstrip().endswith("%"):
-            share = read_number(given, Quantity(symbol, "1", above=0))
+            share = read_number(given, Quantity(symbol))
             if value == 0.0:
                 raise ParameterError(
-                    f"({symbol}) is {given.strip()} of a value of 0: give it in"
-                    f" {self.quantity.unit}."
+                    f"({symbol}) is {given.strip()} of a value of 0: give it in {unit}."
                 )
-            return share * abs(value)
-        return read_number(given, Quantity(symbol, self.quantity.unit, above=0))
+            doubt = share * abs(value)
+        else:
+            doubt = read_number(given, Quantity(symbol, unit))
+        return check_uncertainty(doubt, value, self.quantity, given)
 
     def _number(self, value: object) -> float:
         try:

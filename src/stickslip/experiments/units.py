@@ -4,6 +4,7 @@ import functools
 import math
 import numbers
 import re
+from dataclasses import replace
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,16 @@ from stickslip.quantities import Quantity
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["allowed", "factor", "is_of", "is_pixel", "read_number", "shown", "turned"]
+__all__ = [
+    "allowed",
+    "check_uncertainty",
+    "factor",
+    "is_of",
+    "is_pixel",
+    "read_number",
+    "shown",
+    "turned",
+]
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _FACTOR = r"[^\W\d_%°]+(?:\^?-?\d|[⁻¹²³]+)?|%|°"
@@ -75,8 +85,70 @@ def read_number(value: object, quantity: Quantity) -> float:
         return quantity.check("", "", number)
     except (ParameterError, OverflowError):
         raise ParameterError(
-            f"({quantity.symbol}) must be {allowed(quantity)}, got {shown(value)}."
+            f"({quantity.symbol}) must be {allowed(_as_written(quantity, value))}, got"
+            f" {shown(value)}."
         ) from None
+
+
+def _as_written(quantity: Quantity, value: object) -> Quantity:
+    """Return a quantity with its range in the unit that a text has."""
+    match = _TEXT.fullmatch(value) if isinstance(value, str) else None
+    unit = match["unit"] if match else None
+    if unit is None or unit == quantity.unit:
+        return quantity
+    size = factor(unit, quantity.unit)
+    above = None if quantity.above is None else quantity.above / size
+    return replace(
+        quantity, unit=unit, low=quantity.low / size, high=quantity.high / size, above=above
+    )
+
+
+MOST_UNCERTAIN = 0.5
+"""Standard uncertainty over a value that cannot be negative, from which on two standard
+uncertainties reach 0: to first order, a fit would follow values that do not exist."""
+
+
+def check_uncertainty(
+    uncertainty: float, value: float, quantity: Quantity, given: object = None
+) -> float:
+    """Return a standard uncertainty of a value in SI, or say what is wrong with it.
+
+    Parameters
+    ----------
+    uncertainty, value : float
+        In the unit of the quantity.
+    quantity : Quantity
+        What the value is of.
+    given : object, optional
+        The uncertainty as it was written; with its unit if not given.
+
+    Raises
+    ------
+    ParameterError
+        If it is not above 0, or half or more of a value that cannot be negative. The message begins
+        with the symbol, as that of `read_number`.
+
+    Examples
+    --------
+    >>> check_uncertainty(2.0, 100.0, Quantity("k", "N/m", low=0))
+    2.0
+    >>> check_uncertainty(200.0, 100.0, Quantity("k", "N/m", low=0), "200 %")
+    Traceback (most recent call last):
+    stickslip.errors.ParameterError: (u_k) must be above 0 N/m and below 50 N/m, half of the ...
+    """
+    unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+    got = f"{uncertainty:g}{unit}" if given is None else shown(given)
+    positive = quantity.low >= 0.0 or (quantity.above is not None and quantity.above >= 0.0)
+    most = MOST_UNCERTAIN * abs(value) if positive and value else math.inf
+    if 0.0 < uncertainty < most:
+        return uncertainty
+    room = f" and below {most:g}{unit}, half of the value" if most < math.inf else ""
+    cure = (
+        "leave it out of a value that is exact"
+        if uncertainty <= 0.0
+        else "a value that is hardly known is to be measured, or looked for in a record"
+    )
+    raise ParameterError(f"(u_{quantity.symbol}) must be above 0{unit}{room}, got {got}: {cure}.")
 
 
 def _example(quantity: Quantity) -> str:

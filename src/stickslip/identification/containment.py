@@ -173,7 +173,7 @@ def _embedded(
 def search_failure(
     kind: type[FrictionLaw], cost: float, rows: int, fitted: Sequence[FittedLaw]
 ) -> str:
-    """Return a sentence if a contained law leaves less than the richer one; empty if none does.
+    """Return a sentence if a contained law fits more closely than the richer one; empty if none.
 
     A law that is another one in a limit only, such as that of infinite stiffness, may leave more.
 
@@ -182,7 +182,7 @@ def search_failure(
     >>> from stickslip import Coulomb, CoulombViscous
     >>> simple = FittedLaw(law=Coulomb(kinetic_coefficient=0.2), values={}, cost=4.0, rows=100)
     >>> search_failure(CoulombViscous, 9.0, 100, [simple])
-    'The search failed: Coulomb friction, which this law contains, leaves 33 % less.'
+    'The search failed: the residual of Coulomb friction, which this law contains, is 33 % smaller.'
     >>> search_failure(CoulombViscous, 4.0, 100, [simple])
     ''
     """
@@ -192,7 +192,7 @@ def search_failure(
         if exact and one.rows == rows and cost > (1.0 + WORSE) * one.cost:
             less = 100.0 * (1.0 - (one.cost / cost) ** 0.5)
             return (
-                f"The search failed: {one.law.title} friction, which this law contains, leaves"
-                f" {number(less, 2)} % less."
+                f"The search failed: the residual of {one.law.title} friction, which this law"
+                f" contains, is {number(less, 2)} % smaller."
             )
     return ""

@@ -141,7 +141,7 @@ class RecordFit(Fit[Law_co]):
     sentences: tuple[str, ...]
     """What the record cannot tell, in words."""
     search_failure: str = ""
-    """Which contained law leaves less than this fit, in words; empty if none does."""
+    """Which contained law fits more closely than this one, in words; empty if none does."""
     route_reason: str = ""
     """Why the route was chosen, in words; empty if it was asked for or is the usual one."""
     halves: Halves | None = None

@@ -456,8 +456,8 @@ def _doubtful(found: Found) -> tuple[str, ...]:
     if found.hopeless:
         return (
             "The search was cut short: from all of its"
-            f" {len(found.costs)} starts, another law leaves less than a third of what this one"
-            " leaves.",
+            f" {len(found.costs)} starts, the residual is more than three times that of another"
+            " law.",
         )
     if found.agreeing > 1 or len(found.costs) == 1:
         return ()

@@ -11,10 +11,11 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ConvergenceError, InputError
+from stickslip.errors import ConvergenceError, InputError, ParameterError
 from stickslip.experiments import Measurement
 from stickslip.experiments.paths import canonical
 from stickslip.experiments.travels import scale_of
+from stickslip.experiments.units import check_uncertainty
 from stickslip.experiments.wording import quantity
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism, Motor
@@ -207,13 +208,18 @@ def uncertainties_of(
 
 def _doubts(mechanism: Mechanism, given: Mapping[str, float]) -> dict[str, float]:
     """Return uncertainties by full path, of parameters that have a value."""
-    known = {path for path, _, _ in parameters(mechanism, "mechanism")}
+    known = {path: (quantity, v) for path, quantity, v in parameters(mechanism, "mechanism")}
     found = {canonical(mechanism, path): doubt for path, doubt in given.items()}
-    for path in found:
+    for path, doubt in found.items():
         if path not in known:
             raise InputError(
                 f"{path} has an uncertainty, but {type(mechanism).__name__} has no value of it."
             )
+        quantity, value = known[path]
+        try:
+            check_uncertainty(doubt, value, quantity)
+        except ParameterError as error:
+            raise ParameterError(f"doubts: {path} {error}") from None
     return found
 
 

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, StickslipError
 from stickslip.experiments import Measurement
-from stickslip.experiments.paths import canonical
 from stickslip.experiments.wording import joined, number, quantity
 from stickslip.friction import LAWS, Coulomb, FrictionLaw, law_type
 from stickslip.identification import TravelFit, starting_law
@@ -33,6 +32,7 @@ from stickslip.identification.travel import (
     driven_on,
     standard_errors,
     trials_of,
+    uncertainties_of,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.mechanisms.base import stops_of
@@ -371,7 +371,7 @@ def _ordinary(mechanism: Mechanism, kind: type[FrictionLaw], t_end: float) -> Fr
     beside = law if _has_level(law) else starting_law(Coulomb)
     path = "friction.kinetic_coefficient"
     level = {p: v for p, _, v in parameters(beside, "friction")}[path]
-    one = Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
+    one = _trial(mechanism)
     slope = doubling_slope(TravelModel(beside, [path], t_end), [one], [level])
     share = VISCOUS if beside is law else 1.0
     return vary(law, "friction", {"friction.viscous_coefficient": share * slope})
@@ -400,7 +400,7 @@ def _levelled(
     found, remarks = {}, []
     for name, law in sorted(laws.items(), key=lambda item: not _has_level(item[1])):
         if not trials:
-            one = Trial(mechanism=mechanism, initial={}, travel=0.0, half_width=0.0)
+            one = _trial(mechanism)
             trials = [replace(one, travel=TravelModel(law, (), t_end).travel(one, ()))]
             if trials[0].travel == 0.0:
                 raise InputError(
@@ -419,7 +419,8 @@ def _levelled(
 def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float) -> str:
     """Return why the distance of a run is no travel that friction ends; nothing if it is one.
 
-    Bodies that still move by less than the error of a reading, as undamped bristles do, are at rest.
+    Bodies that still move by less than the error of a reading, as on undamped bristles, are at
+    rest.
     """
     try:
         TravelModel(law, (), t_end).check_rest([_trial(mechanism)], (), [error])
@@ -601,10 +602,8 @@ def _stated(
 ) -> dict[str, float]:
     """Return stated uncertainties of the mechanism by full path."""
     given = doubts if doubts is not None else measurement.doubts if measurement else {}
-    found = {canonical(mechanism, path): float(one) for path, one in given.items()}
-    for path, one in found.items():
-        Quantity("u", above=0).check("plan.doubts", path, one)
-    return found
+    ((own, _),) = uncertainties_of(mechanism, Measurement(travel=0.0, doubts=given))
+    return own
 
 
 def _contrasts(bench: _Bench, laws: Mapping[str, FrictionLaw]) -> list[_Contrast]:

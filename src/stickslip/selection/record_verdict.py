@@ -236,6 +236,23 @@ class RecordVerdict(Verdict):
         return self.measurement.unit(self.quantity)
 
     @property
+    def missing(self) -> tuple[str, ...]:
+        """Why judged candidates lack a number, in sentences; what was not judged says so itself."""
+        judged = [c for c in self.candidates if c.validation is not None]
+        ahead = [c.name for c in judged if c.validation and math.isnan(c.validation.extrapolation)]
+        fails = [c.name for c in judged if c.second and not math.isfinite(c.second.rms)]
+        why = "a table has no order in time"
+        if self.plan.length:
+            why = (
+                f"no segment of {self.plan.horizon:.2g} s lies in the last third, or what comes"
+                " before tells too little: the record is too short"
+            )
+        found = [f"No error on the last third ({', '.join(ahead)}): {why}."] if ahead else []
+        if fails:
+            found.append(f"No error on the second record ({', '.join(fails)}): simulation fails.")
+        return tuple(found)
+
+    @property
     def blocks_scored(self) -> int:
         """Number of held-out blocks that are scored; one beside which nothing is left is not."""
         validation = self.closest.validation

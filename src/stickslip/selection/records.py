@@ -80,7 +80,10 @@ PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "comp
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
 LEFT_OUT = "the search was ended before its turn"
-HOPELESS = "not judged: another law leaves less than a third of what this one leaves of the record"
+HOPELESS = (
+    "not judged: the search was stopped early, since the residual is more than three times that of"
+    " another law"
+)
 
 
 def select_records(

@@ -14,7 +14,7 @@ from stickslip.experiments.wording import number
 from stickslip.friction import FrictionLaw
 from stickslip.identification import TravelFit
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import parameters
+from stickslip.quantities import fields_of, parameters
 from stickslip.selection.criteria import Criteria
 from stickslip.selection.separation import Proposal, Separation
 from stickslip.trajectory import Trajectory
@@ -67,6 +67,19 @@ class Candidate:
     def title(self) -> str:
         """Name of the law in running text."""
         return self.law.title
+
+    @property
+    def unscored(self) -> str:
+        """Why there is no held-out error, in words; empty if there is one."""
+        if self.score is not None:
+            return ""
+        if self.dropped:
+            return self.dropped
+        if self.invented:
+            names = " and ".join(f"${fields_of(type(self.law))[n].symbol}$" for n in self.invented)
+            verb = "was" if len(self.invented) == 1 else "were"
+            return f"not judged: {names} {verb} assumed, not fitted"
+        return "no held-out trials: all trials repeat one setting"
 
     @property
     def parameters(self) -> int:

@@ -200,7 +200,7 @@ def _remarks(explained: Sequence[Candidate], best: Candidate) -> str:
     closer = [c for c in explained if c.passed_over and misfit(c) < misfit(best)]
     if closer:
         one = min(closer, key=lambda c: (bool(c.invented), misfit(c)))
-        said += f" {one.title} leaves less, but {one.passed_over}."
+        said += f" {one.title} fits these readings more closely, but {one.passed_over}."
     return said
 
 

@@ -167,7 +167,7 @@ def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
         f" standard error and {numbers.percent(NEAR)} of the least, one without an objection, then"
         " the one with the fewest parameters. "
     )
-    return text + picks_text(verdict)
+    return " ".join([text + picks_text(verdict), *verdict.missing]).strip()
 
 
 def picks_text(verdict: RecordVerdict) -> str:

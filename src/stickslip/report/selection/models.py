@@ -176,7 +176,7 @@ def _unit(unit: str) -> str:
 
 def _score_cells(candidate: Candidate, is_best: bool) -> list[Cell]:
     if candidate.score is None:
-        return ["no score", RowPlot(marks=())]
+        return [Name(text="no score", aside=candidate.unscored), RowPlot(marks=())]
     score, error = 1e3 * candidate.score, 1e3 * (candidate.score_error or 0.0)
     colour: Colour = "c1" if is_best else "muted"
     marks = (
