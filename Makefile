@@ -7,8 +7,8 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet -c constraints.txt
 RUN := $(VENV)/.installed
 DEV := $(VENV)/.installed-dev
-PYTEST := $(BIN)/python -m pytest
 WORKERS ?= 2
+PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadscope
 heading = @printf '\n== %s ==\n' '$(1)'
 
 # Measured records that are not part of the repository; where they exist, tests must use them.
@@ -17,8 +17,11 @@ export STICKSLIP_DATA ?= $(abspath ../shared/data)
 export REQUIRE_DATA ?= 1
 endif
 
+# Tests, examples and pages share their machine code, so that nothing is compiled twice.
+unit docs slow: export STICKSLIP_CACHE ?= $(or $(TMPDIR),/tmp)/stickslip-tests
+
 .DEFAULT_GOAL := help
-.PHONY: help select test examples stubs lint types architecture unit doctest docs bench golden slow fuzz format clean
+.PHONY: help select test stubs lint types architecture unit docs bench golden slow fuzz format clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
@@ -26,12 +29,9 @@ help: ## list the targets
 select: $(RUN) ## run the main job on the bundled rig; the report goes to stickslip-report/
 	$(BIN)/stickslip select --force
 
-# What takes long runs side by side: much of it waits for one compiler, and cores would idle.
-test: lint types architecture ## run every check
-	$(MAKE) --no-print-directory --jobs 2 --output-sync=line examples docs
-
-examples: unit ## tests, then the examples in docstrings
-	$(MAKE) --no-print-directory doctest
+# Side by side: what waits for one compiler would leave cores idle.
+test: $(DEV) ## run every check but the slow tests
+	$(MAKE) --no-print-directory --jobs 2 --output-sync=line lint types architecture unit docs
 
 stubs: $(DEV) ## write the stubs of packages that load their names lazily
 	$(BIN)/python tools/stubs.py
@@ -50,18 +50,14 @@ architecture: $(DEV) ## import contracts
 	$(call heading,lint-imports)
 	$(BIN)/lint-imports
 
-unit: $(DEV) ## tests
+unit: $(DEV) ## tests and the examples in docstrings
 	$(call heading,pytest)
-	$(PYTEST) -n $(WORKERS)
-
-doctest: $(DEV) ## examples in docstrings
-	$(call heading,doctest)
-	$(PYTEST) -n $(WORKERS) --doctest-modules src
+	$(PYTEST) --doctest-modules tests src
 
 docs: $(DEV) ## documentation in docs/_build/html, warnings are errors
 	$(call heading,docs)
 	rm -rf docs/reference/generated
-	$(BIN)/python -m sphinx -E -W --keep-going -q -b html docs docs/_build/html
+	$(BIN)/python -m sphinx -j $(WORKERS) -E -W --keep-going -q -b html docs docs/_build/html
 	$(BIN)/python docs/check_offline.py docs/_build/html
 
 bench: $(DEV) ## benchmarks
@@ -71,7 +67,7 @@ golden: $(DEV) ## compare what twelve rigs and records give with tests/golden (m
 	$(BIN)/python -m benchmarks.golden compare tests/golden --jobs $(WORKERS)
 
 slow: $(DEV) ## tests that compile much or take long, which `make test` leaves out
-	$(PYTEST) -n $(WORKERS) -m slow
+	$(PYTEST) -m slow
 
 fuzz: $(DEV) ## 20,000 random simulations (half an hour); tests run 300 of their kind
 	$(BIN)/python -m tests.properties.fuzzing --cases 20000 --seed 1

@@ -176,8 +176,11 @@ def own_entries(
     def entry(tier: str) -> Entry:
         return at_error(TIERS[tier], functools.partial(call, tier), error_of, largest)
 
-    own = (at_error(KERNEL, lambda tolerance: kernel().run(tolerance), error_of_kernel, largest),)
-    return (*(own if "compiled" in tiers else ()), *(entry(tier) for tier in tiers))
+    whole = tuple(entry(tier) for tier in tiers)
+    if "compiled" not in tiers:
+        return whole
+    alone = at_error(KERNEL, lambda tolerance: kernel().run(tolerance), error_of_kernel, largest)
+    return (alone, *whole)
 
 
 def faster(

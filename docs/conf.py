@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
+import executed
 
 project = "stickslip"
 author = "The stickslip authors"
@@ -36,7 +37,8 @@ myst_enable_extensions = ["amsmath", "deflist", "dollarmath", "fieldlist"]
 myst_heading_anchors = 3
 
 nb_execution_in_temp = True  # examples that write files leave none behind
-nb_execution_mode = "force"  # a cache would not notice a change in the package
+nb_execution_cache_path = executed.kept()
+nb_execution_mode = "cache"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_merge_streams = True

@@ -60,6 +60,14 @@ def test_every_solver_of_a_benchmark_stays_below_the_stated_error(results, case)
             assert len(entry.times) == 1
 
 
+def test_a_tier_that_nobody_asked_for_is_not_compiled(monkeypatch):
+    def never(*_):
+        pytest.fail("the kernel was compiled")
+
+    monkeypatch.setattr(measuring, "Kernel", never)
+    sampled.run(repeats=1, tiers=PYTHON, samples=600)
+
+
 @pytest.mark.slow
 def test_the_kernel_alone_is_an_entry_of_its_own_and_what_targets_are_about():
     result = decay.run(repeats=1)

@@ -100,7 +100,7 @@ def test_levels_that_are_exchanged_half_a_cycle_later_carry_the_capsule_the_othe
     assert abs(late[1] - late[0]) > 1e-4
 
 
-@pytest.mark.parametrize("tier", ["python", "compiled"])
+@pytest.mark.parametrize("tier", ["python", pytest.param("compiled", marks=pytest.mark.slow)])
 def test_travel_has_the_slopes_of_differences_by_every_number_of_the_wave(tier):
     wave = Square(high=F1, low=-1.5, period=T, duty=D, start=0.05)
     capsule = Capsule(**CAPSULE, drive=Torque(drive=wave))
