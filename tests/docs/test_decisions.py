@@ -1,6 +1,7 @@
 """Examples in decision records print what they say."""
 
 import contextlib
+import importlib
 import io
 import re
 from pathlib import Path
@@ -21,3 +22,15 @@ def test_the_example_of_printed_forms_prints_what_it_says_and_blames_no_form_unf
     pushes = [float(level) for level in re.findall(r"level=([\d.]+)", code)]
     assert pushes == [10.0, 1.2]
     assert pushes[1] < 0.25 * 9.81 < 0.35 * 9.81 < pushes[0]
+
+
+def test_the_page_of_printed_forms_lists_all_equations_with_typeset_symbols(monkeypatch):
+    folder = Path(__file__).parents[2] / "docs" / "_ext"
+    monkeypatch.syspath_prepend(str(folder))
+    page = "\n".join(importlib.import_module("generated").printed_forms())
+    heads = re.findall(r"^## Eq\. \((\d+)\): (.+)$", page, re.MULTILINE)
+    assert [int(number) for number, _ in heads] == list(range(1, 12))
+    assert page.count("\nRight as printed\n") == 2
+    assert page.count("\nDefect\n") == 9
+    # Greek names are commands in formulas, and no small markup of the reports is left
+    assert re.findall(r"\$(?:mu|sigma|alpha)\b|(?<!\{\})\^\{n\}", page) == []

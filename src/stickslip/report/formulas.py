@@ -81,7 +81,7 @@ def formula_text(latex: str) -> str:
     ... )
     F = ⎧ σ₀ z  (ẋ ≠ 0)
         ⎩ F_x   (ẋ = 0),
-    z ≤ (F_c/σ₀)
+    z ≤ F_c/σ₀
     """
     lines: list[str] = []
     for part in equation_parts(latex):
