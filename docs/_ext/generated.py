@@ -1,5 +1,6 @@
 """Reference pages made from the package itself: laws, printed forms, command line, rig files."""
 
+import re
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -9,9 +10,9 @@ from docutils.statemachine import StringList
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from stickslip import LAWS, PRINTED_FORMS, rig_schema
+from stickslip import LAWS, rig_schema
 from stickslip.cli.app import app as command_line
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import PRINTED_EQUATIONS, BristleLaw, FrictionLaw
 from stickslip.quantities import fields_of
 
 BIBLIOGRAPHY = {"paper": "pendulumcart"}
@@ -95,14 +96,30 @@ def default(owner: type[Any], field: str) -> str:
 
 def printed_forms() -> Iterator[str]:
     """The printed equations: formula, what is wrong, what is used instead."""
-    for form in PRINTED_FORMS.values():
+    for form in PRINTED_EQUATIONS:
         yield from (f"## Eq. {form.equation}: {form.title}", "")
         yield from ("$$", form.formula, "$$", "")
-        yield from ("Wrong", f": {form.defect}.", "")
+        if form.defect:
+            yield from ("Defect", f": {typeset(form.defect)}.", "")
         if form.right:
-            yield from ("Right", f": {form.right}.", "")
-        yield from ("Used here", f": {form.cure}; the law `{form.corrected.name}`.", "")
-        yield from ("Class", f": `stickslip.PRINTED_FORMS[{form.name!r}]`", "")
+            yield from (
+                "Right" if form.defect else "Right as printed",
+                f": {typeset(form.right)}.",
+                "",
+            )
+        if form.corrected:
+            yield from (
+                "Used here",
+                f": {typeset(form.cure)}; the law `{form.corrected.name}`.",
+                "",
+            )
+            yield from ("Class", f": `stickslip.PRINTED_FORMS[{form.name!r}]`", "")
+
+
+def typeset(text: str) -> str:
+    """Return a text whose symbols stand between dollar signs with these as formulas."""
+    text = re.sub(r"\$(\w+)\$", lambda found: symbol(found[1]), text)
+    return re.sub(r"\^\{(\w+)\}", r"${}^{\1}$", text)
 
 
 def commands() -> Iterator[str]:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from stickslip import LAWS
+from stickslip import LAWS, PRINTED_FORMS
 from stickslip.cli import main
 from stickslip.errors import InputError
 
@@ -71,8 +71,26 @@ def test_models_names_the_parameter_that_another_must_not_fall_below(run):
 
 def test_models_published_names_defect_and_cure(run):
     _, out, _ = run("models", "--published")
-    assert out.count("as printed") == 9
+    heads = [line.partition(" ")[0] for line in out.splitlines() if line.startswith("(")]
+    assert heads == [f"({number})" for number in range(1, 12)]
+    assert out.count("defect: ") == 9
+    assert out.count("right as printed: ") == 2
     assert "sgn 0 = 0" in out
+    # formulas to be read, not LaTeX: each sign that the paper prints, in Unicode
+    assert re.findall(r"[\\{}$]", out) == []
+    assert "    F_v = F_c + (F_s − F_c) e^(−ẋ/ẋ_s) + μ ẋ\n" in out
+    assert "    F_f = ⎧ F_d = σ₀ Z sgn(ẋ)  (ẋ ≠ 0)\n          ⎩ F_x                (ẋ = 0)\n" in out
+    assert "    ½ k x² = μ m g s\n" in out
+    told = json.loads(run("models", "--published", "--json")[1])["printed"]
+    assert [form["equation"] for form in told] == heads
+    assert [form["equation"] for form in told if form["name"] is None] == ["(2)", "(11)"]
+    assert not any("$" in form[key] for form in told for key in ("defect", "right", "cure"))
+
+
+@pytest.mark.parametrize("law", [*LAWS, *PRINTED_FORMS])
+def test_the_formula_of_a_law_is_text_and_not_latex(run, law):
+    _, out, _ = run("models", law)
+    assert re.findall(r"[\\{}$]", out) == []
 
 
 def test_simulate_shows_events_and_certificate(run):
@@ -317,7 +335,7 @@ def test_a_reason_that_looks_like_markup_is_printed_as_it_is(capsys):
 
 def test_one_printed_equation_is_shown_as_text_like_the_others(run):
     _, out, _ = run("models", "printed-1")
-    assert out.startswith("eq. (1) Coulomb, of [6] (printed-1)")
+    assert out.startswith("(1) Coulomb, of [6] (printed-1)")
     assert "sgn 0 = 0" in out
     _, out, _ = run("models", "printed-1", "--json")
     assert json.loads(out)["name"] == "printed-1"

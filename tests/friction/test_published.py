@@ -211,7 +211,11 @@ def test_formulas_are_in_the_symbols_of_the_paper(name):
         "printed-1": [r"F_f = -\mu N", r"N = M g + F_y"],
         "printed-3": [r"\operatorname{sign}(F_x) \mu_k", r"\operatorname{sign}(\dot x) \mu_k"],
         "printed-4": [r"\mu (M+m) g \operatorname{sgn} \dot x = 0"],
-        "printed-5": [r"F_e = F_x", r"F_s \operatorname{sgn}(F_e)", r"e^{-\dot x / \dot x_s}"],
+        "printed-5": [
+            r"F_e = F_x",
+            r"F_s \operatorname{sgn}(F_e)",
+            r"e^{-\frac{\dot x}{\dot x_s}}",
+        ],
         "printed-6": [r"F_d = \sigma_0 Z \operatorname{sgn}(\dot x)"],
         "printed-7": [r"F_c = \mu N \operatorname{sgn}(\dot x)"],
         "printed-8": [r"F_v = \mu_v \dot x \operatorname{sgn}(\dot x)"],

@@ -106,6 +106,31 @@ def test_equation_4_is_what_its_terms_say():
         assert abs(residual) < 1e-14 * WEIGHT  # rounding of forces of this size
 
 
+def test_equation_4_with_the_plain_coefficient_goes_where_the_exact_run_goes(study):
+    """An Euler loop of (4) with the unsigned mu of (1), written from its terms."""
+    m, length, g, total, h = 0.1, 0.3, 9.81, 0.6, STEP
+    x, v, lowest = 0.0, 0.0, 0.0
+    run = study.run("unsigned-4")
+    for t, after in zip(run.run.t[:-1], run.run.t[1:], strict=True):
+        theta, omega = SWING.at(t)
+        pull, _ = demand(t)
+        alpha = (pull / (m * length) + omega**2 * math.sin(theta)) / math.cos(theta)
+        s = float(np.sign(v))
+        x_ddot = (
+            m * length * alpha * (KINETIC * math.sin(theta) + math.cos(theta))
+            - m * length * omega**2 * (math.sin(theta) - KINETIC * math.cos(theta))
+            - KINETIC * total * g * s
+        ) / total
+        x, v = x + (after - t) * v, v + (after - t) * x_ddot
+        lowest = min(lowest, v)
+    assert h == pytest.approx(run.run.t[1])
+    assert x == pytest.approx(run.travel, rel=1e-9)  # the same operations in another order
+    assert lowest == pytest.approx(run.least_velocity, rel=1e-9)
+    # so the signed coefficient of (3) is what sends the cart backwards
+    assert round(run.travel, 3) == 0.278
+    assert run.travel == pytest.approx(study.run("exact").travel, rel=0.01)
+
+
 def test_equation_2_is_the_motion_of_the_exact_run(study):
     """The printed (2) holds while the cart slips: its acceleration by differences of the run."""
     run = study.run("exact").run
@@ -212,7 +237,7 @@ def test_the_page_says_what_is_ours_and_shows_both_figures(study):
     page = page_of(study)
     assert "Fig. 2." in page
     assert "Fig. 11." in page
-    assert "Those here are ours" in page
+    assert "The values here are ours" in page
     assert "drive the cart assumed here 12.7\xa0m backwards" in page
     assert "−6.13" in page
     assert ">nan<" not in page.lower()

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
 from stickslip.plots import svg, theme
+from stickslip.plots.sketches import schematic
 
 
 def cloud(figure: Figure, narrow: bool) -> None:
@@ -185,3 +186,51 @@ def test_spreading_does_not_move_the_mean_and_leaves_good_positions_alone(wanted
         assert np.mean(placed) == pytest.approx(np.mean(wanted), abs=1e-9)
     if len(wanted) < 2 or np.diff(sorted(wanted)).min() > gap + 1e-9:
         assert placed == pytest.approx(wanted, abs=1e-9)
+
+
+def symbols(figure: Figure, narrow: bool) -> None:
+    axes = figure.add_subplot()
+    static = theme.symbol_label("F_s")
+    axes.set_title(f"1/e of {static} − {theme.symbol_label('mu_d')} is left")
+
+
+def test_symbols_in_figures_have_subscripts_and_stay_text_in_the_order_of_reading():
+    root = ElementTree.fromstring(svg.inline_svg(symbols, alt="a", prefix="p", narrow=None))
+    (text,) = [t for t in root.iter("text") if t.findall("tspan")]
+    pieces = text.findall("tspan")
+    shown = "".join(piece.text for piece in pieces).replace("\N{NO-BREAK SPACE}", " ")
+    assert shown == "1/e of Fs − μd is left"
+    # the subscripts alone are below the line, and all return to it
+    heights = np.cumsum([float(piece.get("dy", 0.0)) for piece in pieces])
+    lowered = [piece.text for piece, height in zip(pieces, heights, strict=True) if height > 1.0]
+    assert lowered == ["s", "d"]
+    assert abs(heights[-1]) < 0.02  # of numbers with two decimals
+    # no piece but the first has a place of its own, which would be that of another face
+    assert [piece.get("x") for piece in pieces] == ["0", *[None] * (len(pieces) - 1)]
+
+
+@pytest.mark.parametrize(
+    ("name", "label"),
+    [
+        ("sigma_0", r"$\sigma_{\mathrm{0}}$"),
+        ("F_c_max", r"$F_{\mathrm{c,max}}$"),
+        ("Fn", r"$\mathit{Fn}$"),
+        ("my level [N]", "my level [N]"),
+        ("5 $", r"5 \$"),
+    ],
+)
+def test_any_name_of_a_parameter_can_be_a_label(name, label):
+    assert theme.symbol_label(name) == label
+    figure = Figure()
+    figure.add_subplot().set_title(theme.symbol_label(name))
+    figure.draw_without_rendering()  # matplotlib raises on a formula that it cannot read
+
+
+def test_the_schematics_have_the_subscripts_of_the_paper():
+    for kind, names in (("cart", ["Ff"]), ("rig", ["μd, μs"])):
+        root = ElementTree.fromstring(schematic(kind, alt="a", prefix="p"))
+        texts = ["".join(text.itertext()) for text in root.iter("text")]
+        assert [
+            t.replace("\N{NO-BREAK SPACE}", " ") for t in texts if "d" in t or "f" in t
+        ] == names
+        assert not any("_" in text for text in texts)

@@ -126,6 +126,25 @@ def test_an_equation_cannot_carry_a_script(latex):
     Tags(text)
 
 
+@pytest.mark.parametrize(
+    ("latex", "gaps"),
+    [
+        (r"\mu \sin\theta", [("sin", "0.17em", "0.17em")]),
+        (r"a \operatorname{sgn}(v)", [("sgn", "0.17em", "0")]),
+        (r"(\sin\theta - \cos(x))", [("sin", "0", "0.17em"), ("cos", "0.17em", "0")]),
+    ],
+)
+def test_the_name_of_a_function_stands_apart_from_its_factors_and_close_to_brackets(latex, gaps):
+    operators = re.findall(r'<mo lspace="([^"]*)" rspace="([^"]*)">([a-z]+)<', markup.mathml(latex))
+    assert [(name, left, right) for left, right, name in operators] == gaps
+
+
+def test_superscripts_and_subscripts_of_plain_text_are_not_read_as_other_numbers():
+    assert markup.plain("10^{−6} m, x_{0}, |v|^{n}, e^{a+b}, F_{max}") == (
+        "10⁻⁶ m, x₀, |v|^n, e^(a+b), F_max"
+    )
+
+
 def test_an_equation_that_cannot_be_read_is_refused_by_its_text():
     with pytest.raises(ValueError, match=r"cannot read the equation"):
         markup.mathml(r"x_1_2")

@@ -127,7 +127,10 @@ def everything(extra: str = "") -> report.Page:
             ),
         ),
         report.Note(title="Careful.", text=extra or "Short record."),
-        report.Math(latex=r"F = \mu_d N", tag="(5)"),
+        report.Math(
+            latex=r"F = \mu_d N \quad {} + c v, \quad s = \begin{cases} 1 & a \\ 0 & b \end{cases}",
+            tag="(5)",
+        ),
         report.Code(text=f"$ stickslip select {extra}"),
         report.References(
             items=(

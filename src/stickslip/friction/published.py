@@ -263,7 +263,7 @@ class PrintedStribeck(_Memoryless):
         r"F = \begin{cases} F(v) & (\dot x \neq 0) \\ F_e = F_x &"
         r" (\dot x = 0 \; \& \; |F_e| < |F_s|) \\"
         r" F_s \operatorname{sgn}(F_e) & (\text{otherwise}) \end{cases} \quad"
-        r" F_v = F_c + (F_s - F_c) e^{-\dot x / \dot x_s} + \mu \dot x"
+        r" F_v = F_c + (F_s - F_c) e^{-\frac{\dot x}{\dot x_s}} + \mu \dot x"
     )
     defect: ClassVar[str] = (
         "moving backwards, $F_v$ grows without limit (the exponent lacks |·|) and has the wrong"

@@ -45,8 +45,9 @@ def branches(latex: str) -> Branches | None:
     found = _CASES.fullmatch(latex)
     if found is None:
         return None
-    rows = (re.split(r"(?<!\\)&", row) for row in found[2].split(r"\\"))
-    cells = tuple(tuple(cell.strip() for cell in row) for row in rows)
+    rows = [re.split(r"(?<!\\)&", row) for row in found[2].split(r"\\") if row.strip()]
+    width = max(map(len, rows), default=0)
+    cells = tuple(tuple(cell.strip() for cell in row + [""] * (width - len(row))) for row in rows)
     return Branches(found[1].strip(), cells, found[3].strip())
 
 
@@ -80,7 +81,7 @@ def formula_text(latex: str) -> str:
     ... )
     F = ⎧ σ₀ z  (ẋ ≠ 0)
         ⎩ F_x   (ẋ = 0),
-    z ≤ (F_c/σ₀)
+    z ≤ F_c/σ₀
     """
     lines: list[str] = []
     for part in equation_parts(latex):
@@ -123,23 +124,24 @@ def _linear(latex: str) -> str:
 def _row(element: ElementTree.Element) -> str:
     """Set a row: signs between two terms have spaces, and so have factors."""
     text, last, bars = "", "", 0
-    for child in _flat(element):
-        token = _text(child)
-        if not token:
-            continue
+    terms = [(child.tag, token) for child in _flat(element) if (token := _text(child))]
+    for index, (tag, token) in enumerate(terms):
+        beside = {last.strip(), *(other for _, other in terms[index + 1 : index + 2])}
+        alone = tag == "mfrac" and token[0] == "(" and beside <= _SPACED | {""}
+        piece = token[1:-1] if alone else token
         # A term begins after an opening bracket, a sign or nothing, and closes before a bracket.
         begins = not text or text[-1] in f" {_OPENING}" or (last == "|" and bars % 2 == 1)
-        closes = token[0] in _CLOSING or "/" in (token, last)
-        if token in _SPACED:
-            token = token if begins else f" {token} "
-        elif token[0] == "|":
+        closes = piece[0] in _CLOSING or "/" in (piece, last)
+        if piece in _SPACED:
+            piece = piece if begins else f" {piece} "
+        elif piece[0] == "|":
             closes |= bars % 2 == 1
             bars += 1
-        elif token == "(":
+        elif piece == "(":
             closes |= _name(text)
-        joined = begins or closes or token[0] == " " or last == "d" or last in _SPACED
-        text += token if joined else f" {token}"
-        last = token
+        joined = begins or closes or piece[0] == " " or last == "d" or last in _SPACED
+        text += piece if joined else f" {piece}"
+        last = piece
     return text.strip()
 
 
@@ -171,4 +173,4 @@ def _text(element: ElementTree.Element) -> str:
             return whole if re.fullmatch(r"d\w/d\w", whole) else f"({whole})"
         case "mover":
             return parts[0] + _DOTS.get(parts[1], parts[1])
-    return (element.text or "").strip()
+    return " ".join((element.text or "").split())  # also its spaces that do not break

@@ -236,6 +236,7 @@ def math_tree(latex: str, *, display: bool = True) -> ElementTree.Element:
         if element.tag == "mo" and element.text in {"|", "/"}:
             # Browsers space these like signs of relation, whatever stands beside them.
             element.attrib |= {"lspace": "0", "rspace": "0"}
+    for element in root.iter():
         row = [None, *element, None]
         for before, child, after in zip(row, element, row[2:], strict=False):
             if child.tag in {"mi", "mo"} and _FUNCTION.fullmatch(child.text or ""):
