@@ -397,7 +397,7 @@ PLAIN = "coulomb,coulomb-viscous"
 CASES: tuple[Case, ...] = (
     Case(
         name="paper",
-        seconds=25,
+        seconds=30,
         commands=(
             stickslip("select", "select"),
             stickslip("simulate", f"simulate {RUN} --report"),
@@ -407,7 +407,7 @@ CASES: tuple[Case, ...] = (
     ),
     Case(
         name="travels",
-        seconds=25,
+        seconds=28,
         prepare=travels,
         commands=(
             stickslip("select", "select block.toml"),
@@ -419,7 +419,7 @@ CASES: tuple[Case, ...] = (
     ),
     Case(
         name="emps",
-        seconds=30,
+        seconds=20,
         prepare=emps,
         commands=(
             stickslip(
@@ -432,7 +432,7 @@ CASES: tuple[Case, ...] = (
     ),
     Case(
         name="force-map",
-        seconds=15,
+        seconds=10,
         prepare=force_map,
         commands=(
             stickslip("select", "select map.toml --laws coulomb,coulomb-viscous,stribeck"),
@@ -454,7 +454,7 @@ CASES: tuple[Case, ...] = (
     ),
     Case(
         name="pendulum",
-        seconds=40,
+        seconds=22,
         prepare=pendulum,
         commands=(
             stickslip("select", f"select pendulum.toml --laws {PLAIN},viscous"),
@@ -464,7 +464,7 @@ CASES: tuple[Case, ...] = (
     ),
     Case(
         name="slider",
-        seconds=30,
+        seconds=12,
         prepare=slider,
         commands=(
             stickslip("select", "select slider.toml --laws coulomb,stribeck"),
@@ -474,7 +474,7 @@ CASES: tuple[Case, ...] = (
     ),
     Case(
         name="capsule",
-        seconds=40,
+        seconds=30,
         prepare=capsule,
         commands=(
             stickslip("select", f"select capsule.toml --laws {PLAIN}"),
@@ -483,7 +483,7 @@ CASES: tuple[Case, ...] = (
     ),
     Case(
         name="torque-cart",
-        seconds=40,
+        seconds=16,
         prepare=torque_cart,
         commands=(
             stickslip("select", f"select cart.toml --laws {PLAIN} --starts 2"),
@@ -502,7 +502,7 @@ CASES: tuple[Case, ...] = (
     ),
     Case(
         name="axis-stribeck",
-        seconds=60,
+        seconds=10,
         prepare=controlled("stribeck", 6),
         commands=(
             stickslip(
@@ -516,7 +516,7 @@ CASES: tuple[Case, ...] = (
     ),
     Case(
         name="axis-lugre",
-        seconds=60,
+        seconds=40,
         prepare=controlled("lugre", 4),
         commands=(
             stickslip(
