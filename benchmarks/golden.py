@@ -50,8 +50,8 @@ ROWS = 200
 """Rows of a simulated run that are kept, evenly spaced."""
 PATIENCE = 900.0
 """Longest that a command may take [s]."""
-WIDTH = "100"
-"""Columns of the terminal."""
+WIDTH = "400"
+"""Columns of the terminal: a remark is one line, so that a word that changes does not rewrap it."""
 SHOWN = 80
 """Lines of a file's diff that are printed unless `--lines` says otherwise."""
 
@@ -148,6 +148,8 @@ class Page(HTMLParser):
         """Open tags since what is not shown began."""
         self._row = False
         self._pre = False
+        self._numbered = False
+        """In a list of references, whose abbreviations would be taken for ends of sentences."""
 
     def handle_starttag(self, tag: str, attrs: Sequence[tuple[str, str | None]]) -> None:
         own = dict(attrs)
@@ -159,6 +161,8 @@ class Page(HTMLParser):
             self._hidden = 1
         elif tag == "img":
             self._figure(own.get("alt"))
+        elif tag == "ol":
+            self._numbered = True
         elif tag == "tr":
             self._flush()
             self._row = True
@@ -179,6 +183,8 @@ class Page(HTMLParser):
             return
         if self._hidden:
             self._hidden -= 1
+        elif tag == "ol":
+            self._numbered = False
         elif tag == "tr":
             self._text += " |"
             self._flush()
@@ -206,7 +212,7 @@ class Page(HTMLParser):
         else:
             words = " ".join(self._text.split())
             if words.strip("#-: "):
-                whole = self._row or words.startswith("#")
+                whole = self._row or self._numbered or words.startswith("#")
                 first, *more = [words] if whole else SENTENCE.split(words)
                 indent = "  " if first.startswith("- ") else ""
                 self.lines += [first, *(indent + sentence for sentence in more)]
@@ -526,12 +532,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--keep", type=Path, metavar="FOLDER", help="keep what compare found, too")
     asked = parser.parse_args(arguments)
     cases = chosen(asked.only)
+    began = time.perf_counter()
     if asked.action == "record":
-        return 0 if record(cases, asked.folder, asked.jobs) else 1
-    same = compare_all(
-        cases, asked.folder, asked.jobs, rtol=asked.rtol, shown=asked.lines, kept=asked.keep
-    )
-    return 0 if same else 1
+        good = record(cases, asked.folder, asked.jobs)
+    else:
+        good = compare_all(
+            cases, asked.folder, asked.jobs, rtol=asked.rtol, shown=asked.lines, kept=asked.keep
+        )
+    spent = os.times()
+    busy = spent.user + spent.system + spent.children_user + spent.children_system
+    print(f"{time.perf_counter() - began:.0f} s, {busy:.0f} s of processor time")
+    return 0 if good else 1
 
 
 if __name__ == "__main__":

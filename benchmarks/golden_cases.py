@@ -83,10 +83,22 @@ travel [mm],uncertainty [mm],mechanism.compression [mm],name
 189,1,80,run 4
 292,1,100,run 5
 """
+IN_PYTHON = '''
+"""The verdict and its page by public functions instead of the command."""
+
+from stickslip import load_rig, select
+from stickslip.report import write_report
+
+rig = load_rig("block.toml")
+verdict = select(rig.mechanism, rig.measurement, ["coulomb", "viscous"])
+print(verdict)
+write_report(verdict, "python-report")
+'''
 
 
 def travels(folder: Path) -> None:
     write(folder / "block.toml", TRAVELS)
+    write(folder / "in_python.py", IN_PYTHON)
     write(folder / "travels.csv", READINGS)
 
 
@@ -154,7 +166,7 @@ gain = { friction = -1 }
 
 def tribometer(folder: Path) -> None:
     table = pd.read_parquet(catalogue.dataset("reciprocating_tribometer").path("train"))
-    table[table["t_s"].between(12.0, 45.0)].to_parquet(folder / "loops.parquet")
+    table[table["t_s"].between(12.0, 30.0)].to_parquet(folder / "loops.parquet")
     write(folder / "tribometer.toml", TRIBOMETER)
 
 
@@ -365,14 +377,15 @@ file = "axis.csv"
 
 
 def controlled(truth: str, seed: int) -> Callable[[Path], None]:
-    """Return what writes a record of a random axis under control, whose mass is 1.5 times off."""
+    """Return what writes two records of a random axis, and its rig file with 1.5 times its mass."""
 
     def prepare(folder: Path) -> None:
         random = np.random.default_rng(seed)
         rig = replace(closed_loop_axes.draw(random, truth), duration=10.0)
-        record = closed_loop_axes.record(rig, random)
-        columns = {"time": record.time, "position": record.position, "force": record.force}
-        pd.DataFrame(columns).to_csv(folder / "axis.csv", index=False)
+        for name in ("axis", "later"):
+            record = closed_loop_axes.record(rig, random)
+            columns = {"time": record.time, "position": record.position, "force": record.force}
+            pd.DataFrame(columns).to_csv(folder / f"{name}.csv", index=False)
         write(folder / "axis.toml", CONTROLLED.format(inertia=1.5 * rig.axis.inertia))
 
     return prepare
@@ -384,7 +397,7 @@ PLAIN = "coulomb,coulomb-viscous"
 CASES: tuple[Case, ...] = (
     Case(
         name="paper",
-        seconds=25,
+        seconds=30,
         commands=(
             stickslip("select", "select"),
             stickslip("simulate", f"simulate {RUN} --report"),
@@ -394,30 +407,32 @@ CASES: tuple[Case, ...] = (
     ),
     Case(
         name="travels",
-        seconds=25,
+        seconds=28,
         prepare=travels,
         commands=(
             stickslip("select", "select block.toml"),
             stickslip("simulate", f"simulate block.toml {RUN} --ensemble 50 --report"),
             stickslip("fit", "fit block.toml --law coulomb-viscous -o fitted.toml"),
             stickslip("plan", "plan block.toml --laws coulomb,viscous --json"),
+            script("in_python"),
         ),
     ),
     Case(
         name="emps",
-        seconds=30,
+        seconds=20,
         prepare=emps,
         commands=(
             stickslip(
                 "select",
-                "select axis.toml --laws coulomb,coulomb-viscous,direction-dependent --starts 2",
+                "select axis.toml --laws coulomb,coulomb-viscous,stribeck,direction-dependent"
+                " --starts 2",
             ),
             stickslip("check", "check axis.toml --json"),
         ),
     ),
     Case(
         name="force-map",
-        seconds=15,
+        seconds=10,
         prepare=force_map,
         commands=(
             stickslip("select", "select map.toml --laws coulomb,coulomb-viscous,stribeck"),
@@ -431,14 +446,15 @@ CASES: tuple[Case, ...] = (
         prepare=tribometer,
         commands=(
             stickslip(
-                "select", "select tribometer.toml --laws coulomb,dahl,lugre --purpose compensate"
+                "select",
+                "select tribometer.toml --laws coulomb,dahl,dahl-exponent --purpose compensate",
             ),
-            stickslip("fit", "fit tribometer.toml --law dahl-exponent"),
+            stickslip("fit", "fit tribometer.toml --law dahl --json -o fitted.toml"),
         ),
     ),
     Case(
         name="pendulum",
-        seconds=40,
+        seconds=22,
         prepare=pendulum,
         commands=(
             stickslip("select", f"select pendulum.toml --laws {PLAIN},viscous"),
@@ -448,17 +464,17 @@ CASES: tuple[Case, ...] = (
     ),
     Case(
         name="slider",
-        seconds=30,
+        seconds=12,
         prepare=slider,
         commands=(
             stickslip("select", "select slider.toml --laws coulomb,stribeck"),
-            stickslip("simulate", f"simulate {RUN} stickslip-report/law.toml --t-end 0.5"),
+            stickslip("simulate", f"simulate slider.toml {RUN} --t-end 0.5"),
             stickslip("fit", "fit slider.toml --law coulomb --json -o fitted.toml"),
         ),
     ),
     Case(
         name="capsule",
-        seconds=40,
+        seconds=30,
         prepare=capsule,
         commands=(
             stickslip("select", f"select capsule.toml --laws {PLAIN}"),
@@ -467,7 +483,7 @@ CASES: tuple[Case, ...] = (
     ),
     Case(
         name="torque-cart",
-        seconds=40,
+        seconds=16,
         prepare=torque_cart,
         commands=(
             stickslip("select", f"select cart.toml --laws {PLAIN} --starts 2"),
@@ -486,13 +502,13 @@ CASES: tuple[Case, ...] = (
     ),
     Case(
         name="axis-stribeck",
-        seconds=60,
+        seconds=10,
         prepare=controlled("stribeck", 6),
         commands=(
             stickslip(
                 "select",
                 "select axis.toml --laws coulomb,coulomb-viscous,stribeck"
-                " --route inverse-dynamics --horizon 0.5",
+                " --route inverse-dynamics --horizon 0.5 --validate later.csv",
                 0,
                 3,
             ),
@@ -500,7 +516,7 @@ CASES: tuple[Case, ...] = (
     ),
     Case(
         name="axis-lugre",
-        seconds=60,
+        seconds=40,
         prepare=controlled("lugre", 4),
         commands=(
             stickslip(
