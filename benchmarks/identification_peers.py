@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 from stickslip import Axis, CoulombViscous
 from stickslip.catalogue import dataset
 from stickslip.errors import InputError
-from stickslip.identification.record_fitting import fit_record
-from stickslip.identification.record_settings import RecordSettings
-from stickslip.identification.record_starts import Scales, scales_of
-from stickslip.identification.segmenting import segments_of
-from stickslip.identification.shooting import Segment
+from stickslip.identification.records.fitting import fit_record
+from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.series.start_values import Scales, scales_of
+from stickslip.identification.shooting.multiple_shooting import Segment
+from stickslip.identification.shooting.segments import segments_of
 
 NAMES = ("mass", "level", "viscous", "offset")
 UNITS = ("kg", "N", "N s/m", "N")

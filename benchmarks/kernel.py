@@ -7,10 +7,10 @@ import numpy as np
 from stickslip.formulation import formulate
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.solver.outputs import reasons
-from stickslip.solver.runner import runner_of
+from stickslip.solver.backend import runner_of
+from stickslip.solver.drive_schedule import gather
+from stickslip.solver.reducers import reasons
 from stickslip.solver.sensitivities import directions_of, working
-from stickslip.solver.tables import gather
 
 LIMIT = 1_000_000
 """Steps after which a run is given up."""

@@ -21,10 +21,10 @@ from stickslip import (
     simulate,
 )
 from stickslip.plots import C1, DATA, SURFACE, Draw, Size, standalone_svg
-from stickslip.plots.loop import LOOP_SIZES, draw_closed_loop
-from stickslip.plots.maps import draw_velocity_map
-from stickslip.plots.separation import SEPARATION_SIZES, draw_separation
-from stickslip.plots.steps import draw_fixed_steps
+from stickslip.plots.runs.closed_loop import LOOP_SIZES, draw_closed_loop
+from stickslip.plots.runs.fixed_step_comparison import draw_fixed_steps
+from stickslip.plots.selection.separation import SEPARATION_SIZES, draw_separation
+from stickslip.plots.sweep_maps import draw_velocity_map
 
 FOLDER = Path(__file__).parent / "figures"
 PAD = 16

@@ -30,6 +30,6 @@ def data_dir() -> Path:
 @pytest.fixture(autouse=True, scope="session")
 def sections_raise() -> None:
     """What fails in a section of a report becomes a line for users; in tests it is an error."""
-    from stickslip.report import documents
+    from stickslip.report.core import documents
 
     documents.CAUGHT = ()

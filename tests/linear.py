@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.identification.problem import Linearised, Problem
-from stickslip.identification.unknowns import Unknown, Unknowns
+from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.estimation.problem import Linearised, Problem
 from stickslip.quantities import Quantity
 
 Array = NDArray[np.float64]

@@ -33,8 +33,8 @@ from stickslip.formulation import Model, formulate
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, parameters
-from stickslip.solver.equations import Equations
-from stickslip.solver.tables import gather
+from stickslip.solver.drive_schedule import gather
+from stickslip.solver.evaluator import Equations
 
 RIGID = [law for law in LAWS.values() if not issubclass(law, BristleLaw)]
 """Laws without bristles, the same in both directions or not."""

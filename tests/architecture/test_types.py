@@ -20,12 +20,12 @@ from tools import stubs
 import stickslip
 import stickslip.plots
 from stickslip.friction import LAWS
-from stickslip.identification.features import ROUTE
-from stickslip.identification.record_fitting import ROUTES
-from stickslip.identification.route_choice import RouteName
+from stickslip.identification.features.features import ROUTE
+from stickslip.identification.records.fitting import ROUTES
+from stickslip.identification.records.route_choice import RouteName
 from stickslip.mechanisms import MECHANISMS
+from stickslip.optimisation.parametrisation import KINDS, TYPES, KindName
 from stickslip.optimisation.problem import GOALS, GoalName
-from stickslip.optimisation.spaces import KINDS, TYPES, KindName
 from stickslip.selection.records import PURPOSES, PurposeName
 
 ROOT = Path(__file__).parents[2]

@@ -322,7 +322,7 @@ def test_a_title_that_looks_like_markup_is_printed_as_it_is(run, rig):
 
 
 def test_a_reason_that_looks_like_markup_is_printed_as_it_is(capsys):
-    from stickslip.cli.output import note, show_table
+    from stickslip.cli.console import note, show_table
 
     show_table("[/b] title", ["[/i] head"], [["[/b] cell"]])
     note("[/b] reason")
@@ -425,7 +425,7 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_work(
 
 
 def test_trying_a_folder_leaves_nothing_behind(tmp_path):
-    from stickslip.cli.output import refuse_overwriting
+    from stickslip.cli.console import refuse_overwriting
 
     new = tmp_path / "one" / "two"
     refuse_overwriting(new, new, force=False)
@@ -436,7 +436,7 @@ def test_trying_a_folder_leaves_nothing_behind(tmp_path):
 
 
 def test_a_write_that_fails_leaves_no_temporary_file_and_replaces_nothing(tmp_path):
-    from stickslip.cli.output import write_file, write_folder
+    from stickslip.cli.console import write_file, write_folder
 
     (tmp_path / "a.txt").write_text("old")
     (tmp_path / "folder").mkdir()

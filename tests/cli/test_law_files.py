@@ -21,10 +21,10 @@ from stickslip import (
     simulate,
 )
 from stickslip.cli import main
-from stickslip.cli.output import plain
+from stickslip.cli.console import plain
 from stickslip.cli.simulate import _event_rows
 from stickslip.experiments import LawEstimates, carried, extrapolations
-from stickslip.experiments.writing import rig_toml
+from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.trajectory import Event
 
 CART = Path(__file__).parents[2] / "docs" / "howto" / "files" / "pendulum-cart.toml"

@@ -10,10 +10,10 @@ import pytest
 import stickslip.selection.records as selection
 from stickslip import Axis, CoulombViscous, Sampled, load_rig, simulate
 from stickslip.cli import main
+from stickslip.cli.inputs import Asked, How, measured, residuals
 from stickslip.cli.interrupts import Interrupts
-from stickslip.cli.measured import Asked, How, measured, residuals
-from stickslip.experiments.reading import Reading
-from stickslip.solver.notices import notice
+from stickslip.experiments.readers.reader_options import Reading
+from stickslip.solver.compile.messages import notice
 
 RIG = """
 title = "Axis"

@@ -13,7 +13,7 @@ import stickslip.selection.records as selection
 from stickslip import load_rig
 from stickslip.cli import main
 from stickslip.cli.interrupts import Interrupts
-from stickslip.identification.record_fitting import fit_record
+from stickslip.identification.records.fitting import fit_record
 
 RIG = """
 title = "Axis"

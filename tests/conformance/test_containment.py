@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip.friction import BristleLaw, FrictionLaw, contained_laws, laws
-from stickslip.identification.starts import starting_law
+from stickslip.identification.travels.start_values import starting_law
 
 PAIRS = [(kind, one) for kind in laws().values() for one in kind.contained]
 LARGE = 1e12

@@ -7,7 +7,7 @@ import pytest
 
 from stickslip import Axis, Checks, Measurement, SpringBlock, check, load_measurement
 from stickslip.errors import InputError
-from stickslip.experiments.checking.level import independent
+from stickslip.experiments.checking.stationarity import independent
 
 RATE = 1000.0
 

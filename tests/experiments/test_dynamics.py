@@ -18,7 +18,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.drives import Drive
-from stickslip.experiments.checks import faults
+from stickslip.experiments.checking.data_quality import faults
 
 AXIS = Axis(inertia=5.0)
 SPRUNG = Axis(inertia=1.0, stiffness=40.0)

@@ -19,7 +19,7 @@ from stickslip import (
 )
 from stickslip.errors import InputError
 from stickslip.experiments import LawEstimates
-from stickslip.experiments.writing import rig_toml
+from stickslip.experiments.rigs.rig_writer import rig_toml
 
 BLOCK = SpringBlock(mass=0.82, stiffness=145.0, compression=0.1)
 LAW = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.5)

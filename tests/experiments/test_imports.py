@@ -9,7 +9,7 @@ import pytest
 from stickslip import load_rig, rig_schema, simulate
 from stickslip.cli import main
 from stickslip.errors import InputError
-from stickslip.experiments.writing import rig_toml
+from stickslip.experiments.rigs.rig_writer import rig_toml
 
 MODULE = '''
 from dataclasses import dataclass

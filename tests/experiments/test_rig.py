@@ -34,7 +34,7 @@ from stickslip import (
 from stickslip.drives import Sum
 from stickslip.drives.registry import DRIVES, PROFILES
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.writing import rig_toml
+from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.mechanisms import MECHANISMS
 
 MECHANISM = '[mechanism]\ntype = "spring-block"\nmass = 1\n'

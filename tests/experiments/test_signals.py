@@ -5,7 +5,13 @@ import pytest
 
 from stickslip import Measurement
 from stickslip.errors import InputError
-from stickslip.experiments.signals import acceleration_of, noise_of, smooth, step_of, velocity_of
+from stickslip.experiments.differentiation import (
+    acceleration_of,
+    noise_of,
+    smooth,
+    step_of,
+    velocity_of,
+)
 
 RATE = 1000.0
 TIME = np.arange(4000) / RATE

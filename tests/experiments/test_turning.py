@@ -7,7 +7,7 @@ import pytest
 
 from stickslip import Axis, CoulombViscous, Measurement, check, fit, load_measurement
 from stickslip.errors import InputError
-from stickslip.selection.record_words import error_text
+from stickslip.selection.record_wording import error_text
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from stickslip.errors import ParameterError
 from stickslip.formulation import formulate
 from stickslip.friction.power_viscous import PLATEAU
 from stickslip.quantities import parameters, structure
-from stickslip.solver.texts import equations_text
+from stickslip.solver.compile.codegen import equations_text
 from stickslip.testing import check_friction
 
 DAHL = Dahl(kinetic_coefficient=0.4, bristle_stiffness=200.0, viscous_coefficient=0.7)

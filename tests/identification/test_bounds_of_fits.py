@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, Sampled, fit, simulate
-from stickslip.identification import inertia, record_starts
-from stickslip.identification.optimise import AGREE
+from stickslip.identification.estimation.levenberg_marquardt import AGREE
+from stickslip.identification.series import inertia, start_values
 
 TRUTH = CoulombViscous(kinetic_coefficient=10.0, viscous_coefficient=30.0)
 NOISE = 1e-4
@@ -47,7 +47,7 @@ def test_a_bound_that_was_guessed_too_low_gives_way(motion, monkeypatch):
     record = cut(motion, 0, 500)
     usual = fit(Axis(inertia=5.0), TRUTH, record, settings=RecordSettings(starts=1))
     # levels and slopes of at most a hundredth of what regression finds, which a search must leave
-    monkeypatch.setattr(record_starts, "REACH", 0.01)
+    monkeypatch.setattr(start_values, "REACH", 0.01)
     start = CoulombViscous(kinetic_coefficient=0.01, viscous_coefficient=0.01)
     found = fit(Axis(inertia=5.0), start, record, settings=RecordSettings(starts=1))
     assert found.at_bounds == {}

@@ -4,8 +4,8 @@ import pytest
 
 from stickslip import Coulomb, Dahl, LuGre, Measurement, SpringBlock, select
 from stickslip.errors import CompilationError
-from stickslip.identification import compiling, starting_law
-from stickslip.identification.travel import trials_of
+from stickslip.identification import precompile, starting_law
+from stickslip.identification.travels.model import trials_of
 from stickslip.selection import travels
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -27,32 +27,32 @@ def asked(monkeypatch):
     def remembered(pairs, *, ensembles, progress):
         seen["processes"] += [law.name for _, law in pairs]
 
-    monkeypatch.setattr(compiling, "is_writable", lambda: True)
-    monkeypatch.setattr(compiling, "warm_up", remembered)
-    monkeypatch.setattr(compiling, "prepare", lambda rig, law: seen["here"].append(law.name))
+    monkeypatch.setattr(precompile, "is_writable", lambda: True)
+    monkeypatch.setattr(precompile, "warm_up", remembered)
+    monkeypatch.setattr(precompile, "prepare", lambda rig, law: seen["here"].append(law.name))
     return seen
 
 
 def test_laws_with_bristles_are_compiled_together_if_there_are_several_trials(asked):
-    compiling.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS)
+    precompile.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS)
     assert set(asked["processes"]) == {"dahl", "lugre"}
     assert set(asked["here"]) == {"dahl", "lugre"}
 
 
 def test_a_single_trial_is_not_worth_compiling(asked):
-    compiling.compile_for(trials_of(RIG, ONE, 10.0), LAWS)
+    precompile.compile_for(trials_of(RIG, ONE, 10.0), LAWS)
     assert asked == {"processes": [], "here": []}
 
 
 def test_a_single_law_takes_no_process(asked):
-    compiling.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS[:2])
+    precompile.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS[:2])
     assert asked["processes"] == []
     assert set(asked["here"]) == {"dahl"}
 
 
 def test_a_cache_that_cannot_be_written_to_is_no_obstacle(asked, monkeypatch):
-    monkeypatch.setattr(compiling, "is_writable", lambda: False)
-    compiling.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS)
+    monkeypatch.setattr(precompile, "is_writable", lambda: False)
+    precompile.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS)
     assert asked["processes"] == []
     assert set(asked["here"]) == {"dahl", "lugre"}
 
@@ -61,8 +61,8 @@ def test_processes_that_fail_are_logged_and_done_without(asked, monkeypatch, cap
     def failing(*_arguments, **_settings):
         raise CompilationError("a process died")
 
-    monkeypatch.setattr(compiling, "warm_up", failing)
-    compiling.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS)
+    monkeypatch.setattr(precompile, "warm_up", failing)
+    precompile.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS)
     assert set(asked["here"]) == {"dahl", "lugre"}
     assert caplog.messages == ["a process died; going on without processes"]
 

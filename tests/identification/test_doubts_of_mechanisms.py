@@ -22,9 +22,9 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
-from stickslip.identification import least_squares as least_squares_of_travels
 from stickslip.identification.fitting import fit_trials
-from stickslip.identification.travel import standard_errors, trials_of
+from stickslip.identification.travels import several_travels as least_squares_of_travels
+from stickslip.identification.travels.model import standard_errors, trials_of
 from stickslip.selection.admissibility import improves
 
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)

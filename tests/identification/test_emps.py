@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, CoulombViscous, DirectionDependent, Stribeck, load_measurement, select
-from stickslip.identification.inverse_dynamics import inverse_dynamics
-from stickslip.identification.record_fitting import fit_record
-from stickslip.identification.record_settings import RecordSettings
+from stickslip.identification.records.fitting import fit_record
+from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.series.inverse_dynamics import inverse_dynamics
 
 AXIS = Axis(inertia=95.0)
 ONE = RecordSettings(starts=1)

@@ -14,8 +14,8 @@ from stickslip import (
     fit,
     simulate,
 )
-from stickslip.identification.first_deflections import deflection_slopes, first_deflection
-from stickslip.identification.record_problems import Wanted, prepared
+from stickslip.identification.records.problems import Wanted, prepared
+from stickslip.identification.shooting.first_deflections import deflection_slopes, first_deflection
 
 SOFT = LuGre(
     kinetic_coefficient=3.0,

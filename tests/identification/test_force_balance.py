@@ -20,8 +20,8 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
-from stickslip.identification.force_balance import balanced, mean_force
-from stickslip.identification.force_map import map_along
+from stickslip.identification.force_map.force_balance import balanced, mean_force
+from stickslip.identification.force_map.problem import map_along
 from stickslip.selection.cross_validation import cross_validate, plan_of
 
 J, LEVEL, VISCOUS = 5.0, 10.0, 30.0

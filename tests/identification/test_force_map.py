@@ -31,11 +31,11 @@ from stickslip import (
 )
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import BristleLaw, FrictionLaw
-from stickslip.identification.bristle_paths import Path as Motion
-from stickslip.identification.bristle_paths import follow
-from stickslip.identification.force_map import force_map
-from stickslip.identification.map_problem import ForceMap
-from stickslip.identification.optimise import Found, search
+from stickslip.identification.estimation.levenberg_marquardt import Found, search
+from stickslip.identification.force_map.bristle_integration import Path as Motion
+from stickslip.identification.force_map.bristle_integration import follow
+from stickslip.identification.force_map.model import ForceMap
+from stickslip.identification.force_map.problem import force_map
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity
 

@@ -17,10 +17,10 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
-from stickslip.identification import refits
-from stickslip.identification.halves import Halves, blocks_of_half, widened
-from stickslip.identification.inference import Inference, infer
-from stickslip.identification.problem import Linearised
+from stickslip.identification.estimation.halves import Halves, blocks_of_half, widened
+from stickslip.identification.estimation.jackknife import Inference, infer
+from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.records import refits
 from stickslip.selection.cross_validation import halves
 
 CLOCK = Pendulum(mass=0.2, length=0.5)

@@ -8,14 +8,14 @@ from scipy import stats
 from scipy.signal import lfilter
 
 from stickslip import Axis, CoulombViscous, Measurement, Stribeck, fit
-from stickslip.identification.inference import (
+from stickslip.identification.estimation.jackknife import (
     block_sums,
     bootstrap,
     effective_size,
     freedom_of,
     infer,
 )
-from stickslip.identification.problem import Linearised
+from stickslip.identification.estimation.problem import Linearised
 from stickslip.selection.record_admissibility import objection
 
 

@@ -8,9 +8,9 @@ import pytest
 
 from stickslip import Axis, Measurement, SpringBlock
 from stickslip.errors import InputError
-from stickslip.experiments.cutting import rows_of
-from stickslip.identification.inertia import inertia_of
-from stickslip.identification.inverse_dynamics import (
+from stickslip.experiments.slicing import rows_of
+from stickslip.identification.series.inertia import inertia_of
+from stickslip.identification.series.inverse_dynamics import (
     inverse_dynamics,
     mass_of,
 )

@@ -5,9 +5,15 @@ import pytest
 from tests.linear import Linear
 
 from stickslip.errors import ConvergenceError
-from stickslip.identification.optimise import FURTHER, JITTER, improve, search, step_of
-from stickslip.identification.problem import Linearised, Searchable
-from stickslip.identification.unknowns import Unknown, Unknowns
+from stickslip.identification.estimation.levenberg_marquardt import (
+    FURTHER,
+    JITTER,
+    improve,
+    search,
+    step_of,
+)
+from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.estimation.problem import Linearised, Searchable
 from stickslip.quantities import Quantity
 
 RANDOM = np.random.default_rng(3)
@@ -78,7 +84,7 @@ def test_starts_of_a_linear_problem_agree_and_no_further_ones_are_made():
 
 
 def test_starts_that_disagree_call_for_further_ones(monkeypatch):
-    from stickslip.identification import optimise
+    from stickslip.identification.estimation import levenberg_marquardt
 
     costs = iter([9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0])
 
@@ -90,7 +96,7 @@ def test_starts_that_disagree_call_for_further_ones(monkeypatch):
             values=values, residual=row, slopes=np.zeros((1, 2)), segment=np.zeros(1, int)
         ), False
 
-    monkeypatch.setattr(optimise, "improve", ended)
+    monkeypatch.setattr(levenberg_marquardt, "improve", ended)
     found = search(Linear(TABLE, MEASURED, start=[9.0, 9.0]), starts=4)
     assert len(found.costs) == 4 + FURTHER
     assert found.best.cost == pytest.approx(2.0)

@@ -22,8 +22,8 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import ConvergenceError, InputError
-from stickslip.identification.record_settings import RecordSettings
-from stickslip.identification.route_choice import choose_route
+from stickslip.identification.records.route_choice import choose_route
+from stickslip.identification.records.settings import RecordSettings
 
 TRUTH = Coulomb(kinetic_coefficient=0.18, static_coefficient=0.24)
 SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)

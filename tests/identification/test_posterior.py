@@ -7,10 +7,10 @@ from tests.selection.test_records import AXIS, QUICK, TRUTH, recorded
 import stickslip
 from stickslip import CoulombViscous, Measurement, SpringBlock, Viscous
 from stickslip.errors import InputError
-from stickslip.identification import posterior
-from stickslip.identification.posterior import sample_posterior
-from stickslip.identification.problem import Linearised
-from stickslip.identification.record_fitting import fit_record
+from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.records import posterior
+from stickslip.identification.records.fitting import fit_record
+from stickslip.identification.records.posterior import sample_posterior
 
 
 @pytest.fixture(scope="module")

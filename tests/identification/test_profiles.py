@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from stickslip import Axis, CoulombViscous, Measurement, Sine, fit, simulate
-from stickslip.identification.profiles import largest_allowed
+from stickslip.identification.profile_likelihood import largest_allowed
 
 
 def table():

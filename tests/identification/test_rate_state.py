@@ -9,8 +9,8 @@ import pytest
 from stickslip import Measurement, load_measurement
 from stickslip.errors import InputError, ParameterError, SimulationError
 from stickslip.identification import RateState, fit_rate_state, simulate_velocity_steps
-from stickslip.identification.load_point import path_of
-from stickslip.identification.optimise import step_of
+from stickslip.identification.estimation.levenberg_marquardt import step_of
+from stickslip.identification.series.load_point import path_of
 
 KNOTS = np.array([0.0, 20.0, 60.0, 100.0, 120.0])
 PULL = 1e-6 * np.array([0.0, 20.0, 420.0, 460.0, 660.0])

@@ -20,7 +20,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.identification.inverse_dynamics import inverse_dynamics
+from stickslip.identification.series.inverse_dynamics import inverse_dynamics
 
 AXIS = Axis(inertia=5.0)
 QUICK = RecordSettings(starts=1)

@@ -7,7 +7,7 @@ import pytest
 from benchmarks import faults
 
 from stickslip import Axis, CoulombViscous, Measurement, Sine, fit, select, simulate
-from stickslip.identification.record_settings import RecordSettings
+from stickslip.identification.records.settings import RecordSettings
 
 QUICK = RecordSettings(starts=1)
 

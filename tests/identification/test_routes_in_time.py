@@ -19,8 +19,8 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
-from stickslip.identification import record_fitting
-from stickslip.identification.optimise import search
+from stickslip.identification.estimation.levenberg_marquardt import search
+from stickslip.identification.records import fitting
 
 QUICK = RecordSettings(starts=1)
 TRUTH = CoulombViscous(kinetic_coefficient=6.0, viscous_coefficient=4.0)
@@ -151,7 +151,7 @@ def test_a_decay_that_only_its_segments_predict_says_over_what_it_fails(monkeypa
             raise ConvergenceError("the record cannot be predicted.")
         return search(problem, **settings)
 
-    monkeypatch.setattr(record_fitting, "search", only_short)
+    monkeypatch.setattr(fitting, "search", only_short)
     with pytest.raises(ConvergenceError, match="do not tell enough to predict 3 s: the record"):
         fit(rig, Viscous, record, settings=QUICK)
 

@@ -17,7 +17,7 @@ from stickslip import (
     load_rig,
     simulate,
 )
-from stickslip.identification.loads import as_loaded
+from stickslip.identification.series.measured_load import as_loaded
 
 SPEED = np.concatenate([np.linspace(-0.1, -0.01, 40), np.linspace(0.01, 0.1, 40)])
 LEVEL = 0.4

@@ -17,8 +17,8 @@ from stickslip import (
 )
 from stickslip.control import closed_loop
 from stickslip.friction import laws
-from stickslip.identification.containment import FittedLaw, search_failure
-from stickslip.identification.route_choice import choose_route
+from stickslip.identification.estimation.containment import FittedLaw, search_failure
+from stickslip.identification.records.route_choice import choose_route
 from stickslip.solver import EventDriven
 
 SOLVER = EventDriven(tier="compiled", max_steps=1_000_000)

@@ -7,7 +7,7 @@ import pytest
 
 from stickslip import Axis, Measurement, Sine, TowedBlock
 from stickslip.errors import InputError
-from stickslip.identification.segmenting import measured_quantity, segments_of, with_drive
+from stickslip.identification.shooting.segments import measured_quantity, segments_of, with_drive
 
 AXIS = Axis(inertia=2.0)
 T = np.arange(0.0, 5.0, 1e-3)

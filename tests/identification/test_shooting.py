@@ -17,18 +17,18 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import ConvergenceError, InputError
-from stickslip.identification.initial_states import CLEARLY
-from stickslip.identification.optimise import improve
-from stickslip.identification.record_fitting import fit_record
-from stickslip.identification.record_settings import RecordSettings
-from stickslip.identification.record_starts import (
+from stickslip.identification.estimation.levenberg_marquardt import improve
+from stickslip.identification.records.fitting import fit_record
+from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.series.start_values import (
     joined,
     law_unknowns,
     mechanism_unknowns,
     scales_of,
 )
-from stickslip.identification.segmenting import segments_of
-from stickslip.identification.shooting import Shooting
+from stickslip.identification.shooting.initial_states import CLEARLY
+from stickslip.identification.shooting.multiple_shooting import Shooting
+from stickslip.identification.shooting.segments import segments_of
 
 TRUE = CoulombViscous(kinetic_coefficient=3.0, viscous_coefficient=8.0)
 RIG = Axis(inertia=4.0, offset=-0.4)

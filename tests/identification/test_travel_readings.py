@@ -26,7 +26,7 @@ from stickslip import (
 )
 from stickslip.errors import ConvergenceError, InputError, ParameterError
 from stickslip.experiments.travels import scale_of
-from stickslip.identification.travel import standard_errors, trials_of, under_cycles
+from stickslip.identification.travels.model import standard_errors, trials_of, under_cycles
 
 WAVE = Square(high=6.0, low=-1.0, period=0.4, duty=0.3)
 CAPSULE = Capsule(
@@ -229,7 +229,7 @@ def test_a_table_of_a_rig_is_checked_for_cycles(tmp_path):
 
 
 def test_the_report_shows_what_was_read():
-    from stickslip.report.selection.trials import trials_section
+    from stickslip.report.travels.trials import trials_section
 
     speeds = {0.3: way(0.3, END) / END, 0.4: way(0.4, END) / END}
     verdict = select(CAPSULE, readings("mean_velocity", speeds, 1e-3), [Coulomb], t_end=END)

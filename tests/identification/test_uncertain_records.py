@@ -27,7 +27,7 @@ from stickslip import (
 )
 from stickslip.drives import Sampled
 from stickslip.errors import InputError
-from stickslip.identification.posterior import sample_posterior
+from stickslip.identification.records.posterior import sample_posterior
 from stickslip.quantities import parameters, vary
 
 J, K, N = "mechanism.inertia", "mechanism.stiffness", "mechanism.load"

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from stickslip.identification.unknowns import Unknown, Unknowns
+from stickslip.identification.estimation.parameters import Unknown, Unknowns
 from stickslip.quantities import Quantity
 
 LEVEL = Unknown(

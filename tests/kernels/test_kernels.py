@@ -10,8 +10,8 @@ from tests.support import Generated
 
 from stickslip import Axis, LuGre
 from stickslip.kernels import dop853_tableau, rodas5p_tableau
-from stickslip.kernels.layout import longer
 from stickslip.kernels.lu import lu_factor, lu_solve
+from stickslip.kernels.state_layout import longer
 
 
 def solved(a, b):

@@ -12,8 +12,8 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from stickslip.kernels.layout import POLYNOMIAL, SERIES, SIZE
-from stickslip.kernels.polynomials import FALLS_AT_ONCE, NEVER_FALLS, first_fall
+from stickslip.kernels.bernstein import FALLS_AT_ONCE, NEVER_FALLS, first_fall
+from stickslip.kernels.state_layout import POLYNOMIAL, SERIES, SIZE
 
 EPSILON = 2.0**-52
 MANY = settings(max_examples=200)

@@ -10,7 +10,7 @@ from stickslip import Axis, Coulomb, Prescribed, SevenStep, SineSwing, SplineSwi
 from stickslip.errors import InputError
 from stickslip.mechanisms import static_normal_force
 from stickslip.optimisation import measure, units_of_limits
-from stickslip.optimisation.cycles import fitted
+from stickslip.optimisation.cycle_metrics import fitted
 
 G, MU, P, STROKE_LENGTH, FAST = 9.81, 0.2, 0.2, 0.02, 50.0
 

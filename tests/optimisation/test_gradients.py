@@ -5,10 +5,10 @@ import pytest
 
 from stickslip import Coulomb, Limits
 from stickslip.optimisation import GOALS
-from stickslip.optimisation.polish import goal_gradient, travel_gradient
+from stickslip.optimisation.local_refinement import goal_gradient, travel_gradient
+from stickslip.optimisation.parametrisation import space_of
 from stickslip.optimisation.problem import Problem
 from stickslip.optimisation.scenarios import Scenarios
-from stickslip.optimisation.spaces import space_of
 
 LAW = Coulomb(kinetic_coefficient=0.2)
 LIMITS = Limits(position=1.0, rate=12.0, effort=2.0)

@@ -21,9 +21,9 @@ from stickslip.drives.registry import PROFILES
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.optimisation import GOALS, Margin, measure
 from stickslip.optimisation.optimise import MOST_POLISHED
+from stickslip.optimisation.parametrisation import KINDS, kind_of, space_of
 from stickslip.optimisation.problem import FINER, Problem
 from stickslip.optimisation.scenarios import scenarios_of
-from stickslip.optimisation.spaces import KINDS, kind_of, space_of
 
 SMALL = 60
 """Motions that a search tries here."""

@@ -6,8 +6,8 @@ import pytest
 
 from stickslip import load_rig, select
 from stickslip.paper import rig_report
-from stickslip.report.selection.texts import step_text
-from stickslip.selection.discretisation import rounded_step
+from stickslip.report.travels.texts import step_text
+from stickslip.selection.fixed_step_comparison import rounded_step
 
 TEXT = """
 title = "Thrown"

@@ -34,13 +34,13 @@ from stickslip import (
 )
 from stickslip.errors import InputError
 from stickslip.plots import animation_html, draw_scene, standalone_svg
-from stickslip.plots.animation import frame_times
-from stickslip.plots.scenes import Arrow, Ball, Box, Coil, Ground, Picture, Rod, scene_of
-from stickslip.plots.scenes.bars import bars
-from stickslip.plots.scenes.extents import Scales, extent_of
-from stickslip.plots.scenes.painting import MODE_COLOURS
-from stickslip.plots.stage import Stage, moments_of
-from stickslip.plots.theme import SLIP_BACK, STICK, SURFACE, house_style
+from stickslip.plots.animation.animation import frame_times
+from stickslip.plots.animation.animation_frame import Stage, moments_of
+from stickslip.plots.animation.scenes import Arrow, Ball, Box, Coil, Ground, Picture, Rod, scene_of
+from stickslip.plots.animation.scenes.bounding_boxes import Scales, extent_of
+from stickslip.plots.animation.scenes.fallback import bars
+from stickslip.plots.animation.scenes.renderer import MODE_COLOURS
+from stickslip.plots.core.theme import SLIP_BACK, STICK, SURFACE, house_style
 
 LAW = Coulomb(kinetic_coefficient=0.2)
 SMALL = (440.0, 320.0)

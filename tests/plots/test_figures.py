@@ -24,30 +24,30 @@ from stickslip import (
     simulate,
 )
 from stickslip.plots import inline_svg
-from stickslip.plots.compare import TRAVEL_SIZES, draw_travels
-from stickslip.plots.cycles import CYCLE_SIZES, draw_cycles
-from stickslip.plots.excitations import EXCITATION_SIZES, draw_excitations, excitation_colours
-from stickslip.plots.labels import Curve, label_curves
-from stickslip.plots.laws import (
+from stickslip.plots.core.helpers import dense, grouped, horizon, looks, wrapped
+from stickslip.plots.core.label_placement import Curve, label_curves
+from stickslip.plots.core.theme import C1
+from stickslip.plots.data.rig_sketches import SKETCHES, sketch
+from stickslip.plots.laws.curves import (
     characteristic_sizes,
     draw_characteristics,
     draw_presliding,
     presliding_sizes,
 )
-from stickslip.plots.loop import LOOP_SIZES, draw_closed_loop
-from stickslip.plots.run import (
+from stickslip.plots.runs.closed_loop import LOOP_SIZES, draw_closed_loop
+from stickslip.plots.runs.excitations import EXCITATION_SIZES, draw_excitations, excitation_colours
+from stickslip.plots.runs.fixed_step_comparison import draw_fixed_steps, fixed_step_sizes
+from stickslip.plots.runs.limit_cycles import CYCLE_SIZES, draw_cycles
+from stickslip.plots.runs.run import (
     FRICTION_SIZES,
     RUN_SIZES,
     draw_friction_velocity,
     draw_run,
     draw_runs,
 )
-from stickslip.plots.separation import SEPARATION_SIZES, draw_separation
-from stickslip.plots.series import dense, grouped, horizon, looks, wrapped
-from stickslip.plots.sketches import SKETCHES, sketch
-from stickslip.plots.steps import draw_fixed_steps, fixed_step_sizes
-from stickslip.plots.theme import C1
-from stickslip.selection.separation import Separation
+from stickslip.plots.runs.travel_comparison import TRAVEL_SIZES, draw_travels
+from stickslip.plots.selection.separation import SEPARATION_SIZES, draw_separation
+from stickslip.selection.design.discriminating_settings import Separation
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 COULOMB = Coulomb(kinetic_coefficient=0.25)

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from stickslip import Status
 from stickslip.errors import InputError
 from stickslip.plots import draw_basins, draw_bifurcation, draw_velocity_map, standalone_svg
-from stickslip.plots.theme import SLIP_BACK, house_style
+from stickslip.plots.core.theme import SLIP_BACK, house_style
 from stickslip.sweep import Attractor, Basins, Bifurcation, VelocityMap
 
 

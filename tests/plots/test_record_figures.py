@@ -5,10 +5,10 @@ import pytest
 from matplotlib.figure import Figure
 
 from stickslip.friction import Coulomb, CoulombViscous
-from stickslip.plots.friction_map import MapLaw, draw_friction_map
-from stickslip.plots.loops import Loop, draw_loops
-from stickslip.plots.pieces import Piece, draw_pieces
-from stickslip.plots.theme import C1, C2, C3, C4, DATA, house_style
+from stickslip.plots.core.theme import C1, C2, C3, C4, DATA, house_style
+from stickslip.plots.laws.friction_map import MapLaw, draw_friction_map
+from stickslip.plots.laws.hysteresis import Loop, draw_loops
+from stickslip.plots.selection.prediction_excerpts import Piece, draw_pieces
 
 T = np.linspace(0.0, 1.0, 50)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import Coulomb, Measurement, Stribeck, TowedBlock, Viscous, select, simulate
-from stickslip.plots.pull import Excerpt
+from stickslip.plots.runs.spring_force import Excerpt
 from stickslip.report.features import feature_document, feature_page
 from stickslip.report.features.force import CYCLES, _excerpt
 

@@ -6,7 +6,7 @@ import pytest
 
 from stickslip.friction import PRINTED_EQUATIONS, laws
 from stickslip.report import Math, Page, Section, render
-from stickslip.report.formulas import branches, formula_text
+from stickslip.report.core.formulas import branches, formula_text
 
 LATEX = [form.formula for form in PRINTED_EQUATIONS] + [law.formula for law in laws().values()]
 

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from stickslip import SpringBlock, plan
-from stickslip.report.page import render
+from stickslip.report.core.page import render
 from stickslip.report.plans import plan_page
 from stickslip.selection.sheet_tables import tables_of
 

@@ -20,22 +20,22 @@ from stickslip import (
     simulate,
 )
 from stickslip.friction import DirectionDependent
-from stickslip.identification.model_error import ModelError
-from stickslip.identification.optimise import AGREE
-from stickslip.identification.record_fitting import fit_record
-from stickslip.identification.record_settings import RecordSettings
+from stickslip.identification.estimation.levenberg_marquardt import AGREE
+from stickslip.identification.estimation.model_error import ModelError
+from stickslip.identification.records.fitting import fit_record
+from stickslip.identification.records.settings import RecordSettings
 from stickslip.report import Paragraph, Section, numbers
-from stickslip.report.markup import equation_parts
+from stickslip.report.core.markup import equation_parts
 from stickslip.report.records import record_document, record_page
 from stickslip.report.records.certificate import certificate_section
-from stickslip.report.records.data import block_edges, panel_of, rows_of, sampled, thinned
 from stickslip.report.records.loops import turns_of
-from stickslip.report.records.opening import law_lines, level_at, levels_at_speed
+from stickslip.report.records.plot_data import block_edges, panel_of, rows_of, sampled, thinned
 from stickslip.report.records.reproduce import python_lines
 from stickslip.report.records.residuals import _panels, residuals_section
+from stickslip.report.records.summary import law_lines, level_at, levels_at_speed
 from stickslip.report.records.texts import Scale, half_width, rival_of, scale_for, typeset
-from stickslip.selection.record_words import in_sentence
-from stickslip.selection.specifications import specifications
+from stickslip.selection.candidates import specifications
+from stickslip.selection.record_wording import in_sentence
 
 TRUE = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=5.0)
 DRIVE = Sine(amplitude=6.0, frequency=0.5) + Sine(amplitude=3.0, frequency=1.3)

@@ -29,7 +29,7 @@ from stickslip import (
 )
 from stickslip.errors import SimulationError
 from stickslip.experiments import LawEstimates
-from stickslip.report import documents
+from stickslip.report.core import documents
 from stickslip.report.runs import RunReport, page, run_page
 from stickslip.sweep import band_of
 

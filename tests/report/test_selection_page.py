@@ -21,11 +21,12 @@ from stickslip import (
 )
 from stickslip.errors import SimulationError
 from stickslip.experiments import Measurement
-from stickslip.report import Paragraph, Section, documents, markup
-from stickslip.report.page import render
-from stickslip.report.selection import selection_page
-from stickslip.report.selection.runs import steps_heading
-from stickslip.report.selection.texts import step_text
+from stickslip.report import Paragraph, Section
+from stickslip.report.core import documents, markup
+from stickslip.report.core.page import render
+from stickslip.report.travels import selection_page
+from stickslip.report.travels.runs import steps_heading
+from stickslip.report.travels.texts import step_text
 from stickslip.selection import compare_fixed_steps
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)

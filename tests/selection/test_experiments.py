@@ -17,10 +17,10 @@ from stickslip import (
     TowedBlock,
     Viscous,
 )
-from stickslip.selection.experiments import design
+from stickslip.selection.design.experiments import design
+from stickslip.selection.design.predictors import Predictor
 from stickslip.selection.next_measurements import reach_of
-from stickslip.selection.predictors import Predictor
-from stickslip.selection.record_words import with_doubt
+from stickslip.selection.record_wording import with_doubt
 
 
 def designed(candidates, *, speed=0.5, force=0.01, length=1e-4, driven=True, **more):

@@ -23,7 +23,7 @@ from stickslip import (
 )
 from stickslip.errors import InputError
 from stickslip.identification.fitting import fit_trials
-from stickslip.identification.travel import trials_of
+from stickslip.identification.travels.model import trials_of
 from stickslip.selection.admissibility import improves
 from stickslip.selection.lab_sheet import Plan
 

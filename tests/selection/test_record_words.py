@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Coulomb, Measurement, RecordSettings, Viscous, select, write_report
-from stickslip.cli.output import document, json_text
-from stickslip.identification.halves import Halves
-from stickslip.identification.model_error import ModelError
-from stickslip.report.records.opening import opening_section
-from stickslip.selection.experiments import design
-from stickslip.selection.predictors import Predictor
+from stickslip.cli.console import document, json_text
+from stickslip.identification.estimation.halves import Halves
+from stickslip.identification.estimation.model_error import ModelError
+from stickslip.report.records.summary import opening_section
+from stickslip.selection.design.experiments import design
+from stickslip.selection.design.predictors import Predictor
+from stickslip.selection.identifiable import settled_estimates
 from stickslip.selection.record_admissibility import objection
-from stickslip.selection.record_words import error_with_doubt, first_of, record_wording
+from stickslip.selection.record_wording import error_with_doubt, first_of, record_wording
 from stickslip.selection.records import _on_second, _verdict
-from stickslip.selection.settled import settled_estimates
 
 AXIS = Axis(inertia=1.0)
 QUICK = RecordSettings(starts=1)

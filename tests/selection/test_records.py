@@ -22,25 +22,25 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.cli.output import document, json_text
+from stickslip.cli.console import document, json_text
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments.wording import quantity
-from stickslip.identification import refits
-from stickslip.identification.optimise import improve
-from stickslip.identification.record_fit import settled
-from stickslip.identification.record_fitting import fit_record
+from stickslip.identification.estimation.levenberg_marquardt import improve
+from stickslip.identification.records import refits
+from stickslip.identification.records.fit import settled
+from stickslip.identification.records.fitting import fit_record
 from stickslip.report.records import record_page
+from stickslip.selection.applicability import one_way
 from stickslip.selection.cross_validation import Plan, cross_validate, plan_of
+from stickslip.selection.identifiable import settled_estimates, traded
 from stickslip.selection.record_admissibility import objection
-from stickslip.selection.record_words import (
+from stickslip.selection.record_wording import (
     error_text,
     friction_of,
     in_sentence,
     outcomes,
     record_wording,
 )
-from stickslip.selection.settled import settled_estimates, traded
-from stickslip.selection.suited import one_way
 
 TRUTH = DirectionDependent(
     forward_kinetic_coefficient=4.0,

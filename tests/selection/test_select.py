@@ -18,7 +18,7 @@ from stickslip import (
 )
 from stickslip.errors import InputError
 from stickslip.selection import compare_fixed_steps, criteria_of
-from stickslip.selection.scoring import root_mean_square
+from stickslip.selection.leave_one_out import root_mean_square
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 READING = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")

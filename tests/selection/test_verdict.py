@@ -5,9 +5,9 @@ import dataclasses
 import pytest
 
 from stickslip import Coulomb, CoulombViscous, Measurement, SpringBlock, Stribeck, load_rig, select
-from stickslip.identification.travel import trials_of
+from stickslip.identification.travels.model import trials_of
 from stickslip.selection.admissibility import doubts
-from stickslip.selection.separation import separations
+from stickslip.selection.design.discriminating_settings import separations
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 COULOMB = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)

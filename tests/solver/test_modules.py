@@ -10,7 +10,7 @@ import pytest
 
 from stickslip import Coulomb, SpringBlock, simulate
 from stickslip.formulation import formulate
-from stickslip.solver.modules import cache_directory, load, module_text
+from stickslip.solver.compile.modules import cache_directory, load, module_text
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25)

@@ -20,7 +20,7 @@ from stickslip import (
 )
 from stickslip.errors import InputError, ParameterError
 from stickslip.formulation import formulate
-from stickslip.solver.outputs import reasons
+from stickslip.solver.reducers import reasons
 
 PYTHON = EventDriven(tier="python")
 LAW = Coulomb(kinetic_coefficient=0.5, static_coefficient=0.7)

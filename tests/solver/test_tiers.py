@@ -18,8 +18,8 @@ from stickslip import (
 )
 from stickslip.errors import ParameterError
 from stickslip.formulation import formulate
-from stickslip.solver.execution import prepare
-from stickslip.solver.modules import is_loaded
+from stickslip.solver.compile.modules import is_loaded
+from stickslip.solver.run import prepare
 
 PYTHON, COMPILED = EventDriven(tier="python"), EventDriven(tier="compiled")
 # one case for each stepper and each kind of drive; more would cost seconds of compiling apiece

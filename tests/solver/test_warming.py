@@ -13,8 +13,9 @@ import pytest
 from stickslip import Coulomb, CoulombViscous, EventDriven, Pulse, SpringBlock, simulate
 from stickslip.errors import CompilationError, InputError
 from stickslip.formulation import formulate
-from stickslip.solver import crew, files, notices, parts, prepare, warm_up, warming
-from stickslip.solver.modules import load_compiled
+from stickslip.solver import prepare, warm_up
+from stickslip.solver.compile import compile_pool, compile_units, messages, module_cache, precompile
+from stickslip.solver.compile.modules import load_compiled
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25)
@@ -67,7 +68,7 @@ def fresh(monkeypatch):
     forgotten = {n: m for n, m in sys.modules.items() if n.startswith("stickslip_")}
     for name in forgotten:
         del sys.modules[name]
-    monkeypatch.setattr(parts, "_ready", set())
+    monkeypatch.setattr(compile_units, "_ready", set())
     load_compiled.cache_clear()
     yield
     load_compiled.cache_clear()
@@ -110,20 +111,20 @@ def test_progress_tells_when_something_begins_and_when_it_is_done(warmed):
 
 
 def test_what_is_there_starts_no_process(cache, monkeypatch):
-    monkeypatch.setattr(crew.subprocess, "Popen", never)
+    monkeypatch.setattr(compile_pool.subprocess, "Popen", never)
     done = warm_up(PAIRS, ensembles=False)
     assert (done.kernels_compiled, done.equations_compiled) == (0, 0)
     assert (done.kernels_found, done.equations_found) == (1, 2)
 
 
 def test_what_is_there_needs_no_folder_that_can_be_written(cache, monkeypatch):
-    monkeypatch.setattr(warming, "is_writable", lambda: False)
+    monkeypatch.setattr(precompile, "is_writable", lambda: False)
     assert warm_up(PAIRS, ensembles=False).kernels_found == 1
 
 
 def test_afterwards_the_equations_are_loaded_and_nothing_is_said(cache, fresh, capsys, monkeypatch):
-    monkeypatch.setattr(notices, "_watched", lambda: True)
-    monkeypatch.setattr(notices.LOG, "hasHandlers", lambda: False)
+    monkeypatch.setattr(messages, "_watched", lambda: True)
+    monkeypatch.setattr(messages.LOG, "hasHandlers", lambda: False)
     prepare(RIG, OTHER)
     kernels = load_compiled(formulate(RIG, OTHER)).kernels
     assert not kernels.enter_run.stats.cache_misses
@@ -140,8 +141,8 @@ def test_runs_call_the_kernels_as_they_were_compiled(cache, fresh):
 
 
 def test_a_read_only_cache_is_used_through_a_copy(cache, fresh, monkeypatch, tmp_path):
-    monkeypatch.setattr(files, "_takes_machine_code", lambda folder: False)
-    monkeypatch.setattr(files, "_temporary_folder", lambda: tmp_path)
+    monkeypatch.setattr(module_cache, "_takes_machine_code", lambda folder: False)
+    monkeypatch.setattr(module_cache, "_temporary_folder", lambda: tmp_path)
     kernels = load_compiled(formulate(RIG, LAW)).kernels
     assert Path(kernels.__file__).parent == tmp_path
     assert not kernels.enter_run.stats.cache_misses
@@ -149,10 +150,10 @@ def test_a_read_only_cache_is_used_through_a_copy(cache, fresh, monkeypatch, tmp
 
 def test_machine_code_that_was_deleted_counts_as_absent(cache, tmp_path, monkeypatch):
     model = formulate(RIG, LAW)
-    part = parts.parts_of(model, ensembles=False)[0]
+    part = compile_units.parts_of(model, ensembles=False)[0]
     assert part.is_kept()
-    assert not parts.parts_of(model, ensembles=True)[0].is_kept()
-    monkeypatch.setattr(files, "_processor", lambda: "another")
+    assert not compile_units.parts_of(model, ensembles=True)[0].is_kept()
+    monkeypatch.setattr(module_cache, "_processor", lambda: "another")
     assert not part.is_kept()
     monkeypatch.undo()
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path))
@@ -162,7 +163,7 @@ def test_machine_code_that_was_deleted_counts_as_absent(cache, tmp_path, monkeyp
 
 
 def test_a_process_that_dies_is_a_clear_error(empty, monkeypatch):
-    monkeypatch.setattr(crew, "_python", lambda: "false")  # a program that fails at once
+    monkeypatch.setattr(compile_pool, "_python", lambda: "false")  # a program that fails at once
     with pytest.raises(CompilationError, match="ended with code 1 while it compiled SpringBlock"):
         warm_up(PAIRS)
 
@@ -197,14 +198,14 @@ def watched(monkeypatch):
         started.append(begin(*arguments, **settings))
         return started[-1]
 
-    monkeypatch.setattr(crew.subprocess, "Popen", remembered)
+    monkeypatch.setattr(compile_pool.subprocess, "Popen", remembered)
     return started
 
 
 def test_a_cache_that_cannot_be_written_to_is_refused(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "file" / "cache"))
-    monkeypatch.setattr(crew.subprocess, "Popen", never)
+    monkeypatch.setattr(compile_pool.subprocess, "Popen", never)
     with pytest.raises(InputError, match="STICKSLIP_CACHE"):
         warm_up(PAIRS)
 
@@ -223,7 +224,7 @@ def test_what_is_no_pair_is_named(pair):
 
 def test_two_shapes_have_their_kernels_first_and_once_each(empty, monkeypatch):
     seen = []
-    monkeypatch.setattr(warming, "compile_all", lambda parts, *_: seen.extend(parts))
+    monkeypatch.setattr(precompile, "compile_all", lambda parts, *_: seen.extend(parts))
     driven = SpringBlock(mass=1.0, drive=Pulse(level=1.0, duration=1.0))
     warm_up([*PAIRS, (driven, LAW), (driven, OTHER)])
     assert [part.is_shared for part in seen] == [True] * 2 + [False] * 4
@@ -242,28 +243,28 @@ def test_two_shapes_have_their_kernels_first_and_once_each(empty, monkeypatch):
 def test_a_message_is_shown_where_somebody_watches_and_no_log_takes_it(
     capsys, monkeypatch, watched, handled, level, shown
 ):
-    monkeypatch.setattr(notices, "_watched", lambda: watched)
-    monkeypatch.setattr(notices.LOG, "hasHandlers", lambda: handled)
-    before = notices.LOG.level
-    notices.LOG.setLevel(level)
+    monkeypatch.setattr(messages, "_watched", lambda: watched)
+    monkeypatch.setattr(messages.LOG, "hasHandlers", lambda: handled)
+    before = messages.LOG.level
+    messages.LOG.setLevel(level)
     try:
-        notices.notice("Compiling ...")
+        messages.notice("Compiling ...")
     finally:
-        notices.LOG.setLevel(before)
+        messages.LOG.setLevel(before)
     assert (capsys.readouterr().err == "Compiling ...\n") is shown
 
 
 def test_files_and_pipes_are_nobody_who_watches():
     with tempfile.TemporaryFile() as file:
-        code = "from stickslip.solver.notices import notice; notice('Compiling ...')"
+        code = "from stickslip.solver.compile.messages import notice; notice('Compiling ...')"
         subprocess.run([sys.executable, "-c", code], stderr=file, check=True)
         file.seek(0)
         assert file.read() == b""
 
 
 def test_a_message_names_pair_and_seconds_once(empty, monkeypatch, caplog):
-    monkeypatch.setattr(warming, "compile_all", lambda *_: None)
-    monkeypatch.setattr(parts, "_ready", set())  # what other tests left in this process
+    monkeypatch.setattr(precompile, "compile_all", lambda *_: None)
+    monkeypatch.setattr(compile_units, "_ready", set())  # what other tests left in this process
     with caplog.at_level("INFO", "stickslip"):
         warm_up(PAIRS, jobs=1)
     assert caplog.messages == [

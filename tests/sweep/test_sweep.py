@@ -28,7 +28,7 @@ from stickslip import (
 )
 from stickslip.errors import InputError
 from stickslip.sweep import VelocityMap, cycle_of
-from stickslip.sweep.orbits import period_of
+from stickslip.sweep.periodicity import period_of
 
 PLAIN = EventDriven(tier="python")
 """Runs in plain Python, which need no compiling; the numbers are those of compiled runs."""
@@ -378,7 +378,7 @@ def test_wrong_counts_are_refused():
     ],
 )
 def test_cycles_that_cannot_be_run_are_refused_before_anything_is(settings, words, monkeypatch):
-    monkeypatch.setattr("stickslip.sweep.average.ensemble", None)  # would be no InputError
+    monkeypatch.setattr("stickslip.sweep.mean_velocity.ensemble", None)  # would be no InputError
     with pytest.raises(InputError, match=words):
         average_velocity(
             swinging_cart(0.7), Coulomb(kinetic_coefficient=0.2), {"fast": [120.0]}, **settings

@@ -22,7 +22,13 @@ from stickslip import (
 from stickslip.errors import ConformanceError
 from stickslip.maths import sqrt
 from stickslip.quantities import Quantity
-from stickslip.testing import check_friction, check_mechanism, friction, mechanisms, numbers
+from stickslip.testing import (
+    check_friction,
+    check_mechanism,
+    friction,
+    generated_equations,
+    mechanisms,
+)
 
 Mass = Annotated[float, Quantity("m", "kg", above=0)]
 
@@ -337,7 +343,7 @@ def test_a_wrong_derivative_is_found(suite, monkeypatch):
 
 @pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
 def test_a_difference_between_the_tiers_in_the_last_digit_is_found(suite, monkeypatch):
-    right = numbers.simulate
+    right = generated_equations.simulate
 
     def wrong(*what, solver=None, **how):
         run = right(*what, **how)  # in plain Python: what is wrong is put in by hand
@@ -349,7 +355,7 @@ def test_a_difference_between_the_tiers_in_the_last_digit_is_found(suite, monkey
             })()  # fmt: skip
         return run
 
-    monkeypatch.setattr(numbers, "simulate", wrong)
+    monkeypatch.setattr(generated_equations, "simulate", wrong)
     assert failed(suite()) == {"both tiers agree bit for bit"}
 
 

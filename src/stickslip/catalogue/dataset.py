@@ -8,16 +8,16 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, final
 
-from stickslip.catalogue.convert import convert
-from stickslip.catalogue.entry import Column, DataFile, Known
-from stickslip.catalogue.fetch import download, sha256_of
-from stickslip.catalogue.places import (
+from stickslip.catalogue.cache_paths import (
     Place,
     by_hand,
     cache_folder,
     named_folder,
     web_address,
 )
+from stickslip.catalogue.converters import convert
+from stickslip.catalogue.download import download, sha256_of
+from stickslip.catalogue.schema import Column, DataFile, Known
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement, load_measurement
 

@@ -8,13 +8,13 @@ from typing import Any
 
 from rich.text import Text
 
-from stickslip.cli.laws import ChosenLaw, LawAsked, rig_and_law
-from stickslip.cli.output import (
+from stickslip.cli.console import (
     document,
     print_json,
     refuse_overwriting,
     stdout,
 )
+from stickslip.cli.law_choice import ChosenLaw, LawAsked, rig_and_law
 from stickslip.cli.progress import Drawing
 from stickslip.cli.simulate import start_of
 from stickslip.errors import InputError
@@ -51,8 +51,8 @@ def run(
     as_json: bool,
 ) -> None:
     """Simulate, draw, show; a run that ends early is shown up to its end."""
-    from stickslip.plots.animation import animate, frame_times
-    from stickslip.plots.encoding import encoder_of
+    from stickslip.plots.animation.animation import animate, frame_times
+    from stickslip.plots.animation.video_encoding import encoder_of
 
     size = _size(look.size)
     encoder_of(output)

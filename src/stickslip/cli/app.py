@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from stickslip.cli.groups import data, profile
 from stickslip.cli.options import (
     AllowImport,
     Columns,
@@ -39,9 +38,10 @@ from stickslip.cli.options import (
     Unknown,
     Validate,
 )
+from stickslip.cli.subcommands import data, profile
 
 if TYPE_CHECKING:
-    from stickslip.identification.route_choice import RouteName
+    from stickslip.identification.records.route_choice import RouteName
     from stickslip.selection.records import PurposeName
 
 __all__ = ["app"]
@@ -105,8 +105,8 @@ def select(
 
     Ctrl-C while laws are fitted to a record: once ends with the best so far, twice cancels.
     """
-    from stickslip.cli.measured import Asked, How
-    from stickslip.cli.reading import reading_of
+    from stickslip.cli.file_options import reading_of
+    from stickslip.cli.inputs import Asked, How
     from stickslip.cli.select import run
 
     reading = reading_of(
@@ -154,9 +154,9 @@ def fit(
 
     Ctrl-C while a record is fitted: once ends with the best so far, twice cancels.
     """
+    from stickslip.cli.file_options import reading_of
     from stickslip.cli.fit import run
-    from stickslip.cli.measured import Asked, How
-    from stickslip.cli.reading import reading_of
+    from stickslip.cli.inputs import Asked, How
 
     reading = reading_of(
         columns=columns, units=units, gain=gain, repair=repair, conditions=conditions
@@ -200,7 +200,7 @@ def check(
 ) -> None:
     """Say what a measurement can tell and what is wrong with it; exit with 2 at an error."""
     from stickslip.cli.check import run
-    from stickslip.cli.reading import reading_of
+    from stickslip.cli.file_options import reading_of
 
     reading = reading_of(
         columns=columns, units=units, gain=gain, repair=repair, conditions=conditions
@@ -268,7 +268,7 @@ def simulate(
     With a fitted law from a file, --ensemble draws its parameters from their estimates and shows
     the 95 % band of the motion.
     """
-    from stickslip.cli.laws import LawAsked
+    from stickslip.cli.law_choice import LawAsked
     from stickslip.cli.simulate import Settings, run
 
     folder = report_to if report_to is not None else Path("stickslip-run") if report else None
@@ -315,7 +315,7 @@ def animate(
 ) -> None:
     """Simulate the rig with one law and draw what moves, to scale, beside its time plots."""
     from stickslip.cli.animate import Look, run
-    from stickslip.cli.laws import LawAsked
+    from stickslip.cli.law_choice import LawAsked
 
     look = Look(fps=fps, speed=speed, size=size, dpi=dpi)
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
@@ -348,7 +348,7 @@ def sweep(
     as_json: Json = False,
 ) -> None:
     """Mean velocity of a driven rig over a grid of parameters: a table and a figure."""
-    from stickslip.cli.laws import LawAsked
+    from stickslip.cli.law_choice import LawAsked
     from stickslip.cli.sweep import run
 
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import typer
 
-from stickslip.cli.output import (
+from stickslip.cli.console import (
     document,
     json_text,
     note,
@@ -17,7 +17,7 @@ from stickslip.cli.output import (
 )
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Measurement, Rig, check, load_rig
-from stickslip.experiments.reading import Reading
+from stickslip.experiments.readers.reader_options import Reading
 from stickslip.experiments.records import read_data
 
 __all__ = ["run"]

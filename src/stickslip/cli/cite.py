@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from stickslip.cli.output import document, print_json, stdout
+from stickslip.cli.console import document, print_json, stdout
 from stickslip.friction import SOURCES, law_type, laws
 
 __all__ = ["run"]

@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Console
 
 from stickslip.catalogue import Column, DataFile, Dataset, dataset, names
-from stickslip.cli.output import document, note, print_json, show_table, stdout
+from stickslip.cli.console import document, note, print_json, show_table, stdout
 
 __all__ = ["run_list", "run_path", "run_show"]
 

@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 
-from stickslip.cli.output import note, plain, show_table, stdout
+from stickslip.cli.console import note, plain, show_table, stdout
 from stickslip.identification import FeatureFit
-from stickslip.identification.features import COMPARED
+from stickslip.identification.features.features import COMPARED
 from stickslip.report.numbers import significant
-from stickslip.selection.feature_words import signed_share
+from stickslip.selection.feature_wording import signed_share
 
 __all__ = ["show_feature_fit"]
 

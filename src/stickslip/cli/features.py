@@ -4,16 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from stickslip.cli.interrupts import Interrupts
-from stickslip.cli.measured import (
-    Asked,
-    Measured,
-    residuals,
-    show_estimates,
-    show_open,
-    show_warnings,
-)
-from stickslip.cli.output import (
+from stickslip.cli.console import (
     NONE,
     command_line,
     document,
@@ -21,16 +12,25 @@ from stickslip.cli.output import (
     show_table,
     stdout,
 )
+from stickslip.cli.inputs import (
+    Asked,
+    Measured,
+    residuals,
+    show_estimates,
+    show_open,
+    show_warnings,
+)
+from stickslip.cli.interrupts import Interrupts
+from stickslip.cli.process_pool import workers
 from stickslip.cli.progress import Searching
 from stickslip.cli.selected import deliver, laws_of
-from stickslip.cli.workers import workers
 from stickslip.experiments import Rig
 from stickslip.friction import FrictionLaw
-from stickslip.identification.features import COMPARED
+from stickslip.identification.features.features import COMPARED
+from stickslip.report.core.versions import versions
 from stickslip.report.features import feature_page
-from stickslip.report.versions import versions
 from stickslip.selection import FeatureCandidate, FeatureVerdict, select
-from stickslip.selection.feature_words import share, signed_share
+from stickslip.selection.feature_wording import share, signed_share
 from stickslip.selection.features import feature_laws
 
 __all__ = ["select_on_features"]

@@ -6,18 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli.feature_fit import show_feature_fit
-from stickslip.cli.interrupts import Interrupts
-from stickslip.cli.laws import fitted_name
-from stickslip.cli.measured import (
-    Asked,
-    Measured,
-    measured,
-    residuals,
-    show_estimates,
-    show_warnings,
-)
-from stickslip.cli.output import (
+from stickslip.cli.console import (
     document,
     note,
     overrides,
@@ -28,17 +17,28 @@ from stickslip.cli.output import (
     stdout,
     write_file,
 )
+from stickslip.cli.feature_fit import show_feature_fit
+from stickslip.cli.inputs import (
+    Asked,
+    Measured,
+    measured,
+    residuals,
+    show_estimates,
+    show_warnings,
+)
+from stickslip.cli.interrupts import Interrupts
+from stickslip.cli.law_choice import fitted_name
 from stickslip.cli.progress import Searching, Watching
 from stickslip.cli.trials import content_of, show_trials
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, load_rig
-from stickslip.experiments.refusals import told
+from stickslip.experiments.preconditions import told
 from stickslip.experiments.second_records import refuse_same
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification import FeatureFit, Fit, RecordFit, Score, TravelFit, fit
-from stickslip.identification.trial_comparison import compared
+from stickslip.identification.trials.comparison import compared
 from stickslip.report.numbers import length
-from stickslip.selection.record_words import error_text, route_text
+from stickslip.selection.record_wording import error_text, route_text
 
 __all__ = ["run"]
 

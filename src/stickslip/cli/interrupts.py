@@ -5,7 +5,7 @@ import threading
 from types import FrameType, TracebackType
 from typing import Any, Self, final
 
-from stickslip.cli.output import note
+from stickslip.cli.console import note
 
 __all__ = ["Interrupts"]
 

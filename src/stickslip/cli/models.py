@@ -5,7 +5,7 @@ from typing import Any
 
 from rich.text import Text
 
-from stickslip.cli.output import document, plain, print_json, show_table, stdout
+from stickslip.cli.console import document, plain, print_json, show_table, stdout
 from stickslip.errors import UnknownNameError
 from stickslip.friction import (
     PRINTED_EQUATIONS,
@@ -18,8 +18,8 @@ from stickslip.friction import (
     laws,
 )
 from stickslip.quantities import Quantity, fields_of
-from stickslip.report.formulas import formula_text, published_dict
-from stickslip.report.markup import plain as plain_text
+from stickslip.report.core.formulas import formula_text, published_dict
+from stickslip.report.core.markup import plain as plain_text
 
 __all__ = ["run"]
 

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from stickslip.cli import CANCELLED, ToldExit
-from stickslip.cli.output import note, stdout, write_folder
-from stickslip.report.verdicts import PAGE
+from stickslip.cli.console import note, stdout, write_folder
+from stickslip.report.writing import PAGE
 
 __all__ = ["PAGE", "PAGE_FAILED", "draw_page", "leave_unless_drawn"]
 

@@ -3,7 +3,7 @@
 from functools import partial
 from pathlib import Path
 
-from stickslip.cli.output import (
+from stickslip.cli.console import (
     command_line,
     document,
     json_text,

@@ -3,8 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from stickslip.cli.numbers import number_of, range_of
-from stickslip.cli.output import (
+from stickslip.cli.console import (
     command_line,
     document,
     note,
@@ -16,14 +15,15 @@ from stickslip.cli.output import (
     stdout,
     write_folder,
 )
+from stickslip.cli.numbers import number_of, range_of
 from stickslip.cli.selected import laws_of
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Rig, load_rig
 from stickslip.experiments.measurement import QUANTITIES
-from stickslip.identification.travel import trials_of
+from stickslip.identification.travels.model import trials_of
 from stickslip.quantities import Quantity, parameters
 from stickslip.selection import Plan, plan
-from stickslip.selection.separation import knob_of
+from stickslip.selection.design.discriminating_settings import knob_of
 from stickslip.selection.sheet_tables import tables_of
 
 __all__ = ["run"]
@@ -108,9 +108,9 @@ def _uncertainty(text: str | None) -> float | None:
 
 
 def _write(found: Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> None:
-    from stickslip.report.page import render
+    from stickslip.report.core.page import render
+    from stickslip.report.core.versions import versions
     from stickslip.report.plans import plan_page
-    from stickslip.report.versions import versions
 
     sheet, table = files
     name = "" if path is None else f" {path}"

@@ -5,10 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from stickslip.cli.interrupts import Interrupts
-from stickslip.cli.laws import LawAsked, rig_and_law
-from stickslip.cli.numbers import range_of
-from stickslip.cli.output import (
+from stickslip.cli.console import (
     document,
     json_text,
     note,
@@ -18,6 +15,9 @@ from stickslip.cli.output import (
     stdout,
     write_folder,
 )
+from stickslip.cli.interrupts import Interrupts
+from stickslip.cli.law_choice import LawAsked, rig_and_law
+from stickslip.cli.numbers import range_of
 from stickslip.cli.progress import Improving
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Rig
@@ -35,8 +35,8 @@ from stickslip.optimisation import (
 from stickslip.quantities import Quantity, fields_of, full_path, named, parameters
 
 if TYPE_CHECKING:
+    from stickslip.optimisation.parametrisation import KindName
     from stickslip.optimisation.problem import GoalName
-    from stickslip.optimisation.spaces import KindName
 
 __all__ = ["Settings", "run"]
 
@@ -152,7 +152,7 @@ def _interval(mechanism: Mechanism, law: FrictionLaw, text: str) -> tuple[str, t
 
 def _files(found: Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]:
     from stickslip.plots import standalone_svg
-    from stickslip.plots.profiles import PROFILE_SIZES, draw_profile
+    from stickslip.plots.runs.profiles import PROFILE_SIZES, draw_profile
 
     figure = standalone_svg(draw_profile(found), size=PROFILE_SIZES["wide"])
     return {

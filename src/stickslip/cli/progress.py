@@ -14,8 +14,8 @@ from rich.progress import (
     TimeElapsedColumn,
 )
 
+from stickslip.cli.console import stderr
 from stickslip.cli.interrupts import Interrupts
-from stickslip.cli.output import stderr
 
 __all__ = ["Compiling", "Drawing", "Improving", "Searching", "Watching"]
 

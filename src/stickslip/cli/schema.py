@@ -1,6 +1,6 @@
 """``stickslip schema``."""
 
-from stickslip.cli.output import document, print_json
+from stickslip.cli.console import document, print_json
 from stickslip.experiments import rig_schema
 
 __all__ = ["run"]

@@ -6,9 +6,7 @@ from pathlib import Path
 
 import typer
 
-from stickslip.cli.features import select_on_features
-from stickslip.cli.measured import Asked, Measured, measured, show_open
-from stickslip.cli.output import (
+from stickslip.cli.console import (
     NONE,
     command_line,
     document,
@@ -19,6 +17,8 @@ from stickslip.cli.output import (
     show_table,
     stdout,
 )
+from stickslip.cli.features import select_on_features
+from stickslip.cli.inputs import Asked, Measured, measured, show_open
 from stickslip.cli.progress import Watching
 from stickslip.cli.select_records import select_on_records
 from stickslip.cli.selected import deliver, laws_of

@@ -4,16 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from stickslip.cli.interrupts import Interrupts
-from stickslip.cli.measured import (
-    Asked,
-    Measured,
-    residuals,
-    show_estimates,
-    show_open,
-    show_warnings,
-)
-from stickslip.cli.output import (
+from stickslip.cli.console import (
     NONE,
     command_line,
     document,
@@ -21,18 +12,27 @@ from stickslip.cli.output import (
     show_table,
     stdout,
 )
+from stickslip.cli.inputs import (
+    Asked,
+    Measured,
+    residuals,
+    show_estimates,
+    show_open,
+    show_warnings,
+)
+from stickslip.cli.interrupts import Interrupts
+from stickslip.cli.process_pool import workers
 from stickslip.cli.progress import Searching
 from stickslip.cli.selected import deliver, laws_of
 from stickslip.cli.trials import show_trials
-from stickslip.cli.workers import workers
 from stickslip.experiments import Rig
-from stickslip.experiments.digests import of_files
+from stickslip.experiments.hashing import of_files
 from stickslip.friction import FrictionLaw
+from stickslip.report.core.versions import versions
 from stickslip.report.records import record_page
-from stickslip.report.versions import versions
 from stickslip.selection import RecordCandidate, RecordVerdict, select
-from stickslip.selection.record_words import error_text
-from stickslip.selection.specifications import specifications
+from stickslip.selection.candidates import specifications
+from stickslip.selection.record_wording import error_text
 
 __all__ = ["select_on_records"]
 

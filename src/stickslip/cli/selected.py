@@ -6,11 +6,11 @@ from typing import Any
 
 import typer
 
-from stickslip.cli.output import note, print_json
+from stickslip.cli.console import note, print_json
 from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.experiments import Rig
 from stickslip.friction import FrictionLaw
-from stickslip.report.verdicts import DOCUMENT, write_verdict
+from stickslip.report.writing import DOCUMENT, write_verdict
 from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict
 
 __all__ = ["NO_LAW", "deliver", "laws_of"]

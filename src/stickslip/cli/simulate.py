@@ -11,8 +11,7 @@ import numpy as np
 import typer
 from rich.text import Text
 
-from stickslip.cli.laws import ChosenLaw, LawAsked, rig_and_law
-from stickslip.cli.output import (
+from stickslip.cli.console import (
     command_line,
     document,
     note,
@@ -23,13 +22,14 @@ from stickslip.cli.output import (
     stdout,
     write_file,
 )
+from stickslip.cli.law_choice import ChosenLaw, LawAsked, rig_and_law
 from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, extrapolations
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism, slip_names
-from stickslip.mechanisms.cycles import cycle_or_none
+from stickslip.mechanisms.drive_period import cycle_or_none
 from stickslip.report.numbers import residue
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
@@ -188,8 +188,8 @@ def _table(ran: Ran, samples: int) -> "pd.DataFrame":
 
 def _page(ran: Ran, settings: Settings) -> str:
     """Return the page of a run."""
+    from stickslip.report.core.versions import versions
     from stickslip.report.runs import RunReport, run_page
-    from stickslip.report.versions import versions
 
     source = ran.chosen.source
     digests = {"the rig": ran.rig.digest}

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from rich.text import Text
 
-from stickslip.cli.laws import LawAsked, rig_and_law
-from stickslip.cli.output import (
+from stickslip.cli.console import (
     document,
     print_json,
     refuse_overwriting,
@@ -16,6 +15,7 @@ from stickslip.cli.output import (
     stdout,
     write_folder,
 )
+from stickslip.cli.law_choice import LawAsked, rig_and_law
 from stickslip.cli.progress import Drawing
 from stickslip.cli.simulate import check_table, start_of, table_bytes
 from stickslip.errors import InputError
@@ -75,8 +75,8 @@ def _content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
 
 
 def _write(found: VelocityMap, output: Path, figure: Path) -> None:
-    from stickslip.plots.maps import draw_velocity_map
-    from stickslip.plots.svg import standalone_svg
+    from stickslip.plots.core.svg import standalone_svg
+    from stickslip.plots.sweep_maps import draw_velocity_map
 
     svg = standalone_svg(draw_velocity_map(found), size=SIZE, title="Mean velocity")
     table = table_bytes(found.to_dataframe(), output)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from stickslip.cli.output import plain, show_table, stdout
+from stickslip.cli.console import plain, show_table, stdout
 from stickslip.digits import interval, significant
 from stickslip.experiments.condition_values import condition_name
 from stickslip.identification import TrialComparison

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli.output import document, note, print_json, stdout
+from stickslip.cli.console import document, note, print_json, stdout
 from stickslip.cli.progress import Compiling
 from stickslip.drives import Pulse, ThreePhase
 from stickslip.errors import InputError

@@ -1,10 +1,10 @@
 """Feedback: controllers that sample and hold, and what friction makes of them."""
 
-from stickslip.control.compensating import FrictionCompensation, compensation
-from stickslip.control.cycles import LimitCycle, limit_cycle
-from stickslip.control.dynamics import Dynamics, dynamics_at
-from stickslip.control.linearising import PartialLinearisation
-from stickslip.control.loop import ClosedLoop, Controller, closed_loop
+from stickslip.control.equations_of_motion import Dynamics, dynamics_at
+from stickslip.control.feedback_loop import ClosedLoop, Controller, closed_loop
+from stickslip.control.friction_compensation import FrictionCompensation, compensation
+from stickslip.control.limit_cycles import LimitCycle, limit_cycle
+from stickslip.control.partial_feedback_linearisation import PartialLinearisation
 from stickslip.control.pid import PID
 
 __all__ = [

@@ -6,7 +6,7 @@ from typing import Annotated, TypeAlias, final
 
 from typing_extensions import override
 
-from stickslip.control.loop import Controller
+from stickslip.control.feedback_loop import Controller
 from stickslip.errors import InputError, ParameterError
 from stickslip.quantities import Parametrised, Quantity
 

@@ -1,7 +1,7 @@
 """Drives: forces, torques and motions as functions of time."""
 
 from stickslip.drives.base import Drive, Piece, Sum
-from stickslip.drives.forms import (
+from stickslip.drives.elementary import (
     PiecewiseLinear,
     Pulse,
     Ramp,
@@ -10,7 +10,7 @@ from stickslip.drives.forms import (
     Square,
     StraightPieces,
 )
-from stickslip.drives.profiles import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase
+from stickslip.drives.motion_profiles import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase
 
 __all__ = [
     "Drive",

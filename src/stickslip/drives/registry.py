@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from stickslip.drives.base import Drive
-from stickslip.drives.forms import PiecewiseLinear, Pulse, Ramp, Sampled, Sine, Square
-from stickslip.drives.profiles import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase
+from stickslip.drives.elementary import PiecewiseLinear, Pulse, Ramp, Sampled, Sine, Square
+from stickslip.drives.motion_profiles import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase
 
 __all__ = ["DRIVES", "PROFILES"]
 

@@ -1,13 +1,13 @@
 """Experiments: rigs, measurements and trials, from files or arrays, and what is wrong with them."""
 
 from stickslip.experiments.carrying import CarriedLaw, carried, extrapolations
-from stickslip.experiments.checks import Checks, Finding, check
+from stickslip.experiments.checking.data_quality import Checks, Finding, check
 from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.line import Line
-from stickslip.experiments.load import load_rig, rig_schema
 from stickslip.experiments.measurement import QUANTITIES, Measurement
 from stickslip.experiments.records import load_measurement
 from stickslip.experiments.rig import Published, Rig
+from stickslip.experiments.rigs.load import load_rig, rig_schema
 
 __all__ = [
     "QUANTITIES",

@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments.columns import check_columns
 from stickslip.experiments.condition_values import condition_name
 from stickslip.experiments.line import along
 from stickslip.experiments.measurement import SAMPLED, TRAVELS, Array, Measurement, Uncertainty
-from stickslip.experiments.reading import Column, Reading
-from stickslip.experiments.repair import Repair, repaired, repairs
-from stickslip.experiments.scaling import Scaling, gains_of, load_stated
-from stickslip.experiments.spelling import spelled
+from stickslip.experiments.readers.columns import check_columns
+from stickslip.experiments.readers.reader_options import Column, Reading
+from stickslip.experiments.readers.spelling import spelled
+from stickslip.experiments.readers.time_base import Repair, repaired, repairs
+from stickslip.experiments.readers.unit_conversion import Scaling, gains_of, load_stated
 from stickslip.experiments.units import shown
 from stickslip.mechanisms import Mechanism
 
 if TYPE_CHECKING:
-    from stickslip.experiments.frames import Frame
+    from stickslip.experiments.readers.table_reader import Frame
 
 __all__ = ["load_measurement", "read_data"]
 
@@ -189,9 +189,9 @@ class _Files:
     def one(self, path: str | Path, name: str) -> Measurement:
         """Return the measurement of one file."""
         # Imported here so that measurements built in Python do without pandas.
-        from stickslip.experiments.condition_columns import by_trial
-        from stickslip.experiments.frames import read_frame
-        from stickslip.experiments.trials import read_trials, travelled
+        from stickslip.experiments.readers.condition_columns import by_trial
+        from stickslip.experiments.readers.table_reader import read_frame
+        from stickslip.experiments.trial_tables import read_trials, travelled
 
         name = name or Path(path).stem
         columns, units = self.reading.columns, self.reading.units
@@ -219,8 +219,8 @@ class _Files:
 
     def _record(self, frame: "Frame", name: str) -> Measurement:
         """Return the record of a file, all columns that are quantities converted to SI."""
-        from stickslip.experiments.condition_columns import TRIAL, conditions_in, unused_in
-        from stickslip.experiments.frames import SECOND
+        from stickslip.experiments.readers.condition_columns import TRIAL, conditions_in, unused_in
+        from stickslip.experiments.readers.table_reader import SECOND
 
         wanted, reading = ("time", *SAMPLED, SECOND), self.reading
         for key in reading.columns:  # those of trials, which a record has not

@@ -10,8 +10,8 @@ from typing_extensions import override
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.measurement import Measurement
-from stickslip.experiments.paths import PREFIX, canonical, quantity_at
-from stickslip.experiments.reading import Reading
+from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
+from stickslip.experiments.readers.reader_options import Reading
 from stickslip.experiments.travels import scale_of
 from stickslip.friction import BristleLaw, FrictionLaw, law_type, laws
 from stickslip.mechanisms import Mechanism

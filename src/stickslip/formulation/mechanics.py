@@ -8,9 +8,9 @@ from typing import Any
 import symengine as se
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.formulation.guides import guides_of, held_of
-from stickslip.formulation.matrices import matrix_rows, matrix_supply
-from stickslip.formulation.stops import Wall, derive_walls
+from stickslip.formulation.hard_stops import Wall, derive_walls
+from stickslip.formulation.matrix_form import matrix_rows, matrix_supply
+from stickslip.formulation.prescribed_motion import guides_of, held_of
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
 from stickslip.mechanisms import Contact, MatrixMechanism, Mechanism
 

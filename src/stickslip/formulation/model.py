@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 import symengine as se
 
-from stickslip.formulation.emit import Case, function
+from stickslip.formulation.code_printer import Case, function
+from stickslip.formulation.hard_stops import impact_events, wall_guards
 from stickslip.formulation.linearity import linear_where
 from stickslip.formulation.mechanics import Mechanics, derive_mechanics
 from stickslip.formulation.modes import PAINLEVE, Mode, ModeEquations, mode_equations
-from stickslip.formulation.stops import impact_events, wall_guards
 from stickslip.formulation.trace import Switch, Switchboard, Traced, expression
 from stickslip.friction import FrictionLaw, bristles_of
-from stickslip.kernels.codes import LIFT_OFF, SWITCH
+from stickslip.kernels.enums import LIFT_OFF, SWITCH
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow, structure
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import symengine as se
 
 from stickslip.errors import TracingError
-from stickslip.formulation.guides import own_limits
 from stickslip.formulation.mechanics import Mechanics, Motion
+from stickslip.formulation.prescribed_motion import own_limits
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
-from stickslip.kernels.codes import BREAK_BACKWARD, BREAK_FORWARD, LIFT_OFF, STOP, SWITCH
+from stickslip.kernels.enums import BREAK_BACKWARD, BREAK_FORWARD, LIFT_OFF, STOP, SWITCH
 
 __all__ = ["PAINLEVE", "Mode", "ModeEquations", "mode_equations"]
 

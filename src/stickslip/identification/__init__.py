@@ -1,19 +1,24 @@
 """Identification: parameters from measurements, with their doubt."""
 
-from stickslip.identification.feature_fit import compare_features, fit_features
-from stickslip.identification.feature_result import FeatureFit
-from stickslip.identification.features import StickSlipFeatures, features_of
+from stickslip.identification.features.features import StickSlipFeatures, features_of
+from stickslip.identification.features.fit import compare_features, fit_features
+from stickslip.identification.features.result import FeatureFit
 from stickslip.identification.fitting import fit
-from stickslip.identification.inverse_dynamics import InverseDynamics, inverse_dynamics
-from stickslip.identification.posterior import Posterior, sample_posterior
-from stickslip.identification.rate_state import RateState, SliderHistory, simulate_velocity_steps
-from stickslip.identification.rate_state_fit import fit_rate_state
-from stickslip.identification.rate_state_result import RateStateFit
-from stickslip.identification.record_fit import Prediction, RecordFit, Score
-from stickslip.identification.record_settings import RecordSettings
-from stickslip.identification.results import Estimate, Fit, TravelFit
-from stickslip.identification.starts import starting_law
-from stickslip.identification.trial_comparison import TrialComparison, compare_trials
+from stickslip.identification.rate_state.fit import fit_rate_state
+from stickslip.identification.rate_state.law import (
+    RateState,
+    SliderHistory,
+    simulate_velocity_steps,
+)
+from stickslip.identification.rate_state.result import RateStateFit
+from stickslip.identification.records.fit import Prediction, RecordFit, Score
+from stickslip.identification.records.posterior import Posterior, sample_posterior
+from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.results import Estimate, Fit
+from stickslip.identification.series.inverse_dynamics import InverseDynamics, inverse_dynamics
+from stickslip.identification.travels.result import TravelFit
+from stickslip.identification.travels.start_values import starting_law
+from stickslip.identification.trials.comparison import TrialComparison, compare_trials
 
 __all__ = [
     "Estimate",

@@ -7,26 +7,32 @@ from typing_extensions import TypeVar
 
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
-from stickslip.experiments.refusals import refuse_faults, with_doubts
+from stickslip.experiments.preconditions import refuse_faults, with_doubts
 from stickslip.friction import FrictionLaw, law_type
-from stickslip.identification.arguments import check_given, names_of
-from stickslip.identification.compiling import compile_for
-from stickslip.identification.exact import fit_one
-from stickslip.identification.feature_fit import fit_features
-from stickslip.identification.features import by_features
-from stickslip.identification.least_squares import fit_several
-from stickslip.identification.record_fitting import fit_record
-from stickslip.identification.record_settings import RecordSettings
-from stickslip.identification.results import Fit, TravelFit
-from stickslip.identification.route_choice import RouteChoice, RouteName, asked_for
-from stickslip.identification.starts import Start, check_known, starting_law, with_known
-from stickslip.identification.travel import (
+from stickslip.identification.features.features import by_features
+from stickslip.identification.features.fit import fit_features
+from stickslip.identification.precompile import compile_for
+from stickslip.identification.records.fitting import fit_record
+from stickslip.identification.records.route_choice import RouteChoice, RouteName, asked_for
+from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.results import Fit
+from stickslip.identification.travels.model import (
     TravelModel,
     Trial,
     standard_errors,
     trials_of,
     under_cycles,
 )
+from stickslip.identification.travels.result import TravelFit
+from stickslip.identification.travels.several_travels import fit_several
+from stickslip.identification.travels.single_travel import fit_one
+from stickslip.identification.travels.start_values import (
+    Start,
+    check_known,
+    starting_law,
+    with_known,
+)
+from stickslip.identification.validation import check_given, names_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 

@@ -1,7 +1,12 @@
 """Many runs one after the other, of each of which some numbers are kept."""
 
+from stickslip.kernels.backend import Vector, vector
+from stickslip.kernels.dense_evaluation import restore
 from stickslip.kernels.driver import run
-from stickslip.kernels.layout import (
+from stickslip.kernels.model_interface import N_STATES, energy
+from stickslip.kernels.reducers import reduced
+from stickslip.kernels.sensitivities import columns_at, sense
+from stickslip.kernels.state_layout import (
     BOOKS,
     END,
     EVENTS,
@@ -24,11 +29,6 @@ from stickslip.kernels.layout import (
     WHOLES,
     Y,
 )
-from stickslip.kernels.model import N_STATES, energy
-from stickslip.kernels.playback import restore
-from stickslip.kernels.reducing import reduced
-from stickslip.kernels.sensing import columns_at, sense
-from stickslip.kernels.tier import Vector, vector
 
 __all__ = ["EVIDENCE", "batch", "batch_sensed"]
 

@@ -2,11 +2,11 @@
 
 import math
 
+from stickslip.kernels.backend import Vector
 from stickslip.kernels.dop853_tableau import ERROR_3, ERROR_5, A, C, D
-from stickslip.kernels.layout import DENSE, DOP853_STAGES, POINT, STAGES, Y1, Y
-from stickslip.kernels.model import N_STATES, field
-from stickslip.kernels.sizes import size_of
-from stickslip.kernels.tier import Vector
+from stickslip.kernels.error_scale import size_of
+from stickslip.kernels.model_interface import N_STATES, field
+from stickslip.kernels.state_layout import DENSE, DOP853_STAGES, POINT, STAGES, Y1, Y
 
 __all__ = ["dop853_dense", "dop853_step"]
 

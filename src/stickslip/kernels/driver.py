@@ -2,10 +2,15 @@
 
 import math
 
-from stickslip.kernels.booking import add_work, close_step, record
-from stickslip.kernels.choosing import choose_stepper
-from stickslip.kernels.codes import AT_REST, END_TIME, HELD, RUNNING, STEP_LIMIT, SWITCH
-from stickslip.kernels.layout import (
+from stickslip.kernels.backend import Vector
+from stickslip.kernels.drive_segments import enter_pieces, next_stop, rests_for_good
+from stickslip.kernels.enums import AT_REST, END_TIME, HELD, RUNNING, STEP_LIMIT, SWITCH
+from stickslip.kernels.error_scale import first_sizes
+from stickslip.kernels.guard_roots import NO_GUARD
+from stickslip.kernels.hard_stops import FIRST_LIMIT
+from stickslip.kernels.mode_transitions import handle_event, initial_mode, settle, turn_switches
+from stickslip.kernels.model_interface import N_GUARDS, N_STATES, N_SWITCHES
+from stickslip.kernels.state_layout import (
     BOOKS,
     DENSE,
     DENSE_SIZE,
@@ -23,14 +28,9 @@ from stickslip.kernels.layout import (
     Y,
     longer,
 )
-from stickslip.kernels.model import N_GUARDS, N_STATES, N_SWITCHES
-from stickslip.kernels.pieces import enter_pieces, next_stop, rests_for_good
-from stickslip.kernels.roots import NO_GUARD
-from stickslip.kernels.sizes import first_sizes
-from stickslip.kernels.stepping import advance
-from stickslip.kernels.switching import handle_event, initial_mode, settle, turn_switches
-from stickslip.kernels.tier import Vector
-from stickslip.kernels.walls import FIRST_LIMIT
+from stickslip.kernels.step import advance
+from stickslip.kernels.step_log import add_work, close_step, record
+from stickslip.kernels.stepper_selection import choose_stepper
 
 __all__ = ["run"]
 

@@ -1,6 +1,6 @@
 """Small dense linear systems, factorised in place with row pivoting."""
 
-from stickslip.kernels.tier import Vector
+from stickslip.kernels.backend import Vector
 
 __all__ = ["lu_factor", "lu_solve"]
 

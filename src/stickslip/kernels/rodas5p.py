@@ -2,9 +2,17 @@
 
 import math
 
-from stickslip.kernels.layout import DENSE, DRIFT, MATRIX, PIVOTS, STAGES, Y1, Y
+from stickslip.kernels.backend import Vector
+from stickslip.kernels.error_scale import size_of
 from stickslip.kernels.lu import lu_factor, lu_solve
-from stickslip.kernels.model import N_COORDINATES, N_STATES, SLIP, field, jacobian, time_slope
+from stickslip.kernels.model_interface import (
+    N_COORDINATES,
+    N_STATES,
+    SLIP,
+    field,
+    jacobian,
+    time_slope,
+)
 from stickslip.kernels.rodas5p_tableau import (
     A_RODAS,
     C_RODAS,
@@ -13,8 +21,7 @@ from stickslip.kernels.rodas5p_tableau import (
     SLOPES_RODAS,
     TIMES_RODAS,
 )
-from stickslip.kernels.sizes import size_of
-from stickslip.kernels.tier import Vector
+from stickslip.kernels.state_layout import DENSE, DRIFT, MATRIX, PIVOTS, STAGES, Y1, Y
 
 __all__ = ["RODAS_STAGES", "rodas_dense", "rodas_step"]
 

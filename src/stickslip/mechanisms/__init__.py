@@ -1,5 +1,6 @@
 """Mechanisms: equations of motion without friction, each one a file."""
 
+from stickslip.mechanisms.actuators import MOTORS, Motor, Prescribed, Torque
 from stickslip.mechanisms.axis import Axis
 from stickslip.mechanisms.base import (
     BoundedMechanism,
@@ -12,8 +13,7 @@ from stickslip.mechanisms.base import (
 )
 from stickslip.mechanisms.capsule import Capsule
 from stickslip.mechanisms.contacts import slip_names, static_normal_force
-from stickslip.mechanisms.matrices import MatrixMechanism
-from stickslip.mechanisms.motors import MOTORS, Motor, Prescribed, Torque
+from stickslip.mechanisms.matrix_mechanism import MatrixMechanism
 from stickslip.mechanisms.pendulum import Pendulum
 from stickslip.mechanisms.pendulum_cart import PendulumCart
 from stickslip.mechanisms.registry import MECHANISMS, mechanisms

@@ -8,6 +8,7 @@ from typing_extensions import override
 
 from stickslip.drives import Drive
 from stickslip.maths import Scalar
+from stickslip.mechanisms.actuators import IDLE, Motor, check_motor
 from stickslip.mechanisms.base import (
     BoundedMechanism,
     Contact,
@@ -17,7 +18,6 @@ from stickslip.mechanisms.base import (
     height,
     stops_between,
 )
-from stickslip.mechanisms.motors import IDLE, Motor, check_motor
 from stickslip.quantities import Quantity
 
 __all__ = ["Capsule"]

@@ -8,8 +8,8 @@ from typing_extensions import override
 
 from stickslip.drives import Drive
 from stickslip.maths import Scalar, cos, sin
+from stickslip.mechanisms.actuators import IDLE, Motor, check_motor
 from stickslip.mechanisms.base import Contact, Guide, Incline, Mechanism, height
-from stickslip.mechanisms.motors import IDLE, Motor, check_motor
 from stickslip.quantities import Quantity
 
 __all__ = ["PendulumCart"]

@@ -1,12 +1,12 @@
 """Motion profiles: which motion drives a mechanism best within limits."""
 
-from stickslip.optimisation.cycles import Cycle, guide_of, measure, units_of_limits
+from stickslip.optimisation.cycle_metrics import Cycle, guide_of, measure, units_of_limits
 from stickslip.optimisation.limits import Limits, Margin
 from stickslip.optimisation.optimise import optimise_profile
-from stickslip.optimisation.optimum import Optimum
+from stickslip.optimisation.parametrisation import KINDS
 from stickslip.optimisation.problem import GOALS, Goal, Judged
+from stickslip.optimisation.result import Optimum
 from stickslip.optimisation.scenarios import Scenarios
-from stickslip.optimisation.spaces import KINDS
 
 __all__ = [
     "GOALS",

@@ -12,15 +12,15 @@ from stickslip.drives import Profile
 from stickslip.errors import ConvergenceError, InputError, ParameterError
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.optimisation.cycles import fitted, guide_of, measure, motor_of
+from stickslip.optimisation.checkpoint import Memory
+from stickslip.optimisation.cma_search import Told, search
+from stickslip.optimisation.cycle_metrics import fitted, guide_of, measure, motor_of
 from stickslip.optimisation.limits import Limits
-from stickslip.optimisation.optimum import Optimum
-from stickslip.optimisation.polish import polish
+from stickslip.optimisation.local_refinement import polish
+from stickslip.optimisation.parametrisation import KindName, Space, kind_of, space_of
 from stickslip.optimisation.problem import FINER, GOALS, GoalName, Judged, Problem
+from stickslip.optimisation.result import Optimum
 from stickslip.optimisation.scenarios import scenarios_of
-from stickslip.optimisation.search import Told, search
-from stickslip.optimisation.spaces import KindName, Space, kind_of, space_of
-from stickslip.optimisation.states import Memory
 from stickslip.quantities import named
 from stickslip.simulation import simulate
 

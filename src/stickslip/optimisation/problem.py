@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.drives import Profile
 from stickslip.mechanisms import Mechanism
-from stickslip.optimisation.cycles import SAMPLES, Cycle, fitted, measure, units_of_limits
+from stickslip.optimisation.cycle_metrics import SAMPLES, Cycle, fitted, measure, units_of_limits
 from stickslip.optimisation.limits import Limits, Margin
 from stickslip.optimisation.scenarios import Scenarios
 from stickslip.quantities import vary

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.optimisation.cycles import motor_of
+from stickslip.optimisation.cycle_metrics import motor_of
 from stickslip.quantities import Quantity, full_path, parameters, vary
 
 __all__ = ["Scenarios", "scenarios_of"]

@@ -23,21 +23,12 @@ from stickslip.paper.sections import (
     unpublished_section,
 )
 from stickslip.paper.unpublished import ROUNDING
-from stickslip.report import (
-    Code,
-    Fact,
-    Opening,
-    Page,
-    Paragraph,
-    References,
-    Section,
-    documents,
-    render,
-)
+from stickslip.report import Code, Fact, Opening, Page, Paragraph, References, Section, render
+from stickslip.report.core import documents
+from stickslip.report.core.versions import versions
 from stickslip.report.numbers import fixed, percent
-from stickslip.report.selection import selection_page
-from stickslip.report.selection.closing import law_references
-from stickslip.report.versions import versions
+from stickslip.report.travels import selection_page
+from stickslip.report.travels.appendix import law_references
 from stickslip.selection import TravelVerdict
 
 __all__ = ["paper_report", "rig_report"]

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from stickslip.friction import Coulomb, CoulombViscous, Dahl, FrictionLaw, LuGre, Viscous
-from stickslip.identification.bracketing import positive_root
+from stickslip.identification.estimation.root_search import positive_root
 from stickslip.mechanisms import SpringBlock
 from stickslip.paper.excitations import rigs
 from stickslip.paper.values import PaperValues

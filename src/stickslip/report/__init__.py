@@ -1,7 +1,7 @@
 """Reports: self-contained HTML pages, and verdicts as such a page, a JSON document and a rig."""
 
-from stickslip.report.animations import Animation
-from stickslip.report.blocks import (
+from stickslip.report.core.animations import Animation
+from stickslip.report.core.blocks import (
     Block,
     Caption,
     Code,
@@ -20,12 +20,12 @@ from stickslip.report.blocks import (
     References,
     Subheading,
 )
-from stickslip.report.documents import LawLine, Opening, Page, Section
-from stickslip.report.markup import inline, mathml, symbol, symbol_text
-from stickslip.report.page import render, write
-from stickslip.report.rowplots import Axis, Mark, RowPlot
-from stickslip.report.tables import Blank, Cell, Column, Correlations, Name, Number, Row, Table
-from stickslip.report.verdicts import write_report
+from stickslip.report.core.documents import LawLine, Opening, Page, Section
+from stickslip.report.core.markup import inline, mathml, symbol, symbol_text
+from stickslip.report.core.page import render, write
+from stickslip.report.core.sparklines import Axis, Mark, RowPlot
+from stickslip.report.core.tables import Blank, Cell, Column, Correlations, Name, Number, Row, Table
+from stickslip.report.writing import write_report
 
 __all__ = [
     "Animation",

@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from stickslip.experiments.wording import number
-from stickslip.report.blocks import Block, Code, KeyValue, KeyValues, Note, Paragraph
-from stickslip.report.documents import Page, Section
-from stickslip.report.tables import Blank, Column, Name, Row, Table
+from stickslip.report.core.blocks import Block, Code, KeyValue, KeyValues, Note, Paragraph
+from stickslip.report.core.documents import Page, Section
+from stickslip.report.core.tables import Blank, Column, Name, Row, Table
 from stickslip.selection import Plan
-from stickslip.selection.separation import unit_of
+from stickslip.selection.design.discriminating_settings import unit_of
 from stickslip.selection.sheet_tables import SheetTable, tables_of
 
 __all__ = ["plan_page"]

@@ -1,9 +1,9 @@
 """Selection: which law explains a measurement, and what the measurement cannot tell."""
 
 from stickslip.selection.criteria import Criteria, criteria_of
-from stickslip.selection.discretisation import FixedStepRow, compare_fixed_steps
 from stickslip.selection.feature_verdict import FeatureCandidate, FeatureVerdict, OtherSpeed
 from stickslip.selection.features import select_features
+from stickslip.selection.fixed_step_comparison import FixedStepRow, compare_fixed_steps
 from stickslip.selection.lab_sheet import Plan
 from stickslip.selection.planning import plan
 from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.experiments.wording import joined, number
-from stickslip.identification.travel import Trial
+from stickslip.identification.travels.model import Trial
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.verdict import Candidate, misfit
 

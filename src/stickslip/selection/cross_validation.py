@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.experiments.signals import interval_of
-from stickslip.identification.problem import Problem
-from stickslip.identification.record_fit import RecordFit, settled
-from stickslip.identification.refits import interleaved, positions_of, refitted
-from stickslip.identification.segmenting import LEAST
+from stickslip.experiments.differentiation import interval_of
+from stickslip.identification.estimation.problem import Problem
+from stickslip.identification.records.fit import RecordFit, settled
+from stickslip.identification.records.refits import interleaved, positions_of, refitted
+from stickslip.identification.shooting.segments import LEAST
 
 __all__ = ["FOLDS", "CrossValidation", "Plan", "cross_validate", "halves", "plan_of"]
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.identification import FeatureFit
-from stickslip.identification.feature_problem import cycle_features
-from stickslip.identification.features import COMPARED, STEADY, load_of
+from stickslip.identification.features.features import COMPARED, STEADY, load_of
+from stickslip.identification.features.problem import cycle_features
 from stickslip.selection.feature_verdict import FeatureCandidate, OtherSpeed
 
 __all__ = ["other_speeds"]

@@ -10,7 +10,7 @@ from typing_extensions import override
 from stickslip.experiments import Checks
 from stickslip.friction import FrictionLaw
 from stickslip.identification import FeatureFit, StickSlipFeatures
-from stickslip.identification.features import COMPARED
+from stickslip.identification.features.features import COMPARED
 from stickslip.selection.verdict import Verdict, plain
 
 if TYPE_CHECKING:

@@ -18,18 +18,18 @@ from stickslip.identification import (
     features_of,
     fit_features,
 )
-from stickslip.identification.containment import FittedLaw
-from stickslip.identification.feature_fit import free_of
-from stickslip.identification.feature_result import MISSED
-from stickslip.identification.feature_scores import as_good, error_of_score, room_of
-from stickslip.identification.features import ROUTE, refuse_uncertainties
+from stickslip.identification.estimation.containment import FittedLaw
+from stickslip.identification.features.features import ROUTE, refuse_uncertainties
+from stickslip.identification.features.fit import free_of
+from stickslip.identification.features.result import MISSED
+from stickslip.identification.features.scores import as_good, error_of_score, room_of
 from stickslip.mechanisms import Mechanism
+from stickslip.selection.candidates import Specification, specifications
 from stickslip.selection.feature_speeds import other_speeds
 from stickslip.selection.feature_verdict import FeatureCandidate, FeatureVerdict
-from stickslip.selection.feature_words import feature_wording, outcomes
+from stickslip.selection.feature_wording import feature_wording, outcomes
+from stickslip.selection.parallel_fit import fitted_side_by_side
 from stickslip.selection.records import LEFT_OUT, RecordWatch, checked
-from stickslip.selection.side_by_side import fitted_side_by_side
-from stickslip.selection.specifications import Specification, specifications
 
 __all__ = ["feature_laws", "select_features"]
 

@@ -14,7 +14,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
-from stickslip.selection.separation import Separation, unit_of, words_of
+from stickslip.selection.design.discriminating_settings import Separation, unit_of, words_of
 
 if TYPE_CHECKING:
     import pandas as pd

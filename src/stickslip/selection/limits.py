@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from stickslip.identification import Estimate
-from stickslip.identification.propagation import READINGS
+from stickslip.identification.travels.propagation import READINGS
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 

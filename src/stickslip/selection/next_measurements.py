@@ -9,15 +9,15 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.identification import RecordFit
-from stickslip.identification.applied import driven
-from stickslip.identification.inverse_dynamics import inverse_dynamics
-from stickslip.identification.record_starts import load_of
+from stickslip.identification.series.applied_force import driven
+from stickslip.identification.series.inverse_dynamics import inverse_dynamics
+from stickslip.identification.series.start_values import load_of
 from stickslip.mechanisms import stops_of
+from stickslip.selection.applicability import one_way
 from stickslip.selection.cross_validation import Plan
-from stickslip.selection.experiments import Experiment, design
-from stickslip.selection.predictors import Predictor
+from stickslip.selection.design.experiments import Experiment, design
+from stickslip.selection.design.predictors import Predictor
 from stickslip.selection.record_verdict import RecordCandidate
-from stickslip.selection.suited import one_way
 
 __all__ = ["experiments_after", "predictor_of", "reach_of"]
 

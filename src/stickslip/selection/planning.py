@@ -20,12 +20,8 @@ from stickslip.experiments import Measurement
 from stickslip.experiments.wording import joined, number, quantity
 from stickslip.friction import LAWS, Coulomb, FrictionLaw, law_type
 from stickslip.identification import TravelFit, starting_law
-from stickslip.identification.arguments import Laws, check_given, laws_of
 from stickslip.identification.fitting import fit_trials, payable
-from stickslip.identification.least_squares import expected_fit
-from stickslip.identification.propagation import READINGS, covariance_of
-from stickslip.identification.starts import doubling_slope, required_of
-from stickslip.identification.travel import (
+from stickslip.identification.travels.model import (
     LEAST_ERROR,
     TravelModel,
     Trial,
@@ -34,14 +30,24 @@ from stickslip.identification.travel import (
     trials_of,
     uncertainties_of,
 )
+from stickslip.identification.travels.propagation import READINGS, covariance_of
+from stickslip.identification.travels.several_travels import expected_fit
+from stickslip.identification.travels.start_values import doubling_slope, required_of
+from stickslip.identification.validation import Laws, check_given, laws_of
 from stickslip.mechanisms import Mechanism
 from stickslip.mechanisms.base import stops_of
 from stickslip.quantities import Quantity, parameters, vary
 from stickslip.selection.admissibility import limit_of
+from stickslip.selection.design.discriminating_settings import (
+    Separation,
+    knob_of,
+    predictions,
+    unit_of,
+    words_of,
+)
 from stickslip.selection.lab_sheet import Expectation, Plan, Preparation, Telling
 from stickslip.selection.preparing import how_to, otherwise
-from stickslip.selection.separation import Separation, knob_of, predictions, unit_of, words_of
-from stickslip.selection.words import ADVICE
+from stickslip.selection.travel_wording import ADVICE
 from stickslip.simulation import simulate
 
 __all__ = ["plan"]

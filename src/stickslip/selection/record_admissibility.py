@@ -7,11 +7,11 @@ import numpy as np
 
 from stickslip.experiments import Measurement
 from stickslip.experiments.wording import number, percent, quantity
-from stickslip.identification.doubts import SEPARABLE, step_intervals
-from stickslip.identification.record_fit import RecordFit
+from stickslip.identification.estimates import SEPARABLE, step_intervals
+from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.results import Estimate
+from stickslip.selection.applicability import one_way
 from stickslip.selection.record_verdict import RecordCandidate
-from stickslip.selection.suited import one_way
 
 __all__ = ["objection", "standard_uncertainty", "unexplained", "variation_of"]
 

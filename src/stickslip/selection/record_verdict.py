@@ -10,13 +10,13 @@ from typing_extensions import override
 from stickslip.experiments import Checks, Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit, TrialComparison
-from stickslip.identification.containment import FittedLaw
-from stickslip.identification.model_error import ModelError
-from stickslip.identification.record_fit import Score
-from stickslip.identification.record_settings import RecordSettings
+from stickslip.identification.estimation.containment import FittedLaw
+from stickslip.identification.estimation.model_error import ModelError
+from stickslip.identification.records.fit import Score
+from stickslip.identification.records.settings import RecordSettings
 from stickslip.selection.choice import TRUSTED, reduces_to
 from stickslip.selection.cross_validation import CrossValidation, Plan
-from stickslip.selection.experiments import Experiment
+from stickslip.selection.design.experiments import Experiment
 from stickslip.selection.verdict import Verdict, plain
 
 if TYPE_CHECKING:

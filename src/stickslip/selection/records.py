@@ -9,25 +9,33 @@ from typing import Literal, TypeAlias
 
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Measurement, check
-from stickslip.experiments.refusals import refuse_lack, refuse_unused, told, with_doubts
+from stickslip.experiments.preconditions import refuse_lack, refuse_unused, told, with_doubts
 from stickslip.experiments.second_records import refuse_same
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
-from stickslip.identification.applied import inside
-from stickslip.identification.containment import FittedLaw
-from stickslip.identification.record_fit import check_horizon
-from stickslip.identification.record_fitting import fit_record
-from stickslip.identification.record_settings import RecordSettings
-from stickslip.identification.route_choice import (
+from stickslip.identification.estimation.containment import FittedLaw
+from stickslip.identification.records.fit import check_horizon
+from stickslip.identification.records.fitting import fit_record
+from stickslip.identification.records.route_choice import (
     RouteChoice,
     asked_for,
     better_route,
     choose_route,
     to_compare,
 )
-from stickslip.identification.trial_comparison import compared
+from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.series.applied_force import inside
+from stickslip.identification.trials.comparison import compared
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
+from stickslip.selection.applicability import one_way, unsuited_by
+from stickslip.selection.candidates import (
+    REFERENCE,
+    Specification,
+    contains,
+    control,
+    specifications,
+)
 from stickslip.selection.choice import (
     NEAR,
     beyond_doubt,
@@ -37,7 +45,9 @@ from stickslip.selection.choice import (
     shown_over_simpler,
 )
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
+from stickslip.selection.leave_one_out import FLOOR
 from stickslip.selection.next_measurements import experiments_after
+from stickslip.selection.parallel_fit import fitted_side_by_side, takes_long
 from stickslip.selection.record_admissibility import (
     objection,
     standard_uncertainty,
@@ -50,17 +60,7 @@ from stickslip.selection.record_verdict import (
     RecordVerdict,
     SecondRecord,
 )
-from stickslip.selection.record_words import outcomes, record_wording
-from stickslip.selection.scoring import FLOOR
-from stickslip.selection.side_by_side import fitted_side_by_side, takes_long
-from stickslip.selection.specifications import (
-    REFERENCE,
-    Specification,
-    contains,
-    control,
-    specifications,
-)
-from stickslip.selection.suited import one_way, unsuited_by
+from stickslip.selection.record_wording import outcomes, record_wording
 
 __all__ = ["LEFT_OUT", "PURPOSES", "PurposeName", "RecordWatch", "checked", "select_records"]
 

@@ -6,10 +6,10 @@ from concurrent.futures import Executor
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw, law_type
-from stickslip.identification.arguments import Laws, check_given, laws_of, names_of
-from stickslip.identification.features import by_features
-from stickslip.identification.record_settings import RecordSettings
-from stickslip.identification.route_choice import RouteChoice, RouteName, asked_for
+from stickslip.identification.features.features import by_features
+from stickslip.identification.records.route_choice import RouteChoice, RouteName, asked_for
+from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.validation import Laws, check_given, laws_of, names_of
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.feature_verdict import FeatureVerdict
 from stickslip.selection.features import select_features

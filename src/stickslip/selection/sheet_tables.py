@@ -11,8 +11,8 @@ from typing import final
 from stickslip.digits import fixed, significant
 from stickslip.experiments.wording import count, joined, number, quantity
 from stickslip.quantities import parameters
+from stickslip.selection.design.discriminating_settings import unit_of
 from stickslip.selection.lab_sheet import Plan, Telling
-from stickslip.selection.separation import unit_of
 
 __all__ = ["SheetRow", "SheetTable", "tables_of"]
 

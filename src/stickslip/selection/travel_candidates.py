@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from stickslip.errors import ConvergenceError, ParameterError, SimulationError
 from stickslip.friction import FrictionLaw
 from stickslip.identification.fitting import check_rest, fit_trials, payable
-from stickslip.identification.results import TravelFit
-from stickslip.identification.starts import Start, required_of, starting_points
-from stickslip.identification.travel import TravelModel, Trial
+from stickslip.identification.travels.model import TravelModel, Trial
+from stickslip.identification.travels.result import TravelFit
+from stickslip.identification.travels.start_values import Start, required_of, starting_points
 from stickslip.quantities import fields_of, parameters, vary
 from stickslip.selection.criteria import Criteria, criteria_of
-from stickslip.selection.scoring import held_out_errors, root_mean_square
+from stickslip.selection.leave_one_out import held_out_errors, root_mean_square
 from stickslip.selection.verdict import Candidate
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory

@@ -7,19 +7,24 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import LAWS, FrictionLaw
 from stickslip.identification import starting_law
-from stickslip.identification.compiling import compile_for
-from stickslip.identification.results import TravelFit
-from stickslip.identification.starts import required_of
-from stickslip.identification.travel import Trial, standard_errors, trials_of
+from stickslip.identification.precompile import compile_for
+from stickslip.identification.travels.model import Trial, standard_errors, trials_of
+from stickslip.identification.travels.result import TravelFit
+from stickslip.identification.travels.start_values import required_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.selection.admissibility import chosen, mark_passed_over
+from stickslip.selection.candidates import check_apart
 from stickslip.selection.contradictions import Contradiction, closest_of, contradiction
-from stickslip.selection.separation import Proposal, Separation, propose, separations
-from stickslip.selection.specifications import check_apart
+from stickslip.selection.design.discriminating_settings import (
+    Proposal,
+    Separation,
+    propose,
+    separations,
+)
 from stickslip.selection.travel_candidates import Watch, try_law, with_held_out
+from stickslip.selection.travel_wording import wording
 from stickslip.selection.verdict import Candidate, TravelVerdict, misfit
-from stickslip.selection.words import wording
 from stickslip.solver import Progress
 
 __all__ = ["select_travels"]

@@ -16,7 +16,7 @@ from stickslip.identification import TravelFit
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.criteria import Criteria
-from stickslip.selection.separation import Proposal, Separation
+from stickslip.selection.design.discriminating_settings import Proposal, Separation
 from stickslip.trajectory import Trajectory
 
 if TYPE_CHECKING:

@@ -1,10 +1,10 @@
 """Solvers: the event-driven one, and the fixed step of a block diagram."""
 
 from stickslip.solver.base import Solver
+from stickslip.solver.compile.precompile import Progress, WarmUp, warm_up
 from stickslip.solver.event_driven import EventDriven
-from stickslip.solver.execution import prepare
 from stickslip.solver.fixed_step import FixedStep, Method
-from stickslip.solver.outputs import (
+from stickslip.solver.reducers import (
     EventCount,
     EventTimes,
     Final,
@@ -15,7 +15,7 @@ from stickslip.solver.outputs import (
     Samples,
     Sensitivity,
 )
-from stickslip.solver.warming import Progress, WarmUp, warm_up
+from stickslip.solver.run import prepare
 
 __all__ = [
     "EventCount",

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.formulation import PAINLEVE
-from stickslip.kernels import codes
-from stickslip.solver.equations import Equations
-from stickslip.solver.playback import Playback
+from stickslip.kernels import enums
+from stickslip.solver.dense_output import Playback
+from stickslip.solver.evaluator import Equations
 from stickslip.trajectory import Certificate
 
 __all__ = ["certify", "passes"]
@@ -72,10 +72,10 @@ def certify(
 def _margins(playback: Playback, w: Sequence[float], status: int) -> dict[str, float]:
     """Return the least margin of each limit over its largest, and that of the normal force."""
     module, limits = playback.module, playback.model.limits
-    guards = {"lift-off": codes.LIFT_OFF} if module.CAN_LIFT else {}
+    guards = {"lift-off": enums.LIFT_OFF} if module.CAN_LIFT else {}
     guards |= {name: module.FIRST_LIMIT + i for i, name in enumerate(limits)}
-    ends = {"lift-off": codes.LIFTED_OFF}
-    ends |= {name: codes.LIMITED + i for i, name in enumerate(limits)}
+    ends = {"lift-off": enums.LIFTED_OFF}
+    ends |= {name: enums.LIMITED + i for i, name in enumerate(limits)}
     found = {}
     for name, guard in guards.items():
         least, size = float(w[module.LOWEST + guard]), float(w[module.REACHED + guard])

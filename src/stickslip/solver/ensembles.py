@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.errors import InputError, ParameterError
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw
-from stickslip.kernels import codes
+from stickslip.kernels import enums
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters, vary
-from stickslip.solver.batch import Chunk, Job, run_chunks
 from stickslip.solver.certify import passes
+from stickslip.solver.chunks import Chunk, Job, run_chunks
 from stickslip.solver.event_driven import EventDriven, status_of
-from stickslip.solver.outputs import Final, Output, asked, is_gradient, value_of
-from stickslip.solver.starts import narrowest, starts_as_told, starts_within_stops
+from stickslip.solver.initial_states import narrowest, starts_as_told, starts_within_stops
+from stickslip.solver.reducers import Final, Output, asked, is_gradient, value_of
 from stickslip.trajectory import Ensemble
 
 __all__ = ["run_ensemble"]
@@ -87,7 +87,7 @@ class _Parts:
                 state = self.model.states.index(output.state)
                 direction = self.job.gradients().index(output.parameter)
                 self.results[:, self.places[name]] = self.gradients[:, state, direction, None]
-        most = codes.LIMITED + len(self.model.limits)
+        most = enums.LIMITED + len(self.model.limits)
         table = np.array([status_of(code, self.model) for code in range(most)])
         return Ensemble(
             outputs={

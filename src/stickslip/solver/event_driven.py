@@ -11,37 +11,37 @@ from typing_extensions import override
 from stickslip.errors import InputError, ParameterError
 from stickslip.formulation import PAINLEVE, Model, formulate
 from stickslip.friction import BristleLaw, FrictionLaw, PrintedForm, bristles_of
-from stickslip.kernels import codes
+from stickslip.kernels import enums
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.solver.base import Solver, column_units
 from stickslip.solver.certify import certify
-from stickslip.solver.execution import Record, Tier, execute
-from stickslip.solver.outputs import reasons
-from stickslip.solver.playback import Playback
+from stickslip.solver.dense_output import Playback
+from stickslip.solver.drive_schedule import Inputs, gather
+from stickslip.solver.initial_states import within_stops
+from stickslip.solver.reducers import reasons
+from stickslip.solver.run import Record, Tier, execute
 from stickslip.solver.sensitivities import Sensing
-from stickslip.solver.starts import within_stops
-from stickslip.solver.tables import Inputs, gather
 from stickslip.trajectory import Event, Status, Trajectory
 
 __all__ = ["BareRun", "EventDriven", "status_of", "trajectory_of"]
 
 _STATUS = {
-    codes.END_TIME: Status.END_TIME,
-    codes.AT_REST: Status.AT_REST,
-    codes.LIFTED_OFF: Status.LIFT_OFF,
-    codes.STEP_LIMIT: Status.STEP_LIMIT,
-    codes.STEP_TOO_SMALL: Status.STEP_TOO_SMALL,
-    codes.ZENO: Status.ZENO,
-    codes.HELD: Status.HELD,
+    enums.END_TIME: Status.END_TIME,
+    enums.AT_REST: Status.AT_REST,
+    enums.LIFTED_OFF: Status.LIFT_OFF,
+    enums.STEP_LIMIT: Status.STEP_LIMIT,
+    enums.STEP_TOO_SMALL: Status.STEP_TOO_SMALL,
+    enums.ZENO: Status.ZENO,
+    enums.HELD: Status.HELD,
 }
 
 
 def status_of(code: int, model: Model) -> Status:
     """Return how a run ended, from the kernels' code."""
-    if code < codes.LIMITED:
+    if code < enums.LIMITED:
         return _STATUS.get(code, Status.CANCELLED)
-    return Status.PAINLEVE if model.limits[code - codes.LIMITED] == PAINLEVE else Status.LIMIT
+    return Status.PAINLEVE if model.limits[code - enums.LIMITED] == PAINLEVE else Status.LIMIT
 
 
 TIGHTEST = 1e-13

@@ -15,8 +15,8 @@ from stickslip.friction import FrictionLaw, PrintedForm
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.solver.base import Solver, column_units
-from stickslip.solver.diagram import Diagram, limits_of
-from stickslip.solver.starts import refuse_limits, refuse_stops
+from stickslip.solver.block_diagram import Diagram, limits_of
+from stickslip.solver.initial_states import refuse_limits, refuse_stops
 from stickslip.trajectory import Certificate, Status, Trajectory
 
 __all__ = ["FixedStep", "Method"]

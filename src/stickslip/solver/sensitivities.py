@@ -11,10 +11,10 @@ from stickslip.formulation import formulate
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import full_path
-from stickslip.solver.execution import Record
-from stickslip.solver.runner import Runner, runner_of
-from stickslip.solver.starts import start_slopes
-from stickslip.solver.tables import Inputs, schedule_slopes
+from stickslip.solver.backend import Runner, runner_of
+from stickslip.solver.drive_schedule import Inputs, schedule_slopes
+from stickslip.solver.initial_states import start_slopes
+from stickslip.solver.run import Record
 
 __all__ = ["Directions", "Sensing", "directions_of"]
 

@@ -1,11 +1,11 @@
 """Campaigns over many runs: mean motion, bifurcations, basins of attraction."""
 
-from stickslip.mechanisms.cycles import cycle_of
-from stickslip.sweep.average import VelocityMap, average_velocity
+from stickslip.mechanisms.drive_period import cycle_of
 from stickslip.sweep.bands import Band, Spread, band_of
 from stickslip.sweep.basins import Attractor, Basins, basins
 from stickslip.sweep.bifurcation import Bifurcation, bifurcation
-from stickslip.sweep.cycles import DrivenCycle, cycles_in
+from stickslip.sweep.driven_cycles import DrivenCycle, cycles_in
+from stickslip.sweep.mean_velocity import VelocityMap, average_velocity
 
 __all__ = [
     "Attractor",

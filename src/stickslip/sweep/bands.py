@@ -11,7 +11,7 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.experiments import LawEstimates
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_names
-from stickslip.mechanisms.cycles import WHOLE, cycle_or_none
+from stickslip.mechanisms.drive_period import WHOLE, cycle_or_none
 from stickslip.simulation import ensemble
 from stickslip.solver import EventDriven, Samples
 

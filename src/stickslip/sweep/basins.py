@@ -12,7 +12,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_names
 from stickslip.simulation import check_pair, ensemble
 from stickslip.solver import EventDriven, Output, Samples
-from stickslip.sweep.grids import (
+from stickslip.sweep.parameter_grid import (
     Array,
     Progress,
     axis_of,
@@ -22,7 +22,7 @@ from stickslip.sweep.grids import (
     product,
     whole_run,
 )
-from stickslip.sweep.orbits import CLOSED, period_of
+from stickslip.sweep.periodicity import CLOSED, period_of
 from stickslip.trajectory import Ensemble
 
 __all__ = ["Attractor", "Basins", "basins"]

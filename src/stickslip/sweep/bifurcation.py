@@ -12,12 +12,12 @@ from typing_extensions import override
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, TowedBlock
-from stickslip.mechanisms.cycles import cycle_of
+from stickslip.mechanisms.drive_period import cycle_of
 from stickslip.quantities import Quantity
 from stickslip.quantities import vary as varied
 from stickslip.simulation import check_pair, ensemble, simulate
 from stickslip.solver import EventDriven, Final, Output, Samples
-from stickslip.sweep.grids import (
+from stickslip.sweep.parameter_grid import (
     Array,
     Progress,
     Tally,
@@ -29,7 +29,7 @@ from stickslip.sweep.grids import (
     unit_of,
     whole_run,
 )
-from stickslip.sweep.orbits import period_of
+from stickslip.sweep.periodicity import period_of
 from stickslip.trajectory import Status
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValue
 from stickslip.mechanisms import Axis
 from stickslip.quantities import fields_of
 from stickslip.simulation import simulate
-from stickslip.testing import declared, numbers
+from stickslip.testing import class_declarations, generated_equations
 from stickslip.testing.report import Report, Suite, examine
 
 __all__ = ["check_friction"]
@@ -94,7 +94,9 @@ def check_friction(
     if mirrored is None:
         mirrored = not isinstance(law, DirectionalLaw)
     case = _Case(law, load, speed, mirrored, t_end)
-    then = {name: check for name, check in THEN.items() if compiled or name != numbers.TIERS}
+    then = {
+        name: check for name, check in THEN.items() if compiled or name != generated_equations.TIERS
+    }
     return examine(type(law).__name__, case, FIRST, then, throw=throw)
 
 
@@ -142,7 +144,7 @@ def _breaks_away(case: _Case) -> Iterator[str]:
 
 def _bristles_break_away(law: BristleLaw, load: float, level: float) -> Iterator[str]:
     """Yield what bristles hold, or keep, at rest that they should not."""
-    z = (numbers.reach(law),) * len(law.bristles)
+    z = (generated_equations.reach(law),) * len(law.bristles)
     if any(rate != 0.0 for rate in law.bristle_rates(0.0, z, load)):
         yield "at rest the bristles do not stay"
     beyond = tuple(1.01 * one for one in z)
@@ -183,8 +185,8 @@ def _arrays(case: _Case) -> Iterator[str]:
 def _traced(case: _Case) -> Iterator[str]:
     """Yield speeds at which the generated equations have another force than the law itself."""
     law = case.law
-    equations = numbers.generated(case.rig, law)
-    share = numbers.reach(law) * 0.3 if isinstance(law, BristleLaw) else 0.0
+    equations = generated_equations.generated(case.rig, law)
+    share = generated_equations.reach(law) * 0.3 if isinstance(law, BristleLaw) else 0.0
     for speed in case.speeds[::4]:
         for sense in (1, -1):
             v = sense * speed
@@ -225,12 +227,14 @@ def _derived(case: _Case) -> Iterator[str]:
 
 
 FIRST: Suite[_Case] = {
-    "its name is kebab-case": lambda case: declared.kebab_case(case.law),
-    "it says what it is": lambda case: declared.told(case.law, TOLD),
-    "it is a frozen, keyword-only dataclass": lambda case: declared.frozen(case.law),
-    "every number is a declared quantity": lambda case: declared.quantities_declared(case.law),
-    "every quantity is explained": lambda case: declared.explained(case.law),
-    "parameters are checked": lambda case: declared.parameters_checked(case.law),
+    "its name is kebab-case": lambda case: class_declarations.kebab_case(case.law),
+    "it says what it is": lambda case: class_declarations.told(case.law, TOLD),
+    "it is a frozen, keyword-only dataclass": lambda case: class_declarations.frozen(case.law),
+    "every number is a declared quantity": lambda case: class_declarations.quantities_declared(
+        case.law
+    ),
+    "every quantity is explained": lambda case: class_declarations.explained(case.law),
+    "parameters are checked": lambda case: class_declarations.parameters_checked(case.law),
     "the order of fitting names parameters": _fit_order,
     "friction opposes slip": _opposes,
     "friction is affine in the load": _affine,
@@ -244,13 +248,13 @@ THEN: Suite[_Case] = {
     "its equations give what it gives itself": _traced,
     "energy never rises through friction": _dissipates,
     "runs keep the energy balance": _certified,
-    "equations are finite where slip ends": lambda case: numbers.finite_near_rest(
+    "equations are finite where slip ends": lambda case: generated_equations.finite_near_rest(
         case.rig, case.law, ({}, {"x": 0.1})
     ),
-    numbers.TIERS: lambda case: numbers.same_in_both_tiers(
+    generated_equations.TIERS: lambda case: generated_equations.same_in_both_tiers(
         case.rig, case.law, {"v": case.speed}, case.t_end
     ),
-    "sensitivities are what differences give": lambda case: numbers.sensitivities_hold(
+    "sensitivities are what differences give": lambda case: generated_equations.sensitivities_hold(
         case.rig, case.law, case.law, {"v": case.speed}, case.t_end
     ),
 }

@@ -13,7 +13,7 @@ from stickslip.friction import Coulomb, FrictionLaw
 from stickslip.mechanisms import MatrixMechanism, Mechanism
 from stickslip.quantities import Parametrised
 from stickslip.simulation import simulate
-from stickslip.testing import declared, numbers
+from stickslip.testing import class_declarations, generated_equations
 from stickslip.testing.report import Report, Suite, examine
 from stickslip.trajectory import Status
 
@@ -120,14 +120,16 @@ def check_mechanism(
     if starts is None:
         starts = ({}, dict.fromkeys(_slip_rates(mechanism), 0.5))
     case = _Case(mechanism, law, t_end, starts, mirror, draws, seed)
-    then = {name: check for name, check in THEN.items() if compiled or name != numbers.TIERS}
+    then = {
+        name: check for name, check in THEN.items() if compiled or name != generated_equations.TIERS
+    }
     return examine(type(mechanism).__name__, case, FIRST, then, throw=throw)
 
 
 def _slip_rates(mechanism: Mechanism) -> list[str]:
     """Return the slip velocity, if contacts are named as they should be."""
     try:
-        return [numbers.rest_of(mechanism)]
+        return [generated_equations.rest_of(mechanism)]
     except Exception:  # a check says what is wrong with the contacts
         return []
 
@@ -208,12 +210,12 @@ def _gyroscopic(case: _Case) -> Iterator[str]:
     """
     if case.mechanism.guided():
         return
-    equations = numbers.generated(case.mechanism, case.law)
+    equations = generated_equations.generated(case.mechanism, case.law)
 
     def power(q: Mapping[str, float], q_dot: Mapping[str, float], scale: float) -> float:
         rates = zip(case.mechanism.rates, case.mechanism.coordinates, strict=True)
         values = {**q, **{rate: scale * q_dot[i] for rate, i in rates}}
-        y = numbers.vector(case.mechanism, case.law, values)
+        y = generated_equations.vector(case.mechanism, case.law, values)
         return float(equations("power", 1, equations.flags(0.0, y), 0.0, y)[0])
 
     for q, q_dot in case.states():
@@ -233,7 +235,7 @@ def _balanced(case: _Case) -> Iterator[str]:
 
 def _sensitivities(case: _Case) -> Iterator[str]:
     for start in case.starts:
-        yield from numbers.sensitivities_hold(
+        yield from generated_equations.sensitivities_hold(
             case.mechanism, case.law, case.mechanism, start, case.t_end
         )
 
@@ -261,16 +263,18 @@ def _derived(case: _Case) -> Iterator[str]:
 
 
 FIRST: Suite[_Case] = {
-    "its name is kebab-case": lambda case: declared.kebab_case(case.mechanism),
-    "it says what its states are": lambda case: declared.told(
+    "its name is kebab-case": lambda case: class_declarations.kebab_case(case.mechanism),
+    "it says what its states are": lambda case: class_declarations.told(
         case.mechanism, ("name", "coordinates", "rates", "units")
     ),
-    "it is a frozen, keyword-only dataclass": lambda case: declared.frozen(case.mechanism),
-    "every number is a declared quantity": lambda case: declared.quantities_declared(
+    "it is a frozen, keyword-only dataclass": lambda case: class_declarations.frozen(
         case.mechanism
     ),
-    "every quantity is explained": lambda case: declared.explained(case.mechanism),
-    "parameters are checked": lambda case: declared.parameters_checked(case.mechanism),
+    "every number is a declared quantity": lambda case: class_declarations.quantities_declared(
+        case.mechanism
+    ),
+    "every quantity is explained": lambda case: class_declarations.explained(case.mechanism),
+    "parameters are checked": lambda case: class_declarations.parameters_checked(case.mechanism),
     "every coordinate has one rate and one unit": _lengths,
     "contacts name coordinates": _contacts,
     "drives are named and stand in fields": _drives,
@@ -282,10 +286,10 @@ FIRST: Suite[_Case] = {
 THEN: Suite[_Case] = {
     "centrifugal and Coriolis forces do no work": _gyroscopic,
     "runs keep the energy balance": _balanced,
-    "equations are finite where slip ends": lambda case: numbers.finite_near_rest(
+    "equations are finite where slip ends": lambda case: generated_equations.finite_near_rest(
         case.mechanism, case.law, [dict(case.mechanism.start()) | dict(s) for s in case.starts]
     ),
-    numbers.TIERS: lambda case: numbers.same_in_both_tiers(
+    generated_equations.TIERS: lambda case: generated_equations.same_in_both_tiers(
         case.mechanism, case.law, case.starts[-1], case.t_end
     ),
     "sensitivities are what differences give": _sensitivities,

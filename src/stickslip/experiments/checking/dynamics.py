@@ -9,9 +9,9 @@ import numpy as np
 from stickslip.experiments import units
 from stickslip.experiments.checking.finding import TURN, Finding, Severity
 from stickslip.experiments.checking.motion import Motion, motion_of
-from stickslip.experiments.cutting import between_gaps
+from stickslip.experiments.differentiation import acceleration_of
 from stickslip.experiments.measurement import Array, Measurement
-from stickslip.experiments.signals import acceleration_of
+from stickslip.experiments.slicing import between_gaps
 from stickslip.experiments.wording import number, percent
 from stickslip.mechanisms import MatrixMechanism, Mechanism, stops_of
 from stickslip.quantities import vary

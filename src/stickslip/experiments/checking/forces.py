@@ -7,9 +7,9 @@ import numpy as np
 
 from stickslip.experiments.checking.finding import TURN, Finding
 from stickslip.experiments.checking.motion import Motion
+from stickslip.experiments.differentiation import acceleration_of
 from stickslip.experiments.measurement import Measurement
-from stickslip.experiments.scaling import load_stated
-from stickslip.experiments.signals import acceleration_of
+from stickslip.experiments.readers.unit_conversion import load_stated
 from stickslip.experiments.units import turned
 from stickslip.experiments.wording import number, percent, quantity
 from stickslip.mechanisms import Mechanism

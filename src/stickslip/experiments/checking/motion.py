@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.experiments.checking.finding import Finding
-from stickslip.experiments.measurement import Array, Measurement
-from stickslip.experiments.signals import (
+from stickslip.experiments.differentiation import (
     CUTOFF,
     interval_of,
     noise_of,
@@ -18,6 +17,7 @@ from stickslip.experiments.signals import (
     step_of,
     velocity_of,
 )
+from stickslip.experiments.measurement import Array, Measurement
 from stickslip.experiments.wording import count, number, percent, quantities, quantity
 
 __all__ = ["Motion", "motion_of", "rests", "reversals", "slow", "straight"]

@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from stickslip.experiments.checking.finding import Finding
+from stickslip.experiments.differentiation import GAP, interval_of
 from stickslip.experiments.measurement import Array, Measurement
-from stickslip.experiments.signals import GAP, interval_of
 from stickslip.experiments.wording import count, number, percent, quantity
 
 __all__ = ["gaps", "length", "sampling", "usual"]

@@ -7,9 +7,9 @@ from stickslip.paper.audit import PaperAudit
 from stickslip.paper.cart import CYCLES, KINETIC, STEP, CartRun, CartStudy, Share
 from stickslip.paper.sections.common import counted
 from stickslip.plots import animation_html
-from stickslip.plots.cycles import CYCLE_SIZES, draw_cycles
-from stickslip.plots.motion import draw_motion
-from stickslip.plots.svg import inline_svg
+from stickslip.plots.core.svg import inline_svg
+from stickslip.plots.runs.limit_cycles import CYCLE_SIZES, draw_cycles
+from stickslip.plots.runs.motion import draw_motion
 from stickslip.report import (
     Animation,
     Caption,

@@ -7,8 +7,8 @@ import numpy as np
 from stickslip.friction import FrictionLaw, PrintedForm
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.cart import KINETIC, CartRun, CartStudy
-from stickslip.plots.motion import draw_motion
-from stickslip.plots.svg import inline_svg
+from stickslip.plots.core.svg import inline_svg
+from stickslip.plots.runs.motion import draw_motion
 from stickslip.quantities import fields_of
 from stickslip.report import Caption, Column, Figure, Name, Paragraph, Row, Section, Table
 from stickslip.report.numbers import fixed, length, percent, significant, with_unit

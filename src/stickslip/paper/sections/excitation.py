@@ -6,9 +6,9 @@ from stickslip.paper.audit import PaperAudit
 from stickslip.paper.excitations import Excitation
 from stickslip.paper.sections.common import COLOURS, counted, travel_axis
 from stickslip.paper.unpublished import ROUNDING
-from stickslip.plots.excitations import EXCITATION_SIZES, draw_excitations
-from stickslip.plots.sketches import sketch
-from stickslip.plots.svg import inline_svg
+from stickslip.plots.core.svg import inline_svg
+from stickslip.plots.data.rig_sketches import sketch
+from stickslip.plots.runs.excitations import EXCITATION_SIZES, draw_excitations
 from stickslip.report import (
     Caption,
     Column,

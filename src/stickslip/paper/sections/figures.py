@@ -3,17 +3,17 @@
 from stickslip.friction import BristleLaw, Stribeck
 from stickslip.paper.audit import PaperAudit, TableRow
 from stickslip.paper.stick_slip import SPEED
-from stickslip.plots.laws import (
+from stickslip.plots.core.svg import inline_svg
+from stickslip.plots.data.rig_sketches import schematic
+from stickslip.plots.laws.curves import (
     characteristic_sizes,
     draw_characteristics,
     draw_presliding,
     draw_stribeck,
     presliding_sizes,
 )
-from stickslip.plots.motion import draw_motion
-from stickslip.plots.run import RUN_SIZES, draw_run
-from stickslip.plots.sketches import schematic
-from stickslip.plots.svg import inline_svg
+from stickslip.plots.runs.motion import draw_motion
+from stickslip.plots.runs.run import RUN_SIZES, draw_run
 from stickslip.report import Columns, Figure, Paragraph, Section
 from stickslip.report.numbers import residue
 

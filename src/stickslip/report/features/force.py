@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.identification import FeatureFit
-from stickslip.identification.features import load_of
-from stickslip.plots.pull import PULL_SIZES, Excerpt, Half, draw_pull
-from stickslip.plots.svg import inline_svg
-from stickslip.report.blocks import Figure
-from stickslip.report.documents import Section
-from stickslip.report.records.data import thinned
-from stickslip.report.selection.texts import quantity_value
+from stickslip.identification.features.features import load_of
+from stickslip.plots.core.svg import inline_svg
+from stickslip.plots.runs.spring_force import PULL_SIZES, Excerpt, Half, draw_pull
+from stickslip.report.core.blocks import Figure
+from stickslip.report.core.documents import Section
+from stickslip.report.records.plot_data import thinned
+from stickslip.report.travels.texts import quantity_value
 from stickslip.selection import FeatureVerdict
 
 __all__ = ["force_section"]

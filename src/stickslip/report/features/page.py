@@ -3,12 +3,12 @@
 from collections.abc import Mapping, Sequence
 from functools import partial
 
-from stickslip.report.documents import Page, Section, made_sections, selection_document
-from stickslip.report.features.closing import next_section, record_section, reproduce_section
+from stickslip.report.core.documents import Page, Section, made_sections, selection_document
+from stickslip.report.core.page import render
+from stickslip.report.features.appendix import next_section, record_section, reproduce_section
 from stickslip.report.features.force import force_section
-from stickslip.report.features.opening import opening_section
 from stickslip.report.features.scores import parameters_section, scores_section
-from stickslip.report.page import render
+from stickslip.report.features.summary import opening_section
 from stickslip.selection import FeatureVerdict
 
 __all__ = ["feature_document", "feature_page"]

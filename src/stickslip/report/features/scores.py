@@ -3,11 +3,13 @@
 import math
 
 from stickslip.identification import FeatureFit
-from stickslip.identification.feature_result import QUANTILE
-from stickslip.identification.features import COMPARED
+from stickslip.identification.features.features import COMPARED
+from stickslip.identification.features.result import QUANTILE
 from stickslip.report import numbers
-from stickslip.report.blocks import Block, KeyValue, KeyValues, Math, Paragraph, Subheading
-from stickslip.report.documents import Section
+from stickslip.report.core.blocks import Block, KeyValue, KeyValues, Math, Paragraph, Subheading
+from stickslip.report.core.documents import Section
+from stickslip.report.core.sparklines import Axis, Colour, Mark, RowPlot
+from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.report.features.texts import (
     UNITS,
     label,
@@ -17,11 +19,9 @@ from stickslip.report.features.texts import (
     typeset_lines,
 )
 from stickslip.report.records.texts import estimate_parts, label_of, typeset
-from stickslip.report.rowplots import Axis, Colour, Mark, RowPlot
-from stickslip.report.selection.texts import counted
-from stickslip.report.tables import Cell, Column, Name, Number, Row, Table
+from stickslip.report.travels.texts import counted
 from stickslip.selection import FeatureCandidate, FeatureVerdict
-from stickslip.selection.feature_words import signed_share
+from stickslip.selection.feature_wording import signed_share
 
 __all__ = ["parameters_section", "scores_section"]
 

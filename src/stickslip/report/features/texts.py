@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable
 
 from stickslip.identification import Estimate
-from stickslip.identification.features import COMPARED
+from stickslip.identification.features.features import COMPARED
 from stickslip.report import numbers
 from stickslip.report.records.texts import estimate_parts, typeset
 from stickslip.selection import FeatureCandidate, FeatureVerdict

@@ -7,14 +7,14 @@ from typing import Final
 import numpy as np
 
 from stickslip.identification import RecordFit
-from stickslip.identification.doubts import SEPARABLE
-from stickslip.identification.optimise import AGREE
-from stickslip.identification.shooting import Shooting
+from stickslip.identification.estimates import SEPARABLE
+from stickslip.identification.estimation.levenberg_marquardt import AGREE
+from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.report import numbers
-from stickslip.report.blocks import KeyValue, KeyValues
-from stickslip.report.documents import Section
+from stickslip.report.core.blocks import KeyValue, KeyValues
+from stickslip.report.core.documents import Section
 from stickslip.report.records.scores import picks_text
-from stickslip.report.selection.texts import counted, quantity_value
+from stickslip.report.travels.texts import counted, quantity_value
 from stickslip.selection import RecordVerdict
 
 __all__ = ["certificate_section"]

@@ -6,17 +6,17 @@ import numpy as np
 
 from stickslip.friction import BristleLaw, DirectionDependent
 from stickslip.identification import RecordFit
-from stickslip.plots.friction_map import MAP_SIZES, MapLaw, draw_friction_map
-from stickslip.plots.laws import characteristic
-from stickslip.plots.svg import inline_svg
+from stickslip.plots.core.svg import inline_svg
+from stickslip.plots.laws.curves import characteristic
+from stickslip.plots.laws.friction_map import MAP_SIZES, MapLaw, draw_friction_map
 from stickslip.report import numbers
-from stickslip.report.blocks import Figure
-from stickslip.report.documents import Section
-from stickslip.report.records.data import MapPoints, map_points, offset_of, sampled
+from stickslip.report.core.blocks import Figure
+from stickslip.report.core.documents import Section
+from stickslip.report.records.plot_data import MapPoints, map_points, offset_of, sampled
 from stickslip.report.records.texts import half_width, rival_of
-from stickslip.report.selection.texts import quantity_value
+from stickslip.report.travels.texts import quantity_value
 from stickslip.selection import RecordCandidate, RecordVerdict
-from stickslip.selection.record_words import in_sentence
+from stickslip.selection.record_wording import in_sentence
 
 __all__ = ["map_section"]
 

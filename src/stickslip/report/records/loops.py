@@ -7,16 +7,16 @@ from numpy.typing import NDArray
 
 from stickslip.experiments.wording import joined
 from stickslip.identification import RecordFit
-from stickslip.identification.record_fit import Prediction
-from stickslip.plots.loops import Loop, draw_loops, loop_sizes
-from stickslip.plots.svg import inline_svg
+from stickslip.identification.records.fit import Prediction
+from stickslip.plots.core.svg import inline_svg
+from stickslip.plots.laws.hysteresis import Loop, draw_loops, loop_sizes
 from stickslip.report import numbers
-from stickslip.report.blocks import Figure
-from stickslip.report.documents import Section
+from stickslip.report.core.blocks import Figure
+from stickslip.report.core.documents import Section
 from stickslip.report.records.texts import rival_of
-from stickslip.report.selection.texts import counted
+from stickslip.report.travels.texts import counted
 from stickslip.selection import RecordCandidate, RecordVerdict
-from stickslip.selection.record_words import in_sentence
+from stickslip.selection.record_wording import in_sentence
 
 __all__ = ["loops_section", "turns_of"]
 

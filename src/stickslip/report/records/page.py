@@ -3,19 +3,19 @@
 from collections.abc import Mapping, Sequence
 from functools import partial
 
-from stickslip.report.documents import Page, Section, made_sections, selection_document
-from stickslip.report.page import render
+from stickslip.report.core.documents import Page, Section, made_sections, selection_document
+from stickslip.report.core.page import render
+from stickslip.report.records.appendix import dropped_section, next_section, record_section
 from stickslip.report.records.certificate import certificate_section
-from stickslip.report.records.closing import dropped_section, next_section, record_section
 from stickslip.report.records.friction import map_section
 from stickslip.report.records.loops import loops_section
-from stickslip.report.records.opening import opening_section
 from stickslip.report.records.parameters import parameters_section
 from stickslip.report.records.reproduce import reproduce_section
 from stickslip.report.records.residuals import residuals_section
 from stickslip.report.records.scores import scores_section
-from stickslip.report.records.second import second_section
+from stickslip.report.records.summary import opening_section
 from stickslip.report.records.trials import trials_section
+from stickslip.report.records.validation_record import second_section
 from stickslip.selection import RecordVerdict
 
 __all__ = ["record_document", "record_page"]

@@ -6,12 +6,14 @@ from typing import Final
 import numpy as np
 
 from stickslip.identification import Estimate, RecordFit
-from stickslip.identification.doubts import step_intervals
-from stickslip.identification.force_units import reads_as_forces
-from stickslip.identification.profiles import Allowed, largest_allowed
+from stickslip.identification.estimates import step_intervals
+from stickslip.identification.profile_likelihood import Allowed, largest_allowed
+from stickslip.identification.records.level_units import reads_as_forces
 from stickslip.report import numbers
-from stickslip.report.blocks import Block, Columns, KeyValue, KeyValues, Math, Subheading
-from stickslip.report.documents import Section
+from stickslip.report.core.blocks import Block, Columns, KeyValue, KeyValues, Math, Subheading
+from stickslip.report.core.documents import Section
+from stickslip.report.core.sparklines import Axis, Mark, RowPlot
+from stickslip.report.core.tables import Cell, Column, Correlations, Name, Number, Row, Table
 from stickslip.report.records.texts import (
     estimate_parts,
     label_of,
@@ -19,11 +21,9 @@ from stickslip.report.records.texts import (
     typeset,
     unit_of,
 )
-from stickslip.report.rowplots import Axis, Mark, RowPlot
-from stickslip.report.selection.texts import counted
-from stickslip.report.tables import Cell, Column, Correlations, Name, Number, Row, Table
+from stickslip.report.travels.texts import counted
 from stickslip.selection import RecordCandidate, RecordVerdict
-from stickslip.selection.record_words import in_sentence
+from stickslip.selection.record_wording import in_sentence
 
 __all__ = ["parameters_section"]
 

@@ -8,14 +8,14 @@ from typing import Final
 import stickslip
 from stickslip.errors import UnknownNameError
 from stickslip.friction import FrictionLaw
-from stickslip.identification.record_settings import RecordSettings
+from stickslip.identification.records.settings import RecordSettings
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
-from stickslip.report.blocks import Block, Caption, Code, KeyValue, KeyValues, References
-from stickslip.report.documents import Section
-from stickslip.report.selection.closing import law_references
+from stickslip.report.core.blocks import Block, Caption, Code, KeyValue, KeyValues, References
+from stickslip.report.core.documents import Section
+from stickslip.report.travels.appendix import law_references
 from stickslip.selection import RecordVerdict
-from stickslip.selection.specifications import specifications
+from stickslip.selection.candidates import specifications
 
 __all__ = ["python_lines", "reproduce_section"]
 

@@ -4,21 +4,21 @@ import numpy as np
 
 from stickslip.experiments.wording import joined
 from stickslip.identification import RecordFit
-from stickslip.identification.force_map import ForceMap
-from stickslip.identification.residual_trends import has_trend, ljung_box, noise_floor
-from stickslip.plots.residuals import (
+from stickslip.identification.force_map.problem import ForceMap
+from stickslip.identification.residuals.trends import has_trend, ljung_box, noise_floor
+from stickslip.plots.core.helpers import in_mm
+from stickslip.plots.core.svg import inline_svg
+from stickslip.plots.selection.residuals import (
     ERROR_SIZES,
     ResidualPanel,
     draw_prediction_error,
     draw_residuals,
     residual_sizes,
 )
-from stickslip.plots.series import in_mm
-from stickslip.plots.svg import inline_svg
 from stickslip.report import numbers
-from stickslip.report.blocks import Block, Figure
-from stickslip.report.documents import Section
-from stickslip.report.records.data import (
+from stickslip.report.core.blocks import Block, Figure
+from stickslip.report.core.documents import Section
+from stickslip.report.records.plot_data import (
     Rows,
     block_edges,
     errors_of,
@@ -28,7 +28,7 @@ from stickslip.report.records.data import (
     sampled,
 )
 from stickslip.report.records.texts import rival_of, scale_for
-from stickslip.report.selection.texts import quantity_value
+from stickslip.report.travels.texts import quantity_value
 from stickslip.selection import RecordVerdict
 
 __all__ = ["residuals_section"]

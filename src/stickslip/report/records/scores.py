@@ -5,15 +5,15 @@ from typing import Final
 
 from stickslip.experiments.wording import joined
 from stickslip.report import numbers
-from stickslip.report.blocks import Paragraph
-from stickslip.report.documents import Section
+from stickslip.report.core.blocks import Paragraph
+from stickslip.report.core.documents import Section
+from stickslip.report.core.sparklines import Axis, Colour, Mark, RowPlot
+from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.report.records.texts import Scale, scale_for, symbols_of, typeset
-from stickslip.report.rowplots import Axis, Colour, Mark, RowPlot
-from stickslip.report.selection.texts import counted, quantity_value
-from stickslip.report.tables import Cell, Column, Name, Number, Row, Table
+from stickslip.report.travels.texts import counted, quantity_value
 from stickslip.selection import RecordCandidate, RecordVerdict
 from stickslip.selection.choice import LEVEL, LIKELY, MATERIAL, NEAR
-from stickslip.selection.record_words import in_sentence
+from stickslip.selection.record_wording import in_sentence
 
 __all__ = ["picks_text", "scores_section"]
 

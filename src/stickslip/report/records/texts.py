@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from stickslip.identification import Estimate
-from stickslip.plots.series import in_mm
+from stickslip.plots.core.helpers import in_mm
 from stickslip.report import numbers
 from stickslip.selection import RecordCandidate, RecordVerdict
 

@@ -1,7 +1,7 @@
 """Several trials: whether they share the law."""
 
-from stickslip.report.blocks import Paragraph
-from stickslip.report.documents import Section
+from stickslip.report.core.blocks import Paragraph
+from stickslip.report.core.documents import Section
 from stickslip.report.records.texts import symbols_of, typeset
 from stickslip.selection import RecordVerdict
 

@@ -6,21 +6,21 @@ import numpy as np
 
 from stickslip.experiments.wording import capital, count, joined, number, quantity
 from stickslip.plots import animation_html
-from stickslip.plots.cycles import CYCLE_SIZES, draw_cycles
-from stickslip.plots.run import (
+from stickslip.plots.core.helpers import horizon
+from stickslip.plots.core.svg import inline_svg
+from stickslip.plots.runs.limit_cycles import CYCLE_SIZES, draw_cycles
+from stickslip.plots.runs.run import (
     FORCE_SIZES,
     FRICTION_SIZES,
     RUN_SIZES,
     draw_friction_velocity,
     draw_run,
 )
-from stickslip.plots.series import horizon
-from stickslip.plots.svg import inline_svg
-from stickslip.report.animations import Animation
-from stickslip.report.blocks import Block, Caption, Figure, KeyValue, KeyValues
-from stickslip.report.documents import Section
+from stickslip.report.core.animations import Animation
+from stickslip.report.core.blocks import Block, Caption, Figure, KeyValue, KeyValues
+from stickslip.report.core.documents import Section
+from stickslip.report.core.tables import Cell, Column, Row, Table
 from stickslip.report.runs.subject import RunReport
-from stickslip.report.tables import Cell, Column, Row, Table
 from stickslip.sweep import DrivenCycle
 
 __all__ = [

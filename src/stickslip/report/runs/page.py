@@ -2,9 +2,9 @@
 
 from functools import partial
 
-from stickslip.report.documents import Page, made_sections
-from stickslip.report.page import render
-from stickslip.report.runs.closing import certificate_section, law_section, reproduce_section
+from stickslip.report.core.documents import Page, made_sections
+from stickslip.report.core.page import render
+from stickslip.report.runs.appendix import certificate_section, law_section, reproduce_section
 from stickslip.report.runs.motion import (
     animation_section,
     criteria_section,
@@ -12,8 +12,8 @@ from stickslip.report.runs.motion import (
     events_section,
     motion_section,
 )
-from stickslip.report.runs.opening import opening_section
 from stickslip.report.runs.subject import RunReport
+from stickslip.report.runs.summary import opening_section
 
 __all__ = ["run_page"]
 

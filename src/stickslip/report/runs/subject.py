@@ -9,7 +9,7 @@ from stickslip.experiments import LawEstimates, Rig
 from stickslip.experiments.wording import quantity
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import slip_names
-from stickslip.mechanisms.cycles import cycle_or_none
+from stickslip.mechanisms.drive_period import cycle_or_none
 from stickslip.selection import Criteria, criteria_of
 from stickslip.sweep import Band, DrivenCycle, cycles_in
 from stickslip.trajectory import Trajectory

@@ -1,0 +1,91 @@
+"""Converts upstream files to tidy tables."""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from stickslip.catalogue.download import fresh
+from stickslip.catalogue.schema import Column, DataFile
+from stickslip.errors import InputError
+
+__all__ = ["convert"]
+
+
+def convert(
+    raw: Path, target: Path, *, form: str, columns: Sequence[Column], file: DataFile
+) -> None:
+    """Write the table of an upstream file; it is there whole or not at all.
+
+    Parameters
+    ----------
+    raw : Path
+        The upstream file.
+    target : Path
+        The table, in Parquet.
+    form : str
+        ``"mat"`` for variables of a MATLAB file, ``"tsv"`` for columns parted by tabulators below
+        one line of names.
+    columns : sequence of Column
+        The columns of the table, in their order.
+    file : DataFile
+        Says how many rows to expect, and whether to keep only those.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read as that.
+
+    Warns
+    -----
+    UserWarning
+        If the file has another number of rows than the catalogue knows.
+    """
+    import pandas as pd
+
+    try:
+        series = _READERS[form](raw)
+        table = pd.DataFrame({column.name: _taken(series, column) for column in columns})
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"{raw}: cannot be read as {form}: {str(error).rstrip('.')}. Its checksum is right, so"
+            " the entry of the catalogue is wrong: please report that."
+        ) from None
+    if file.part:
+        table = table.iloc[: file.rows]
+    if file.rows is not None and len(table) != file.rows:
+        warnings.warn(
+            f"{raw.name} gives a table of {len(table)} rows, where the catalogue knows of"
+            f" {file.rows}: results for {file.name} may differ from published ones.",
+            stacklevel=2,
+        )
+    with fresh(target) as temporary:
+        table.to_parquet(temporary, index=False, compression="zstd")
+
+
+def _taken(series: Mapping[str, Any], column: Column) -> Any:
+    if column.source not in series:
+        raise ValueError(f"{column.source!r} is not in it, only {', '.join(series)}")
+    # One product, and none where nothing is to be scaled, keeps bits and precision as they were.
+    values = series[column.source]
+    return values if column.factor == 1.0 else values * column.factor
+
+
+def _matlab(path: Path) -> dict[str, Any]:
+    from scipy.io import loadmat
+
+    try:
+        found = loadmat(path)
+    except Exception as error:  # of any kind: the reader trusts the file
+        raise ValueError(f"{type(error).__name__}: {error}") from None
+    return {name: found[name].ravel() for name in found if not name.startswith("__")}
+
+
+def _text(path: Path) -> dict[str, Any]:
+    import numpy as np
+
+    table = np.loadtxt(path, delimiter="\t", skiprows=1, ndmin=2)
+    return {str(number): column for number, column in enumerate(table.T, 1)}
+
+
+_READERS = {"mat": _matlab, "tsv": _text}

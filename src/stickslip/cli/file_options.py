@@ -1,0 +1,61 @@
+"""How options say that the files of a measurement are read."""
+
+from collections.abc import Mapping, Sequence
+
+from stickslip.errors import InputError
+from stickslip.experiments.readers.reader_options import Column, Reading, column_of
+
+__all__ = ["reading_of"]
+
+
+def reading_of(
+    *,
+    columns: Sequence[str] | None,
+    units: Sequence[str] | None,
+    gain: Sequence[str] | None,
+    repair: Sequence[str] | None,
+    conditions: Sequence[str] | None = None,
+) -> Reading:
+    """Return what the options of that name say together."""
+    texts = [part.strip() for given in repair or () for part in given.split(",")]
+    names = [part.strip() for given in conditions or () for part in given.split(",")]
+    return Reading(
+        columns=_columns(columns),
+        units=_pairs("--unit", "position=mm", units),
+        gain=_numbers(_pairs("--gain", "force=35.15", gain)),
+        repair=tuple(texts),  # type: ignore[arg-type]  # checked by Reading itself
+        conditions=tuple(names),
+        by="options",
+    )
+
+
+def _columns(given: Sequence[str] | None) -> dict[str, Column]:
+    """Split ``name=column`` pairs; what has no name is the second column of the one before."""
+    found: dict[str, list[str]] = {}
+    name = ""
+    for part in (part for text in given or () for part in text.split(",")):
+        if "=" in part or not name or not part.strip():
+            ((name, column),) = _pairs("--columns", "position=q_m", [part]).items()
+            found[name] = [column]
+        else:
+            found[name].append(part.strip())
+    return {name: column_of(name, one[0] if len(one) == 1 else one) for name, one in found.items()}
+
+
+def _pairs(option: str, example: str, given: Sequence[str] | None) -> dict[str, str]:
+    """Split ``name=value`` pairs, parted by commas."""
+    found = {}
+    for pair in (part for text in given or () for part in text.split(",")):
+        name, equals, value = pair.partition("=")
+        if not equals or not name.strip() or not value.strip():
+            raise InputError(f"{option} takes NAME=VALUE such as {example}, got {pair!r}.")
+        found[name.strip()] = value.strip()
+    return found
+
+
+def _numbers(pairs: Mapping[str, str]) -> dict[str, float]:
+    try:
+        return {name: float(value) for name, value in pairs.items()}
+    except ValueError:
+        listed = ", ".join(f"{name}={value}" for name, value in pairs.items())
+        raise InputError(f"--gain takes numbers such as force=35.15, got {listed}.") from None

@@ -1,0 +1,239 @@
+"""What `select` and `fit` share: what was measured, how it is fitted, what is to be said of it."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import partial
+from pathlib import Path
+from typing import final
+
+from stickslip.cli.console import plain, show_table, stdout
+from stickslip.errors import InputError
+from stickslip.experiments import Checks, Measurement, Rig, check
+from stickslip.experiments.hashing import with_files
+from stickslip.experiments.readers.reader_options import Reading
+from stickslip.experiments.records import read_data
+from stickslip.identification import Estimate, RecordSettings
+from stickslip.identification.features.features import by_features
+from stickslip.identification.records.fitting import route_of
+from stickslip.identification.records.route_choice import RouteChoice, RouteName, choose_route
+from stickslip.report.numbers import interval, significant
+from stickslip.selection.feature_wording import share
+from stickslip.selection.record_wording import error_text
+from stickslip.selection.records import PurposeName
+from stickslip.selection.verdict import Wording
+
+__all__ = [
+    "Asked",
+    "How",
+    "Measured",
+    "measured",
+    "residuals",
+    "show_estimates",
+    "show_open",
+    "show_warnings",
+]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class How:
+    """How records are fitted and judged, as the options say it; None where they say nothing."""
+
+    purpose: PurposeName | None = None
+    horizon: float | None = None
+    route: RouteName | None = None
+    segment: float | None = None
+    hold: str | None = None
+    starts: int | None = None
+    seed: int | None = None
+
+    def __post_init__(self) -> None:
+        """Check lengths of time and the hold; other names are checked where they are used."""
+        for name in ("horizon", "segment"):
+            value = getattr(self, name)
+            if value is not None and not (math.isfinite(value) and value > 0.0):
+                raise InputError(f"--{name} must be a time above 0 s, got {value:g}.")
+        if self.hold not in (None, "zero", "first"):
+            raise InputError(f"--hold must be zero or first, got {self.hold!r}.")
+
+    @property
+    def way(self) -> str | None:
+        """The route, as far as it is asked for; a law to compensate with is one of its force."""
+        return "inverse-dynamics" if self.purpose == "compensate" and not self.route else self.route
+
+    def settings(self, rig: Rig) -> RecordSettings:
+        """Return settings of fits to records: as asked, or else as the rig says."""
+        given = {f.name: getattr(self, f.name, None) for f in fields(RecordSettings)}
+        said = {name: value for name, value in given.items() if value is not None}
+        return RecordSettings(**{"hold": rig.hold, **said})
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """What is fitted and how, as the options say it."""
+
+    data: Sequence[Path]
+    reading: Reading
+    validate: Path | None
+    unknown: Sequence[str]
+    how: How
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """What was measured, and what of the mechanism is not known."""
+
+    measurement: Measurement
+    validate: Measurement | None
+    unknown: tuple[str, ...]
+    digest: str
+    """SHA-256 of the rig and of all files that were read."""
+    features: bool = False
+    """Whether features are compared: of the force of a spring that pulls a block."""
+    route: RouteChoice | None = None
+    """How records are fitted; None for travels and features."""
+
+    @property
+    def travels(self) -> bool:
+        """Whether distances to rest were measured, and nothing in time."""
+        return bool(self.measurement.travelled)
+
+
+def measured(rig: Rig, asked: Asked, *, given: bool) -> Measured:
+    """Return what files or the rig say was measured.
+
+    Options for files add to what the rig says of its own. `given` is whether a rig file was.
+    """
+    reading = rig.reading.with_changes(asked.reading)
+    measurement, validate = rig.measurement, rig.validate
+    if asked.data:
+        measurement = rig.doubting(read_data(asked.data, reading, mechanism=rig.mechanism))
+    elif asked.reading != Reading() and asked.validate is None:
+        raise InputError(
+            "--columns, --unit, --gain, --repair and --conditions are for --data or --validate."
+        )
+    if measurement is None:
+        raise InputError(
+            f"{rig.path} has no measurement: add a [[trial]] with a travel or [data] with a file,"
+            " or give --data FILE."
+        )
+    if asked.validate is not None:
+        # a second record is predicted, whatever its conditions
+        alike = replace(reading, conditions=())
+        validate = read_data([asked.validate], alike, mechanism=rig.mechanism)
+    names = [part.strip() for given in asked.unknown for part in given.split(",")]
+    files = [*asked.data, *([] if asked.validate is None else [asked.validate])]
+    found = Measured(
+        measurement=measurement,
+        validate=validate,
+        unknown=(*rig.unknown, *names),
+        digest=with_files(rig.digest, files),
+        features=by_features(measurement, asked.how.route),
+    )
+    if found.features:
+        _check_features(asked.how)
+    if found.travels:
+        _check_travels(asked.how)
+    elif not given:
+        raise InputError(
+            "a record needs a rig file that says what moves: give one with a [mechanism], such as"
+            ' type = "axis" and inertia = { value = "80 kg", unknown = true }.'
+        )
+    elif not found.features:
+        chosen = _route(rig, found, asked.how)
+        _check_records(asked.how, chosen)
+        found = replace(found, route=chosen)
+    return found
+
+
+def _check_features(how: How) -> None:
+    """Refuse what features have no use for."""
+    for name in ("purpose", "horizon", "segment", "hold", "starts"):
+        if getattr(how, name) is not None:
+            raise InputError(
+                f"--{name} is for records of motion or friction; the force of a spring is compared"
+                " by its features."
+            )
+
+
+def _route(rig: Rig, found: Measured, how: How) -> RouteChoice:
+    """Return how records are fitted: as asked, or else as their motion allows."""
+    settings, measurement = how.settings(rig), found.measurement
+    rubbed = "friction" in measurement.quantities() and not how.route
+    asked = None if rubbed else how.way
+    faulty = check(measurement, mechanism=rig.mechanism).worst == "error"
+    if asked is not None or rubbed or faulty:  # what is faulty is refused where it is fitted
+        return RouteChoice(route=route_of(measurement, asked), settings=settings)
+    return choose_route(rig.mechanism, measurement, unknown=found.unknown, settings=settings)
+
+
+def _check_records(how: How, chosen: RouteChoice) -> None:
+    """Refuse what the route that records take has no use for."""
+    way, why = chosen.route, f", because {chosen.reason}" if chosen.reason else ""
+    without = {"shooting": (), "inverse-dynamics": ("segment",), "force-map": ("segment", "hold")}
+    for name in without[way]:
+        if getattr(how, name) is not None:
+            raise InputError(
+                f"--{name} is for simulated segments (--route shooting); here the route is {way},"
+                f" which fits friction along the measured motion{why}: leave it out."
+            )
+
+
+def _check_travels(how: How) -> None:
+    """Refuse what travels have no use for."""
+    for name in ("purpose", "horizon", "route", "segment", "hold", "starts", "seed"):
+        if getattr(how, name) is not None:
+            raise InputError(
+                f"--{name} is for records in time or of friction; what was measured here is travel."
+            )
+
+
+def residuals(found: Measured) -> Callable[[float], str]:
+    """Return what puts residuals into words, with the unit of what predictions are compared to."""
+    if found.features:
+        return lambda error: f"features off by {share(error)}"
+    known = found.measurement.quantities()
+    quantity = next((name for name in ("position", "velocity") if name in known), "friction")
+    if found.route is not None and found.route.route != "shooting":
+        quantity = "friction"
+    return partial(error_text, quantity=quantity, turning=found.measurement.turning)
+
+
+def show_warnings(checks: Checks) -> None:
+    """Print what is doubtful about a record."""
+    doubts = [finding for finding in checks.findings if finding.severity == "warning"]
+    for finding in doubts:
+        stdout().print(f"! {finding}", markup=False, style="yellow")
+
+
+def show_estimates(estimates: Sequence[Estimate]) -> None:
+    """Print parameters with their intervals, and why one is not bounded."""
+    rows = [
+        [
+            one.path,
+            one.quantity.symbol,
+            significant(one.value, 4),
+            "" if one.quantity.unit == "1" else one.quantity.unit,
+            interval(one.low, one.high) if one.bounded else one.range,
+        ]
+        for one in estimates
+    ]
+    kinds = ", ".join(dict.fromkeys(one.interval for one in estimates))
+    heads = ["parameter", "", "value", "unit", f"range ({kinds})"]
+    show_table("", heads, rows, whole=heads[1:])
+    for one in estimates:
+        if one.reason:
+            stdout().print(f"  {one.path}: {plain(one.reason)}", markup=False)
+
+
+def show_open(words: Wording) -> None:
+    """Print what the data cannot tell and what to measure next."""
+    console = stdout()
+    for title, lines in (("Cannot tell", words.cannot_tell), ("Measure next", words.measure_next)):
+        if lines:
+            console.print(f"\n{title}", markup=False, style="bold")
+        for line in lines:
+            console.print(f"  {plain(line)}", markup=False)

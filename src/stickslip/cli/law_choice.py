@@ -1,0 +1,157 @@
+"""Which law a command takes, where a rig file and an option may name one, or a file of its own."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from stickslip.cli.console import note, overrides, plain
+from stickslip.errors import InputError, ParameterError
+from stickslip.experiments import CarriedLaw, LawEstimates, Rig, carried, load_rig
+from stickslip.experiments.estimates import LOAD
+from stickslip.experiments.units import read_number
+from stickslip.friction import PRINTED_FORMS, FrictionLaw, law_type
+from stickslip.identification import starting_law
+
+__all__ = ["ChosenLaw", "LawAsked", "fitted_name", "rig_and_law"]
+
+USUAL = "coulomb"
+FITTED = "coulomb-viscous"
+FILE = re.compile(r"(?P<path>.*\.toml)(?::(?P<law>[a-z0-9-]+))?", re.IGNORECASE)
+"""A file, and after a colon which of its laws."""
+FRICTION = "friction."
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawAsked:
+    """What the options say of the law."""
+
+    law: str | None
+    """A name, or a file that has the law."""
+    load: str | None = None
+    """Normal force at which the levels in the file are forces, with its unit."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChosenLaw:
+    """A law and how well it is known."""
+
+    carried: CarriedLaw
+    source: Rig | None = None
+    """Where it was fitted, if that is another file than the rig's."""
+
+    @property
+    def law(self) -> FrictionLaw:
+        """The law, as it is on this mechanism."""
+        return self.carried.law
+
+    @property
+    def estimates(self) -> LawEstimates | None:
+        """Intervals and covariance of its parameters, if its file has them."""
+        return self.carried.estimates
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What does not carry over from where the law was fitted."""
+        return self.carried.remarks
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return its name, and what is to be known of it if it is from another file."""
+        found: dict[str, Any] = {"law": self.law.name}
+        if self.source is not None:
+            found["law_file"] = {"file": self.source.path, "digest": self.source.digest}
+            found["remarks"] = list(map(plain, self.remarks))
+        return found
+
+
+def fitted_name(rig: Rig, name: str | None) -> str:
+    """Return the law to fit: as asked, or the only one with a table of its own, or the usual."""
+    if name is not None:
+        return name
+    return rig.named[0] if len(rig.named) == 1 else FITTED
+
+
+def rig_and_law(
+    path: Path | None, changes: Sequence[str], asked: LawAsked, *, allow_import: bool = False
+) -> tuple[Rig, ChosenLaw]:
+    """Return the rig and its law: one of its own, an ordinary one, or that of another file.
+
+    Where the law is from another file, overrides of friction are of that file.
+    """
+    given = overrides(changes)
+    file = None if asked.law is None else FILE.fullmatch(asked.law)
+    if file is None:
+        if asked.load is not None:
+            raise InputError(
+                "--law-load is for a law from a file, such as --law law.toml, whose levels are"
+                " forces."
+            )
+        rig = load_rig(path, overrides=given, allow_import=allow_import)
+        return rig, _own(rig, asked.law)
+    own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
+    others = {key: value for key, value in given.items() if key not in own}
+    rig = load_rig(path, overrides=others, allow_import=allow_import)
+    source = load_rig(file["path"], allow_import=allow_import)
+    load = _load(asked.load)
+    found = carried(source, rig.mechanism, law=file["law"], load=load)
+    if own:
+        name = found.law.name
+        changed = {_of(name, key): value for key, value in own.items()}
+        source = load_rig(file["path"], overrides=changed, allow_import=allow_import)
+        found = carried(source, rig.mechanism, law=name, load=load)
+    for remark in found.remarks:
+        note(plain(remark))
+    return rig, ChosenLaw(carried=found, source=source)
+
+
+def _of(law: str, key: str) -> str:
+    """Return an override of the law's own table, where it names a value alone."""
+    rest = key.removeprefix(FRICTION)
+    return key if "." in rest else f"{FRICTION}{law}.{rest}"
+
+
+def _load(text: str | None) -> float | None:
+    if text is None:
+        return None
+    try:
+        return read_number(text, LOAD)
+    except ParameterError as error:
+        raise ParameterError(f"--law-load {error}") from None
+
+
+def _own(rig: Rig, name: str | None) -> ChosenLaw:
+    """Return a law of the rig, or one with plain values where the rig does not have it."""
+    name = _name(rig) if name is None else name
+    if name in PRINTED_FORMS:
+        raise InputError(
+            f"{name} is an equation as printed; `stickslip paper` runs those. Its corrected law is"
+            f" {PRINTED_FORMS[name].corrected.name}."
+        )
+    if name in rig.laws:
+        known = rig.estimates
+        return _of_rig(rig, rig.laws[name], known if known and known.law == name else None)
+    law = starting_law(law_type(name))
+    note(f"{rig.path} has no values for {name}: it is run with ordinary ones, {law}.")
+    return _of_rig(rig, law, None)
+
+
+def _of_rig(rig: Rig, law: FrictionLaw, estimates: LawEstimates | None) -> ChosenLaw:
+    """Return a law on the mechanism of its own file."""
+    return ChosenLaw(
+        carried=CarriedLaw(
+            law=law, estimates=estimates, remarks=(), source=rig.path, fitted_on=rig.mechanism
+        )
+    )
+
+
+def _name(rig: Rig) -> str:
+    """Return the law that a rig means: the only one it has, or the usual one of several."""
+    for known in (rig.named, tuple(rig.laws)):
+        if len(known) == 1:
+            return known[0]
+    if rig.laws and USUAL not in rig.laws:
+        raise InputError(
+            f"{rig.path} has values for several laws, {', '.join(rig.laws)}: say which with --law."
+        )
+    return USUAL

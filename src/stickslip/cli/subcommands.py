@@ -1,0 +1,118 @@
+"""The commands that belong together: `stickslip data ...` and `stickslip profile ...`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stickslip.cli.options import (
+    BackSlip,
+    Effort,
+    Evaluations,
+    Folder,
+    Force,
+    Goal,
+    Interval,
+    Json,
+    Kind,
+    Knots,
+    Law,
+    LawLoad,
+    LoadShare,
+    Position,
+    Rate,
+    Record,
+    Resume,
+    Set,
+)
+
+__all__ = ["data", "profile"]
+
+
+data = typer.Typer(
+    no_args_is_help=True, help="Public friction records: what there is, and where the files are."
+)
+
+
+@data.command("list")
+def data_list(as_json: Json = False) -> None:
+    """List the records of the catalogue and where their files are."""
+    from stickslip.cli.data import run_list
+
+    run_list(as_json=as_json)
+
+
+@data.command("show")
+def data_show(name: Record, as_json: Json = False) -> None:
+    """Show a record in full: source, licence, columns, files, what is known."""
+    from stickslip.cli.data import run_show
+
+    run_show(name, as_json=as_json)
+
+
+@data.command("path")
+def data_path(
+    name: Record,
+    file: Annotated[
+        str | None, typer.Option("--file", help="One of its files; the first if not given.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Print the path of a record's table, downloading and converting it if necessary."""
+    from stickslip.cli.data import run_path
+
+    run_path(name, file, as_json=as_json)
+
+
+profile = typer.Typer(
+    no_args_is_help=True, help="Motion profiles of pendulum carts and capsules: the best in limits."
+)
+
+
+@profile.command("optimise")
+def profile_optimise(
+    rig: Annotated[Path, typer.Argument(help="Rig file (TOML) with a prescribed motion.")],
+    angle: Position,
+    rate: Rate,
+    torque: Effort = None,
+    load_share: LoadShare = "0 %",
+    back_slip: BackSlip = None,
+    goal: Goal = "travel",
+    kind: Kind = "spline",
+    law: Law = None,
+    law_load: LawLoad = None,
+    interval: Interval = None,
+    changes: Set = None,
+    knots: Knots = 12,
+    evaluations: Evaluations = 2000,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of random numbers.")] = 0,
+    resume: Resume = None,
+    output: Folder = Path("stickslip-profile"),
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Find the motion that drives the rig best within limits; write its rig file and a figure.
+
+    Ctrl-C once ends with the best so far, twice cancels; --resume goes on from where it was.
+    """
+    from stickslip.cli.law_choice import LawAsked
+    from stickslip.cli.profile import Settings, run
+
+    settings = Settings(
+        limits={
+            "position": angle,
+            "rate": rate,
+            "effort": torque,
+            "load_share": load_share,
+            "back_slip": back_slip,
+        },
+        goal=goal,
+        kind=kind,
+        law=LawAsked(law=law, load=law_load),
+        interval=interval or [],
+        knots=knots,
+        evaluations=evaluations,
+        seed=seed,
+        resume=resume,
+    )
+    run(rig, changes or [], settings, output, force=force, as_json=as_json)

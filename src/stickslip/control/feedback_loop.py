@@ -1,0 +1,314 @@
+"""Closes the loop: a controller that samples, computes and holds, around an exact simulation."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal, Protocol
+
+from stickslip.control.actuation import place_of
+from stickslip.control.sample_and_hold import Commands, Stretch, Timing, drive_of
+from stickslip.control.sensors import Sensors
+from stickslip.errors import InputError, SimulationError
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.simulation import END, check_pair, initial_state
+from stickslip.solver import EventDriven
+from stickslip.solver.incremental_run import Onward
+from stickslip.trajectory import Status, Trajectory
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+__all__ = ["ClosedLoop", "Controller", "closed_loop"]
+
+REPORTS = 100
+"""Calls of a progress callback in a run."""
+
+
+class Controller(Protocol):
+    """Computes a command from what is measured.
+
+    Any function will do. One that keeps a state has a ``reset()``, which is called before a run.
+    """
+
+    def __call__(self, t: float, measured: Mapping[str, float], /) -> float:
+        """Return the command at a sample.
+
+        Parameters
+        ----------
+        t : float
+            Time of the sample [s].
+        measured : mapping
+            Coordinates and rates by name, as they are measured.
+        """
+        ...
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ClosedLoop:
+    """A run in closed loop: the motion, and what the controller saw and said at each sample.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> law = Coulomb(kinetic_coefficient=1.0)
+    >>> loop = closed_loop(
+    ...     Axis(inertia=1.0),
+    ...     law,
+    ...     lambda t, seen: 100.0 * (0.1 - seen["x"]) - 10.0 * seen["v"],
+    ...     period=1e-3,
+    ...     t_end=2.0,
+    ... )
+    >>> loop.run.status.name, len(loop.t), bool(abs(loop.run["x"][-1] - 0.1) < 0.01)
+    ('END_TIME', 2000, True)
+    """
+
+    run: Trajectory
+    """The motion, certified as any run is."""
+    mechanism: Mechanism
+    """The mechanism with all commands as its drive: `simulate` makes the same run of it."""
+    t: "NDArray[np.float64]"
+    """Times of the samples (n,) [s]."""
+    measured: Mapping[str, "NDArray[np.float64]"]
+    """What the controller saw (n,), by state."""
+    asked: "NDArray[np.float64]"
+    """What it asked for (n,)."""
+    commands: "NDArray[np.float64]"
+    """The same within the limit (n,): what acts, a delay later."""
+    period: float
+    """Time between samples [s]."""
+    delay: float
+    """Time from a sample to its command [s]."""
+
+    @property
+    def status(self) -> Status:
+        """How the run ended."""
+        return self.run.status
+
+
+def closed_loop(
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    controller: Controller | Callable[[float, Mapping[str, float]], float],
+    *,
+    period: float,
+    t_end: float,
+    delay: float = 0.0,
+    hold: Literal["zero", "first"] = "zero",
+    drive: str | None = None,
+    limit: float | None = None,
+    y0: Mapping[str, float] | Sequence[float] | None = None,
+    noise: Mapping[str, float] | None = None,
+    quantisation: Mapping[str, float] | None = None,
+    seed: int = 0,
+    solver: EventDriven | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    throw: bool = True,
+) -> ClosedLoop:
+    """Simulate a mechanism with friction under a controller that samples and holds.
+
+    The mechanism is solved exactly between samples: it sticks, breaks away and stops when it does,
+    not when the controller looks. The run is one run, not a chain of them, and has one certificate.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves. A drive that it has already in the place of the command stays and is added to
+        it, as a disturbance.
+    law : FrictionLaw
+        What holds it back.
+    controller : callable
+        Called with the time and what is measured (coordinates and rates by name) at each sample;
+        gives the command. Its ``reset()`` is called first, if it has one.
+    period : float
+        Time between samples [s]; the first is at time 0.
+    t_end : float
+        Last time [s].
+    delay : float
+        Time from a sample to the moment at which its command acts [s], any multiple or part of the
+        period. Nothing is commanded before.
+    hold : {"zero", "first"}
+        Whether a command is held, or goes on along the line through it and the one before.
+    drive : str, optional
+        Path of the drive that is commanded, such as ``"pendulum.drive"``; not needed where the
+        mechanism has one.
+    limit : float, optional
+        Largest command, in the drive's unit; a larger one is cut. None if not given.
+    y0 : mapping or sequence, optional
+        Initial states, as in `simulate`.
+    noise : mapping, optional
+        Standard deviation of what is measured, by state.
+    quantisation : mapping, optional
+        Step of the sensor, by state.
+    seed : int
+        Of the noise.
+    solver : EventDriven, optional
+        Tolerances and tier.
+    progress : callable, optional
+        Called a hundred times with the number of samples done and of all; if it returns False, the
+        run ends there and is `Status.CANCELLED`.
+    throw : bool
+        Raise if the run ends early or is not certified, as `simulate` does.
+
+    Returns
+    -------
+    ClosedLoop
+        The motion, the samples and the commands.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or the controller gives no finite number.
+    SimulationError
+        If the run ends early or is not certified, and `throw` is true.
+
+    Examples
+    --------
+    A proportional controller cannot move the axis out of its stiction:
+
+    >>> from stickslip import Axis, Coulomb
+    >>> loop = closed_loop(
+    ...     Axis(inertia=1.0),
+    ...     Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5),
+    ...     lambda t, seen: 100.0 * (0.014 - seen["x"]),
+    ...     period=1e-3,
+    ...     t_end=1.0,
+    ... )
+    >>> float(loop.commands[-1].round(9)), float(loop.run["x"][-1])
+    (1.4, 0.0)
+    """
+    solver = EventDriven() if solver is None else solver
+    _check(mechanism, law, controller, solver, hold, limit)
+    timing = Timing(period=period, delay=delay, limit=limit)
+    last = END.check("closed_loop", "t_end", t_end)
+    names = (*mechanism.coordinates, *mechanism.rates)
+    sensors = Sensors(names, noise=noise, quantisation=quantisation, seed=seed)
+    samples = timing.times(last)
+    commands = Commands(timing, samples, hold, last)
+    place = place_of(mechanism, drive)
+    driven, name = place.commanded(mechanism, commands.untold())
+    start = initial_state("closed_loop", mechanism, law, y0)
+    onward = Onward(driven, law, drive=name, y0=start, t_end=last, solver=solver)
+    book = _walk(onward, controller, sensors, commands, timing, [*samples, last], progress)
+    driven, _ = place.commanded(mechanism, drive_of(hold, book.stretches, book.end))
+    return _result(onward, driven, book, timing, names, throw)
+
+
+def _check(
+    mechanism: object,
+    law: object,
+    controller: object,
+    solver: object,
+    hold: str,
+    limit: float | None,
+) -> None:
+    check_pair(mechanism, law)
+    if not isinstance(law, FrictionLaw):
+        raise InputError(f"closed_loop runs with EventDriven, which does not take {law!r}.")
+    if not callable(controller):
+        raise InputError(
+            f"controller must be callable with the time and what is measured, got {controller!r}."
+        )
+    if not isinstance(solver, EventDriven) or solver.estimate_error:
+        raise InputError(
+            f"solver must be an EventDriven(...) without estimate_error, got {solver!r}."
+        )
+    if hold not in ("zero", "first"):
+        raise InputError(f"hold must be 'zero' or 'first', got {hold!r}.")
+    if hold == "first" and limit is not None:
+        raise InputError(
+            "hold='first' may lead beyond a limit between samples: give the motor's own limit, or"
+            " hold='zero'."
+        )
+
+
+@dataclass
+class _Book:
+    """What happened at the samples."""
+
+    t: list[float]
+    measured: list[dict[str, float]]
+    asked: list[float]
+    stretches: list[Stretch]
+    end: float = 0.0
+    """End of the last stretch [s]."""
+    cancelled: bool = False
+
+
+def _walk(
+    onward: Onward,
+    controller: Any,
+    sensors: Sensors,
+    commands: Commands,
+    timing: Timing,
+    times: Sequence[float],
+    progress: Callable[[int, int], object] | None,
+) -> _Book:
+    """Go from sample to sample; `times` are theirs and the end."""
+    getattr(controller, "reset", lambda: None)()
+    book, count = _Book([], [], [], []), len(times) - 1
+    every = max(count // REPORTS, 1)
+    for k in range(count):
+        t, end = times[k], times[k + 1]
+        seen = sensors.read(onward.state())
+        asked = _number(controller(t, seen), t)
+        book.t.append(t)
+        book.measured.append(seen)
+        book.asked.append(asked)
+        commands.told.append(timing.within(asked))
+        stretches = commands.stretches(k, t, end)
+        ends = [*[start for start, _, _ in stretches[1:]], end]
+        for (start, value, slope), until in zip(stretches, ends, strict=True):
+            book.stretches.append((start, value, slope))
+            book.end = until
+            if not onward.advance(until, value, slope):
+                return book
+        if progress is not None and ((k + 1) % every == 0 or k + 1 == count):
+            book.cancelled = progress(k + 1, count) is False and k + 1 < count
+            if book.cancelled:
+                break
+    return book
+
+
+def _number(command: Any, t: float) -> float:
+    try:
+        number = float(command)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise InputError(
+            f"the controller must give a finite number, got {command!r} at t = {t:g} s."
+        )
+    return number
+
+
+def _result(
+    onward: Onward,
+    driven: Mechanism,
+    book: _Book,
+    timing: Timing,
+    names: Sequence[str],
+    throw: bool,
+) -> ClosedLoop:
+    import numpy as np
+
+    run = onward.finished(driven)
+    if book.cancelled:
+        run = replace(run, status=Status.CANCELLED)
+    if throw and not run.status.complete:
+        raise SimulationError(f"{run.status.value} It ended at t = {run.span[1]:g} s.")
+    if throw and not run.certificate.certified:
+        raise SimulationError("The run is not certified: " + "; ".join(run.certificate.problems))
+    asked = np.array(book.asked)
+    cut = timing.limit if timing.limit is not None else math.inf
+    return ClosedLoop(
+        run=run,
+        mechanism=driven,
+        t=np.array(book.t),
+        measured={name: np.array([seen[name] for seen in book.measured]) for name in names},
+        asked=asked,
+        commands=np.clip(asked, -cut, cut),
+        period=timing.period,
+        delay=timing.delay,
+    )

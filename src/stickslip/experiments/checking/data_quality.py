@@ -1,0 +1,293 @@
+"""What a measurement can tell and what is wrong with it, before anything is fitted."""
+
+import html
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+import numpy as np
+from typing_extensions import override
+
+from stickslip.errors import InputError
+from stickslip.experiments.checking import (
+    consistency,
+    dynamics,
+    forces,
+    mains,
+    map_coverage,
+    motion,
+    sampling,
+    signal_quality,
+    stationarity,
+)
+from stickslip.experiments.checking.finding import SEVERITIES, Finding, Severity
+from stickslip.experiments.measurement import Measurement
+from stickslip.experiments.rig import check_record
+from stickslip.experiments.wording import quantity
+from stickslip.mechanisms import Mechanism
+
+__all__ = ["Checks", "Finding", "check", "faults"]
+
+MARKS = {"info": "", "warning": "Warning: ", "error": "Error: "}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Checks:
+    """What was found about a measurement.
+
+    Examples
+    --------
+    >>> from stickslip import Measurement, check
+    >>> found = check(Measurement(travel=0.2, uncertainty=0.005))
+    >>> found.worst, [finding.kind for finding in found.findings]
+    ('warning', ['settings'])
+    """
+
+    findings: tuple[Finding, ...]
+    """In the order in which they are read."""
+    name: str = ""
+    """Of the measurement."""
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """All findings as sentences, each after the name of its trial where there are several."""
+        return tuple(map(str, self.findings))
+
+    @property
+    def worst(self) -> Severity:
+        """``"error"`` if no fit should be made, ``"warning"``, or ``"info"``."""
+        ranks = [SEVERITIES.index(finding.severity) for finding in self.findings]
+        return SEVERITIES[max(ranks, default=0)]
+
+    def of(self, kind: str) -> tuple[Finding, ...]:
+        """Return the findings of a kind.
+
+        Parameters
+        ----------
+        kind : str
+            Such as ``"gap"``.
+
+        Returns
+        -------
+        tuple of Finding
+            None of them if there is nothing to say.
+
+        Examples
+        --------
+        >>> from stickslip import Measurement, check
+        >>> len(check(Measurement(travel=0.2, uncertainty=0.005)).of("settings"))
+        1
+        """
+        return tuple(finding for finding in self.findings if finding.kind == kind)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the findings as plain texts and numbers."""
+        return {
+            "name": self.name,
+            "worst": self.worst,
+            "findings": [finding.to_dict() for finding in self.findings],
+        }
+
+    @override
+    def __str__(self) -> str:
+        """Return one sentence a line, warnings and errors marked."""
+        return "\n".join(f"{MARKS[f.severity]}{f}" for f in self.findings)
+
+    @override
+    def __repr__(self) -> str:
+        return f"<Checks of {self.name or 'a measurement'}, {self.worst}\n{self}>"
+
+    def _repr_html_(self) -> str:
+        lines = []
+        for finding in self.findings:
+            # No line ends between a number and its unit.
+            text = re.sub(r"(?<=\d) (?=[%×A-Za-zµ])", "&nbsp;", html.escape(str(finding)))
+            mark = MARKS[finding.severity]
+            lines.append(f"<li>{f'<strong>{mark}</strong>' if mark else ''}{text}</li>")
+        return f"<ul>{''.join(lines)}</ul>"
+
+
+def check(measurement: Measurement, *, mechanism: Mechanism | None = None) -> Checks:
+    """Say what a measurement can tell and what is wrong with it.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        A record in time, a friction map, or readings; several trials are checked one by one.
+    mechanism : Mechanism, optional
+        What was measured: its parameters must be those that trials override, positions must lie
+        between its stops, and forces must be of the size that its motion takes.
+
+    Returns
+    -------
+    Checks
+        Sentences with numbers, warnings and errors.
+
+    Raises
+    ------
+    InputError
+        If it is no measurement.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip import Measurement, check
+    >>> time = np.arange(2000) / 1000
+    >>> record = Measurement(time=time, position=0.05 * np.sin(2 * np.pi * time))
+    >>> print(check(record).sentences[0])
+    2,000 samples at 1 kHz over 2 s, evenly spaced (largest deviation below 0.001 %).
+    """
+    if not isinstance(measurement, Measurement):
+        raise InputError(
+            f"check takes a Measurement, got {type(measurement).__name__}: read a file with"
+            " load_measurement."
+        )
+    return Checks(findings=tuple(_findings(measurement, mechanism)), name=measurement.name)
+
+
+def faults(measurement: Measurement, *, mechanism: Mechanism | None = None) -> tuple[Finding, ...]:
+    """Return the errors that `check` finds, without the work for what is no error.
+
+    Examples
+    --------
+    >>> still = Measurement(time=np.arange(50.0), position=np.zeros(50))
+    >>> [str(one) for one in faults(still)]
+    ['Position never changes: no motion was recorded.']
+    """
+    found = _findings(measurement, mechanism, grave=True)
+    return tuple(finding for finding in found if finding.severity == "error")
+
+
+def _findings(
+    measurement: Measurement, mechanism: Mechanism | None, *, grave: bool = False
+) -> Iterator[Finding]:
+    """Yield all findings; with ``grave`` only those of checks that can find errors."""
+    records = measurement.records()
+    if measurement.kind == "scalars":
+        yield from map_coverage.settings(records)
+    yield from map_coverage.alike(records)
+    for number, record in enumerate(records, 1):
+        label = (record.name or f"trial {number}") if measurement.trials else ""
+        fits = [*_fits(record, mechanism)]
+        own = [*_record(record, None if _wrong(fits) else mechanism, grave), *fits]
+        yield from (replace(finding, record=label) for finding in own)
+    if not grave:
+        yield from map_coverage.unused(records)
+
+
+def _wrong(found: Sequence[Finding]) -> bool:
+    return any(finding.severity == "error" for finding in found)
+
+
+def _agreement(
+    record: Measurement, mechanism: Mechanism | None, moving: motion.Motion | None
+) -> Iterator[Finding]:
+    """Yield what signals say of each other; force says nothing where two of them contradict."""
+    agree = [*consistency.velocity_and_position(record)]
+    yield from agree
+    yield from consistency.friction_sign(record, moving)
+    if not _wrong(agree):
+        yield from dynamics.energy(record, mechanism)
+        size = [*dynamics.proportion(record, mechanism)]
+        yield from size
+        if not size:
+            yield from forces.direction(record, moving)
+
+
+def _record(record: Measurement, mechanism: Mechanism | None, grave: bool) -> Iterator[Finding]:
+    """Yield the findings about one record."""
+    huge = [*signal_quality.unusable(record)]
+    yield from huge
+    if huge:
+        return
+    if record.kind == "friction-map":
+        yield from map_coverage.coverage(record)
+        if not grave:
+            yield from signal_quality.plausible(record, None)
+    if not grave:
+        yield from forces.coefficient(record, mechanism)
+    if record.time is None:
+        return
+    yield from sampling.length(record.time)
+    if not grave:
+        yield from sampling.sampling(record.time)
+        yield from sampling.gaps(record.time)
+    still = [*signal_quality.constant(record), *signal_quality.unmoved(record)]
+    yield from still
+    rubbed = isinstance(record.friction, np.ndarray)
+    moving = None if _wrong(still) or (grave and not rubbed) else motion.motion_of(record)
+    enough = record.time.size >= sampling.FEWEST
+    if not grave:
+        yield from _signals(record, mechanism, moving, enough)
+    if enough and not _wrong(still):
+        yield from _agreement(record, mechanism, moving)
+    if enough and not grave:
+        yield from _course(record, mechanism, moving)
+
+
+def _signals(
+    record: Measurement,
+    mechanism: Mechanism | None,
+    moving: motion.Motion | None,
+    enough: bool,
+) -> Iterator[Finding]:
+    """Yield what each signal tells by itself."""
+    yield from dynamics.missing(record, mechanism)
+    yield from signal_quality.plausible(record, moving)
+    yield from sampling.usual(record)
+    yield from motion.straight(record)
+    if not enough:
+        return
+    yield from signal_quality.jumps(record)
+    yield from signal_quality.saturated(record)
+    yield from signal_quality.held(record)
+    yield from signal_quality.cut_off(record)
+    yield from signal_quality.quantised(record)
+    yield from signal_quality.lifted(record)
+    yield from mains.hum(record)
+    if record.position is None and record.velocity is None:
+        yield Finding(
+            kind="motion",
+            sentence="There is neither position nor velocity: directions and rests are not known.",
+        )
+
+
+def _course(
+    record: Measurement, mechanism: Mechanism | None, moving: motion.Motion | None
+) -> Iterator[Finding]:
+    """Yield what the course of the motion and of the friction tells."""
+    if moving is not None:
+        yield from motion.reversals(moving, offset=dynamics.has_offset(record, mechanism))
+        yield from motion.rests(moving)
+        yield from motion.slow(moving)
+    levels = list(stationarity.levels(record, moving))
+    yield from stationarity.drift(levels)
+    yield from stationarity.effective(record, levels)
+
+
+def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
+    """Yield what does not fit the mechanism."""
+    if mechanism is None:
+        return
+    try:
+        check_record(mechanism, record, record.name or "the record")
+    except InputError as error:
+        yield Finding(kind="mechanism", severity="error", sentence=str(error))
+    if record.position is None:
+        return
+    position, unit = np.atleast_1d(record.values("position")), record.unit("position")
+    bounds = (("lower_stop", -1.0, position.min()), ("upper_stop", 1.0, position.max()))
+    for name, side, reached in bounds:
+        stop = getattr(mechanism, name, None)
+        if stop is not None and side * (float(reached) - float(stop)) > 0:
+            yield Finding(
+                kind="mechanism",
+                severity="warning",
+                sentence=(
+                    f"Position reaches {quantity(float(reached), unit)}, beyond {name} of the"
+                    f" mechanism at {quantity(float(stop), unit)}: other zeros or other units?"
+                ),
+                numbers={"reached": float(reached), "stop": float(stop)},
+            )

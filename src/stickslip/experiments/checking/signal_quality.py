@@ -1,0 +1,354 @@
+"""Single signals: constant, saturated, in steps, with jumps, in doubtful units."""
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from stickslip.experiments.checking.finding import Finding, Severity
+from stickslip.experiments.checking.motion import Motion
+from stickslip.experiments.differentiation import noise_of, step_of
+from stickslip.experiments.measurement import QUANTITIES, SAMPLED, Array, Measurement
+from stickslip.experiments.wording import number, percent, quantity
+
+__all__ = [
+    "constant",
+    "cut_off",
+    "held",
+    "jumps",
+    "lifted",
+    "plausible",
+    "quantised",
+    "saturated",
+    "unmoved",
+    "unusable",
+]
+
+LIMITED: Final = ("force", "spring_force")
+"""What an amplifier or a sensor may limit; a friction that stays the same may be just that."""
+NAMES: Final = {name: name.replace("_", " ") for name in QUANTITIES}
+LARGEST: Final = {"m": 100.0, "m/s": 300.0, "N": 1e7, "rad": 1e5, "rad/s": 1e4, "N m": 1e7}
+HUGE: Final = 1e60
+WORDS: Final = {"m": "metres", "N": "newtons", "rad": "radians"}
+SPANNED: Final = ("m", "rad")
+SMALLEST_SPAN: Final = 1e-6
+LONGEST_RUN: Final = 20
+"""Samples that a signal must sit at its extreme to count as saturated."""
+LONGER: Final = 8
+"""... and how many times longer than at the levels beside it: a rounded peak is 5 times as long."""
+SIDE: Final = 8
+"""Samples beside a position's flat extreme at least that show whether it comes or leaves slowly."""
+FLAT: Final = 6
+"""... and at most a sixth of the flat: where a rounded peak is cut off, both sides are straight."""
+EVEN: Final = (1.5, 2.5)
+"""Way in twice the time over that in the time itself: 2 at one speed, 4 from rest, 1 in a jump."""
+CLEAR: Final = 10.0
+"""Steps or noises of a position that this way must have; from rest, 2.8 is the least ratio then."""
+VISIBLE: Final = 2**16
+"""Steps over the whole range beyond which only those of a position are worth a word."""
+COARSE: Final = 100
+SLOWLY: Final = ("position", "velocity", "force", "load")
+"""Signals that may be logged more slowly than others; a command or a table may be so by itself."""
+REPEATED: Final = 3
+"""Times that each value is repeated at least, where a signal was logged more slowly ..."""
+ALIKE: Final = 0.8
+"""... and share of the values that are repeated just as often."""
+SHOWN: Final = 3
+
+
+def arrays(record: Measurement) -> Iterator[tuple[str, Array]]:
+    """Yield what was sampled, by name."""
+    for name in SAMPLED:
+        if isinstance(getattr(record, name), np.ndarray):
+            yield name, np.asarray(record.values(name))
+
+
+def constant(record: Measurement) -> Iterator[Finding]:
+    """Name signals that never change, where that means that nothing was recorded."""
+    for name, values in arrays(record):
+        if np.ptp(values) > 0.0 or name in {"load", "reference", "pull"}:
+            continue
+        value = quantity(float(values[0]), record.unit(name))
+        text, severity = _never(name, float(values[0]))
+        yield Finding(
+            kind="constant",
+            severity=severity,
+            sentence=f"{NAMES[name].capitalize()} never changes{text.format(value)}",
+            numbers={name: float(values[0])},
+        )
+
+
+def _never(name: str, value: float) -> tuple[str, Severity]:
+    """Return what it means that a signal never changes."""
+    if name == "position" or (name == "velocity" and value == 0.0):
+        return ": no motion was recorded.", "error"
+    if name == "velocity":
+        return " ({}): one speed is one point of a law.", "warning"
+    if name == "force":  # a body that slows down by itself is a good experiment
+        return " ({}): only the motion tells of friction.", "info"
+    return " ({}): it was not recorded, or one number says it all.", "warning"
+
+
+def unusable(record: Measurement) -> Iterator[Finding]:
+    """Name signals whose squares no computer can add, and times that give no speeds."""
+    if record.time is not None:
+        late, least = float(np.abs(record.time).max()), float(np.diff(record.time).min())
+        if late > HUGE or least < 1 / HUGE:
+            yield Finding(
+                kind="units",
+                severity="error",
+                sentence=(
+                    f"Times reach {quantity(late, 's')} in steps of {quantity(least, 's')} or more:"
+                    " nothing can be computed from such numbers."
+                ),
+                numbers={"time": late, "step": least},
+            )
+    for name, values in arrays(record):
+        largest = float(np.abs(values).max())
+        if largest > HUGE:
+            text = f"reaches {quantity(largest, record.unit(name))}: nothing can be computed"
+            yield Finding(
+                kind="units",
+                severity="error",
+                sentence=f"{NAMES[name].capitalize()} {text} from such numbers.",
+                numbers={name: largest},
+            )
+
+
+def unmoved(record: Measurement) -> Iterator[Finding]:
+    """Say that a position does no more than its noise."""
+    if record.position is None:
+        return
+    values = np.asarray(record.values("position"))
+    noise, spread = noise_of(values, step_of(values)), float(np.std(values))
+    if values.size < 20 or not 0.0 < spread < 2 * noise:
+        return
+    span = float(np.ptp(values))
+    yield Finding(
+        kind="constant",
+        severity="error",
+        sentence=(
+            f"Position stays within {quantity(span, record.unit('position'))}, its noise: no motion"
+            " was recorded."
+        ),
+        numbers={"span": span, "noise": noise},
+    )
+
+
+def jumps(record: Measurement) -> Iterator[Finding]:
+    """Find steps of position in a single sample that no neighbouring speed allows."""
+    time = record.time
+    if time is None or record.position is None or time.size < 8:
+        return
+    position = np.asarray(record.values("position"))
+    dt = np.diff(time)
+    speed = np.diff(position) / dt
+    size = np.pad(np.abs(speed), 2, mode="edge")
+    # Of two speeds on either side the second largest: a single bad sample makes two steps.
+    beside = np.stack([size[:-4], size[1:-3], size[3:-1], size[4:]])
+    allowed = np.partition(beside, 2, axis=0)[2]
+    change = np.diff(speed)
+    spread = 1.4826 * float(np.median(np.abs(change - np.median(change))))
+    doubt = 10 * spread + 2 * step_of(position) / dt
+    at = np.flatnonzero(np.abs(speed) > 5 * allowed + doubt)
+    at = at[np.diff(at, prepend=-9) > 1]  # up and down again is one
+    worst = at[np.argsort(-np.abs(speed[at] * dt[at]), kind="stable")][:SHOWN]
+    for i in np.sort(worst):
+        step, usual = float(speed[i] * dt[i]), float(allowed[i] * dt[i])
+        yield Finding(
+            kind="jump",
+            severity="warning",
+            sentence=(
+                f"Position jumps by {quantity(step, record.unit('position'))} within one sample"
+                f" after {quantity(float(time[i]), 's', 6)}; the samples beside it move by"
+                f" {quantity(usual, record.unit('position'))} at most."
+            ),
+            numbers={"time": float(time[i]), "step": step, "neighbours": usual},
+        )
+    if at.size > SHOWN:
+        yield Finding(
+            kind="jump",
+            severity="warning",
+            sentence=f"{number(at.size, 7)} such jumps of position in all; the largest are named.",
+            numbers={"jumps": at.size},
+        )
+
+
+def _runs(values: Array) -> tuple[Array, Array]:
+    """Return the levels a signal holds one after the other, and for how many samples each."""
+    first = np.flatnonzero(np.diff(values, prepend=np.nan) != 0)
+    return values[first], np.diff(np.append(first, values.size))
+
+
+def saturated(record: Measurement) -> Iterator[Finding]:
+    """Name forces that sit at their extreme for many samples in a row."""
+    for name, values in arrays(record):
+        span = float(np.ptp(values))
+        if name not in LIMITED or span == 0.0 or not bool(np.any(np.diff(values) == 0)):
+            continue
+        levels, lengths = _runs(values)
+        for way, extreme in (("largest", float(values.max())), ("smallest", float(values.min()))):
+            there = levels == extreme
+            near = (np.abs(levels - extreme) < 0.1 * span) & ~there
+            longest = int(lengths[there].max())
+            beside = int(lengths[near].max()) if near.any() else 1
+            if longest < max(LONGEST_RUN, LONGER * beside):
+                continue
+            share = float(np.sum(lengths[there])) / values.size
+            yield Finding(
+                kind="saturation",
+                severity="warning",
+                sentence=(
+                    f"{NAMES[name].capitalize()} stays at its {way} value,"
+                    f" {quantity(extreme, record.unit('force'))}, for up to {number(longest, 7)}"
+                    f" samples in a row, {percent(share)} of the record: a limit of the amplifier"
+                    " or sensor, unless it was driven so."
+                ),
+                numbers={"level": extreme, "longest": longest, "share": share},
+            )
+
+
+def cut_off(record: Measurement) -> Iterator[Finding]:
+    """Name positions that stay at their extreme, and come there and leave at full speed.
+
+    What has mass slows down before it rests, and speeds up from rest: where both are missing, the
+    sensor's range ended and the motion went on.
+    """
+    if record.time is None or record.position is None:
+        return
+    values = np.asarray(record.values("position"))
+    step = step_of(values)
+    clear = CLEAR * max(step, noise_of(values, step))
+    levels, lengths = _runs(values)
+    ends = np.cumsum(lengths)
+    for way, extreme in (("largest", float(values.max())), ("smallest", float(values.min()))):
+        short = np.abs(values - extreme)
+        found = [
+            int(lengths[k])
+            for k in np.flatnonzero((levels == extreme) & (lengths >= FLAT * SIDE))
+            if _straight(short[ends[k] - 1 :], clear, int(lengths[k]))
+            and _straight(short[: ends[k] - lengths[k] + 1][::-1], clear, int(lengths[k]))
+        ]
+        if found:
+            yield Finding(
+                kind="saturation",
+                severity="warning",
+                sentence=(
+                    f"Position stays at its {way} value,"
+                    f" {quantity(extreme, record.unit('position'))}, for up to"
+                    f" {number(max(found), 7)} samples in a row, and comes there and leaves without"
+                    " slowing down: the range of the sensor ends there, unless it was driven so."
+                ),
+                numbers={"level": extreme, "longest": max(found), "times": len(found)},
+            )
+
+
+def _straight(short: Array, clear: float, length: int) -> bool:
+    """Whether a position goes from a flat of some length, at [0], at a speed it has at once."""
+    far = np.flatnonzero(short[: length // FLAT + 1] >= clear)
+    if not far.size:
+        return False
+    n = max(SIDE, int(far[0]))
+    if 2 * n >= short.size:
+        return False
+    return bool(EVEN[0] <= short[2 * n] / short[n] <= EVEN[1]) if short[n] > 0.0 else False
+
+
+def held(record: Measurement) -> Iterator[Finding]:
+    """Name forces and positions that were logged more slowly than the rest, each value repeated."""
+    if record.time is None:
+        return
+    for name, values in arrays(record):
+        _, lengths = _runs(values)
+        usual = int(np.median(lengths))
+        if name not in SLOWLY or usual < REPEATED or np.mean(lengths == usual) < ALIKE:
+            continue
+        late = 0.5 * (usual - 1) * float(np.median(np.diff(record.time)))
+        yield Finding(
+            kind="held samples",
+            severity="warning",
+            sentence=(
+                f"{NAMES[name].capitalize()} changes every {number(usual, 7)} samples only: it was"
+                f" logged more slowly, and is {quantity(late, 's')} late on average. Leave out the"
+                " rows between."
+            ),
+            numbers={"samples": usual, "delay": late},
+        )
+
+
+def quantised(record: Measurement) -> Iterator[Finding]:
+    """Name the steps in which signals come, such as that of an encoder."""
+    for name, values in arrays(record):
+        step = step_of(values)
+        if step == 0.0 or name == "reference":
+            continue
+        levels = float(np.ptp(values)) / step
+        if levels > VISIBLE and name != "position":
+            continue
+        coarse = levels < COARSE and name == "position"
+        text = f"{NAMES[name].capitalize()} comes in steps of"
+        text += f" {quantity(step, record.unit(name))}, {number(levels)} over its range"
+        yield Finding(
+            kind="quantisation",
+            severity="warning" if coarse else "info",
+            sentence=text + (": velocities from it are coarse." if coarse else "."),
+            numbers={"step": step, "levels": levels},
+        )
+
+
+def plausible(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
+    """Ask for the unit of numbers that no rig has."""
+    for name, values in arrays(record):
+        unit = record.unit(name)
+        largest, span = float(np.abs(values).max()), float(np.ptp(values))
+        if unit in SPANNED:
+            largest = span
+        if largest > LARGEST[unit]:
+            words = WORDS.get(unit, unit)
+            what = "spans" if unit in SPANNED else "reaches"
+            yield _doubted(
+                name, f"{what} {quantity(largest, unit)}: are these really {words}?", largest
+            )
+        elif name == "position" and not record.turning and 0.0 < span < SMALLEST_SPAN:
+            yield _doubted(
+                name,
+                f"spans {quantity(span, 'm')}: are these really metres?",
+                span,
+            )
+    if motion is None or record.position is None or record.velocity is not None:
+        return
+    if record.turning:  # as fast as it likes
+        return
+    spans = float(np.ptp(record.values("position")))
+    if spans <= LARGEST["m"] and motion.fastest > LARGEST["m/s"]:
+        speed = motion.fastest
+        text = f"changes at {quantity(speed, 'm/s')}: are these really metres and seconds?"
+        yield _doubted("position", text, speed)
+
+
+def lifted(record: Measurement) -> Iterator[Finding]:
+    """Say where a load presses nothing."""
+    if not isinstance(record.load, np.ndarray):
+        return
+    values = np.asarray(record.values("load"))
+    share = float(np.mean(values <= 0.0))
+    if share:
+        yield Finding(
+            kind="load",
+            severity="warning",
+            sentence=(
+                f"Load is not above 0 on {percent(share)} of the samples (smallest"
+                f" {quantity(float(values.min()), 'N')}): there is no contact there, so leave them"
+                " out."
+            ),
+            numbers={"share": share, "smallest": float(values.min())},
+        )
+
+
+def _doubted(name: str, text: str, value: float) -> Finding:
+    return Finding(
+        kind="units",
+        severity="warning",
+        sentence=f"{NAMES[name].capitalize()} {text}",
+        numbers={name: value},
+    )

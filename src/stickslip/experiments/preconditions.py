@@ -1,0 +1,178 @@
+"""What no fit is made from, refused in the same words by every verb."""
+
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+
+from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
+from stickslip.experiments.checking.data_quality import Finding, check, faults
+from stickslip.experiments.measurement import QUANTITIES, Measurement
+from stickslip.experiments.wording import joined
+from stickslip.mechanisms import Mechanism
+
+__all__ = ["refuse_faults", "refuse_lack", "refuse_unused", "told", "with_doubts"]
+
+MOST_LISTED = 6
+"""Names of trials in a message."""
+ACTING = ("force", "reference", "friction")
+"""What acts on a body: a second record without it would be predicted as if nothing did."""
+
+
+def refuse_faults(
+    measurement: Measurement,
+    mechanism: Mechanism,
+    *,
+    said: str = "No fit should be made from this record.",
+) -> None:
+    """Refuse a measurement with errors that `check` finds.
+
+    Raises
+    ------
+    InputError
+        With what was `said`, and the errors.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> still = Measurement(time=list(range(50)), position=[0.0] * 50)
+    >>> refuse_faults(still, Axis(inertia=1.0))
+    Traceback (most recent call last):
+    stickslip.errors.InputError: No fit should be made from this record. Position never changes: ...
+    """
+    wrong = faults(measurement, mechanism=mechanism)
+    if wrong:
+        raise InputError(f"{said} {told(wrong)}")
+
+
+def told(findings: Sequence[Finding]) -> str:
+    """Return findings as one text: what several trials have in common once, after their names.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> still = Finding(kind="constant", sentence="Position never changes.", record="run1")
+    >>> told([still, replace(still, record="run2"), replace(still, record="")])
+    'run1 and run2: Position never changes. Position never changes.'
+    """
+    records: dict[tuple[str, bool], list[str]] = {}
+    for one in findings:
+        records.setdefault((one.sentence, bool(one.record)), []).append(one.record)
+    return " ".join(
+        f"{_listed(names)}: {sentence}" if named else sentence
+        for (sentence, named), names in records.items()
+    )
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return names in words, of many the first ones."""
+    names = list(dict.fromkeys(names))
+    if len(names) > MOST_LISTED:
+        names = [*names[: MOST_LISTED - 1], f"{len(names) - MOST_LISTED + 1} more"]
+    return joined(names)
+
+
+def refuse_unused(measurement: Measurement, inside: Collection[str] = ()) -> None:
+    """Refuse settings of records in time or of friction that would have no effect.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The records.
+    inside : collection of str
+        States that nobody measured of a mechanism that drives itself: where these begin has effect.
+
+    Raises
+    ------
+    InputError
+        If a record has initial states or uncertainties.
+
+    Examples
+    --------
+    >>> refuse_unused(Measurement(time=[0.0, 1.0], position=[0.0, 0.1], initial={"x": 1.0}))
+    Traceback (most recent call last):
+    stickslip.errors.InputError: Measurement.initial (x) of the record has no effect on ...
+    """
+    for record in measurement.records():
+        label = f"record {record.name!r}" if record.name else "the record"
+        for name, why in (
+            ("initial", "the initial states of its segments are estimated"),
+            ("uncertainty", "intervals come from what the fit leaves of the record"),
+        ):
+            given = ", ".join(one for one in getattr(record, name) if one not in inside)
+            if given:
+                raise InputError(
+                    f"Measurement.{name} ({given}) of {label} has no effect on fits to records:"
+                    f" {why}. Leave it out."
+                )
+
+
+def refuse_lack(
+    first: Measurement, second: Measurement, *, compared: str = "", which: str = "the other record"
+) -> None:
+    """Refuse a record that has not what another one has that a fit was made to.
+
+    Parameters
+    ----------
+    first, second : Measurement
+        What was fitted, and what it is to predict.
+    compared : str
+        Quantity that predictions are compared with.
+    which : str
+        What the second is called.
+
+    Raises
+    ------
+    InputError
+        With what is missing.
+
+    Examples
+    --------
+    >>> time, x = [0.0, 1.0], [0.0, 0.1]
+    >>> driven = Measurement(time=time, position=x, force=x)
+    >>> refuse_lack(driven, Measurement(time=time, position=x))
+    Traceback (most recent call last):
+    stickslip.errors.InputError: the other record has no force (u) [N], which ...
+    """
+    needed = [name for name in ACTING if name in first.quantities()]
+    for name in dict.fromkeys([*needed, *([compared] if compared else [])]):
+        for record in second.records():
+            if name in record.quantities():
+                continue
+            label = f"{which} {record.name!r}" if record.name else which
+            quantity = QUANTITIES[name]
+            cure = " Where nothing pushed, give a force of 0." if name == "force" else ""
+            raise InputError(
+                f"{label} has no {name} ({quantity.symbol}) [{quantity.unit}], which what was"
+                f" fitted has; it has {', '.join(record.quantities())}.{cure}"
+            )
+
+
+@contextmanager
+def with_doubts(
+    measurement: Measurement,
+    mechanism: Mechanism,
+    of: type[InputError | ConvergenceError] = InputError,
+) -> Iterator[None]:
+    """Add what `check` warns of to the message of a record that turns out not to serve.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> few = Measurement(time=list(range(20)), velocity=[0.1 * (i % 5) for i in range(20)])
+    >>> with with_doubts(few, Axis(inertia=1.0)):
+    ...     raise InputError("it does not serve.")
+    Traceback (most recent call last):
+    stickslip.errors.InputError: it does not serve. The check of the record warns: ...
+    """
+    try:
+        yield
+    except (ParameterError, UnknownNameError):  # of what was asked, not of the record
+        raise
+    except of as error:
+        found = check(measurement, mechanism=mechanism).findings
+        doubts = [one for one in found if one.severity == "warning"]
+        if not doubts:
+            raise
+        text = str(error).rstrip()
+        text += "" if text.endswith((".", "!", "?")) else "."
+        said = " ".join([text, "The check of the record warns:", told(doubts)])
+        raise type(error)(said) from None

@@ -1,0 +1,1 @@
+"""Files of measurements, as tables of SI numbers."""

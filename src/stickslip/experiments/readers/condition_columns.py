@@ -1,0 +1,113 @@
+"""Conditions of trials from the columns of files, and the columns that nothing was read from."""
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.experiments.readers.table_reader import Frame
+from stickslip.experiments.wording import number
+
+__all__ = ["TRIAL", "by_trial", "condition_cells", "condition_keys", "conditions_in", "unused_in"]
+
+TRIAL = "trial"
+"""Name of a column that says which trial a row belongs to."""
+STEADY = 0.05
+"""Share of its mean within which a number may vary in a trial: the mean is taken."""
+
+
+def by_trial(frame: Frame) -> Iterator[tuple[str, Frame]]:
+    """Yield the rows of each trial with its name, in the order in which they come.
+
+    A table without a column of trials, or with one trial only, is yielded as it is.
+    """
+    if TRIAL not in frame.names:
+        yield "", frame
+        return
+    cells = frame.data[frame.names[TRIAL]]
+    if cells.isna().any():
+        row = int(np.flatnonzero(cells.isna())[0])
+        raise InputError(f"{frame.place(TRIAL, row)}: the trial of this row is not given.")
+    if cells.nunique() == 1:
+        yield "", frame
+        return
+    for value in cells.unique():
+        name = f"{TRIAL} {value:g}" if isinstance(value, float) else f"{TRIAL} {value}"
+        yield name, replace(frame, data=frame.data[cells == value])
+
+
+def condition_keys(frame: Frame, wanted: Sequence[str]) -> dict[str, str]:
+    """Return by name of a condition, with its unit if its column has one, the name of its column.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such column.
+    """
+    found = {}
+    for name in wanted:
+        own = next((key for key, header in frame.names.items() if name in (key, header)), None)
+        if own is None:
+            raise UnknownNameError(f"column in conditions of {frame.file}:", name, frame.names)
+        unit = frame.units.get(own)
+        found[f"{own} [{unit}]" if unit not in (None, "1") else own] = own
+    return found
+
+
+def condition_cells(frame: Frame, name: str) -> list[float | str | None]:
+    """Return the cells of a column as numbers, or as texts if one is none; None where empty."""
+    column = frame.data[frame.names[name]]
+    numbers = pd.to_numeric(column, errors="coerce")
+    if numbers.notna().sum() == column.notna().sum() and column.dtype != bool:
+        return [float(cell) if np.isfinite(cell) else None for cell in numbers.astype(float)]
+    return [None if pd.isna(cell) else str(cell).strip() or None for cell in column]
+
+
+def conditions_in(frame: Frame, wanted: Sequence[str]) -> dict[str, float | str]:
+    """Return the conditions of a record, whose columns have one value each.
+
+    A condition without any value is left out.
+
+    Raises
+    ------
+    InputError
+        If a column is not known, or changes within the record.
+    """
+    found: dict[str, float | str] = {}
+    for key, name in condition_keys(frame, wanted).items():
+        cells = [cell for cell in condition_cells(frame, name) if cell is not None]
+        values = set(cells)
+        if not values:
+            continue
+        known = [cell for cell in cells if isinstance(cell, float)]
+        if len(values) == 1:
+            found[key] = cells[0]
+        elif len(known) == len(cells) and np.ptp(known) <= STEADY * abs(float(np.mean(known))):
+            found[key] = float(np.mean(known))
+        else:
+            shown = (
+                f"from {number(min(known))} to {number(max(known))}"
+                if len(known) == len(cells)
+                else f"{len(values)} texts"
+            )
+            raise InputError(
+                f"{frame.file}: column {frame.names[name]!r} changes within the trial ({shown}): a"
+                " condition has one value in a trial. Split the record, or leave the condition out."
+            )
+    return found
+
+
+def unused_in(frame: Frame, used: Collection[str]) -> dict[str, float | str | None]:
+    """Return the columns that nothing was read from, with their value if they have one."""
+    found: dict[str, float | str | None] = {}
+    for name in frame.names:
+        if name in used or not name:
+            continue
+        column = frame.data[frame.names[name]]
+        alike = len(column) > 0 and bool((column == column.iloc[0]).all())
+        found[name] = (
+            condition_cells(replace(frame, data=frame.data[:1]), name)[0] if alike else None
+        )
+    return found

@@ -1,0 +1,245 @@
+"""Tables in text files: CSV in its dialects, and what only looks like one."""
+
+import csv
+import itertools
+import re
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+import pandas as pd
+
+from stickslip.errors import InputError
+from stickslip.experiments.readers.toml import decode
+from stickslip.experiments.readers.video_tracks import header_of, is_blocks, is_named, read_blocks
+from stickslip.experiments.units import shown
+
+__all__ = ["culprit", "grouped", "read_text"]
+
+HEAD: Final = 65_536
+"""Bytes that are enough to see that a file is no text."""
+LOOKED_AT: Final = 50
+"""Rows that are enough to see that a text is no table."""
+LONGEST_LINE: Final = 100_000
+LEAST_CODE: Final = 32
+SEPARATORS: Final = ",;\t"
+_NUMBER: Final = re.compile(r"\s*[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?\s*")
+_GROUPED: Final = re.compile(
+    r"""\s*[+-]?\d{1,3}(?:
+        (?P<mark>[.'\ \u2019\u00a0\u202f])\d{3}(?:(?P=mark)\d{3})*(?:(?!(?P=mark))[.,]\d+)?
+        |(?P<comma>,)\d{3}(?:(?:,\d{3})+(?:\.\d+)?|\.\d+))\s*""",
+    re.VERBOSE,
+)
+"""A number whose thousands are parted by a mark; 1,592 alone may be one with decimals."""
+_THOUSANDS: Final = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}\s*")
+"""A number with a comma that may stand between thousands or before decimals."""
+_WORDS: Final = {"", "nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none", "true", "false"}
+
+
+def read_text(path: Path) -> tuple[pd.DataFrame, int]:
+    """Return a CSV table and the line of its first row; lines before the header may be comments."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}.") from None
+    _check_text(path, data[:HEAD])
+    text, encoding = _decoded(path, data)
+    if is_blocks(text):
+        try:
+            return read_blocks(text)
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from None
+    lines, start = _head(path, text)
+    named = _tracks(lines)
+    lines, start = (lines[1:], start + 1) if named else (lines, start)
+    header, sample = lines[0], lines[1:]
+    separator = max(SEPARATORS, key=header.count)
+    names = named or next(csv.reader([header], delimiter=separator))
+    _check_first(path, lines, start, separator)
+    _check_table(path, names, sample, separator)
+    twice = [name for name in names if names.count(name) > 1 and name.strip()]
+    if twice:
+        raise InputError(f"{path}: two columns are called {shown(twice[0])}.")
+    own = [name if name.strip() else f"Unnamed: {index}" for index, name in enumerate(names)]
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", pd.errors.ParserWarning)
+            table = pd.read_csv(
+                path,
+                sep=separator,
+                decimal="," if _has_decimal_comma(sample[:20], separator) else ".",
+                names=own if named else None,
+                header=0,
+                skiprows=start,
+                index_col=False,
+                low_memory=False,
+                skip_blank_lines=False,
+                encoding=encoding,
+                encoding_errors="replace",
+            )
+    except (pd.errors.ParserError, pd.errors.ParserWarning, ValueError) as error:
+        # What stands before it names the parser's language and nothing in the file.
+        reason = str(error).strip().splitlines()[0].rpartition("error: ")[2].rstrip(".")
+        raise InputError(
+            f"{path}: rows and header do not fit ({reason}). Every row needs"
+            f" {len(names)} cells, parted by {separator!r}."
+        ) from None
+    table = table[[column for column, name in zip(table, names, strict=True) if name.strip()]]
+    return table.dropna(how="all"), start + 2
+
+
+def _decoded(path: Path, data: bytes) -> tuple[str, str]:
+    """Return a text and its encoding: UTF-8, or that of Windows where only names need one."""
+    try:
+        return data.decode("utf-8-sig"), "utf-8-sig"
+    except UnicodeDecodeError:
+        text = data.decode("cp1252", errors="replace")
+    foreign = [line for line in text.splitlines() if not line.isascii()]
+    if any(_NUMBER.fullmatch(cell) for line in foreign for cell in re.split("[,;\t]", line)):
+        decode(data, str(path))  # raises: who knows what these bytes are
+    return text, "cp1252"
+
+
+def _tracks(lines: list[str]) -> list[str]:
+    """Return the names of columns where names of tracks stand above them, else nothing."""
+    if len(lines) < 2:
+        return []
+    separator = max(SEPARATORS, key=lines[1].count)
+    above, below = _cells(lines[0], separator), _cells(lines[1], separator)
+    return header_of(above, below) if above and below and is_named(above, below) else []
+
+
+def _has_decimal_comma(rows: list[str], separator: str) -> bool:
+    """Whether numbers have decimal commas; beside commas that part cells these are in quotes."""
+    if separator != ",":
+        return re.search(r"\d,\d", "\n".join(rows)) is not None
+    cells = [cell for row in rows if '"' in row for cell in _cells(row, separator)]
+    found = [cell for cell in cells if _NUMBER.fullmatch(cell)]
+    sure = any("," in cell and not _THOUSANDS.fullmatch(cell) for cell in found)
+    return sure and not any("." in cell for cell in found)
+
+
+def _check_text(path: Path, head: bytes) -> None:
+    if head.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise InputError(f"{path}: is UTF-16. Save it as UTF-8.")
+    bare = sum(code < LEAST_CODE and code not in b"\t\n\r\f" for code in head)
+    if b"\0" in head or bare > len(head) / 100:
+        raise InputError(
+            f"{path}: is a binary file, not a table of text. Give a CSV, Parquet or MATLAB file,"
+            " with the ending that says which."
+        )
+
+
+def _head(path: Path, text: str) -> tuple[list[str], int]:
+    """Return the header with some rows below it, and how many lines stand before it."""
+    position = start = 0
+    # Cut by hand: a long file has more lines than anybody asks for.
+    while position < len(text):
+        end = text.find("\n", position)
+        line = text[position : len(text) if end < 0 else end]
+        if line.strip() and line[0] != "#":
+            break
+        position, start = (len(text) if end < 0 else end + 1), start + 1
+    if position >= len(text):
+        raise InputError(f"{path}: has no header.")
+    part = text[position : position + 20 * LONGEST_LINE]
+    lines = list(itertools.islice(part.splitlines(), LOOKED_AT + 1))
+    if len(lines[0]) > LONGEST_LINE:
+        raise InputError(
+            f"{path}: is no table: its first line has {len(lines[0]):,} characters or more."
+            " A table begins with a line of column names."
+        )
+    return lines, start
+
+
+def _check_first(path: Path, lines: list[str], start: int, separator: str) -> None:
+    """Refuse lines above the header that are no comments, before they are taken for it."""
+    width = len(_cells(lines[0], separator))
+    rows = [(index, line) for index, line in enumerate(lines) if line.strip()]
+    for (index, line), (_, below) in itertools.pairwise(rows):
+        for mark in SEPARATORS:
+            names, numbers = _cells(line, mark), _cells(below, mark)
+            if len(names) < 2 or len(names) != len(numbers) or len(names) == width:
+                continue
+            words = not any(_NUMBER.fullmatch(name) for name in names)
+            if index and words and all(_NUMBER.fullmatch(cell) for cell in numbers):
+                above = "a line stands" if index == 1 else f"{index} lines stand"
+                raise InputError(
+                    f"{path}: {above} above the header, which seems to be line"
+                    f" {start + index + 1}, {shown(line[:40].strip())}. Begin each line above it"
+                    " with #, or delete it."
+                )
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    return next(csv.reader([line], delimiter=separator), [])
+
+
+def _check_table(path: Path, names: list[str], sample: list[str], separator: str) -> None:
+    """Refuse what is no table before megabytes of it are parsed."""
+    rows = [row for row in sample if row.strip()]
+    if all(_NUMBER.fullmatch(name) for name in names):
+        raise InputError(
+            f"{path}: its first line holds numbers, not names. Put a line above it that names the"
+            " columns, such as time,position."
+        )
+    if not rows:
+        return
+    if len(names) == 1:
+        _check_single(path, names[0], rows)
+    cells = [cell.strip().strip('"') for row in rows for cell in row.split(separator)]
+    if not any(_NUMBER.fullmatch(cell) or cell.lower() in _WORDS for cell in cells):
+        raise InputError(
+            f"{path}: is no table: there is not one number in its first {len(rows)} rows; the"
+            f" first begins with {shown(rows[0][:40])}. A table has a line of column names and"
+            " below it rows of numbers, parted by commas, semicolons or tabs."
+        )
+
+
+def _check_single(path: Path, name: str, rows: list[str]) -> None:
+    """Refuse a single column whose rows are parted by something else."""
+    for mark, words in (("|", "'|'"), (None, "blanks"), (":", "':'")):
+        parts = [row.split(mark) for row in rows]
+        several = [cells for cells in parts if len(cells) > 1]
+        # A time of day such as 12:30 is one cell, so that names must be parted as well.
+        alike = len(several) == len(rows) and len(name.split(mark)) > 1
+        if alike and all(_NUMBER.fullmatch(cells[0]) for cells in several):
+            raise InputError(
+                f"{path}: has a single column {shown(name)}, and its rows are parted by {words}."
+                " Part the cells by commas, semicolons or tabs."
+            )
+
+
+def culprit(cells: Sequence[object]) -> int:
+    """Return which of the cells that are no numbers makes text of a whole column.
+
+    One such cell leaves all others as text too, of which those with a decimal comma then are no
+    numbers either.
+
+    Examples
+    --------
+    >>> culprit(["0,0", "1.592,0", "broken"]), culprit(["0,0", "broken"]), culprit(["n", "m"])
+    (1, 1, 0)
+    """
+    texts = [cell if isinstance(cell, str) else "" for cell in cells]
+    for fits in (_GROUPED.fullmatch, lambda text: not _NUMBER.fullmatch(text)):
+        for index, text in enumerate(texts):
+            if fits(text):
+                return index
+    return 0
+
+
+def grouped(cell: object) -> str:
+    """Return the cure, after a blank, of a number with a mark between thousands; else nothing.
+
+    Examples
+    --------
+    >>> grouped("1.592,0"), grouped("12 000"), grouped("broken")
+    (" Write numbers ... thousands, here '1592,0'.", " Write ...12000'.", '')
+    """
+    found = _GROUPED.fullmatch(cell) if isinstance(cell, str) else None
+    if found is None:
+        return ""
+    plain = found[0].strip().replace(found["mark"] or found["comma"], "")
+    return f" Write numbers without a mark between thousands, here {plain!r}."

@@ -1,0 +1,88 @@
+"""How the files of a measurement are read: names, units and factors of their columns."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final, TypeAlias, final
+
+from stickslip.errors import InputError
+from stickslip.experiments.readers.spelling import Speaker
+from stickslip.experiments.readers.time_base import Repair, repairs
+from stickslip.experiments.units import shown
+
+__all__ = ["Column", "Reading", "column_of"]
+
+Column: TypeAlias = str | tuple[str, str]
+"""Name of a column, or of the two with a position in a plane."""
+PAIR: Final = (list, tuple)
+
+
+def column_of(quantity: str, given: Any) -> Column:
+    """Return the name of the column that holds a quantity, or the two names of a position.
+
+    Raises
+    ------
+    InputError
+        If it is neither.
+
+    Examples
+    --------
+    >>> column_of("force", "u"), column_of("position", ["x", "y"])
+    ('u', ('x', 'y'))
+    """
+    if isinstance(given, str):
+        return given
+    names = [name for name in given if isinstance(name, str)] if isinstance(given, PAIR) else []
+    if quantity == "position" and len(set(names)) == 2 == len(given):
+        return (names[0], names[1])
+    plane = " or two different names, of the coordinates of a position in a plane,"
+    raise InputError(
+        f"columns.{quantity} must be the name of one column,{plane * (quantity == 'position')}"
+        f" got {shown(given)}."
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    """How files are read; arguments as in `load_measurement`.
+
+    Examples
+    --------
+    >>> rig = Reading(columns={"position": "q"}, gain={"force": 35.15})
+    >>> rig.with_changes(Reading(columns={"force": "u"})).columns
+    {'position': 'q', 'force': 'u'}
+    """
+
+    columns: Mapping[str, Column] = field(default_factory=dict)
+    """Quantity -> name of its column; two names for a position along a line in a plane."""
+    units: Mapping[str, str] = field(default_factory=dict)
+    """Quantity -> unit of its column."""
+    gain: Mapping[str, float] = field(default_factory=dict)
+    """Quantity -> factor, as in `load_measurement`."""
+    offset: Mapping[str, float] = field(default_factory=dict)
+    """Quantity -> offset of its sensor, in SI."""
+    repair: tuple[Repair, ...] = ()
+    """What is repaired."""
+    conditions: tuple[str, ...] = ()
+    """Columns that hold a condition of the trial, one value in each."""
+    by: Speaker = field(default="python", compare=False)
+    """Who said so, and is to be told in the same spelling what else to say."""
+
+    def __post_init__(self) -> None:
+        """Check columns and what is to be repaired."""
+        columns = {name: column_of(name, given) for name, given in self.columns.items()}
+        object.__setattr__(self, "columns", columns)
+        object.__setattr__(self, "repair", repairs(self.repair))
+        object.__setattr__(self, "conditions", tuple(dict.fromkeys(self.conditions)))
+
+    def with_changes(self, other: "Reading") -> "Reading":
+        """Return this one with what another one says in addition or instead."""
+        return Reading(
+            columns={**self.columns, **other.columns},
+            units={**self.units, **other.units},
+            gain={**self.gain, **other.gain},
+            offset={**self.offset, **other.offset},
+            repair=self.repair + other.repair,
+            conditions=self.conditions + other.conditions,
+            by=self.by if other.by == "python" else other.by,
+        )

@@ -1,0 +1,237 @@
+"""Columns of CSV, Parquet and MATLAB files, by the quantity they hold."""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments.readers.csv_reader import culprit, grouped, read_text
+from stickslip.experiments.readers.matlab import read_mat
+from stickslip.experiments.readers.reader_options import Column
+from stickslip.experiments.readers.toml import check_file
+from stickslip.experiments.readers.video_tracks import SEPARATOR, seconds
+from stickslip.experiments.units import factor, is_pixel, shown
+
+__all__ = ["SECOND", "Frame", "read_frame"]
+
+SECOND: Final = "position, second coordinate"
+"""What the second column of a position in a plane is known by."""
+TIMES: Final = ("t", "time")
+"""Names of a column of times, in either case, where a position has none other."""
+
+NO_UNIT = ("-", "\N{EN DASH}", "\N{MINUS SIGN}")
+"""What stands in the brackets of a header for the unit of a pure number."""
+_HEADER = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Frame:
+    """A table whose columns are known by the quantities they hold."""
+
+    file: str
+    data: pd.DataFrame
+    names: Mapping[str, str]
+    """Quantity, parameter path, or the column's own name -> column in the data."""
+    units: Mapping[str, str | None]
+    """Unit by the same names; None where numbers are in SI."""
+    first_row: int
+    """Line of the first row in the file, or 1 where there are no lines."""
+
+    def line(self, row: int) -> str:
+        """Return where a row stands in the file."""
+        kind = "line" if self.first_row > 1 else "row"
+        return f"{kind} {self.first_row + int(self.data.index[row])}"
+
+    def place(self, name: str, row: int) -> str:
+        """Return where a cell stands, for messages."""
+        return f"{self.file}: column {self.names[name]!r}, {self.line(row)}"
+
+    def numbers(self, name: str, target: str | None) -> NDArray[np.float64]:
+        """Return a column (n,) as numbers in the target unit, or in SI.
+
+        Raises
+        ------
+        ParameterError
+            If a cell is not a finite number, or the unit is of another kind.
+        """
+        return self.scaled(name, self.raw(name), target)
+
+    def raw(
+        self, name: str, *, holes: bool = False, repairable: bool = False
+    ) -> NDArray[np.float64]:
+        """Return a column (n,) as the numbers that stand there.
+
+        All are finite, unless `holes` lets cells be empty, NaN or infinite. `repairable` says that
+        the caller has an option that would.
+        """
+        column = self.data[self.names[name]]
+        if name == "time" and not pd.api.types.is_numeric_dtype(
+            column.dtype
+        ):  # h:mm:ss:cc, as well as numbers
+            column = column.map(lambda cell: cell if seconds(cell) is None else seconds(cell))
+        values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
+        wrong = ~np.isfinite(values)
+        if holes:  # what is a number or nothing at all may stay
+            wrong &= column.notna().to_numpy() & np.isnan(values)
+        if _is_other(column):
+            wrong = np.ones(len(column), dtype=bool)
+        bad = np.flatnonzero(wrong)
+        if bad.size:
+            first = culprit(column.iloc[bad].tolist())
+            row, cell = int(bad[first]), column.iloc[int(bad[first])]
+            got = "nothing" if pd.isna(cell) else shown(cell)
+            hole = pd.isna(cell) or not np.isnan(values[row])
+            cure = ' To drop such samples give repair="gaps".' if repairable and hole else ""
+            raise ParameterError(
+                f"{self.place(name, row)}: must be a finite number, got {got}."
+                f"{cure or grouped(cell)}"
+            )
+        return values
+
+    def scaled(
+        self, name: str, values: NDArray[np.float64], target: str | None
+    ) -> NDArray[np.float64]:
+        """Convert values of a column from its unit to the target unit, or to SI."""
+        unit = self.units.get(name)
+        if unit is None:
+            return values
+        try:
+            scale = factor(unit, target)
+        except ParameterError as error:
+            cure = f'; give metres per pixel as gain={{"{name}": ...}}' if is_pixel(unit) else ""
+            raise ParameterError(
+                f"{self.file}: column {self.names[name]!r} {error}{cure}."
+            ) from None
+        # Division by a whole number rounds once, so that 35 mm is the float 0.035.
+        whole = round(1.0 / scale) if scale < 1.0 else 0
+        return values / whole if whole and 1.0 / whole == scale else values * scale
+
+
+def _is_other(column: "pd.Series[Any]") -> bool:
+    """Whether a column holds neither numbers nor text: truth values and dates would convert."""
+    kinds = pd.api.types
+    if kinds.is_bool_dtype(column.dtype):
+        return True
+    return not any(
+        check(column.dtype)
+        for check in (kinds.is_numeric_dtype, kinds.is_string_dtype, kinds.is_object_dtype)
+    )
+
+
+def read_frame(
+    path: str | Path, *, columns: Mapping[str, Column], units: Mapping[str, str]
+) -> Frame:
+    """Read a file and find out what its columns hold."""
+    check_file(path)
+    single = dict(_single(columns))
+    file, suffix = str(path), Path(path).suffix.lower()
+    first_row = 1
+    if suffix in {".csv", ".tsv", ".txt"}:
+        data, first_row = read_text(Path(path))
+    elif suffix in {".parquet", ".pq"}:
+        data = _parquet(Path(path))
+    elif suffix == ".mat":
+        data = read_mat(Path(path), set(single.values()))
+    else:
+        raise InputError(
+            f"{file}: must be a .csv, .tsv, .txt, .parquet or .mat file, got"
+            f" {suffix or 'no ending'}."
+            " Save a spreadsheet as CSV."
+        )
+    if data.empty:
+        raise InputError(f"{file}: has no rows.")
+    return _named(file, data, first_row, single, units)
+
+
+def _single(columns: Mapping[str, Column]) -> Iterator[tuple[str, str]]:
+    """Yield each column with what it is known by."""
+    for quantity, column in columns.items():
+        if isinstance(column, str):
+            yield quantity, column
+        else:
+            yield from zip((quantity, SECOND), column, strict=True)
+
+
+def _parquet(path: Path) -> pd.DataFrame:
+    try:
+        return pd.read_parquet(path).reset_index(drop=True)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror or error}.") from None
+    except Exception as error:
+        # pyarrow has an exception tree of its own.
+        raise InputError(f"{path}: is not a Parquet file: {error}.") from None
+
+
+def _named(
+    file: str,
+    data: pd.DataFrame,
+    first_row: int,
+    columns: Mapping[str, str],
+    units: Mapping[str, str],
+) -> Frame:
+    names: dict[str, str] = {}
+    found_units: dict[str, str | None] = {}
+    for header in map(str, data.columns):
+        match = _HEADER.fullmatch(header)
+        name, unit = (match["name"], match["unit"]) if match else (header, None)
+        if name in names:
+            raise InputError(f"{file}: two columns are called {name!r}.")
+        names[name], found_units[name] = header, "1" if unit in NO_UNIT else unit
+    data = data.set_axis(list(map(str, data.columns)), axis=1)
+    own, own_units = dict(names), dict(found_units)
+    # A mapped column is known by its quantity alone, so none is used twice.
+    for column in columns.values():
+        key = _known_column(file, column, own)
+        names.pop(key, None)
+        found_units.pop(key, None)
+    for quantity, column in columns.items():
+        key = _known_column(file, column, own)
+        names[quantity], found_units[quantity] = own[key], own_units[key]
+    if "position" in names and "time" not in names:
+        key = next((name for name in names if name.casefold() in TIMES), "")
+        if key:
+            names["time"], found_units["time"] = names.pop(key), found_units.pop(key)
+    for name, unit in units.items():
+        if name not in names:
+            known = [one for one in names if one != SECOND]
+            raise UnknownNameError(f"column in units of {file}:", name, known)
+        found_units[name] = "1" if unit in NO_UNIT else unit
+    if SECOND in names:
+        _check_plane(file, names, found_units, "position" in units)
+    return Frame(file=file, data=data, names=names, units=found_units, first_row=first_row)
+
+
+def _check_plane(
+    file: str, names: Mapping[str, str], units: dict[str, str | None], said: bool
+) -> None:
+    """Give both coordinates of a position one unit, or say that they have two."""
+    if said:
+        units[SECOND] = units["position"]
+    if units[SECOND] != units["position"]:
+        raise InputError(
+            f"{file}: columns {names['position']!r} and {names[SECOND]!r} of one position have"
+            ' different units: give that of both, as units={"position": "..."}.'
+        )
+
+
+def _known_column(file: str, column: Any, own: Mapping[str, str]) -> str:
+    for name, header in own.items():
+        if column in (name, header):
+            return name
+    # The coordinate of the only track has a short name too.
+    short = [name for name in own if name.rpartition(SEPARATOR)[2].lower() == str(column).lower()]
+    if len(short) == 1:
+        return short[0]
+    if short:
+        pair = [name for name in own if name.startswith(short[0].rpartition(SEPARATOR)[0])][:2]
+        raise InputError(
+            f"{file}: {len(short)} tracks have a column {column!r}: {', '.join(map(repr, short))}."
+            f' Say which, as columns={{"position": ["{pair[0]}", "{pair[-1]}"]}}.'
+        )
+    raise UnknownNameError(f"column of {file}:", str(column), own)

@@ -1,0 +1,180 @@
+"""Columns of a record in SI: by their units, by their gains, and coefficients by the load."""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments.measurement import QUANTITIES, Array
+from stickslip.experiments.units import factor, is_of
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity, vary
+
+if TYPE_CHECKING:
+    from stickslip.experiments.readers.table_reader import Frame
+
+__all__ = ["Scaling", "gains_of", "load_stated"]
+
+RUBBING: Final = ("friction", "spring_force")
+"""Forces that are often written as coefficients, over the load."""
+PRESSING: Final = ("load", "mass", "gravity")
+"""Parameters of a mechanism that its load may come from."""
+TWICE: Final = 0.01
+"""Relative distance at which a gain is taken for the factor of the column's own unit, rounded."""
+
+
+def gains_of(given: Mapping[str, float], known: Iterable[str]) -> dict[str, float]:
+    """Return gains as numbers, each of a quantity that is known.
+
+    Raises
+    ------
+    InputError
+        If one is not a finite number other than 0, or of nothing that was read.
+
+    Examples
+    --------
+    >>> gains_of({"force": 35}, ["time", "force"])
+    {'force': 35.0}
+    """
+    known = list(known)
+    found = {}
+    for name, value in given.items():
+        found[name] = Quantity("g", "").check("gain", name, value)
+        if found[name] == 0.0:
+            raise ParameterError(
+                f"gain.{name} (g) must be a finite number other than 0, got 0: nothing would be"
+                " left of its column."
+            )
+    for name in found:
+        if name not in known:
+            raise UnknownNameError("quantity in gain", name, known)
+    return found
+
+
+def load_stated(mechanism: Mechanism | None, overrides: Mapping[str, float]) -> float | None:
+    """Return the load that a mechanism states [N], or None where it has one only by default.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> load_stated(Axis(inertia=1.0, load=50.0), {}), load_stated(Axis(inertia=1.0), {})
+    (50.0, None)
+    """
+    if mechanism is None:
+        return None
+    fields = mechanism.__dataclass_fields__
+    pressing = {f"mechanism.{name}" for name in PRESSING if name in fields}
+    own = {path: value for path, value in overrides.items() if path in pressing}
+    varied = vary(mechanism, "mechanism", own)
+    loads = [contact.load for contact in varied.contacts()]
+    if len(loads) != 1 or not isinstance(loads[0], int | float) or loads[0] <= 0.0:
+        return None
+    # A default of 1 N stands for levels that are forces, and is no load that anybody stated.
+    usual = "load" in fields and fields["load"].default == loads[0]
+    return None if usual and "mechanism.load" not in own else float(loads[0])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scaling:
+    """How the columns of one file become numbers in SI."""
+
+    frame: "Frame"
+    gains: Mapping[str, float]
+    load: Array | float | None = None
+    """Normal force [N] by which coefficients are multiplied where the file has none."""
+    load_offset: float = 0.0
+    """Offset of a load in the file [N]."""
+
+    def scaled(self, raw: Mapping[str, Array]) -> tuple[dict[str, Array], bool]:
+        """Return columns (n,) in SI, and whether they are of an axis that turns."""
+        targets, turning = self._targets(raw)
+        # The load first: coefficients are multiplied by it.
+        order = sorted(raw, key=lambda name: name in RUBBING)
+        found: dict[str, Array] = {}
+        for name in order:
+            load = found["load"] - self.load_offset if "load" in found else self.load
+            found[name] = self._one(name, raw[name], targets[name], load)
+        return {name: found[name] for name in raw}, turning
+
+    def _one(self, name: str, raw: Array, target: str, load: Array | float | None) -> Array:
+        unit, gain = self.frame.units.get(name), self.gains.get(name)
+        if name in RUBBING and unit is not None and is_of(unit, "1"):
+            return self._by_load(name, raw, load, target)
+        if gain is None:
+            return self.frame.scaled(name, raw, target)
+        if unit is None or not is_of(unit, target):  # volts, say: the gain makes SI of them
+            return gain * raw
+        self._refuse_twice(name, unit, target, gain)
+        return gain * self.frame.scaled(name, raw, target)
+
+    def _by_load(self, name: str, raw: Array, load: Array | float | None, target: str) -> Array:
+        """Return a coefficient as a force: by a gain, or by the load. A gain of -1 or 1 is a sign.
+
+        About an axis a load makes forces of coefficients, and only a radius makes torques of these.
+        """
+        gain = self.gains.get(name)
+        if gain is not None and abs(gain) != 1.0:
+            return gain * self.frame.scaled(name, raw, "1")
+        what = f"{self.frame.file}: column {self.frame.names[name]!r} is a coefficient, in"
+        what += f" {self.frame.units[name]}, and {name} is"
+        if target != QUANTITIES[name].unit:
+            raise ParameterError(
+                f"{what} a torque in {target}: give the load times the radius at which it rubs, in"
+                f" {target}, as its gain."
+            )
+        if load is None:
+            raise ParameterError(
+                f"{what} a force in N: give the load as a column in N or as the load of the"
+                " mechanism, or the load in N as its gain."
+            )
+        return np.asarray((gain or 1.0) * self.frame.scaled(name, raw, "1") * load)
+
+    def _refuse_twice(self, name: str, unit: str, target: str, gain: float) -> None:
+        scale = factor(unit, target)
+        if scale == 1.0 or not math.isclose(abs(gain), scale, rel_tol=TWICE):
+            return
+        cure = "leave the gain out" if gain > 0.0 else "give the gain as -1"
+        raise InputError(
+            f"{self.frame.file}: column {self.frame.names[name]!r} is in {unit}, which is converted"
+            f" to {target}, and a gain of {gain:g} would do so a second time: {cure}."
+        )
+
+    def _targets(self, names: Iterable[str]) -> tuple[dict[str, str], bool]:
+        """Return the SI units of columns: those of an axis that turns, or of a straight one.
+
+        Columns without a gain say which it is; only where they do not, those with one.
+        """
+        moving = [name for name in names if name != "time"]
+        plain = self._kinds(name for name in moving if name not in self.gains)
+        kinds = plain or self._kinds(name for name in moving if name in self.gains)
+        if len(kinds) == 2:
+            raise InputError(
+                f"{self.frame.file}: {kinds[True]}, as of an axis that turns, and {kinds[False]},"
+                " as of one that moves straight: angles go with torques, such as N m, and lengths"
+                " with forces."
+            )
+        turning = True in kinds
+        targets = {"time": "s"}
+        for name in moving:
+            quantity = QUANTITIES[name]
+            turns = turning and bool(quantity.or_unit)
+            targets[name] = quantity.or_unit if turns else quantity.unit
+        return targets, turning
+
+    def _kinds(self, names: Iterable[str]) -> dict[bool, str]:
+        """Return which column says that the motion turns, and which that it is straight.
+
+        What is of neither kind is no reason to say that kinds differ.
+        """
+        kinds: dict[bool, str] = {}
+        for name in names:
+            unit, quantity = self.frame.units.get(name), QUANTITIES[name]
+            if unit is None or not quantity.or_unit:
+                continue
+            for turns, target in ((True, quantity.or_unit), (False, quantity.unit)):
+                if is_of(unit, target):
+                    kinds.setdefault(turns, f"{name} is in {unit}")
+        return kinds

@@ -1,0 +1,1 @@
+"""Rig files: TOML to objects, and back."""

@@ -1,0 +1,153 @@
+"""Builds the laws of a rig from its ``[friction]`` table."""
+
+import dataclasses
+from collections.abc import Collection, Mapping
+from typing import Any, NamedTuple
+
+from stickslip.errors import InputError, ParameterError
+from stickslip.experiments.rigs.law_tables import force_parameters, python_name
+from stickslip.experiments.rigs.rig_models import Given, Table
+from stickslip.experiments.rigs.validation_errors import place
+from stickslip.friction import FrictionLaw
+from stickslip.quantities import fields_of
+
+__all__ = ["Known", "known_laws"]
+
+
+class Known(NamedTuple):
+    """Laws with all parameters by name, and what else a file says of laws."""
+
+    laws: Mapping[str, FrictionLaw]
+    assumed: Mapping[str, tuple[str, ...]]
+    """Fields that were marked as assumed."""
+    named: tuple[str, ...]
+    """Laws with a table of their own."""
+    given: Mapping[str, Mapping[str, float]]
+    """Values that are given, also of laws of which others are missing."""
+
+
+def known_laws(
+    friction: Table,
+    file: str,
+    overridden: Collection[str],
+    kinds: Mapping[str, type[FrictionLaw]],
+) -> Known:
+    """Return the laws for which the table gives every required parameter."""
+    found: dict[str, FrictionLaw] = {}
+    assumed: dict[str, tuple[str, ...]] = {}
+    named, given = [], {}
+    shared = friction.given()
+    for name, law in kinds.items():
+        own: Table | None = getattr(friction, python_name(name))
+        names = [field.name for field in dataclasses.fields(law)]
+        values = {key: shared[key] for key in names if key in shared}
+        if own is not None:
+            named.append(name)
+            values |= _own(own, law, file, overridden)
+        given[name] = {key: _plain(value) for key, value in values.items()}
+        missing = [key for key in _required(law) if key not in values]
+        if missing and own is not None:
+            raise ParameterError(_missing(law, missing[0], file))
+        if missing or (own is None and law.on_request and not _is_meant(law, kinds, values)):
+            continue
+        found[name] = _build(law, values, file, overridden)
+        marked = [key for key in names if isinstance(values.get(key), Given) and values[key].marked]
+        if marked:
+            assumed[name] = tuple(marked)
+    return Known(found, assumed, tuple(named), {k: v for k, v in given.items() if v})
+
+
+def _plain(value: Any) -> Any:
+    return value.value if isinstance(value, Given) else value
+
+
+def _is_meant(
+    law: type[FrictionLaw], kinds: Mapping[str, type[FrictionLaw]], values: Collection[str]
+) -> bool:
+    """Return whether shared values are among them that no other law has."""
+    others = {
+        field.name
+        for other in kinds.values()
+        if other is not law
+        for field in dataclasses.fields(other)
+    }
+    return any(key not in others for key in values)
+
+
+def _required(law: type[FrictionLaw]) -> list[str]:
+    return [one.name for one in dataclasses.fields(law) if one.default is dataclasses.MISSING]
+
+
+def _own(
+    own: Table, law: type[FrictionLaw], file: str, overridden: Collection[str]
+) -> dict[str, Any]:
+    """Return the values of a law's own table, those given as forces over their load."""
+    values = own.given()
+    forces: Table | None = values.pop("forces", None)
+    if forces is None:
+        return values
+    given = forces.given()
+    load = given.pop("load")
+    for key, force in given.items():
+        field, quantity = force_parameters(law)[key]
+        normalised = f"friction.{law.name}.{field}"
+        if field in values and normalised in overridden:
+            continue
+        if field in values and f"friction.{law.name}.forces.{key}" not in overridden:
+            raise InputError(
+                f"{file}: {normalised} and friction.{law.name}.forces.{key} give the same"
+                " parameter twice: leave one out."
+            )
+        scale = 1.0 if quantity.unit == fields_of(law)[field].unit else load
+        values[field] = Given(force.value / scale, force.marked)
+    return values
+
+
+def _missing(law: type[FrictionLaw], key: str, file: str) -> str:
+    symbol = f" ({fields_of(law)[key].symbol})" if key in fields_of(law) else ""
+    forces = [one for one, (field, _) in force_parameters(law).items() if field == key]
+    other = f", or {forces[0]} under [friction.{law.name}.forces]" if forces else ""
+    return (
+        f"{file}: friction.{law.name}.{key}{symbol} is missing. Add {key} under"
+        f" [friction.{law.name}] or [friction]{other}."
+    )
+
+
+def _build(
+    law: type[FrictionLaw], values: Mapping[str, Any], file: str, overridden: Collection[str]
+) -> FrictionLaw:
+    given = {key: _plain(value) for key, value in values.items()}
+    _check_order(law, given, file, overridden)
+    try:
+        return law(**given)
+    except ParameterError as error:
+        touched = [path for path in overridden if path.startswith("friction.")]
+        where = place(touched[0], file, overridden) if touched else file
+        raise ParameterError(f"{where}: friction.{law.name}: {error}") from None
+
+
+def _check_order(
+    law: type[FrictionLaw], values: Mapping[str, float], file: str, overridden: Collection[str]
+) -> None:
+    """Name both parameters where an override has put one above or below another of the file."""
+    known = fields_of(law)
+    changed = {
+        key: path
+        for key in values
+        for path in (f"friction.{key}", f"friction.{law.name}.{key}")
+        if path in overridden
+    }
+    for upper, quantity in known.items():
+        lower = quantity.at_least
+        if lower is None or values.get(upper) is None or values.get(lower) is None:
+            continue
+        if values[upper] >= values[lower] or (upper in changed) is (lower in changed):
+            continue
+        key, other, relation = (
+            (upper, lower, "below") if upper in changed else (lower, upper, "above")
+        )
+        raise ParameterError(
+            f"override of {file}: {changed[key]} ({known[key].symbol}) = {values[key]:g} lies"
+            f" {relation} {other} ({known[other].symbol}) = {values[other]:g} of the file: override"
+            f" both, so that {upper} is at least {lower}."
+        )

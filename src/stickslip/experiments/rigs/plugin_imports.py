@@ -1,0 +1,172 @@
+"""Classes that a rig file names by import path; nothing is imported unless the user allows it."""
+
+import importlib
+import re
+import sys
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from stickslip.errors import InputError
+from stickslip.experiments.rigs.validation_errors import place
+from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw, laws
+from stickslip.mechanisms import Mechanism
+
+__all__ = ["Imported", "imported"]
+
+_PATH = re.compile(r"(?P<module>[^\W\d]\w*(\.[^\W\d]\w*)*):(?P<name>[^\W\d]\w*)")
+
+
+@dataclass(frozen=True)
+class Imported:
+    """What was imported for one file."""
+
+    mechanism: tuple[str, type[Mechanism]] | None = None
+    """Its import path and the class."""
+    laws: Mapping[str, type[FrictionLaw]] = field(default_factory=dict)
+    """By name."""
+
+
+def imported(
+    raw: dict[str, Any],
+    file: str,
+    *,
+    beside: Path | None,
+    overridden: Collection[str],
+    allow: bool,
+) -> Imported:
+    """Import what the tables name by import path, and take those names of laws out of them.
+
+    Parameters
+    ----------
+    raw : dict
+        Tables of the file; ``type`` is taken out of those of imported laws.
+    file : str
+        What messages call the file.
+    beside : Path, optional
+        Folder in which modules are looked for after Python's own places.
+    overridden : collection of str
+        Paths that overrides set.
+    allow : bool
+        Whether the user allows it.
+
+    Raises
+    ------
+    InputError
+        If it is not allowed, or there is no such class.
+    """
+    wanted = dict(_wanted(raw))
+    for key, path in wanted.items():
+        where = f"{place(key, file, overridden)}: {key}"
+        match = _PATH.fullmatch(path)
+        if match is None:
+            raise InputError(
+                f"{where} must be a name, or module:Class such as my_module:MyClass, got {path!r}."
+            )
+        if not allow:
+            raise InputError(
+                f"{where} wants to import {match['name']} from the Python module"
+                f" {match['module']}, which runs code. Nothing was imported. If you trust it, give"
+                " --allow-import on the command line or load_rig(..., allow_import=True)."
+            )
+    found = {
+        key: _class(path, f"{place(key, file, overridden)}: {key}", beside)
+        for key, path in wanted.items()
+    }
+    mechanism = found.pop("mechanism.type", None)
+    own = {}
+    for key, kind in found.items():
+        table = key.split(".")[1]
+        _check_name(kind, table, f"{place(key, file, overridden)}: {key}")
+        del raw["friction"][table]["type"]
+        own[table] = kind
+    return Imported(None if mechanism is None else (wanted["mechanism.type"], mechanism), own)
+
+
+def _wanted(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield the keys under which import paths stand."""
+    mechanism, friction = raw.get("mechanism"), raw.get("friction")
+    tables = {"mechanism": mechanism}
+    if isinstance(friction, dict):
+        tables |= {f"friction.{name}": table for name, table in friction.items()}
+    for name, table in tables.items():
+        path = table.get("type") if isinstance(table, dict) else None
+        if isinstance(path, str) and ":" in path:
+            yield f"{name}.type", path
+
+
+def _class(path: str, where: str, beside: Path | None) -> Any:
+    """Import a class and check that it is one of which objects can be made."""
+    module, _, name = path.partition(":")
+    found = getattr(_module(module, where, beside), name, None)
+    if found is None:
+        raise InputError(f"{where}: the module {module} has no {name}.")
+    base: type = Mechanism if where.endswith("mechanism.type") else FrictionLaw
+    if not (isinstance(found, type) and issubclass(found, base)):
+        raise InputError(
+            f"{where}: {path} must be a class derived from stickslip.{base.__name__},"
+            f" got {found!r}."
+        )
+    missing = ", ".join(_missing(found, base))
+    if missing:
+        raise InputError(f"{where}: {path} is not complete: it has no {missing}.")
+    return found
+
+
+def _missing(kind: type, base: type) -> list[str]:
+    """Return what a class has yet to define or to say of itself."""
+    told: tuple[str, ...] = ("name", "coordinates", "rates", "units")
+    if base is FrictionLaw:
+        told = ("name", "title", "formula", "sources", "fit_order")
+    abstract: Collection[str] = getattr(kind, "__abstractmethods__", ())
+    return [*sorted(abstract), *(one for one in told if not hasattr(kind, one))]
+
+
+def _module(name: str, where: str, beside: Path | None) -> ModuleType:
+    """Import a module, from beside the rig file too."""
+    folder = None if beside is None else str(beside.resolve())
+    if folder is not None and folder not in sys.path:
+        # at the end, so that no file there hides another module; it stays for worker processes
+        sys.path.append(folder)
+        importlib.invalidate_caches()
+    try:
+        module = importlib.import_module(name)
+    except (Exception, SystemExit) as error:  # a module of somebody else may raise anything
+        raise InputError(
+            f"{where}: the module {name} cannot be imported: {type(error).__name__}: {error}."
+            " Modules are looked for where Python does and in the folder of the rig file."
+        ) from error
+    _check_is_the_one_beside(module, where, folder)
+    return module
+
+
+def _check_is_the_one_beside(module: ModuleType, where: str, folder: str | None) -> None:
+    """Check that another module does not hide the one in the folder of the rig file."""
+    if folder is None:
+        return
+    stem = Path(folder, *module.__name__.split("."))
+    for own in (stem.with_suffix(".py"), stem / "__init__.py"):
+        actual = getattr(module, "__file__", None) or "none"
+        if own.exists() and Path(actual).resolve() != own.resolve():
+            raise InputError(
+                f"{where}: {own} is hidden by a module of the same name, {actual}. Rename it."
+            )
+
+
+def _check_name(law: type[FrictionLaw], table: str, where: str) -> None:
+    """Check that a law stands under its name, which no other law has."""
+    kinds = (SetValuedLaw, DirectionalLaw, BristleLaw)
+    if not issubclass(law, kinds):
+        names = ", ".join(kind.__name__ for kind in kinds)
+        raise InputError(f"{where}: {law.__name__} must be derived from one of {names}.")
+    if law.name != table:
+        raise InputError(
+            f"{where}: the law {law.__name__} is called {law.name!r}: write [friction.{law.name}]."
+        )
+    if laws().get(table, law) is not law:
+        raise InputError(
+            f"{where}: {table!r} is the name of a law that is there already; give"
+            f" {law.__name__}.name another."
+        )

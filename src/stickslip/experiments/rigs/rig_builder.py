@@ -1,0 +1,380 @@
+"""Builds a rig from its file."""
+
+import hashlib
+import json
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from stickslip.drives import Drive, Sum
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments.estimates import LawEstimates
+from stickslip.experiments.hashing import with_files
+from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Measurement
+from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
+from stickslip.experiments.readers.reader_options import Reading, column_of
+from stickslip.experiments.readers.toml import LARGEST, apply, parse, read_bytes
+from stickslip.experiments.records import read_data
+from stickslip.experiments.rig import Published, Rig, check_record, state_units
+from stickslip.experiments.rigs.laws import Known, known_laws
+from stickslip.experiments.rigs.plugin_imports import imported
+from stickslip.experiments.rigs.rig_models import Given, Number, Table
+from stickslip.experiments.rigs.schema import (
+    EstimatesTable,
+    ReadTable,
+    RigTable,
+    TrialTable,
+    rig_table,
+)
+from stickslip.experiments.rigs.validation_errors import complaint, place
+from stickslip.experiments.travels import scale_of
+from stickslip.experiments.units import read_number
+from stickslip.friction import laws
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity
+
+__all__ = ["read_rig"]
+
+BUNDLED = "paper_rig.toml"
+LAWS = "friction"
+
+
+def read_rig(
+    path: str | Path | None, overrides: Mapping[str, Any], *, allow_import: bool = False
+) -> Rig:
+    """Return the rig of a file, or the bundled one, with overrides put in."""
+    if path is None:
+        file, data = BUNDLED, files("stickslip.experiments").joinpath(BUNDLED).read_bytes()
+    else:
+        file, data = str(path), read_bytes(path, largest=LARGEST)
+    raw = parse(data, file)
+    apply(raw, overrides)
+    beside = None if path is None else Path(path).parent
+    own = imported(raw, file, beside=beside, overridden=overrides, allow=allow_import)
+    try:
+        table = rig_table(own.mechanism, tuple(own.laws.values())).model_validate(raw)
+    except ValidationError as error:
+        raise complaint(error, raw, file, overrides) from None
+    mechanism = _mechanism(table, file, overrides)
+    known = known_laws(table.friction, file, overrides, {**laws(), **own.laws})
+    reading = replace(_reading(table.data, file), conditions=tuple(table.data.conditions))
+    return Rig(
+        title=table.title or Path(file).stem,
+        subject=table.subject,
+        source=table.source,
+        mechanism=mechanism,
+        laws=known.laws,
+        named=known.named,
+        given=known.given,
+        assumed=known.assumed,
+        unknown=_unknown(table.mechanism),
+        doubts=_doubts(table.mechanism),
+        measurement=_measured(table, mechanism, reading, file),
+        validate=_files([table.data.second], mechanism, replace(reading, conditions=()), file),
+        reading=reading,
+        hold=table.data.hold,
+        t_end=table.run.t_end,
+        estimates=_estimates(table.estimates, known, file, overrides),
+        published=tuple(Published(**row.given()) for row in table.published),
+        digest=with_files(_digest(data, overrides), _paths(table, file)),
+        path=file,
+    )
+
+
+def _digest(data: bytes, overrides: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of the file; with overrides, of both."""
+    digest = hashlib.sha256(data)
+    if overrides:
+        text = json.dumps({key: str(value) for key, value in overrides.items()}, sort_keys=True)
+        digest.update(b"\0" + text.encode())
+    return digest.hexdigest()
+
+
+def _mechanism(table: RigTable, file: str, overridden: Collection[str]) -> Mechanism:
+    built = _build(table.mechanism, "mechanism", file, overridden)
+    assert isinstance(built, Mechanism)
+    return built
+
+
+def _unknown(mechanism: Table) -> tuple[str, ...]:
+    """Return the paths of the parameters that are marked as unknown."""
+    return tuple(
+        f"{PREFIX}.{name}"
+        for name, value in mechanism.given().items()
+        if isinstance(value, Given) and value.marked
+    )
+
+
+def _doubts(mechanism: Table) -> dict[str, float]:
+    """Return the uncertainties of the mechanism's parameters by path."""
+    return {
+        f"{PREFIX}.{name}": value.uncertainty
+        for name, value in mechanism.given().items()
+        if isinstance(value, Given) and value.uncertainty is not None
+    }
+
+
+def _build(table: Table, key: str, file: str, overridden: Collection[str]) -> Any:
+    """Return the object whose parameters stand in a table, and in the tables below it."""
+    values = {}
+    for name, value in table.given().items():
+        path = f"{key}.{name}"
+        if isinstance(value, Table):
+            values[name] = _build(value, path, file, overridden)
+        elif isinstance(value, list):
+            values[name] = _drive(value, path, file, overridden)
+        else:
+            values[name] = value.value if isinstance(value, Given) else value
+    assert table.target is not None
+    try:
+        return table.target(**values)
+    except ParameterError as error:
+        touched = [path for path in overridden if path.startswith(key + ".")]
+        where = place(touched[0], file, overridden) if touched else file
+        raise ParameterError(f"{where}: {key}: {error}") from None
+
+
+def _drive(tables: list[Table], key: str, file: str, overridden: Collection[str]) -> Drive:
+    """Return the sum of several drives, or the only one as it is."""
+    drives = [_build(table, key, file, overridden) for table in tables]
+    return drives[0] if len(drives) == 1 else Sum(parts=tuple(drives))
+
+
+def _measured(
+    table: RigTable, mechanism: Mechanism, reading: Reading, file: str
+) -> Measurement | None:
+    """Return what the trials say, or what stands in files; not both."""
+    data = table.data
+    if data.file and data.files:
+        raise InputError(f"{file}: data.file and data.files are both given: leave one out.")
+    names = [data.file] if data.file else data.files
+    if names and table.trial:
+        raise InputError(f"{file}: [data] and [[trial]] both say what was measured: leave one out.")
+    return _files(names, mechanism, reading, file) or _trials(table, mechanism, reading, file)
+
+
+def _estimates(
+    table: EstimatesTable | None, known: Known, file: str, overridden: Collection[str]
+) -> LawEstimates | None:
+    """Return how well a law is known; of what was overridden nothing is."""
+    if table is None:
+        return None
+    given = table.given()
+    if table.law not in known.laws:
+        raise UnknownNameError(f"law in {file}: estimates.law:", table.law, known.laws)
+    for name, ends in table.intervals.items():
+        if len(ends) != 2:
+            raise ParameterError(
+                f"{file}: estimates.intervals.{name} must be a lower and an upper end, got {ends}."
+            )
+    given["intervals"] = {name: (low, high) for name, (low, high) in table.intervals.items()}
+    given["covariance"] = tuple(map(tuple, table.covariance))
+    given |= {name: tuple(given[name]) for name in ("not_fitted", "covariance_of") if name in given}
+    own = f"{LAWS}.{table.law}."
+    changed = [path.removeprefix(own) for path in overridden if path.startswith(own)]
+    try:
+        return LawEstimates(**given).without(changed).checked(known.laws[table.law])
+    except UnknownNameError as error:
+        raise UnknownNameError(f"{error.kind} in {file}:", error.name, error.known) from None
+    except InputError as error:
+        raise type(error)(f"{file}: {error}") from None
+
+
+def _reading(table: ReadTable, file: str, key: str = "data") -> Reading:
+    """Return how a table says that files are read."""
+    offset = {}
+    for name, value in table.offset.items():
+        if name not in QUANTITIES:
+            raise UnknownNameError(f"quantity in {key}.offset of {file}:", name, QUANTITIES)
+        quantity = QUANTITIES[name]
+        turning = (replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
+        try:
+            found = Number(quantity, alternatives=turning).read(value)
+        except ParameterError as error:
+            raise ParameterError(f"{file}: {key}.offset.{name} {error}") from None
+        offset[name] = found.value if isinstance(found, Given) else found
+    try:
+        columns = {name: column_of(name, given) for name, given in table.columns.items()}
+    except InputError as error:
+        raise ParameterError(f"{file}: {key}.{error}") from None
+    return Reading(
+        columns=columns,
+        units=table.units,
+        gain=table.gain,
+        offset=offset,
+        repair=tuple(table.repair),
+        by="rig",
+    )
+
+
+def _paths(table: RigTable, file: str) -> list[Path]:
+    """Return the files with what was measured, named as they stand beside the rig file."""
+    data = table.data
+    names = (data.file, *data.files, *(trial.file for trial in table.trial), data.second)
+    return [Path(file).parent / name for name in names if name]
+
+
+def _files(
+    names: list[str], mechanism: Mechanism, reading: Reading, file: str
+) -> Measurement | None:
+    """Return the measurement of files that are named as they stand beside the rig file."""
+    paths = [Path(file).parent / name for name in names if name]
+    if not paths:
+        return None
+    try:
+        return read_data(paths, reading, mechanism=mechanism)
+    except ParameterError as error:
+        raise ParameterError(f"{file}: [data]: {error}") from None
+    except InputError as error:
+        raise InputError(f"{file}: [data]: {error}") from None
+
+
+def _trials(
+    table: RigTable, mechanism: Mechanism, reading: Reading, file: str
+) -> Measurement | None:
+    """Return the trials; files are read as `[data]` and then the trial itself say."""
+    if not table.trial:
+        return None
+    records: list[Measurement] = []
+    for index, trial in enumerate(table.trial):
+        if trial.file:
+            records += _filed(trial, mechanism, reading, file, index)
+        else:
+            records.append(_record(trial, mechanism, file, index, table.run.t_end))
+    if len(records) == 1:
+        return records[0]
+    try:
+        return Measurement(trials=tuple(records), name=table.title)
+    except InputError as error:
+        raise InputError(f"{file}: trial: {error}") from None
+
+
+TRAVEL_ONLY = (*TRAVELS, "uncertainty", "uncertainty_kind", "provenance")
+"""Keys of a trial that the file of a record has no use for."""
+FILE_ONLY = ("columns", "units", "gain", "offset", "repair")
+
+
+def _filed(
+    trial: TrialTable, mechanism: Mechanism, reading: Reading, file: str, index: int
+) -> tuple[Measurement, ...]:
+    """Return what stands in the file of a trial, with the settings of that trial."""
+    key = f"trial.{index}"
+    label, given = f"{file}: {key}", trial.given()
+    _check_keys(given, TRAVEL_ONLY, f"{label}: {{}} is for a travel, and file names a record")
+    own = reading.with_changes(_reading(trial, file, key))
+    settings, doubts = _overrides(trial.set, mechanism, f"{label}.set")
+    try:
+        found = read_data(
+            [Path(file).parent / trial.file],
+            own,
+            overrides=settings,
+            initial=_initial(trial.initial, mechanism, f"{label}.initial"),
+            name=trial.name,
+            mechanism=mechanism,
+        )
+    except InputError as error:
+        kind = ParameterError if isinstance(error, ParameterError) else InputError
+        text = str(error)
+        raise kind(text if text.startswith(label) else f"{label}: {text}") from None
+    for record in found.records():
+        check_record(mechanism, record, label)
+    return tuple(
+        replace(record, conditions={**record.conditions, **trial.conditions}, doubts=doubts)
+        for record in found.records()
+    )
+
+
+def _check_keys(given: Mapping[str, Any], refused: tuple[str, ...], said: str) -> None:
+    for name in refused:
+        if name in given:
+            raise InputError(f"{said.format(name)}: leave one of them out.")
+
+
+def _record(
+    trial: TrialTable, mechanism: Mechanism, file: str, index: int, t_end: float
+) -> Measurement:
+    label, given = f"{file}: trial.{index}", trial.given()
+    names = [name for name in TRAVELS if name in given]
+    if not names:
+        raise ParameterError(
+            f"{label} says nothing that was measured. Add travel under [[trial]] number"
+            f' {index + 1}, a distance such as "72 mm", or mean_velocity, travel_per_cycle, or'
+            " file, a record."
+        )
+    if len(names) > 1:
+        raise InputError(
+            f"{label}: {names[0]} and {names[1]} both say how far the body came: give one of"
+            f" {', '.join(TRAVELS)}."
+        )
+    _check_keys(
+        given, FILE_ONLY, f"{label}: {{}} is for the file of a record, and {names[0]} is a number"
+    )
+    if "uncertainty" in given:
+        measured = QUANTITIES[names[0]]
+        quantity = Quantity(f"u_{measured.symbol}", measured.unit, above=0)
+        try:
+            given["uncertainty"] = read_number(given["uncertainty"], quantity)
+        except ParameterError as error:
+            raise ParameterError(f"{label}.uncertainty {error}") from None
+    overrides, initial = given.pop("set", {}), given.pop("initial", {})
+    if "uncertainty_kind" in given and "uncertainty" not in given:
+        raise ParameterError(f"{label}.uncertainty is missing, but uncertainty_kind is given.")
+    settings, doubts = _overrides(overrides, mechanism, f"{label}.set")
+    record = Measurement(
+        **given,
+        overrides=settings,
+        doubts=doubts,
+        initial=_initial(initial, mechanism, f"{label}.initial"),
+    )
+    check_record(mechanism, record, label)
+    scale_of(mechanism, record, t_end, label)
+    return record
+
+
+def _overrides(
+    given: Mapping[str, Any], mechanism: Mechanism, label: str
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Return what a trial sets, by path, and the uncertainties of that."""
+    found: dict[str, float] = {}
+    doubts: dict[str, float] = {}
+    for name, value in _flat(given, ""):
+        try:
+            path = canonical(mechanism, name)
+            number = Number(quantity_at(mechanism, path), measured=True).read(value)
+        except UnknownNameError as error:
+            raise InputError(f"{label}: {error}") from None
+        except ParameterError as error:
+            raise ParameterError(f"{label}: {name} {error}") from None
+        if path in found:
+            raise InputError(f"{label}: {path} is given twice.")
+        assert isinstance(number, Given)
+        found[path] = number.value
+        if number.uncertainty is not None:
+            doubts[path] = number.uncertainty
+    return found, doubts
+
+
+def _initial(given: Mapping[str, Any], mechanism: Mechanism, label: str) -> dict[str, float]:
+    units = state_units(mechanism)
+    found = {}
+    for name, value in given.items():
+        if name not in units:
+            raise UnknownNameError(f"state in {label}:", name, units)
+        try:
+            found[name] = read_number(value, Quantity(name, units[name]))
+        except ParameterError as error:
+            raise ParameterError(f"{label}: {name} {error}") from None
+    return found
+
+
+def _flat(given: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
+    """Yield dotted paths: TOML makes tables of a dotted key that is not in quotes."""
+    for name, value in given.items():
+        if isinstance(value, dict) and "value" not in value:
+            yield from _flat(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value

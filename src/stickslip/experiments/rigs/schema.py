@@ -1,0 +1,228 @@
+"""The schema of rig files."""
+
+import dataclasses
+import functools
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, Field, create_model
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from stickslip.experiments.measurement import QUANTITIES
+from stickslip.experiments.rigs.law_tables import FrictionTable, friction_table
+from stickslip.experiments.rigs.rig_models import Number, Table, choice, table_of
+from stickslip.friction import FrictionLaw
+from stickslip.friction import laws as known_laws
+from stickslip.mechanisms import Mechanism, mechanisms
+from stickslip.quantities import Quantity
+
+__all__ = [
+    "DataTable",
+    "EstimatesTable",
+    "PublishedTable",
+    "ReadTable",
+    "RigTable",
+    "RunTable",
+    "TrialTable",
+    "json_schema",
+    "rig_table",
+]
+
+TRAVEL = QUANTITIES["travel"]
+UNKNOWN = "unknown"
+"""Says of a mechanism's parameter that a fit is to look for it."""
+
+
+class RunTable(Table):
+    """How long runs last."""
+
+    t_end: Annotated[Any, Number(Quantity("t_end", "s", above=0))] = 10.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Columns:
+    """Annotation of the name of a column, or of the two with a position in a plane."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        return core_schema.any_schema()  # `Reading` checks it, which knows the quantity
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        pair = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
+        return {"anyOf": [{"type": "string"}, pair]}
+
+
+class ReadTable(Table):
+    """How the columns of a file are read."""
+
+    columns: dict[str, Annotated[Any, Columns()]] = Field(
+        default={}, description="quantity: name of its column; `position`: two, in a plane"
+    )
+    units: dict[str, str] = Field(default={}, description="quantity: unit of its column")
+    gain: dict[str, Annotated[Any, Number(Quantity("g"))]] = Field(
+        default={},
+        description="quantity: factor, after a unit of its kind; else it makes SI of the column",
+    )
+    offset: dict[str, Any] = Field(default={}, description="quantity: offset of its sensor")
+    repair: list[Literal["sort", "gaps"]] = Field(
+        default=[], min_length=1, description="`sort` the times, drop `gaps`"
+    )
+
+
+@dataclasses.dataclass(frozen=True)
+class Doubt:
+    """Annotation of an uncertainty in the unit of what it belongs to, with which it is read."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        return core_schema.any_schema()
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        plain = {"type": "number", "exclusiveMinimum": 0}
+        return {"anyOf": [plain, {"type": "string", "description": "number with a unit"}]}
+
+
+class TrialTable(ReadTable):
+    """One measured run; several are several trials.
+
+    It has one of `travel`, `mean_velocity`, `travel_per_cycle`, or the `file` of a record.
+    """
+
+    travel: Annotated[Any, Number(TRAVEL)] = None
+    mean_velocity: Annotated[Any, Number(QUANTITIES["mean_velocity"])] = None
+    travel_per_cycle: Annotated[Any, Number(QUANTITIES["travel_per_cycle"])] = None
+    file: str = Field(default="", description="a record, relative to the rig file")
+    uncertainty: Annotated[Any, Doubt()] = Field(
+        default=None, description="above 0, in the unit of what was measured"
+    )
+    uncertainty_kind: Literal["rounding", "standard", "interval"] = "standard"
+    name: str = ""
+    provenance: str = ""
+    set: dict[str, Any] = Field(
+        default={}, description="parameter path: value in this trial, perhaps with its uncertainty"
+    )
+    initial: dict[str, Any] = Field(default={}, description="state name: value at the start")
+    conditions: dict[str, float | str] = Field(
+        default={}, description="what else was different, by name: a number or a text"
+    )
+
+
+class DataTable(ReadTable):
+    """Files with what was measured, and how they are read; several files are several trials."""
+
+    file: str = Field(default="", description="relative to the rig file")
+    files: list[str] = Field(default=[], min_length=1, description="several, as trials")
+    hold: Literal["zero", "first"] = Field(
+        default="zero",
+        description="a force keeps its value until the next sample (`zero`: a command), or goes"
+        " straight to it (`first`: a sensor's)",
+    )
+    conditions: list[str] = Field(
+        default=[], min_length=1, description="columns with a condition, one value in each trial"
+    )
+    second: str = Field(
+        default="", alias="validate", description="a second record, which no fit sees"
+    )
+
+
+def _known_law(name: str) -> str:
+    if name not in known_laws():
+        known = {"kind": "friction law", "key": name, "known": list(known_laws())}
+        raise PydanticCustomError("unknown_name", "", known)
+    return name
+
+
+class PublishedTable(Table):
+    """What a publication reports for one law."""
+
+    law: Annotated[str, AfterValidator(_known_law)] = Field(
+        json_schema_extra=lambda schema: schema.update(enum=list(known_laws()))
+    )
+    travel: Annotated[Any, Number(TRAVEL)] = None
+    velocity_positive: bool | None = None
+    displacement_monotone: bool | None = None
+    relative_error: Annotated[Any, Number(Quantity("e", "1", low=0))] = None
+    note: str = ""
+
+
+class EstimatesTable(Table):
+    """How well the values of one law are known, as fits write it; all in SI."""
+
+    law: str = Field(description="whose values these are")
+    interval: Literal["95 %", "rounding range", "stated interval"] = "95 %"
+    levels: Literal["per load", "forces", "torques"] = Field(
+        default="per load",
+        description="whether levels and bristles are over the normal force, or none was known",
+    )
+    largest_speed: float | None = Field(
+        default=None, description="largest slip speed in what was fitted"
+    )
+    not_fitted: list[str] = Field(default=[], description="parameters that were given or assumed")
+    not_identified: dict[str, str] = Field(
+        default={}, description="parameter: why the data do not tell it"
+    )
+    intervals: dict[str, list[float]] = Field(
+        default={}, description="parameter: lower and upper end"
+    )
+    covariance_of: list[str] = Field(
+        default=[], description="parameters of the rows and columns of the covariance"
+    )
+    covariance: list[list[float]] = Field(
+        default=[], description="of the normal distribution that has these intervals"
+    )
+
+
+class RigTable(Table):
+    """A rig: what moves, which friction values are known, and what was measured."""
+
+    title: str = ""
+    subject: str = ""
+    source: str = ""
+    run: RunTable = RunTable()
+    trial: list[TrialTable] = Field(default=[], min_length=1)
+    data: DataTable = DataTable()
+    published: list[PublishedTable] = Field(default=[], min_length=1)
+    estimates: EstimatesTable | None = None
+    mechanism: Any
+    friction: FrictionTable
+
+
+@functools.cache
+def rig_table(
+    own: tuple[str, type[Mechanism]] | None = None, laws: tuple[type[FrictionLaw], ...] = ()
+) -> type[RigTable]:
+    """Return the model of a rig file with all mechanisms, drives and laws that are installed.
+
+    A mechanism of the user's, with its ``type``, and more laws may come to them.
+    """
+    known = {**mechanisms(), **({} if own is None else dict([own]))}
+    options = choice(
+        {name: table_of(cls, name, UNKNOWN, measured=True) for name, cls in known.items()}
+    )
+    friction = friction_table(laws)
+    return create_model(
+        "Rig", __base__=RigTable, mechanism=(options, ...), friction=(friction, friction())
+    )
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON schema of rig files."""
+    schema = rig_table().model_json_schema(by_alias=True)
+    _drop_nulls(schema)
+    dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+    return {**dialect, **schema, "title": "stickslip rig file"}
+
+
+def _drop_nulls(node: Any) -> None:
+    """Remove defaults and types that TOML cannot write."""
+    if isinstance(node, Mapping):
+        assert isinstance(node, dict)
+        default = node.get("default", 0)
+        if default is None:
+            del node["default"]
+        elif isinstance(default, dict):
+            node["default"] = {key: value for key, value in default.items() if value is not None}
+        if "anyOf" in node:
+            node["anyOf"] = [option for option in node["anyOf"] if option != {"type": "null"}]
+    for inner in (
+        node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+    ):
+        _drop_nulls(inner)

@@ -1,0 +1,213 @@
+"""Estimates with their doubt, and what a record cannot tell, in words."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.experiments.wording import number
+from stickslip.friction import DirectionalLaw, FrictionLaw
+from stickslip.identification.estimation.jackknife import Inference
+from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.results import Estimate
+from stickslip.identification.travels.propagation import READINGS
+from stickslip.mechanisms import Mechanism
+
+__all__ = [
+    "INTERVAL",
+    "bounds_met",
+    "estimates_of",
+    "offset_left_out",
+    "sentences_of",
+    "step_intervals",
+    "with_unit",
+]
+
+Array = NDArray[np.float64]
+
+INTERVAL = "95 %"
+CLOSE = 1e-6
+"""Distance from a bound, over the bound's size or the range, at which it counts as met."""
+MANY = 10.0
+"""An interval that goes so many times the value to either side is none ..."""
+OF_BOUNDS = 0.1
+"""... if it is also as wide as this share of what was searched: the value itself may be 0."""
+ORDERS = 30.0
+"""An interval of a logarithm that goes by this factor to either side is none."""
+TOGETHER = 0.95
+"""Correlation from which two estimates are one number and a split of it."""
+SEPARABLE = 300.0
+"""Condition of the scaled slopes beyond which estimates are not separable."""
+
+
+def bounds_met(unknowns: Unknowns, values: Array) -> Mapping[str, str]:
+    """Return which unknowns ended at a bound, by path: ``"lower"`` or ``"upper"``."""
+    found = {}
+    low, high = unknowns.limits()
+    at = unknowns.coordinates(values)
+    for i, item in enumerate(unknowns.items):
+        size = max(abs(item.start), 1e-300) if not item.log else 1.0
+        if at[i] <= low[i] + CLOSE * size:
+            found[item.path] = "lower"
+        elif at[i] >= high[i] - CLOSE * size:
+            found[item.path] = "upper"
+    return found
+
+
+def estimates_of(
+    unknowns: Unknowns, seen: Linearised, inference: Inference, at_bounds: Mapping[str, str]
+) -> tuple[Estimate, ...]:
+    """Return the estimates with 95 % intervals, and why an interval is not bounded."""
+    found = []
+    for i, item in enumerate(unknowns.items):
+        value, half = float(seen.values[i]), float(inference.half_widths[i])
+        low, high, reason = value - half, value + half, ""
+        if item.path in at_bounds:
+            low, high = -math.inf, math.inf
+            reason = _bound_reason(item, at_bounds[item.path], value)
+        elif not math.isfinite(half):
+            low, high, reason = -math.inf, math.inf, inference.reasons[i]
+        elif item.log:
+            spread = half / value
+            low, high = value * math.exp(-min(spread, 700.0)), value * math.exp(min(spread, 700.0))
+            if spread > math.log(ORDERS):
+                low, high = -math.inf, math.inf
+                reason = "the record leaves its order of magnitude open"
+        elif half > max(MANY * abs(value), OF_BOUNDS * (item.high - item.low)):
+            low, high = -math.inf, math.inf
+            reason = f"the record leaves its size open, ± {with_unit(half, item, 2)}"
+        found.append(
+            Estimate(
+                path=item.path,
+                quantity=item.quantity,
+                value=value,
+                low=low,
+                high=high,
+                interval=INTERVAL,
+                reason=reason,
+                sources={} if reason else _sources(inference, i),
+            )
+        )
+    return tuple(found)
+
+
+def _sources(inference: Inference, index: int) -> dict[str, float]:
+    """Return the standard errors of an estimate by where they come from; none without others."""
+    if not inference.held:
+        return {}
+    own = {READINGS: math.sqrt(max(inference.covariance[index, index], 0.0))}
+    return own | {
+        path: float(np.linalg.norm(moved[:, index])) for path, moved in inference.held.items()
+    }
+
+
+def _bound_reason(item: Unknown, side: str, value: float) -> str:
+    if item.above and side == "lower":
+        return f"it went down to the {in_words(item.above)}: no surplus is seen"
+    return f"it ran to its {side} bound, {with_unit(value, item)}"
+
+
+def with_unit(value: float, item: Unknown, digits: int = 3) -> str:
+    """Return a value of an unknown with its unit."""
+    unit = "" if item.quantity.unit == "1" else f" {item.quantity.unit}"
+    return number(value, digits) + unit
+
+
+def in_words(path: str) -> str:
+    """Return a parameter in words.
+
+    Examples
+    --------
+    >>> in_words("friction.kinetic_coefficient")
+    'kinetic coefficient'
+    """
+    return path.rpartition(".")[2].replace("_", " ")
+
+
+def step_intervals(
+    unknowns: Unknowns, seen: Linearised, inference: Inference
+) -> Mapping[str, tuple[float, float, float]]:
+    """Return by path surplus, lower and upper end, for unknowns that stand above another."""
+    found = {}
+    paths = list(unknowns.paths)
+    for i, item in enumerate(unknowns.items):
+        if item.above not in paths:
+            continue
+        j = paths.index(item.above)
+        row = np.zeros(len(paths))
+        row[[i, j]] = 1.0, -1.0
+        half = inference.half_width(row)
+        step = float(seen.values[i] - seen.values[j])
+        found[item.path] = (step, step - half, step + half)
+    return found
+
+
+def sentences_of(
+    unknowns: Unknowns,
+    seen: Linearised,
+    inference: Inference,
+    at_bounds: Mapping[str, str],
+    estimates: Sequence[Estimate],
+) -> tuple[str, ...]:
+    """Return what the record cannot tell."""
+    lines = [
+        f"{in_words(estimate.path)} ({estimate.quantity.symbol}) is undetermined:"
+        f" {estimate.reason}."
+        for estimate in estimates
+        if estimate.reason
+    ]
+    for path, (step, low, high) in step_intervals(unknowns, seen, inference).items():
+        if path not in at_bounds and low <= 0.0:
+            item = unknowns.items[unknowns.paths.index(path)]
+            bounds = (
+                f", interval {number(low)} to {number(high)}" if math.isfinite(high - low) else ""
+            )
+            lines.append(
+                f"No step from {item.quantity.symbol} to sliding can be told from 0:"
+                f" {with_unit(step, item)}{bounds}."
+            )
+    lines += _together(unknowns, inference, at_bounds)
+    if inference.condition > SEPARABLE:
+        symbols = ", ".join(item.quantity.symbol for item in unknowns.items)
+        lines.append(
+            f"{symbols} cannot all be separated by this record: condition number"
+            f" {number(inference.condition, 2)}, where {SEPARABLE:g} is the most that is"
+            " taken."
+        )
+    return tuple(lines)
+
+
+def offset_left_out(law: FrictionLaw, mechanism: Mechanism, unknowns: Unknowns) -> tuple[str, ...]:
+    """Return a sentence where a level for each direction stands for a constant force as well.
+
+    Half the sum of the levels acts against the motion and half their difference always one way, so
+    a constant force beside them is the same number twice.
+    """
+    constants = ("mechanism.offset", "measurement.offset.friction")
+    if not isinstance(law, DirectionalLaw) or any(path in unknowns.paths for path in constants):
+        return ()
+    own = float(getattr(mechanism, "offset", 0.0))
+    return (
+        "A constant force (gravity, a cable, a sensor's zero) and levels that differ by direction"
+        f" are one number: the offset is kept at {number(own)} N, and the levels hold what there is"
+        " of it.",
+    )
+
+
+def _together(unknowns: Unknowns, inference: Inference, at_bounds: Mapping[str, str]) -> list[str]:
+    """Return sentences on pairs of estimates that move together."""
+    lines = []
+    # what the mechanism's uncertainty moves together is not for the record to separate
+    table = inference.of_record.correlation
+    for i, one in enumerate(unknowns.items):
+        for j, other in enumerate(unknowns.items[:i]):
+            free = one.path not in at_bounds and other.path not in at_bounds
+            if free and np.isfinite(table[i, j]) and abs(table[i, j]) > TOGETHER:
+                lines.append(
+                    f"{other.quantity.symbol} and {one.quantity.symbol} trade off"
+                    f" (correlation {table[i, j]:.2f}): their combination is better known than"
+                    " either."
+                )
+    return lines

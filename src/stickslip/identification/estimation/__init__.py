@@ -1,0 +1,1 @@
+"""Parameters, least squares, and how surely the estimates are known."""

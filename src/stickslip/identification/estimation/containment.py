@@ -1,0 +1,198 @@
+"""Searches from the fits of simpler laws, and what to say where a richer law ends above one."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.experiments.wording import number
+from stickslip.friction import DirectionalLaw, FrictionLaw, containment_of
+from stickslip.identification.estimation.parameters import Unknown, Unknowns
+
+__all__ = ["FittedLaw", "not_whole", "reachable", "search_failure", "starts_from"]
+
+Array = NDArray[np.float64]
+
+STIFFER = 30.0
+"""Factor on the start value of what goes to infinity in the simpler law, such as a stiffness."""
+WORSE = 0.02
+"""Share by which a sum of squares may be above that of a contained law: as far as starts agree."""
+NOT_WHOLE = 1e-6
+"""Share by which a whole exponent is moved: residuals change by less than any search resolves."""
+CONSTANTS = ("mechanism.offset", "measurement.offset.friction")
+"""Paths of a constant force beside friction."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FittedLaw:
+    """A fit of a law, as far as fits of richer laws need it."""
+
+    law: FrictionLaw
+    """The law with its fitted values."""
+    values: Mapping[str, float]
+    """Best values of all that was fitted, by path."""
+    cost: float
+    """Sum of squares that it leaves."""
+    rows: int
+    """Number of residuals."""
+
+
+def reachable(
+    start: FrictionLaw, unknowns: Unknowns, fitted: Sequence[FittedLaw]
+) -> tuple[FittedLaw, ...]:
+    """Return those of fitted simpler laws that a richer law can become with what it has free.
+
+    Parameters
+    ----------
+    start : FrictionLaw
+        The richer law; its values hold what is not free.
+    unknowns : Unknowns
+        What is free.
+    fitted : sequence of FittedLaw
+        Fits of simpler laws, or of the same law with fewer unknowns.
+
+    Examples
+    --------
+    >>> from stickslip import CoulombViscous, Stribeck
+    >>> simple = FittedLaw(
+    ...     law=CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=1.0),
+    ...     values={},
+    ...     cost=1.0,
+    ...     rows=10,
+    ... )
+    >>> fixed = Stribeck(kinetic_coefficient=0.3, static_coefficient=0.4, stribeck_velocity=0.1)
+    >>> reachable(fixed, Unknowns(()), [simple])
+    ()
+    """
+    return tuple(one for one in fitted if _reaches(start, unknowns, one))
+
+
+def _reaches(start: FrictionLaw, unknowns: Unknowns, one: FittedLaw) -> bool:
+    names = {path.partition(".")[2] for path in unknowns.paths if path.startswith("friction.")}
+    beside = {path for path in one.values if not path.startswith("friction.")}
+    if not beside <= {*unknowns.paths, *CONSTANTS}:
+        return False
+    if type(one.law) is type(start):
+        return all(path in unknowns.paths for path in one.values)
+    how = containment_of(type(start), one.law.name)
+    values = None if how is None else how.embed(one.law)
+    if how is None or values is None or not names.issuperset(how.limits):
+        return False
+    return all(name in names or getattr(start, name) == value for name, value in values.items())
+
+
+def starts_from(
+    kind: type[FrictionLaw], unknowns: Unknowns, fitted: Sequence[FittedLaw], load: float
+) -> tuple[Array, ...]:
+    """Return values (p,) of a richer law that make it a fitted simpler one.
+
+    Parameters
+    ----------
+    kind : type
+        The richer law.
+    unknowns : Unknowns
+        What of it, and of the mechanism, is looked for; start values stand for what has no effect.
+    fitted : sequence of FittedLaw
+        Simpler laws, of which those count that the richer one contains at first hand, and the same
+        law with fewer unknowns.
+    load : float
+        Normal force [N].
+
+    Examples
+    --------
+    >>> from stickslip import CoulombViscous, QuadraticDrag
+    >>> from stickslip.identification.estimation.parameters import Unknown
+    >>> from stickslip.quantities import Quantity
+    >>> drag = Unknown(
+    ...     path="friction.quadratic_coefficient", quantity=Quantity("c", low=0), start=3.0, low=0.0
+    ... )
+    >>> simple = FittedLaw(
+    ...     law=CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=1.0),
+    ...     values={},
+    ...     cost=1.0,
+    ...     rows=10,
+    ... )
+    >>> starts_from(QuadraticDrag, Unknowns((drag,)), [simple], 1.0)
+    (array([0.]),)
+    """
+    found = []
+    for one in fitted:
+        for point in _embedded(kind, unknowns, one, fitted, load):
+            given = [(item, point.get(item.path, item.start)) for item in unknowns.items]
+            values = np.array([not_whole(item, value) for item, value in given])
+            found.append(unknowns.values(unknowns.coordinates(values)))
+    return tuple(found)
+
+
+def not_whole(item: Unknown, value: float) -> float:
+    """Return a value; next to it if it is a whole exponent, which has no slope.
+
+    Whole exponents shape the equations.
+    """
+    whole = item.quantity.structural and value.is_integer()
+    return value * (1.0 + NOT_WHOLE) if whole else value
+
+
+def _embedded(
+    kind: type[FrictionLaw],
+    unknowns: Unknowns,
+    one: FittedLaw,
+    fitted: Sequence[FittedLaw],
+    load: float,
+) -> Iterator[dict[str, float]]:
+    """Yield points, by path, at which the richer law is the simpler one or near it."""
+    beside = {p: v for p, v in one.values.items() if not p.startswith("friction.")}
+    if type(one.law) is kind:
+        fields = (item.path for item in unknowns.items if item.path.startswith("friction."))
+        own = {path: float(getattr(one.law, path.partition(".")[2])) for path in fields}
+        yield {**beside, **own}
+        return
+    containment = containment_of(kind, one.law.name)
+    values = None if containment is None else containment.embed(one.law)
+    if containment is None or values is None:
+        return
+    if issubclass(kind, DirectionalLaw):
+        constant = sum(one.values.get(path, 0.0) for path in CONSTANTS)
+        for name in values:
+            if name.endswith("kinetic_coefficient"):
+                values[name] += (1.0 if name.startswith("forward") else -1.0) * constant / load
+    point = {**beside, **{f"friction.{name}": value for name, value in values.items()}}
+    stiff = [item for item in unknowns.items if item.path.partition(".")[2] in containment.limits]
+    if not stiff:
+        yield point
+    for item in stiff:
+        # what goes to infinity in this law has a size in others: LuGre's stiffness is near Dahl's
+        known = [other.values[item.path] for other in fitted if item.path in other.values]
+        for value in (item.start, *known, STIFFER * item.start):
+            yield {**point, item.path: min(value, item.high)}
+
+
+def search_failure(
+    kind: type[FrictionLaw], cost: float, rows: int, fitted: Sequence[FittedLaw]
+) -> str:
+    """Return a sentence if a contained law fits more closely than the richer one; empty if none.
+
+    A law that is another one in a limit only, such as that of infinite stiffness, may leave more.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, CoulombViscous
+    >>> simple = FittedLaw(law=Coulomb(kinetic_coefficient=0.2), values={}, cost=4.0, rows=100)
+    >>> search_failure(CoulombViscous, 9.0, 100, [simple])
+    'The search failed: the residual of Coulomb friction, which this law contains, is 33 % smaller.'
+    >>> search_failure(CoulombViscous, 4.0, 100, [simple])
+    ''
+    """
+    for one in fitted:
+        how = containment_of(kind, one.law.name)
+        exact = type(one.law) is kind or (how is not None and not how.limits)
+        if exact and one.rows == rows and cost > (1.0 + WORSE) * one.cost:
+            less = 100.0 * (1.0 - (one.cost / cost) ** 0.5)
+            return (
+                f"The search failed: the residual of {one.law.title} friction, which this law"
+                f" contains, is {number(less, 2)} % smaller."
+            )
+    return ""

@@ -1,0 +1,364 @@
+"""Levenberg and Marquardt's least squares with bounds, from several starts."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import ConvergenceError
+from stickslip.identification.estimation.parameters import Unknowns
+from stickslip.identification.estimation.problem import Linearised, Searchable
+
+__all__ = ["Counter", "Found", "Watch", "improve", "search", "step_of"]
+
+Array = NDArray[np.float64]
+Watch = Callable[[float], object]
+"""Called with the least root mean square so far; answers False to stop with what there is."""
+
+JITTER = 0.4
+"""Further starts are the first one times e^(+-JITTER), by coordinate."""
+AGREE = 0.01
+"""Starts agree if their root mean squares differ by less than this share."""
+FLAT = 1e-4
+"""The search ends when a step lowers the cost by less than this share."""
+STALLED, PATIENCE = 1e-3, 3
+"""... or when so many steps together took less than this share off it."""
+FIRST_DAMPING, GROWTH = 1e-3, 10.0
+"""Damping of the first step, and what it is multiplied by when a step fails: after each further
+failure by as much again, since steps change little while damping is below 1."""
+MOST_DAMPING = 1e6
+"""Damping above which nothing moves any more."""
+FURTHER = 4
+"""Starts added at most while only one came to the least cost."""
+ROUNDS = 30
+"""Steps of a descent at most."""
+NEARLY, POLISHED = 1.5, 2
+"""Cost over the least on some segments up to which other ends are tried on all, and how many are
+at most."""
+EARLY = 5
+"""Steps after which starts are compared."""
+HOPELESS = 9.0
+"""Cost over the least then, above which a start goes no further: three times the residual."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Found:
+    """The least cost found, and what each start came to."""
+
+    best: Linearised
+    costs: tuple[float, ...]
+    """Cost each start ended with, the first start first; scaled to all segments, if starts were
+    compared on some."""
+    values: Array
+    """Values each start ended with (starts, p)."""
+    evaluations: int
+    """How often the record was predicted."""
+    cancelled: bool = False
+    hopeless: bool = False
+    """Whether only the best of several starts was continued, for a rival far below."""
+
+    @property
+    def agreeing(self) -> int:
+        """How many starts came to the least cost."""
+        return _agreeing(self.costs)
+
+
+class _StoppedError(Exception):
+    """The watcher does not want to go on."""
+
+
+@dataclass
+class Counter:
+    """Counts predictions and tells a watcher of the least root mean square, which may end them."""
+
+    watch: Watch | None
+    least: float = math.inf
+    count: int = 0
+
+    def __call__(self, seen: Linearised) -> None:
+        """Note a prediction."""
+        self.count += 1
+        self.least = min(self.least, seen.rms)
+        if self.watch is not None and self.watch(self.least) is False:
+            raise _StoppedError
+
+
+def search(
+    problem: Searchable,
+    *,
+    starts: int = 4,
+    seed: int = 0,
+    tried: Sequence[Array] = (),
+    few: Searchable | None = None,
+    rival: float = 0.0,
+    watch: Watch | None = None,
+) -> Found:
+    """Return the least cost over several starts.
+
+    Parameters
+    ----------
+    problem : Searchable
+        Its unknowns give the first start.
+    starts : int
+        Number of starts; up to `FURTHER` more while only one of several came to the least cost.
+    seed : int
+        Of the jitter of further starts.
+    tried : sequence of array (p,)
+        Values known to be worth a start, all of which are used, and before jittered ones.
+    few : Searchable, optional
+        The same with some of the segments, on which starts are compared; the best of them go on
+        with all.
+    rival : float
+        Mean square that another law leaves: where all starts are far above it, only the best goes
+        on.
+    watch : callable, optional
+        Called with the least root mean square so far; False ends the search with the best so far.
+
+    Raises
+    ------
+    ConvergenceError
+        If the record cannot be predicted from any start.
+    """
+    race = _Race(problem if few is None else few, starts, seed, tried, rival, Counter(watch))
+    race.run()
+    ends = [one for one in race.ends if one]
+    if not ends:
+        raise ConvergenceError(
+            f"the record cannot be predicted from any of {len(race.ends)} starts near"
+            f" {', '.join(f'{i.path} = {i.start:.3g}' for i in problem.unknowns.items)}."
+        )
+    best = min(ends, key=lambda end: end.cost)
+    rows = len(best.residual)
+    if few is not None:
+        best = min(_polished(problem, ends, race), key=lambda end: end.cost)
+    return Found(
+        best=best,
+        costs=tuple(cost * len(best.residual) / rows for cost in race.costs),
+        values=np.array([end.values for end in ends]),
+        evaluations=race.counter.count,
+        cancelled=race.cancelled,
+        hopeless=race.hopeless,
+    )
+
+
+def _polished(problem: Searchable, ends: Sequence[Linearised], race: "_Race") -> list[Linearised]:
+    """Return where the best distinct ends of a race lead with all segments.
+
+    Raises
+    ------
+    ConvergenceError
+        If the whole record cannot be predicted from any of them.
+    """
+    ordered = sorted(ends, key=lambda end: end.cost)
+    race.counter.least = math.inf  # of some segments so far
+    found: list[Linearised] = []
+    last: Linearised | None = None
+    for end in ordered:
+        near = end.cost <= NEARLY * ordered[0].cost and len(found) < POLISHED
+        if found and (race.cancelled or not near or (last and _agree(end.cost, last.cost))):
+            continue
+        rounds = 0 if race.cancelled else ROUNDS
+        whole, cancelled = _improved(problem, end.values, None, race.counter, rounds)
+        race.cancelled |= cancelled
+        if whole:
+            found.append(whole)
+            last = end
+    if not found:
+        raise ConvergenceError("the whole record cannot be predicted from where a part of it led.")
+    return found
+
+
+@dataclass
+class _Race:
+    """Searches from several starts.
+
+    All go some rounds; those that are then far above the least cost go no further. As long as the
+    least cost was reached once only, further starts are made, up to `FURTHER`. A start from which
+    nothing is predicted has no end.
+    """
+
+    problem: Searchable
+    starts: int
+    seed: int
+    tried: Sequence[Array]
+    rival: float
+    counter: Counter
+    ends: list[Linearised | None] = field(default_factory=list)
+    cancelled: bool = False
+    hopeless: bool = False
+    """Whether it was ended for a rival far below."""
+
+    @property
+    def costs(self) -> list[float]:
+        """Cost of each end, the first start first."""
+        return [math.inf if one is None else one.cost for one in self.ends]
+
+    def run(self) -> None:
+        """Search until starts agree, or the watcher stops it."""
+        random = np.random.default_rng(self.seed)
+        unknowns = self.problem.unknowns
+        count = max(self.starts, 1 + len(self.tried))
+        for number in range(count):
+            if not self.cancelled:
+                self.ends.append(None)
+                self._go(number, _start(unknowns, number, self.tried, random), EARLY)
+        limit = HOPELESS * min(self.costs)
+        goal = 0.0
+        for number in sorted(range(len(self.ends)), key=lambda number: self.costs[number]):
+            end = self.ends[number]
+            if self.hopeless or not end or end.cost > limit:
+                break
+            self._go(number, end.values, ROUNDS, goal)
+            # ends of five rounds are on their way: only where one has arrived can others agree
+            goal = min(self.costs[number], goal or math.inf)
+            self.hopeless = goal > 0.0 and self._far_above_rival()
+        while self.starts > 1 and not self.hopeless and not self.cancelled:
+            number = len(self.ends)
+            if _agreeing(self.costs) > 1 or number >= FURTHER + count:
+                break
+            self.ends.append(None)
+            values = _start(unknowns, number, self.tried, random)
+            self._go(number, values, ROUNDS, min(self.costs))
+
+    def _far_above_rival(self) -> bool:
+        """Whether the best of several starts leaves far more than the rival."""
+        best = min((one for one in self.ends if one), key=lambda one: one.cost)
+        return not self.cancelled and len(self.ends) > 1 and best.rms**2 > HOPELESS * self.rival > 0
+
+    def _go(self, number: int, values: Array, rounds: int, goal: float = 0.0) -> None:
+        """Go on with a start for some rounds, or until it agrees with a goal."""
+        if not self.cancelled:
+            self.ends[number], self.cancelled = _improved(
+                self.problem, values, self.ends[number], self.counter, rounds, goal
+            )
+
+
+def _improved(
+    problem: Searchable,
+    values: Array,
+    near: Linearised | None,
+    counter: Counter,
+    rounds: int,
+    goal: float = 0.0,
+) -> tuple[Linearised | None, bool]:
+    """Return where a start leads, None if nothing is predicted there; and whether to stop."""
+    try:
+        return improve(problem, values, near=near, counter=counter, rounds=rounds, goal=goal)
+    except ConvergenceError:
+        return None, False
+
+
+def _agree(cost: float, other: float) -> bool:
+    """Whether two costs agree."""
+    return _agreeing([cost, other]) == 2
+
+
+def _agreeing(costs: Sequence[float]) -> int:
+    """Return how many starts came to the least cost."""
+    least = min(costs)
+    return sum(cost <= least * (1.0 + AGREE) ** 2 for cost in costs)
+
+
+def _start(
+    unknowns: Unknowns, number: int, tried: Sequence[Array], random: np.random.Generator
+) -> Array:
+    """Return the values of a start: the first one, those tried, then jittered ones."""
+    if number == 0:
+        return unknowns.start
+    if number <= len(tried):
+        return tried[number - 1]
+    factors = np.exp(JITTER * random.choice((-1.0, 1.0), size=len(unknowns)))
+    base = tried[(number - 1) % len(tried)] if tried else unknowns.start
+    return unknowns.values(unknowns.coordinates(base * factors))
+
+
+def improve(
+    problem: Searchable,
+    values: Array,
+    *,
+    near: Linearised | None = None,
+    counter: Callable[[Linearised], None] | None = None,
+    rounds: int = ROUNDS,
+    goal: float = 0.0,
+    flat: float = FLAT,
+) -> tuple[Linearised, bool]:
+    """Descend from values (p,); return the end, and whether the watcher stopped it.
+
+    A descent that ended at these values, `near`, is continued. It ends early where its cost agrees
+    with a `goal`, and where a step promises to lower it by less than the share `flat`; a share that
+    is not the usual one never stops the first step.
+
+    Raises
+    ------
+    ConvergenceError
+        If the record cannot be predicted at the start.
+    """
+    unknowns = problem.unknowns
+    low, high = unknowns.limits()
+    at = unknowns.coordinates(values)
+    here = problem.linearise(unknowns.values(at)) if near is None else near
+    if not here.finite:
+        raise ConvergenceError("the record cannot be predicted from this start.")
+    damping, growth = FIRST_DAMPING, GROWTH
+    costs, moved = [here.cost], False
+    try:
+        if counter is not None and near is None:
+            counter(here)
+        for _ in range(rounds):
+            table = here.slopes @ unknowns.slopes(at)
+            step, promised = step_of(table, here.residual, at, low, high, damping)
+            done = promised <= flat * here.cost
+            trial = at if done and (moved or flat <= FLAT) else np.clip(at + step, low, high)
+            there = problem.linearise(unknowns.values(trial), here)
+            if counter is not None:
+                counter(there)
+            gained = here.cost - there.cost
+            if gained > 0.0 and there.finite:
+                at, here = trial, there
+                damping, growth = damping * _eased(gained, promised), GROWTH
+                costs.append(here.cost)
+            elif not done:
+                damping, growth = damping * growth, growth * GROWTH
+            moved = True
+            if done and not gained > flat * here.cost:
+                break  # nor did initial states, which follow one step behind, gain anything
+            if len(costs) > PATIENCE and here.cost > (1.0 - STALLED) * costs[-1 - PATIENCE]:
+                break
+            arrived = gained < AGREE * here.cost and _agree(here.cost, goal)
+            if arrived or damping > MOST_DAMPING:
+                break
+    except _StoppedError:
+        return here, True
+    return here, False
+
+
+def _eased(gained: float, promised: float) -> float:
+    """Return what damping is multiplied by after a step that gained so much of what it promised."""
+    if gained > 0.75 * promised:
+        return 1.0 / GROWTH
+    return 1.0 if gained > 0.25 * promised else math.sqrt(GROWTH)
+
+
+def step_of(
+    table: Array, residual: Array, at: Array, low: Array, high: Array, damping: float
+) -> tuple[Array, float]:
+    """Return a damped step (p,) that leaves no bound, and what it promises to take off the cost."""
+    slope = table.T @ residual
+    free = ~(((at <= low) & (slope < 0.0)) | ((at >= high) & (slope > 0.0)))
+    step = np.zeros_like(at)
+    while free.any():
+        square = table[:, free].T @ table[:, free]
+        scale = np.maximum(np.diag(square), 1e-30 * max(float(np.trace(square)), 1e-300))
+        wanted = slope[free] - table[:, free].T @ (table[:, ~free] @ step[~free])
+        whole = np.linalg.lstsq(square + damping * np.diag(scale), wanted, rcond=None)[0]
+        reached = at[free] + whole
+        step[free] = np.clip(reached, low[free], high[free]) - at[free]
+        stopped = (reached < low[free]) | (reached > high[free])
+        if not stopped.any():
+            break
+        # The others went as far as they did to make up for what a bound now cuts short.
+        free[np.flatnonzero(free)[stopped]] = False
+    change = table @ step
+    return step, float(2.0 * residual @ change - change @ change)

@@ -1,0 +1,205 @@
+"""A record as residuals that depend on unknowns: what every route gives to the optimiser."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.identification.estimation.parameters import Unknowns
+
+__all__ = [
+    "STEEPEST",
+    "Held",
+    "Linearised",
+    "Part",
+    "Problem",
+    "RecordProblem",
+    "Searchable",
+]
+
+Array = NDArray[np.float64]
+
+STEEPEST = 1e100
+"""Slopes from here on are those of predictions that leave all bounds."""
+
+
+@final
+class Linearised:
+    """Residuals and their slopes at some values, with what is local to a segment eliminated."""
+
+    def __init__(
+        self,
+        *,
+        values: Array,
+        residual: Array,
+        slopes: Array | Callable[[], Array],
+        segment: NDArray[np.intp],
+        memory: Any = None,
+    ) -> None:
+        """Take residuals; slopes may be what finds them, when they are asked for."""
+        self.values = values
+        """Values of the unknowns (p,)."""
+        self.residual = residual
+        """Measured less predicted (n,); infinite where the prediction failed."""
+        self.segment = segment
+        """Segment each row belongs to (n,)."""
+        self.memory = memory
+        """What the problem wants to be handed when it linearises near by."""
+        self._slopes = slopes
+
+    @property
+    def slopes(self) -> Array:
+        """Derivatives of the prediction by the values (n, p)."""
+        if callable(self._slopes):
+            self._slopes = self._slopes()
+        return self._slopes
+
+    @override
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what crosses processes: slopes that are found."""
+        return {**self.__dict__, "_slopes": self.slopes}
+
+    def with_residual(self, residual: Array) -> "Linearised":
+        """Return the same with other residuals (n,)."""
+        return Linearised(
+            values=self.values,
+            residual=residual,
+            slopes=lambda: self.slopes,
+            segment=self.segment,
+            memory=self.memory,
+        )
+
+    @property
+    def cost(self) -> float:
+        """Sum of squares."""
+        return float(self.residual @ self.residual)
+
+    @property
+    def finite(self) -> bool:
+        """Whether the record is predicted, and slopes are not beyond what can be squared."""
+        if not np.isfinite(self.cost):
+            return False
+        steepest = float(np.max(np.abs(self.slopes), initial=0.0))  # NaN stays
+        return steepest < STEEPEST
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals."""
+        return float(np.sqrt(self.cost / len(self.residual)))
+
+
+class Searchable(Protocol):
+    """What a search needs."""
+
+    @property
+    def unknowns(self) -> Unknowns:
+        """What is looked for."""
+
+    def linearise(self, values: Array, near: Linearised | None = None) -> Linearised:
+        """Return residuals and slopes at values (p,), from an answer for near values if any."""
+
+
+class Problem(ABC):
+    """Residuals of one or several records as a function of unknowns, segment by segment."""
+
+    @property
+    @abstractmethod
+    def unknowns(self) -> Unknowns:
+        """What is looked for."""
+
+    @property
+    @abstractmethod
+    def spans(self) -> Array:
+        """Record, first and last time of each segment (segments, 3)."""
+
+    @property
+    @abstractmethod
+    def quantity(self) -> str:
+        """Name of what the residuals are of, as in `QUANTITIES`."""
+
+    @property
+    @abstractmethod
+    def times(self) -> Array:
+        """Time of each row (n,) [s]."""
+
+    @abstractmethod
+    def linearise(
+        self,
+        values: Array,
+        near: Linearised | None = None,
+        *,
+        only: Sequence[int] | None = None,
+        slopes: bool = True,
+    ) -> Linearised:
+        """Return residuals and slopes at values (p,).
+
+        Parameters
+        ----------
+        values : array (p,)
+            Values of the unknowns.
+        near : Linearised, optional
+            An earlier answer for near values, from which local states are carried on.
+        only : sequence of int, optional
+            Segments that are wanted; all if not given.
+        slopes : bool
+            Whether slopes are needed; zeros may stand for them if not.
+        """
+
+
+class RecordProblem(Problem):
+    """A problem whose rows are samples of a record, which predictions stand beside."""
+
+    @property
+    @abstractmethod
+    def measured(self) -> Array:
+        """What was measured of the quantity compared, of each row (n,)."""
+
+    @abstractmethod
+    def carried(self, seen: Linearised) -> Array:
+        """Return the residuals (n,) at the values, and from the local states, of an answer.
+
+        The answer may be that of the same record with another mechanism: the local states stay
+        where they are, so that the difference of the residuals is smooth in what was changed.
+        """
+
+
+@final
+class Part:
+    """Some segments of a problem, for a search that begins near an earlier answer."""
+
+    def __init__(self, whole: Problem, chosen: Sequence[int], known: Linearised) -> None:
+        self.whole, self.chosen, self.known = whole, chosen, known
+        self.unknowns = whole.unknowns
+
+    def linearise(self, values: Array, near: Linearised | None = None) -> Linearised:
+        """Return residuals and slopes at values (p,)."""
+        near = self.known if near is None else near
+        return self.whole.linearise(values, near, only=self.chosen)
+
+
+@final
+class Held:
+    """A problem with one unknown held at a value, for a search."""
+
+    def __init__(self, whole: Problem, index: int, value: float) -> None:
+        self.whole, self.index, self.value = whole, index, value
+        items = whole.unknowns.items
+        known = {**(whole.unknowns.known or {}), items[index].path: value}
+        self.unknowns = Unknowns(items[:index] + items[index + 1 :], known)
+
+    def linearise(self, values: Array, near: Linearised | None = None) -> Linearised:
+        """Return residuals and slopes at the values (p - 1,) of the others."""
+        full = np.insert(values, self.index, self.value)
+        before = near.memory if near is not None else None
+        assert before is None or isinstance(before, Linearised)
+        seen = self.whole.linearise(full, before)
+        return Linearised(
+            values=values,
+            residual=seen.residual,
+            slopes=lambda: np.delete(seen.slopes, self.index, axis=1),
+            segment=seen.segment,
+            memory=seen,
+        )

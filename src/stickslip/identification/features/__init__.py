@@ -1,0 +1,1 @@
+"""Fits to features of stick-slip."""

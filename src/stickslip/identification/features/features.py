@@ -1,0 +1,357 @@
+"""What the force of the spring tells of a slider that it pulls: slips, levels, frequency."""
+
+import html
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.errors import InputError
+from stickslip.experiments import Measurement
+from stickslip.experiments.measurement import TRAVELS
+from stickslip.identification.series.frequencies import frequency_of, refuse_without_cycles
+from stickslip.identification.series.slip_detection import Slips, slips_of
+from stickslip.mechanisms import Mechanism, TowedBlock
+
+__all__ = [
+    "COMPARED",
+    "DRIFTS",
+    "FASTER",
+    "ROUTE",
+    "STEADY",
+    "Regime",
+    "StickSlipFeatures",
+    "by_features",
+    "evenly",
+    "features_of",
+    "load_of",
+    "refuse_uncertainties",
+    "towed",
+]
+
+Array: TypeAlias = NDArray[np.float64]
+Regime: TypeAlias = Literal["stick-slip", "inertial oscillation", "steady sliding"]
+
+COMPARED = ("frequency", "mean", "standard_deviation")
+"""Features that a simulated limit cycle is compared by."""
+ROUTE = "features"
+"""What `fit` and `select` call the way that compares features."""
+OTHERS = frozenset({*TRAVELS, "friction", "position", "velocity", "force"})
+"""Quantities that laws can be compared with themselves."""
+READ = 2e-3
+"""Features are read off samples to this share at best, however regular the record is."""
+STEADY = 0.02
+"""Sliding is steady if the force scatters by less than this share of its mean."""
+LONG = 1.5
+"""Cycles longer than so many natural periods are of sticking and slipping."""
+DRIFTS = 0.03
+"""The force drifts if means of thirds differ by more than this share of the mean."""
+DOUBT = 2.5
+"""And by more than so many standard errors of the mean."""
+FASTER = 1.05
+"""A frequency that many times the natural one is not that of the nominal mass."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StickSlipFeatures:
+    """Features of one record; forces are over the load, so they read as coefficients."""
+
+    mean: float
+    """Mean force."""
+    standard_deviation: float
+    """Standard deviation of the force."""
+    frequency: float
+    """Slips a second; that of the spectrum where the motion is not stick-slip [Hz]."""
+    natural_frequency: float
+    """sqrt(k/m) / (2 pi) of the nominal mass [Hz]."""
+    slips: int
+    """Number of slips; 0 where the motion is not stick-slip."""
+    waiting_times: Array
+    """Times between slips (slips - 1,) [s]."""
+    levels: Array
+    """Highest force before each slip (slips,)."""
+    drops: Array
+    """Fall of the force in each slip (slips,)."""
+    slope_ratio: float
+    """Median slope of the force between slips over k V; NaN without slips."""
+    thirds: tuple[float, float, float]
+    """Mean force in the first, second and last third of the record."""
+    halves: tuple[float, float]
+    """Mean force in the first and the second half."""
+    drifts: bool
+    """Whether means of thirds differ by more than 3 % and more than chance."""
+    regime: Regime
+    """Kind of motion."""
+    covariance: Array
+    """Of the logarithms of frequency, mean and standard deviation (3, 3), by block bootstrap."""
+    sentences: tuple[str, ...]
+    """What can be said, in words."""
+
+    @property
+    def waiting_time(self) -> float:
+        """Median time between slips [s]; NaN with fewer than two."""
+        return float(np.median(self.waiting_times)) if len(self.waiting_times) else math.nan
+
+    @property
+    def break_away(self) -> float:
+        """Mean of the highest force before slips; NaN without slips."""
+        return float(self.levels.mean()) if self.slips else math.nan
+
+    @property
+    def drop(self) -> float:
+        """Median fall of the force in a slip; NaN without slips."""
+        return float(np.median(self.drops)) if self.slips else math.nan
+
+    @property
+    def compared(self) -> Array:
+        """Frequency, mean and standard deviation (3,)."""
+        return np.array([getattr(self, name) for name in COMPARED])
+
+    @override
+    def __str__(self) -> str:
+        """Return the numbers in a line, then the sentences."""
+        head = (
+            f"{self.regime}: {self.frequency:.3g} Hz, mean F/N {self.mean:.3f},"
+            f" standard deviation {self.standard_deviation:.3g}"
+        )
+        return "\n".join([head, *self.sentences])
+
+    @override
+    def __repr__(self) -> str:
+        return f"<StickSlipFeatures: {str(self).splitlines()[0]}>"
+
+    def _repr_html_(self) -> str:
+        return "".join(f"<p>{html.escape(line)}</p>" for line in str(self).splitlines())
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the features as plain numbers and strings."""
+        numbers = {
+            "regime": self.regime,
+            "frequency": self.frequency,
+            "natural_frequency": self.natural_frequency,
+            "mean": self.mean,
+            "standard_deviation": self.standard_deviation,
+            "slips": self.slips,
+            "median_waiting_time": self.waiting_time,
+            "break_away": self.break_away,
+            "break_away_spread": float(self.levels.std()) if self.slips else math.nan,
+            "drop": self.drop,
+            "slope_ratio": self.slope_ratio,
+            "mean_of_thirds": list(self.thirds),
+            "drifts": self.drifts,
+            "sentences": list(self.sentences),
+        }
+        empty = (name for name, v in numbers.items() if isinstance(v, float) and math.isnan(v))
+        return {**numbers, **dict.fromkeys(empty)}
+
+
+def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipFeatures:
+    """Return the features of the force of a spring that pulls a block.
+
+    Slips are falls of the force over half a natural period that stand out of its scatter and are
+    at least a quarter of the median fall. The frequency of stick-slip is one over the mean time
+    between them. That of other motions is where a spectrum, averaged over half overlapping eighths
+    of the record, carries most by octave; for stick-slip it is the cross-check.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        One record with ``time`` and ``spring_force`` [N].
+    mechanism : TowedBlock
+        Mass, stiffness, pulling speed and load.
+
+    Returns
+    -------
+    StickSlipFeatures
+        With forces over the load.
+
+    Raises
+    ------
+    InputError
+        If the record or the mechanism will not do; if the spectrum contradicts the slips by more
+        than the doubt of both; if what the spectrum shows is mains hum.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, simulate
+    >>> block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
+    >>> law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    >>> t = np.linspace(20.0, 200.0, 9001)
+    >>> run = simulate(block, law, t_end=200.0).at(t)
+    >>> record = Measurement(time=t, spring_force=2.0 * (0.1 * t - run["x"]))
+    >>> features = features_of(record, mechanism=block)
+    >>> features.regime, features.slips, round(features.waiting_time, 2)
+    ('stick-slip', 24, 7.62)
+    """
+    block = towed(mechanism)
+    step, force = evenly(measurement, block)
+    natural = math.sqrt(block.stiffness / block.mass) / (2.0 * math.pi)
+    found = slips_of(force, max(1, round(0.5 / natural / step)))
+    events, waiting = found.place, step * np.diff(found.place)
+    slow = _is_slow(waiting, natural)
+    read = frequency_of(force, step, natural=natural, slips=events if slow else None)
+    regime: Regime = "stick-slip" if slow else _regime(force, read.frequency, natural)
+    if regime == "stick-slip" and not slow:
+        refuse_without_cycles(force, step, read.frequency)
+    if regime != "stick-slip":
+        none = np.empty(0)
+        found = Slips(place=found.place[:0], level=none, drop=none, slope=none)
+        waiting = none
+    pull = block.stiffness * block.speed * step / load_of(block)
+    thirds = tuple(float(part.mean()) for part in np.array_split(force, 3))
+    covariance = _covariance(force, read.draws, read.chosen)
+    halves = tuple(float(part.mean()) for part in np.array_split(force, 2))
+    parts: dict[str, Any] = {
+        "mean": float(force.mean()),
+        "standard_deviation": float(force.std()),
+        "frequency": read.frequency,
+        "natural_frequency": natural,
+        "slips": len(found.place),
+        "waiting_times": waiting,
+        "levels": found.level,
+        "drops": found.drop,
+        "slope_ratio": float(np.median(found.slope)) / pull if len(found.slope) else math.nan,
+        "thirds": thirds,
+        "halves": halves,
+        "drifts": max(thirds) - min(thirds)
+        > abs(float(force.mean())) * max(DRIFTS, DOUBT * math.sqrt(covariance[1, 1])),
+        "regime": regime,
+        "covariance": covariance,
+    }
+    plain = StickSlipFeatures(**parts, sentences=())
+    return StickSlipFeatures(**parts, sentences=_sentences(plain))
+
+
+def by_features(measurement: Measurement, route: str | None = None) -> bool:
+    """Whether a measurement is compared by its features: as asked, or if it is a spring's force.
+
+    Examples
+    --------
+    >>> record = Measurement(time=[0.0, 1.0, 2.0], spring_force=[0.1, 0.2, 0.3])
+    >>> by_features(record), by_features(record, "shooting")
+    (True, False)
+    """
+    if route is not None:
+        return route == ROUTE
+    known = set(measurement.quantities())
+    return "spring_force" in known and not known & OTHERS
+
+
+def refuse_uncertainties(measurement: Measurement) -> None:
+    """Refuse uncertainties of the mechanism, which fits to features do not propagate.
+
+    Raises
+    ------
+    InputError
+        If there are any.
+
+    Examples
+    --------
+    >>> refuse_uncertainties(Measurement(time=[0.0, 1.0], spring_force=[0.1, 0.2]))
+    """
+    stated = [path for one in (measurement, *measurement.trials) for path in one.doubts]
+    if stated:
+        raise InputError(
+            f"the uncertainty of {stated[0]} is not propagated into intervals of fits to features:"
+            " leave it out."
+        )
+
+
+def towed(mechanism: Mechanism) -> TowedBlock:
+    """Return the mechanism if a spring pulls it at a steady speed."""
+    if not isinstance(mechanism, TowedBlock) or mechanism.speed <= 0.0:
+        raise InputError(
+            f"features of stick-slip need a TowedBlock with a speed above 0 m/s, got {mechanism!r}."
+        )
+    return mechanism
+
+
+def load_of(block: TowedBlock) -> float:
+    """Return the load of a block [N]; its weight if none was given."""
+    return block.mass * block.gravity if block.load is None else block.load
+
+
+def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
+    """Return the time between samples [s] and the force over the load, sampled evenly."""
+    if measurement.trials or measurement.time is None or measurement.spring_force is None:
+        raise InputError(
+            "features of stick-slip need one record with time and spring_force [N]. A coefficient"
+            " becomes a force by gain={'spring_force': load}."
+        )
+    time = measurement.time
+    force = np.asarray(measurement.values("spring_force")) / load_of(block)
+    step = float(np.median(np.diff(time)))
+    count = round(float(time[-1] - time[0]) / step) + 1
+    natural = math.sqrt(block.stiffness / block.mass) / (2.0 * math.pi)
+    if count < 100 or step * natural > 0.25:
+        raise InputError(
+            f"features of stick-slip need at least 100 samples and 4 in a natural period of"
+            f" {1.0 / natural:.3g} s, got {count} samples {step:.3g} s apart."
+        )
+    return step, np.interp(time[0] + step * np.arange(count), time, force)
+
+
+def _is_slow(waiting: Array, natural: float) -> bool:
+    """Whether slips are so far apart that the block sticks between them."""
+    return len(waiting) >= 3 and float(np.median(waiting)) * natural > LONG
+
+
+def _regime(force: Array, frequency: float, natural: float) -> Regime:
+    """Return what moves without slips that stand out."""
+    if float(force.std()) < STEADY * abs(float(force.mean())):
+        return "steady sliding"
+    return "inertial oscillation" if frequency * LONG > natural else "stick-slip"
+
+
+def _covariance(force: Array, frequencies: Array, chosen: NDArray[np.intp]) -> Array:
+    """Return the covariance of the logarithms of the compared features by block bootstrap.
+
+    `frequencies` (draws,) are those of the stretches `chosen` (draws, stretches).
+    """
+    stretches = chosen.shape[1]
+    parts = np.array_split(force, stretches)
+    means = np.array([part.mean() for part in parts])[chosen].mean(axis=1)
+    squares = np.array([np.mean(part**2) for part in parts])[chosen].mean(axis=1)
+    spread = np.sqrt(np.maximum(squares - means**2, 1e-30))
+    found = np.column_stack([frequencies, np.abs(means), spread])
+    # means of eight stretches scatter too little by a factor of 7/8
+    scatter = np.cov(np.log(np.maximum(found, 1e-300)).T) * stretches / (stretches - 1)
+    return np.asarray(scatter + READ**2 * np.eye(3), dtype=float)
+
+
+def _sentences(found: StickSlipFeatures) -> tuple[str, ...]:
+    said = []
+    ratio = found.frequency / found.natural_frequency
+    error = math.sqrt(found.covariance[0, 0])
+    if ratio > FASTER and found.regime == "inertial oscillation":
+        low, high = ratio * math.exp(-2.0 * error), ratio * math.exp(2.0 * error)
+        said.append(
+            f"The observed frequency is {ratio:.2f} ({low:.2f} to {high:.2f}) times"
+            " sqrt(k/m)/(2 pi) of the nominal mass: a rigid body of that mass cannot oscillate so"
+            f" fast; an effective mass of {1.0 / ratio**2:.2f} times the nominal one could."
+        )
+    if found.slips > 1:
+        spread = found.waiting_times.std() / found.waiting_times.mean()
+        said.append(
+            f"{found.slips} slips, {found.waiting_time:.3g} s apart in the median; break-away at"
+            f" {found.break_away:.3f} +- {found.levels.std():.3f}, median drop {found.drop:.3f},"
+            f" slope between slips {found.slope_ratio:.2f} k V."
+        )
+        if spread > 0.2:
+            said.append(
+                f"Waiting times scatter by {100 * spread:.0f} %: a law with fixed parameters has"
+                " one waiting time, and cannot explain their spread."
+            )
+    if found.drifts:
+        first, second = found.halves
+        thirds = ", ".join(f"{value:.3f}" for value in found.thirds)
+        said.append(
+            f"The record drifts: the mean F/N is {first:.3f} in the first half and {second:.3f} in"
+            f" the second ({thirds} in thirds). Features of all of it mix different states."
+        )
+    return tuple(said)

@@ -1,0 +1,337 @@
+"""Laws fitted to features of stick-slip and oscillation, and judged on what they did not see."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import ConvergenceError, InputError
+from stickslip.experiments import Measurement
+from stickslip.friction import FrictionLaw
+from stickslip.identification.estimation.levenberg_marquardt import Counter, Watch, improve
+from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.features.features import (
+    COMPARED,
+    FASTER,
+    StickSlipFeatures,
+    features_of,
+    load_of,
+    refuse_uncertainties,
+    towed,
+)
+from stickslip.identification.features.problem import FeatureProblem, has, unknowns_of
+from stickslip.identification.features.result import (
+    FeatureFit,
+    errors_of,
+    estimates_of,
+    sentences_of,
+)
+from stickslip.identification.features.scores import as_good, room_of
+from stickslip.identification.travels.start_values import starting_law
+from stickslip.mechanisms import Mechanism, TowedBlock
+from stickslip.quantities import fields_of, vary
+
+__all__ = ["compare_features", "fit_features", "free_of"]
+
+Array: TypeAlias = NDArray[np.float64]
+Progress: TypeAlias = Callable[[int, int], object]
+
+FREE = ("kinetic_coefficient", "static_coefficient", "stribeck_velocity")
+"""Parameters that shape a limit cycle, as far as a law has them."""
+ALIKE = 2e-3
+"""Ends whose features differ by no more than this are equally good: features are read to that."""
+MASS = "mechanism.mass"
+LOCAL = 4
+"""Points of the global search from which the search goes on locally."""
+
+
+def fit_features(
+    mechanism: Mechanism,
+    law: FrictionLaw | type[FrictionLaw],
+    measurement: Measurement,
+    *,
+    unknown: Sequence[str] = ("mass",),
+    free: Sequence[str] | None = None,
+    share: float = 0.5,
+    points: int = 256,
+    seed: int = 0,
+    progress: Progress | None = None,
+    watch: Watch | None = None,
+) -> FeatureFit:
+    """Fit a law on a towed block to frequency, mean and standard deviation of the spring's force.
+
+    The first part of the record is fitted and the rest is kept to judge by. Limit cycles are
+    simulated; a Sobol sequence over the whole range of the unknowns comes first, because a local
+    search alone seldom finds the best, and the best points go on locally. Intervals propagate a
+    block bootstrap of the observed features.
+
+    Parameters
+    ----------
+    mechanism : TowedBlock
+        Nominal mass, stiffness and speed. The load stays the nominal one, whatever the mass.
+    law : FrictionLaw or type
+        An instance, whose values hold for what is not free; or a type, for ordinary values.
+    measurement : Measurement
+        One record with ``time`` and ``spring_force`` [N].
+    unknown : sequence of str
+        Parameters of the mechanism that are looked for; empty to hold the nominal ones.
+    free : sequence of str, optional
+        Parameters of the law that are looked for; kinetic and static coefficient and Stribeck
+        velocity, as far as the law has them, if not given.
+    share : float
+        Share of the record that is fitted, above 0 and up to 1.
+    points, seed : int
+        Points of the global search, and seed of its scrambling.
+    progress : callable, optional
+        Called with the runs done and all runs of the global search; False ends it with those done.
+    watch : callable, optional
+        Called with the least root mean square error of the features so far, infinite before there
+        is one; False ends the search with the best so far.
+
+    Returns
+    -------
+    FeatureFit
+        Law, mechanism, estimates with intervals, errors on both parts, and sentences.
+
+    Raises
+    ------
+    InputError
+        If the record, the mechanism or a name will not do.
+    ConvergenceError
+        If no run of the global search has a limit cycle.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, simulate
+    >>> block = TowedBlock(mass=0.03, stiffness=1000.0, speed=4e-3)
+    >>> truth = Coulomb(kinetic_coefficient=0.28, static_coefficient=0.32)
+    >>> t = np.linspace(0.5, 4.5, 8001)
+    >>> run = simulate(block, truth, t_end=4.5).at(t)
+    >>> record = Measurement(time=t, spring_force=1000.0 * (4e-3 * t - run["x"]))
+    >>> found = fit_features(block, Coulomb, record)
+    >>> abs(found.mechanism.mass / 0.03 - 1.0) < 0.03
+    True
+    """
+    block = towed(mechanism)
+    refuse_uncertainties(measurement)
+    if not 0.0 < share <= 1.0:
+        raise InputError(f"fit_features: share must be above 0 and at most 1, got {share!r}.")
+    first, rest = _parts(measurement, share)
+    observed = features_of(first, mechanism=block)
+    start = _start(block, law)
+    held = None if rest is None else features_of(rest, mechanism=block)
+    names = free_of(start) if free is None else list(free)
+    unknowns = unknowns_of(block, start, observed, unknown=unknown, free=names)
+    if not len(unknowns):
+        raise InputError(
+            f"there is nothing to fit: {start.title} has none of {', '.join(FREE)}; name at least"
+            " one parameter in `free` or `unknown`."
+        )
+    problem = FeatureProblem(block=block, law=start, observed=observed, unknowns_=unknowns)
+    return _result(problem, _searched(problem, points, seed, progress, watch), held, measurement)
+
+
+def free_of(law: FrictionLaw | type[FrictionLaw]) -> list[str]:
+    """Return the names of the parameters of a law that features are fitted by.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Viscous
+    >>> free_of(Coulomb), free_of(Viscous)
+    (['kinetic_coefficient', 'static_coefficient'], [])
+    """
+    known = fields_of(law if isinstance(law, type) else type(law))
+    return [name for name in FREE if name in known]
+
+
+@dataclass(frozen=True)
+class _End:
+    """Where a search ended."""
+
+    best: Linearised
+    runs: int
+    cancelled: bool
+
+
+def _result(
+    problem: FeatureProblem, end: _End, held: StickSlipFeatures | None, measurement: Measurement
+) -> FeatureFit:
+    best = end.best
+    block, observed, unknowns = problem.block, problem.observed, problem.unknowns
+    pairs = dict(zip(unknowns.paths, map(float, best.values), strict=True))
+    own = {path: value for path, value in pairs.items() if path.startswith("mechanism.")}
+    others = {path: value for path, value in pairs.items() if path not in own}
+    predicted = observed.compared * np.exp(-best.residual)
+    estimates, correlation = estimates_of(unknowns, best, observed.covariance)
+    errors = errors_of(predicted, observed)
+    said = sentences_of(estimates, observed, held, errors)
+    if observed.frequency > FASTER * observed.natural_frequency and MASS not in pairs:
+        said += ('The mass was held at the nominal one; unknown=["mass"] looks for it.',)
+    return FeatureFit(
+        law=vary(problem.law, "friction", others),
+        mechanism=vary(replace(block, load=load_of(block)), "mechanism", own),
+        estimates=estimates,
+        observed=observed,
+        predicted=dict(zip(COMPARED, map(float, predicted), strict=True)),
+        errors=errors,
+        held_out=held,
+        held_out_errors={} if held is None else errors_of(predicted, held),
+        runs=end.runs,
+        sentences=said,
+        measurement=measurement,
+        correlation=correlation,
+        cancelled=end.cancelled,
+    )
+
+
+def compare_features(
+    mechanism: Mechanism,
+    laws: Sequence[FrictionLaw | type[FrictionLaw]],
+    measurement: Measurement,
+    *,
+    unknown: Sequence[str] = ("mass",),
+    share: float = 0.5,
+    points: int = 256,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> tuple[FeatureFit, ...]:
+    """Fit several laws as `fit_features` does, least held-out error first.
+
+    Laws whose errors differ by less than the features themselves differ between the parts are not
+    told apart by this record, and their sentences say so.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, simulate
+    >>> block = TowedBlock(mass=0.03, stiffness=1000.0, speed=4e-3)
+    >>> truth = Coulomb(kinetic_coefficient=0.28, static_coefficient=0.32)
+    >>> t = np.linspace(0.5, 4.5, 8001)
+    >>> run = simulate(block, truth, t_end=4.5).at(t)
+    >>> record = Measurement(time=t, spring_force=1000.0 * (4e-3 * t - run["x"]))
+    >>> [fitted.law.title for fitted in compare_features(block, [Coulomb], record)]
+    ['Coulomb']
+    """
+    fits = [
+        fit_features(
+            mechanism,
+            law,
+            measurement,
+            unknown=unknown,
+            share=share,
+            points=points,
+            seed=seed,
+            progress=progress,
+        )
+        for law in laws
+    ]
+    # of equal ones the law with less to look for comes first
+    fits.sort(key=lambda fitted: (round(fitted.score, 3), len(fitted.estimates)))
+    return _told_apart(fits)
+
+
+def _told_apart(fits: Sequence[FeatureFit]) -> tuple[FeatureFit, ...]:
+    """Return sorted fits; those as good as the first say so."""
+    alike = [one for one in fits if as_good(one, fits[0])]
+    if len(alike) < 2:
+        return tuple(fits)
+    said = (
+        f"{', '.join(one.law.title for one in alike)} are not told apart: their held-out errors"
+        " differ by less than the features change between the parts of the record"
+        f" ({100 * room_of(fits[0]):.1f} %)."
+    )
+    return tuple(
+        replace(one, sentences=(*one.sentences, said)) if one in alike else one for one in fits
+    )
+
+
+def _parts(measurement: Measurement, share: float) -> tuple[Measurement, Measurement | None]:
+    """Return the first share of a record, and the rest if any."""
+    if measurement.trials or measurement.time is None or measurement.spring_force is None:
+        raise InputError("fit_features needs one record with time and spring_force [N].")
+    time, force = measurement.time, np.asarray(measurement.values("spring_force"))
+    cut = max(2, round(share * len(time)))
+    first = Measurement(time=time[:cut], spring_force=force[:cut])
+    if len(time) - cut < 2:
+        return first, None
+    return first, Measurement(time=time[cut:], spring_force=force[cut:])
+
+
+def _start(block: TowedBlock, law: FrictionLaw | type[FrictionLaw]) -> FrictionLaw:
+    """Return a law with a static level and, of a type with bristles, ones stiffer than the spring.
+
+    Softer bristles would oscillate in place of the spring.
+    """
+    load = load_of(block)
+    start = starting_law(law, float(load)) if isinstance(law, type) else law
+    changes: dict[str, float] = {}
+    if has(start, "static_coefficient") and getattr(start, "static_coefficient", None) is None:
+        level = getattr(start, "kinetic_coefficient", 0.25)
+        changes["friction.static_coefficient"] = 1.2 * level
+    if isinstance(law, type) and has(start, "bristle_stiffness"):
+        stiffness = 30.0 * block.stiffness / load
+        changes["friction.bristle_stiffness"] = stiffness
+        if has(start, "bristle_damping"):
+            changes["friction.bristle_damping"] = math.sqrt(stiffness * block.mass / load)
+    if isinstance(law, type) and has(start, "viscous_coefficient"):
+        changes["friction.viscous_coefficient"] = 0.0
+    return vary(start, "friction", changes) if changes else start
+
+
+def _searched(
+    problem: FeatureProblem,
+    points: int,
+    seed: int,
+    progress: Progress | None,
+    watch: Watch | None,
+) -> _End:
+    """Return the best end of the best points of a Sobol sequence."""
+    counter = Counter(watch)
+    places, costs = _spread(problem, points, seed, _told(progress, counter))
+    ends, cancelled = [], False
+    for i in np.argsort(costs)[:LOCAL]:
+        if cancelled or not math.isfinite(costs[i]):
+            break
+        try:
+            end, cancelled = improve(problem, places[i], counter=counter)
+        except ConvergenceError:  # a neighbour of the point has no limit cycle
+            continue
+        ends.append(end)
+    if not ends:
+        raise ConvergenceError(
+            f"none of {len(places)} runs has a limit cycle to compare:"
+            " check mass, stiffness and speed of the block."
+        )
+    best = min(ends, key=lambda end: end.cost)
+    alike = [end.values for end in ends if end.cost <= best.cost + ALIKE**2]
+    runs = len(places) + counter.count * (1 + len(problem.unknowns))
+    best.memory = np.array(alike)
+    return _End(best, runs, cancelled)
+
+
+def _spread(
+    problem: FeatureProblem, points: int, seed: int, progress: Progress
+) -> tuple[Array, Array]:
+    """Return points (n, p) of a Sobol sequence over all ranges, and what each costs (n,)."""
+    from scipy.stats import qmc
+
+    unknowns = problem.unknowns
+    low, high = unknowns.limits()
+    exponent = max(4, math.ceil(math.log2(max(points, 1))))
+    cube = qmc.Sobol(len(unknowns), rng=np.random.default_rng(seed)).random_base2(exponent)
+    places = np.array([unknowns.values(low + (high - low) * row) for row in cube])
+    costs = np.sum(problem.residuals(problem.features(places, progress)) ** 2, axis=1)
+    costs[~np.isfinite(costs)] = math.inf
+    return places, costs
+
+
+def _told(progress: Progress | None, counter: Counter) -> Progress:
+    """Return what hears of the runs of the global search, and may end it."""
+
+    def tell(done: int, of: int) -> bool:
+        wanted = progress is None or progress(done, of) is not False
+        return wanted and (counter.watch is None or counter.watch(math.inf) is not False)
+
+    return tell

@@ -1,0 +1,240 @@
+"""What a fit to features gives back, and what it says about itself."""
+
+import html
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.experiments import Measurement
+from stickslip.experiments.estimates import LawEstimates, levels_at
+from stickslip.identification.estimation.parameters import Unknowns
+from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.features.features import (
+    COMPARED,
+    DRIFTS,
+    ROUTE,
+    StickSlipFeatures,
+    features_of,
+    load_of,
+)
+from stickslip.identification.features.problem import SETTLING
+from stickslip.identification.results import Estimate, Fit, Law_co, estimates_for
+from stickslip.mechanisms import TowedBlock
+from stickslip.simulation import simulate
+
+__all__ = ["FeatureFit", "errors_of", "estimates_of", "sentences_of"]
+
+Array: TypeAlias = NDArray[np.float64]
+
+QUANTILE = 2.36
+"""Factor of standard errors for 95 %, of seven degrees of freedom: eight stretches."""
+FLAT = 0.1
+"""A parameter takes part in a change that no feature shows if its share is above this."""
+TOLD = 0.01
+"""Singular values below this share of the largest are such changes."""
+WHOLE, PART = "The record drifts", "The part that was fitted drifts by itself"
+EDGE = 1e-6
+"""Logarithms closer than that to an end of their range are at it."""
+MISSED = 0.05
+"""A feature that the best fit misses by more than this is not described by the law."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class FeatureFit(Fit[Law_co]):
+    """A law on a towed block whose limit cycle has the features of a record.
+
+    The mechanism has the fitted mass; its load stays the nominal one.
+    """
+
+    mechanism: TowedBlock
+    measurement: Measurement
+    """The whole record."""
+    observed: StickSlipFeatures
+    """Features of the part of the record that was fitted."""
+    predicted: Mapping[str, float]
+    """Compared features of the fitted limit cycle."""
+    errors: Mapping[str, float]
+    """Relative errors of these on the part that was fitted."""
+    held_out: StickSlipFeatures | None
+    """Features of the part that the fit did not see."""
+    held_out_errors: Mapping[str, float]
+    """Relative errors on that part; empty without one."""
+    runs: int
+    """Runs simulated."""
+    sentences: tuple[str, ...]
+    """What can be said, in words."""
+    correlation: Array
+    """Of the estimates (p, p), along what the features tell."""
+    cancelled: bool = False
+    """Whether the search was ended before its end."""
+
+    @override
+    def law_estimates(self) -> LawEstimates:
+        return estimates_for(
+            self.law,
+            self.estimates,
+            self.correlation,
+            levels=levels_at(self.mechanism),
+            largest_speed=None,
+        )
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the relative errors on the part that was fitted."""
+        return float(np.sqrt(np.mean([error**2 for error in self.errors.values()])))
+
+    @property
+    def score(self) -> float:
+        """Root mean square of the held-out errors; of the errors themselves without any."""
+        if not self.held_out_errors:
+            return self.rms
+        return float(np.sqrt(np.mean([error**2 for error in self.held_out_errors.values()])))
+
+    def judged(self, measurement: Measurement) -> dict[str, float]:
+        """Return the relative errors of the compared features on another record of this block.
+
+        Parameters
+        ----------
+        measurement : Measurement
+            One record with ``time`` and ``spring_force`` [N].
+        """
+        predicted = np.array([self.predicted[name] for name in COMPARED])
+        return errors_of(predicted, features_of(measurement, mechanism=self.mechanism))
+
+    def limit_cycle(self, t: Array) -> Array:
+        """Return the force of the spring in the fitted limit cycle (n,) [N].
+
+        Parameters
+        ----------
+        t : array (n,)
+            Times [s] from 0 on, at which the motion has settled.
+        """
+        settled = SETTLING / self.observed.frequency
+        times = settled + np.asarray(t, dtype=float)
+        block, level = self.mechanism, self.observed.mean * load_of(self.mechanism)
+        start = {"x": -level / block.stiffness}
+        run = simulate(block, self.law, t_end=float(times.max()), y0=start).at(times)
+        force = block.stiffness * (block.speed * times - np.asarray(run["x"]))
+        return np.asarray(force + block.damping * (block.speed - np.asarray(run["v"])))
+
+    @override
+    def __str__(self) -> str:
+        """Return law, estimates and errors, then the sentences."""
+        numbers = ", ".join(map(str, self.estimates))
+        where = "held-out" if self.held_out_errors else "fitted"
+        errors = ", ".join(
+            f"{name.replace('_', ' ')} {100 * error:+.1f} %"
+            for name, error in (self.held_out_errors or self.errors).items()
+        )
+        head = f"{self.law.title} fitted to features: {numbers}; {where} errors: {errors}"
+        return "\n".join([head, *self.sentences])
+
+    @override
+    def __repr__(self) -> str:
+        return f"<FeatureFit: {self.law.title}, rms error {100 * self.score:.1f} %>"
+
+    @override
+    def _repr_html_(self) -> str:
+        return "".join(f"<p>{html.escape(line)}</p>" for line in str(self).splitlines())
+
+    @override
+    def to_dict(self) -> Mapping[str, Any]:
+        return {
+            "law": self.law.name,
+            "route": ROUTE,
+            "estimates": [estimate.to_dict() for estimate in self.estimates],
+            "observed": self.observed.to_dict(),
+            "predicted": dict(self.predicted),
+            "errors": dict(self.errors),
+            "held_out": None if self.held_out is None else self.held_out.to_dict(),
+            "held_out_errors": dict(self.held_out_errors),
+            "runs": self.runs,
+            "cancelled": self.cancelled,
+            "sentences": list(self.sentences),
+        }
+
+
+def errors_of(predicted: Array, observed: StickSlipFeatures) -> dict[str, float]:
+    """Return the relative errors of predicted features (3,) by name."""
+    return dict(zip(COMPARED, map(float, predicted / observed.compared - 1.0), strict=True))
+
+
+def estimates_of(
+    unknowns: Unknowns, best: Linearised, covariance: Array
+) -> tuple[tuple[Estimate, ...], Array]:
+    """Return what was looked for and which of it no feature tells; its correlation (p, p)."""
+    at = unknowns.coordinates(best.values)
+    # what other starts came to with the same features
+    alike = np.atleast_2d(best.values if best.memory is None else np.asarray(best.memory))
+    low, high = unknowns.limits()
+    to_values = unknowns.slopes(at)
+    table = best.slopes @ to_values
+    _, singular, right = np.linalg.svd(table)
+    rank = int(np.sum(singular > TOLD * singular[0])) if len(singular) else 0
+    # the share of each coordinate in changes that leave every feature as it is
+    hidden = np.sqrt(np.sum(right[rank:] ** 2, axis=0))
+    inverse = to_values @ np.linalg.pinv(table, rcond=TOLD)
+    spread = inverse @ covariance @ inverse.T
+    errors = np.sqrt(np.diag(spread))
+    sizes = np.where(errors > 0.0, errors, 1.0)
+    correlation = spread / np.outer(sizes, sizes)
+    np.fill_diagonal(correlation, 1.0)
+    loose = hidden > FLAT
+    found = []
+    for i, (item, value) in enumerate(zip(unknowns.items, best.values, strict=True)):
+        tied = item.above in unknowns.paths and bool(loose[unknowns.paths.index(item.above)])
+        reason = "other values give the same features" if loose[i] or tied else ""
+        if not low[i] + EDGE < at[i] < high[i] - EDGE and not reason:
+            reason = "it lies at the end of the range that was searched"
+        width = math.inf if reason else QUANTILE * float(errors[i])
+        least = -math.inf if reason else 0.0  # all that is looked for is a size
+        found.append(
+            Estimate(
+                path=item.path,
+                quantity=item.quantity,
+                value=float(value),
+                low=max(float(alike[:, i].min()) - width, least),
+                high=float(alike[:, i].max()) + width,
+                interval="95 %",
+                reason=reason,
+            )
+        )
+    return tuple(found), correlation
+
+
+def sentences_of(
+    estimates: Sequence[Estimate],
+    observed: StickSlipFeatures,
+    held: StickSlipFeatures | None,
+    errors: Mapping[str, float],
+) -> tuple[str, ...]:
+    """Return what can be said of a fit, in words."""
+    said = [line.replace(WHOLE, PART) if held else line for line in observed.sentences]
+    if held is not None and abs(held.mean / observed.mean - 1.0) > DRIFTS:
+        said.append(
+            f"The record drifts: the mean F/N is {observed.mean:.3f} in the part that was fitted"
+            f" and {held.mean:.3f} in the part held out, and no fixed parameters give both."
+        )
+    reasons = {e.reason for e in estimates if e.reason}
+    for reason in sorted(reasons):
+        symbols = ", ".join(e.quantity.symbol for e in estimates if e.reason == reason)
+        said.append(f"Frequency, mean and standard deviation do not tell {symbols}: {reason}.")
+    missed = [
+        f"{name.replace('_', ' ')} by {100 * error:+.1f} %"
+        for name, error in errors.items()
+        if abs(error) > MISSED
+    ]
+    if missed:
+        said.append(f"The best limit cycle misses the observed {' and '.join(missed)}.")
+    if observed.regime == "stick-slip":
+        said.append(
+            "A limit cycle repeats exactly: the scatter of an irregular record enters its standard"
+            " deviation and reads as larger slips."
+        )
+    return tuple(said)

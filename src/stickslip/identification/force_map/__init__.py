@@ -1,0 +1,1 @@
+"""Friction along the measured motion: measured directly, or by inverse dynamics."""

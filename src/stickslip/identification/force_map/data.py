@@ -1,0 +1,369 @@
+"""Records of friction, made ready to be predicted along their measured motion."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.experiments import Measurement
+from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.identification.force_map.bristle_integration import Path
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary
+
+__all__ = [
+    "SEGMENTS",
+    "TIMELESS",
+    "Stretch",
+    "check_loads",
+    "load_along",
+    "refuse_timeless",
+    "smoothed",
+    "stretches_of",
+    "weighs",
+]
+
+Array = NDArray[np.float64]
+
+GAP = 3.0
+"""Steps of time longer than this many usual ones are gaps, in which the motion is not known."""
+LEAST = 8
+"""Samples a record must have to say anything about a law."""
+WINDOW = 9
+"""Samples whose parabola gives the velocity where only the position was measured."""
+SEGMENTS = 40
+"""Segments of a record where no length is given."""
+BUTTERWORTH = 4
+"""Order of the filter that derived friction came through."""
+TIMELESS = "bristles show in displacements, and a table without time has none"
+"""Why laws of bristles are not fitted to tables."""
+SHARES = 8
+"""Segments of a table; its rows are dealt out to them in turn, so that each has all speeds."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Stretch:
+    """A record between two gaps, or a table: friction, and the motion that it came with."""
+
+    record: int
+    """Which record it is of."""
+    path: Path
+    """The motion; the times of a table are its row numbers."""
+    friction: Array
+    """Friction force (n,) [N], measured or derived."""
+    segment: NDArray[np.intp]
+    """Segment that each sample belongs to (n,); below 0 if it is not compared."""
+    timed: bool = True
+    """Whether the samples are a motion in time; those of a table are not."""
+    acceleration: Array | None = None
+    """Accelerations (n,) [m/s^2] that derived friction came from, filtered as it is."""
+    resting: NDArray[np.bool_] | None = None
+    """Samples (n,) at which the sensor resolves no motion; None where this is not known."""
+    held: Array | None = None
+    """Friction (n,) [N] that would balance all other forces on a body at rest."""
+    resolution: float = 0.0
+    """Displacement [m] that the sensor may not resolve."""
+    passed: float = 0.0
+    """What the filter of derived friction passes, over half the sampling frequency; 0 if none."""
+    weighed: bool = False
+    """Whether the load is the weight of the mechanism's mass."""
+
+    def rows_of(self, segments: Sequence[int] | None) -> NDArray[np.bool_]:
+        """Return which samples (n,) are of some segments; all if none are given."""
+        if segments is None:
+            return self.segment >= 0
+        return np.isin(self.segment, np.asarray(segments, dtype=np.intp))
+
+    def seen(self, force: Array) -> Array:
+        """Return forces (n,) or (n, copies) as the friction of the stretch shows them: filtered."""
+        return smoothed(force, self.passed) if self.passed else force
+
+    def loaded(self, factor: float) -> "Stretch":
+        """Return the same motion with a multiple of its load."""
+        return replace(self, path=replace(self.path, load=factor * self.path.load))
+
+    def until(self, count: int) -> "Stretch":
+        """Return the first samples."""
+        path = replace(
+            self.path,
+            time=self.path.time[:count],
+            velocity=self.path.velocity[:count],
+            load=self.path.load[:count],
+            travel=self.path.travel[: count - 1],
+        )
+        return replace(
+            self,
+            path=path,
+            friction=self.friction[:count],
+            segment=self.segment[:count],
+            acceleration=None if self.acceleration is None else self.acceleration[:count],
+            resting=None if self.resting is None else self.resting[:count],
+            held=None if self.held is None else self.held[:count],
+        )
+
+
+def stretches_of(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    segment: float | None = None,
+    samples: float = np.inf,
+) -> tuple[Stretch, ...]:
+    """Return the stretches of a measurement of friction.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Gives the normal force where it was not measured.
+    measurement : Measurement
+        Friction, with velocity or position in time, or with velocity as a table.
+    segment : float, optional
+        Length of segments [s]; a fortieth of each record if not given.
+    samples : float
+        Samples of a record at most; of more, every second, third and so on is picked. The motion
+        between them is kept.
+
+    Raises
+    ------
+    InputError
+        If there is no friction, no motion or no normal force.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Measurement
+    >>> table = Measurement(velocity=np.linspace(-1.0, 1.0, 20), friction=np.ones(20))
+    >>> (one,) = stretches_of(Axis(inertia=1.0, load=5.0), table)
+    >>> one.timed, float(one.path.load[0])
+    (False, 5.0)
+    """
+    if segment is not None and not segment > 0.0:
+        raise InputError(f"segment must be above 0 s, got {segment!r}.")
+    if not samples >= LEAST:
+        raise InputError(f"samples must be at least {LEAST}, got {samples!r}.")
+    check_loads(measurement)
+    found: list[Stretch] = []
+    for number, record in enumerate(measurement.records()):
+        _check(record)
+        set_up = vary(mechanism, "mechanism", record.overrides)
+        load = load_along(set_up, record, np.asarray(record.values("friction")).size)
+        count = max((int(one.segment.max()) + 1 for one in found), default=0)
+        if record.time is None:
+            found.append(_table(number, record, load, count))
+        else:
+            found.extend(_series(number, record, load, count, segment, samples))
+    return tuple(found)
+
+
+def _check(record: Measurement) -> None:
+    """Refuse a record that is not one of friction."""
+    label = f"record {record.name!r}" if record.name else "the record"
+    known = record.quantities()
+    had = f"{label} has only {', '.join(known)}"
+    if "friction" not in known:
+        raise InputError(f"a force map needs friction (F) [N], and {had}.")
+    if record.time is None and record.kind != "friction-map":
+        raise InputError(
+            f"a force map needs arrays, and {had} as single numbers: give friction and velocity"
+            " as arrays, with time [s] if the law has a memory."
+        )
+    if not {"velocity", "position"} & set(known):
+        raise InputError(
+            f"a force map needs velocity (v) [m/s] or position (x) [m] beside friction, and {had}."
+            f"{_other_way(record)}"
+        )
+    size = len(np.atleast_1d(record.values("friction")))
+    if size < LEAST:
+        raise InputError(f"a force map needs at least {LEAST} samples, and {label} has {size}.")
+
+
+def _other_way(record: Measurement) -> str:
+    """Return what fits friction under a load point, if there is one."""
+    if "pull" not in record.quantities():
+        return ""
+    return (
+        " Friction while a load point is pulled is what rate-and-state friction is about:"
+        " stickslip.identification.fit_rate_state fits it."
+    )
+
+
+def check_loads(measurement: Measurement) -> None:
+    """Refuse trials of which some only have a measured load."""
+    loads = {"load" in record.quantities() for record in measurement.records()}
+    if len(loads) > 1:
+        raise InputError(
+            "load (N) was measured in some of the trials only: give Measurement.load [N] to each of"
+            " them, or to none of them to use that of the mechanism."
+        )
+
+
+def refuse_timeless(law: FrictionLaw | type[FrictionLaw], stretches: Sequence[Stretch]) -> None:
+    """Refuse a bristle law where nothing has a time: a table does not depend on its bristles.
+
+    Raises
+    ------
+    InputError
+        With what to do instead.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> table = Measurement(velocity=np.linspace(-1.0, 1.0, 20), friction=np.ones(20))
+    >>> refuse_timeless(Coulomb, stretches_of(Axis(inertia=1.0), table))
+    """
+    kind = law if isinstance(law, type) else type(law)
+    if issubclass(kind, BristleLaw) and not any(one.timed for one in stretches):
+        raise InputError(
+            f"{kind.title} cannot be fitted to friction against velocity: {TIMELESS}. Fit a law"
+            " without bristles, such as stribeck, or give friction and position in time."
+        )
+
+
+def weighs(mechanism: Mechanism, record: Measurement) -> bool:
+    """Whether the load of a record is the weight of a mechanism, and not measured or prescribed."""
+    return "load" not in record.quantities() and any(
+        contact.normal is not None for contact in mechanism.contacts()
+    )
+
+
+def load_along(mechanism: Mechanism, record: Measurement, count: int) -> Array:
+    """Return the normal force at each sample (n,) [N]: measured, else the mechanism's.
+
+    Raises
+    ------
+    InputError
+        If it is not above 0 N throughout.
+    """
+    label = f"record {record.name!r}" if record.name else "the record"
+    if "load" in record.quantities():
+        load = np.broadcast_to(np.asarray(record.values("load"), dtype=float), count)
+        where = "Measurement.load (N)"
+    else:
+        load = np.full(count, _own_load(mechanism))
+        where = f"the load of {type(mechanism).__name__} (N)"
+    if not np.all(load > 0.0):
+        raise InputError(
+            f"{where} of {label} must be above 0 N, got {float(np.min(load)):g}: give the normal"
+            " force in Measurement.load, one number or one for each sample."
+        )
+    return load
+
+
+def _own_load(mechanism: Mechanism) -> float:
+    """Return the normal force of a mechanism: prescribed, or the weight on a held coordinate."""
+    contacts = mechanism.contacts()
+    if len(contacts) != 1:
+        raise InputError(
+            f"a force map is of one contact, and {type(mechanism).__name__} has {len(contacts)}."
+        )
+    (contact,) = contacts
+    if contact.normal is None:
+        return float(cast("float", contact.load)) if contact.load is not None else 0.0
+    at = dict.fromkeys((*mechanism.coordinates, contact.normal), 0.0)
+    # weight is linear in the height, so that the difference over 1 m is exact
+    above = mechanism.potential_energy(0.0, {**at, contact.normal: 0.5})
+    below = mechanism.potential_energy(0.0, {**at, contact.normal: -0.5})
+    return float(above - below)
+
+
+def _table(number: int, record: Measurement, load: Array, first: int) -> Stretch:
+    velocity = np.asarray(record.values("velocity"), dtype=float)
+    rows = np.arange(len(velocity))
+    path = Path(
+        time=rows.astype(float), velocity=velocity, load=load, travel=np.zeros(len(rows) - 1)
+    )
+    return Stretch(
+        record=number,
+        path=path,
+        friction=np.asarray(record.values("friction"), dtype=float),
+        segment=first + rows % min(SHARES, len(rows) // 2),
+        timed=False,
+    )
+
+
+def _series(
+    number: int,
+    record: Measurement,
+    load: Array,
+    first: int,
+    segment: float | None,
+    samples: float,
+) -> Iterator[Stretch]:
+    """Yield the stretches of a record in time, leaving out those too short to use."""
+    time = np.asarray(record.time, dtype=float)
+    friction = np.asarray(record.values("friction"), dtype=float)
+    length = segment if segment is not None else float(np.ptp(time)) / SEGMENTS
+    every = max(1, int(np.ceil(len(time) / samples)))
+    steps = np.diff(time)
+    cuts = np.flatnonzero(steps > GAP * np.median(steps)) + 1
+    for rows in np.split(np.arange(len(time)), cuts):
+        if len(rows) < LEAST:
+            continue
+        position, velocity = _motion(record, time, rows)
+        picked = slice(None, None, every)
+        t = time[rows][picked]
+        span = float(t[-1] - t[0])
+        count = max(1, round(span / length))
+        share = np.minimum((t - t[0]) / span * count, count - 1).astype(np.intp)
+        yield Stretch(
+            record=number,
+            path=Path(
+                time=t,
+                velocity=velocity[picked],
+                load=load[rows][picked],
+                travel=np.diff(position[picked]),
+            ),
+            friction=friction[rows][picked],
+            segment=first + share,
+        )
+        first += count
+
+
+def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Return position and velocity of a stretch, each measured or from the other one.
+
+    Positions are not filtered: bristles see displacement, which noise changes least, and on
+    measured loops every filter that was tried made the prediction worse.
+    """
+    known, t = record.quantities(), time[rows]
+    if "position" in known:
+        position = np.asarray(record.values("position"), dtype=float)[rows]
+    if "velocity" in known:
+        velocity = np.asarray(record.values("velocity"), dtype=float)[rows]
+    else:
+        velocity = _velocity(t, position)
+    if "position" not in known:
+        steps = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(t)
+        position = np.concatenate([[0.0], np.cumsum(steps)])
+    return position, velocity
+
+
+def smoothed(columns: Array, passed: float) -> Array:
+    """Return columns (n,) or (n, m) filtered forward and backward, so that nothing is delayed.
+
+    Parameters
+    ----------
+    columns : array
+        Evenly sampled.
+    passed : float
+        What the filter passes, over half the sampling frequency.
+    """
+    from scipy import signal
+
+    sections = signal.butter(BUTTERWORTH, passed, output="sos")
+    return np.asarray(signal.sosfiltfilt(sections, columns, axis=0), dtype=float)
+
+
+def _velocity(time: Array, position: Array) -> Array:
+    """Return the velocity (n,) [m/s] by parabolas through neighbours, which shift no phase."""
+    if len(time) < WINDOW:
+        return np.gradient(position, time)
+    from scipy.signal import savgol_filter
+
+    step = float(np.median(np.diff(time)))
+    even = np.linspace(time[0], time[-1], round((time[-1] - time[0]) / step) + 1)
+    placed = np.interp(even, time, position)
+    slope = savgol_filter(placed, WINDOW, 2, deriv=1, delta=float(even[1] - even[0]))
+    return np.asarray(np.interp(time, even, slope), dtype=float)

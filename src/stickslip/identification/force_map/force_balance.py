@@ -1,0 +1,369 @@
+"""Friction from motion and force: what a force leaves when inertia and springs are taken off.
+
+Force, acceleration and the friction that a law predicts pass the same filter, forward and backward:
+what it smears at reversals, it smears in all of them, and no estimate shifts. Rows at rest count:
+friction there balances the other forces, as far as a law can hold it.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.experiments import Measurement
+from stickslip.experiments.differentiation import noise_of, step_of
+from stickslip.experiments.slicing import between_gaps
+from stickslip.identification.force_map.bristle_integration import Path
+from stickslip.identification.force_map.data import (
+    SEGMENTS,
+    Stretch,
+    check_loads,
+    load_along,
+    smoothed,
+    weighs,
+)
+from stickslip.identification.force_map.model import ForceMap
+from stickslip.identification.series.applied_force import applied_force
+from stickslip.identification.series.inverse_dynamics import (
+    HARMONICS,
+    HIGHEST,
+    LEAST,
+    check_even,
+    known_forces,
+    mass_of,
+    positions_of,
+)
+from stickslip.identification.shooting.segments import Hold
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary
+
+__all__ = ["Balanced", "balanced", "mean_force", "passed_by_balance", "second_differences"]
+
+Array = NDArray[np.float64]
+
+RIPPLES = 20.0
+"""The common filter passes at least so many periods in a record, where the motion has none."""
+SLOW = 0.01
+"""Share of the largest speed below which a body may be at rest, if positions do not change."""
+SHORT = 0.1
+"""Length of rests that are overlooked, over the memory of the filter: a row sees a tenth of it."""
+BEYOND = 4.0
+"""Standard deviations of the noise of positions from which a displacement is one: one in 16,000
+samples of normal noise lies beyond."""
+FINEST = 1e-5
+"""Least displacement over the range of positions that is resolved: what is finer may come from a
+filter before the record."""
+UNSURE = 0.1
+"""Share of slow samples, seen through the filter, from which a row is none that slips."""
+FEW_SLIPPING = 0.05
+"""Share of rows that slip below which a record is one of presliding, and all rows are fitted."""
+SAMPLES = 10_000
+"""Samples of a record along which friction is predicted, unless the filter asks for more."""
+LEAK = 1e-3
+"""Share of the accelerations' variance that may be noise."""
+FEWEST = 5.0
+"""The common filter passes at least so many times the mean frequency of the motion."""
+QUIET = 0.005
+"""Standard deviation that noise may leave in velocities, over the largest speed. The less they are
+smoothed, the less reversals shift."""
+OVERSAMPLED = 0.25
+"""Most that the filter passes over half the frequency of these samples."""
+
+
+def balanced(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    hold: Hold,
+    segment: float | None = None,
+    samples: float = SAMPLES,
+    slipping: bool = False,
+    wider: float = 1.0,
+) -> tuple[Stretch, ...]:
+    """Return stretches of friction by inverse dynamics, with the acceleration they came from.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Its mass times the acceleration is taken off the force; trials may override parameters.
+    measurement : Measurement
+        Records in time with position or velocity, and the force applied if there is one.
+    hold : {"zero", "first"}
+        Whether a force keeps its value until the next sample or goes straight to it.
+    segment : float, optional
+        Length of segments [s]; a fortieth of each record if not given.
+    samples : float
+        Samples of a record along which friction is predicted, unless the filter asks for more.
+    slipping : bool
+        Whether rows that see much of what is at rest, or too slow for its direction to be sure, are
+        left out, as they are of fits: there the noise of positions moves what laws predict. Where
+        hardly any row would be left, all stay.
+    wider : float
+        Factor on what the common filter passes: more noise, and more of what is fast.
+
+    Raises
+    ------
+    InputError
+        If a record has no motion in time, is too short, or never moves.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> t = np.arange(0.0, 20.0, 0.01)
+    >>> v = np.cos(2.0 * t)
+    >>> force = 3.0 * -2.0 * np.sin(2.0 * t) + 5.0 * np.sign(v)
+    >>> record = Measurement(time=t, position=np.sin(2.0 * t) / 2.0, force=force)
+    >>> (one,) = balanced(Axis(inertia=3.0), record, hold="first")
+    >>> bool(np.max(np.abs(one.friction - one.seen(5.0 * np.sign(v)))) < 0.3)
+    True
+    """
+    check_loads(measurement)
+    found: list[Stretch] = []
+    for number, record in enumerate(measurement.records()):
+        if not isinstance(record.time, np.ndarray):
+            raise InputError("inverse dynamics needs the motion in time.")
+        set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
+        length = float(np.ptp(record.time)) / SEGMENTS if segment is None else segment
+        for piece in between_gaps(record):
+            if np.asarray(piece.time).size >= LEAST:
+                one = _stretch(set_up, piece, hold, samples, slipping=slipping, wider=wider)
+                first = max((int(one.segment.max()) + 1 for one in found), default=0)
+                found.extend(_cut(replace(one, record=number), length, first))
+    if not found:
+        raise InputError(
+            "inverse dynamics needs a stretch of at least"
+            f" {LEAST} samples without a gap, in which the body moves for longer than the filter"
+            " of motion and force remembers: record longer, or choose the route shooting."
+        )
+    return tuple(found)
+
+
+@final
+@dataclass(frozen=True)
+class Balanced:
+    """Builds the problem of a record that friction is derived from."""
+
+    mechanism: Mechanism
+    problem: ForceMap
+    hold: Hold
+
+    def __call__(self, record: Measurement, length: float | None) -> ForceMap:
+        """Return the problem of a record, in segments of a length [s]."""
+        own = balanced(self.mechanism, record, hold=self.hold, segment=length)
+        return replace(self.problem.along(own, record), mass=mass_of(self.mechanism))
+
+    def fitted(self, record: Measurement, length: float | None = None) -> ForceMap:
+        """Return the problem that is fitted: rows that slip, since rests only judge a law."""
+        own = balanced(self.mechanism, record, hold=self.hold, segment=length, slipping=True)
+        return replace(self.problem.along(own, record), mass=mass_of(self.mechanism))
+
+    def at(self, values: Array) -> "Balanced":
+        """Return what derives friction with the mass among values (p,); residuals stay the same."""
+        path = self.problem.inertia
+        if not path:
+            return self
+        mass = float(values[self.problem.unknowns.paths.index(path)])
+        return replace(self, mechanism=vary(self.mechanism, "mechanism", {path: mass}))
+
+
+def _stretch(
+    mechanism: Mechanism,
+    record: Measurement,
+    hold: Hold,
+    samples: float,
+    *,
+    slipping: bool,
+    wider: float,
+) -> Stretch:
+    """Return friction by inverse dynamics; rows that are not compared have no segment (-1)."""
+    time = np.asarray(record.time)
+    dt = check_even(time)
+    raw = positions_of(record)
+    passed = min(wider * passed_by_balance(raw), HIGHEST)
+    motion = _motion(raw, dt, passed, tracked="position" in record.quantities())
+    x, v = motion.position, motion.velocity
+    a = second_differences(raw, dt)
+    applied = applied_force(mechanism, record)
+    joined = hold == "first" or "force" not in record.quantities()
+    force = 0.0 * x if applied is None else mean_force(applied, joined=joined)
+    mass, rest = known_forces(mechanism, x, v, force)
+    kept = _compared(motion, passed, slipping=slipping)
+    every = max(1, min(int(np.ceil(len(x) / samples)), int(OVERSAMPLED / passed)))
+    picked = slice(None, None, every)
+    return Stretch(
+        record=0,
+        path=Path(
+            time=time[picked],
+            velocity=v[picked],
+            load=load_along(mechanism, record, len(x))[picked],
+            travel=np.diff(x[picked]),
+        ),
+        friction=smoothed(rest - mass * a, passed)[picked],
+        segment=np.where(kept, 0, -1)[picked],
+        acceleration=smoothed(a, passed)[picked],
+        resting=motion.resting[picked],
+        held=rest[picked],
+        resolution=motion.resolution,
+        passed=passed * every,
+        weighed=weighs(mechanism, record),
+    )
+
+
+def mean_force(force: Array, *, joined: bool) -> Array:
+    """Return the mean force (n,) [N] about each sample that second differences of position see.
+
+    These weigh accelerations from one sample before to one after as a triangle: of a force that is
+    held, that is half of the one before; of one whose samples are joined, nearly its own.
+
+    Examples
+    --------
+    >>> mean_force(np.array([0.0, 0.0, 6.0, 6.0]), joined=False)
+    array([0., 0., 3., 6.])
+    >>> mean_force(np.array([0.0, 0.0, 6.0, 6.0]), joined=True)
+    array([0., 1., 5., 6.])
+    """
+    before = np.concatenate([force[:1], force[:-1]])
+    if not joined:
+        held: Array = 0.5 * (before + force)
+        return held
+    after = np.concatenate([force[1:], force[-1:]])
+    mean: Array = (before + 4.0 * force + after) / 6.0
+    return mean
+
+
+def second_differences(x: Array, dt: float) -> Array:
+    """Return accelerations (n,) [m/s^2]; the outer ones are repeated."""
+    inner = (x[2:] - 2.0 * x[1:-1] + x[:-2]) / dt**2
+    return np.concatenate([inner[:1], inner, inner[-1:]])
+
+
+def _noise(x: Array) -> float:
+    """Return the standard deviation of white noise of positions (n,); at least their rounding.
+
+    Between the steps of a coarse encoder most third differences are 0, and so would their median.
+    """
+    return max(noise_of(x, step_of(x)), 1e-12 * float(np.ptp(x)), 1e-150)
+
+
+def passed_by_balance(x: Array) -> float:
+    """Return what the common filter passes along positions (n,), over half their frequency.
+
+    A multiple of the mean frequency of the motion, which is that of the sine with the same mean
+    squares of position, seen from its mean, and of steps; less where accelerations would be noise,
+    as least squares would find too small a mass. White noise s has accelerations of variance
+    s^2 w^5 / (5 pi) up to w rad per sample.
+    """
+    noise, spread = _noise(x), float(np.std(x))
+    steps = float(np.var(np.diff(x))) - 2.0 * noise**2
+    mean = math.sqrt(max(steps, 0.0)) / max(spread, 1e-300)
+    share = 5.0 * math.pi * LEAK * (mean**2 * spread / noise) ** 2
+    quiet = math.pow(share, 0.2) / math.pi
+    least, most = FEWEST * mean / math.pi, HARMONICS * mean / math.pi
+    return float(min(max(min(max(quiet, least), most), 2.0 * RIPPLES / len(x)), HIGHEST))
+
+
+def _passed_of_motion(x: Array, least: float) -> float:
+    """Return what the filter of the motion passes: as much as the noise of positions allows.
+
+    White noise s has velocities of variance s^2 w^3 / (3 pi) up to w rad per sample.
+    """
+    speed = float(np.percentile(np.abs(np.diff(x)), 98.0))
+    share = (3.0 * np.pi * (QUIET * speed / _noise(x)) ** 2) ** (1.0 / 3.0) / np.pi
+    return float(min(max(share, least), 4.0 * HIGHEST))
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Motion:
+    """A measured motion, filtered, and where it rests."""
+
+    position: Array
+    """Filtered positions (n,) [m]."""
+    velocity: Array
+    """Their rates (n,) [m/s], 0 at rest."""
+    resting: NDArray[np.bool_]
+    """Samples (n,) at which the sensor does not resolve any motion."""
+    resolution: float
+    """Displacement [m] that it may not resolve."""
+
+
+def _motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> _Motion:
+    """Return the motion that positions (n,) show.
+
+    A sample is at rest if it is slow and if positions stay within the sensor's resolution for
+    longer than a row overlooks. Presliding is slow, but it goes somewhere: it is motion.
+
+    Parameters
+    ----------
+    raw : array (n,)
+        Positions [m].
+    dt : float
+        Step of time [s].
+    passed : float
+        What the filter of friction passes, over half the sampling frequency.
+    tracked : bool
+        Whether positions were measured: those integrated from velocities drift at rest.
+    """
+    x = smoothed(raw, _passed_of_motion(raw, passed))
+    v = np.gradient(x, dt)
+    resting = np.abs(v) <= SLOW * float(np.percentile(np.abs(v), 98.0))
+    reach = FINEST * float(np.ptp(raw))
+    if tracked:
+        reach = max(BEYOND * _noise(raw), reach)
+        steps = np.diff(_followed(raw, reach), prepend=raw[0])
+        moved = np.flatnonzero(steps)
+        number = np.searchsorted(moved, np.arange(len(raw)), side="right")
+        edges = np.concatenate([[-len(raw)], moved, [2 * len(raw)]])
+        ways = np.concatenate([[0.0], np.sign(steps[moved]), [0.0]])
+        # between two displacements of one direction slow slip has that direction, too
+        known = resting & (ways[number] == ways[number + 1])
+        v = np.where(known & (ways[number] != 0.0), ways[number] * np.abs(v), v)
+        resting &= edges[number + 1] - edges[number] > SHORT / passed
+    return _Motion(
+        position=x,
+        velocity=np.where(resting, 0.0, v),
+        resting=resting,
+        resolution=2.0 * reach,
+    )
+
+
+def _followed(x: Array, reach: float) -> Array:
+    """Return positions (n,) that follow others only where these leave their reach, as play does."""
+    found, at = [], float(x[0])
+    for one in x.tolist():
+        at = min(max(at, one - reach), one + reach)
+        found.append(at)
+    return np.array(found)
+
+
+def _compared(motion: _Motion, passed: float, *, slipping: bool) -> NDArray[np.bool_]:
+    """Return which rows (n,) are compared: all but the ends, which the filter does not smooth.
+
+    None are where nothing moves.
+    """
+    v = motion.velocity
+    kept = np.full(len(v), not motion.resting.all())
+    ends = int(np.ceil(2.0 / passed))
+    kept[:ends] = kept[max(len(v) - ends, 0) :] = False
+    if slipping:
+        slow = np.abs(v) <= SLOW * float(np.percentile(np.abs(v), 98.0))
+        sure = kept & (smoothed(slow.astype(float), passed) < UNSURE)
+        kept = sure if np.sum(sure) > FEW_SLIPPING * np.sum(kept) else kept
+    return kept
+
+
+def _cut(one: Stretch, length: float, first: int) -> Iterator[Stretch]:
+    """Yield a stretch with its segments numbered from one on; none if no row says anything."""
+    kept, time = one.segment >= 0, one.path.time
+    if not kept.any():
+        return
+    span = float(np.ptp(time))
+    count = max(1, round(span / length))
+    share = np.minimum((time - time[0]) / span * count, count - 1).astype(np.intp)
+    numbers = np.full(len(time), -1, dtype=np.intp)
+    numbers[kept] = first + np.unique(share[kept], return_inverse=True)[1]
+    yield replace(one, segment=numbers)

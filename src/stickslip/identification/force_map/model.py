@@ -1,0 +1,382 @@
+"""Friction that was measured, and is predicted along the motion that was measured with it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.errors import ParameterError
+from stickslip.experiments import Measurement
+from stickslip.friction import BristleLaw, FrictionLaw, towards
+from stickslip.identification.estimation.parameters import Unknowns
+from stickslip.identification.estimation.perturbed_laws import MOVED, Copies
+from stickslip.identification.estimation.problem import Linearised, RecordProblem
+from stickslip.identification.force_map.bristle_integration import displaced, follow
+from stickslip.identification.force_map.data import Stretch
+
+__all__ = ["ForceMap"]
+
+Array = NDArray[np.float64]
+
+WEAK = 1e-3
+"""Local states that rows see this much less than the whole stretch does are left as they are."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Local:
+    """One stretch, linearised: what is needed to carry its first bristle state on."""
+
+    start: Array
+    """Bristles at the first sample (b,)."""
+    states: Array
+    """Bristles at the samples (b, n)."""
+    residual: Array
+    """Measured less predicted, of the rows that are wanted."""
+    slopes: Array
+    """Of the prediction by the unknowns."""
+    basis: Array
+    """Orthonormal columns of what first states can do (rows, r)."""
+    inverse: Array
+    """First states by residual (b, rows)."""
+
+    def near(self, change: Array) -> Array:
+        """Return the first state that fits best where the unknowns have changed by (p,)."""
+        moved = self.start + self.inverse @ (self.residual - self.slopes @ change)
+        # beyond what the motion ever makes of it, a state is an artefact of the noise
+        most = 2.0 * np.max(np.abs(self.states), axis=1)
+        return np.clip(moved, -most, most)
+
+    def projected(self, columns: Array) -> Array:
+        """Return columns less what first states can do."""
+        return columns - self.basis @ (self.basis.T @ columns)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ForceMap(RecordProblem):
+    """Measured friction less that of a law along the measured motion, less a constant offset.
+
+    Friction that was derived from a force came through a filter, and so does what the law predicts.
+    The mass it was derived with may be one of the unknowns.
+
+    A set-valued law is not defined at rest. Where friction was measured, it is given the sign of
+    the measured velocity, else of one that parabolas through neighbouring positions have, and 0
+    where that is exactly 0: what such a law cannot say about samples at rest counts against it as
+    it stands. Where friction was derived, the other forces are known, too: at rest a law has the
+    friction that balances them, as far as its break-away level allows.
+
+    Bristles are integrated through each stretch between gaps from its first sample on, whichever
+    segments are wanted: no segment has a state of its own that could take up what the law does not
+    explain. Only the state at the very first sample is not known. It begins with what the first
+    force says, and is eliminated to first order from the rows that still see it.
+
+    A table beside records in time knows no history: bristle laws are compared with their steady
+    friction there.
+    """
+
+    law: FrictionLaw
+    """Holds the parameters that are not looked for."""
+    unknowns_: Unknowns
+    stretches: tuple[Stretch, ...]
+    constant: str = "mechanism.offset"
+    """Path of the constant force beside friction."""
+    offset: float = 0.0
+    """Its value [N] where it is not looked for."""
+    inertia: str = ""
+    """Path of the mass that is looked for, where friction was derived with one."""
+    mass: float = 0.0
+    """The mass [kg] it was derived with."""
+
+    @property
+    @override
+    def unknowns(self) -> Unknowns:
+        return self.unknowns_
+
+    @property
+    @override
+    def quantity(self) -> str:
+        return "friction"
+
+    @property
+    @override
+    def spans(self) -> Array:
+        found = []
+        for one in self.stretches:
+            for number in np.unique(one.segment[one.rows_of(None)]):
+                own = one.path.time[one.segment == number]
+                found.append([one.record, own[0], own[-1]])
+        return np.array(found, dtype=float)
+
+    @property
+    @override
+    def times(self) -> Array:
+        return np.concatenate([one.path.time[one.rows_of(None)] for one in self.stretches])
+
+    @property
+    @override
+    def measured(self) -> Array:
+        return np.concatenate([one.friction[one.rows_of(None)] for one in self.stretches])
+
+    def along(self, stretches: Sequence[Stretch], measurement: Measurement) -> "ForceMap":
+        """Return the same along other stretches, with the constant force that records set.
+
+        Records that set different ones keep that of the mechanism.
+        """
+        offsets = {one.overrides.get(self.constant, self.offset) for one in measurement.records()}
+        offset = offsets.pop() if len(offsets) == 1 else self.offset
+        return replace(self, stretches=tuple(stretches), offset=offset)
+
+    def predicted(self, values: Array) -> Array:
+        """Return friction and offset by the law (n,) [N], nothing projected out.
+
+        Examples
+        --------
+        >>> from stickslip import Axis, Coulomb, Measurement
+        >>> from stickslip.identification.force_map.problem import force_map
+        >>> v = np.linspace(-1.0, 1.0, 8)
+        >>> table = Measurement(velocity=v, friction=2.0 * np.sign(v) + 0.5)
+        >>> problem = force_map(Coulomb, Axis(inertia=1.0), table)
+        >>> problem.unknowns.paths
+        ('friction.kinetic_coefficient', 'mechanism.offset')
+        >>> problem.predicted(np.array([2.0, 0.5]))[[0, -1]]
+        array([-1.5,  2.5])
+        """
+        near = self.linearise(values, slopes=False)
+        locals_: Mapping[int, _Local] = near.memory
+        if not locals_:
+            return np.full(len(self.times), np.nan)
+        residual: Array = np.concatenate([one.residual for one in locals_.values()])
+        return self.measured - residual
+
+    @override
+    def linearise(
+        self,
+        values: Array,
+        near: Linearised | None = None,
+        *,
+        only: Sequence[int] | None = None,
+        slopes: bool = True,
+    ) -> Linearised:
+        masks = [one.rows_of(only) for one in self.stretches]
+        segment = np.concatenate(
+            [one.segment[mask] for one, mask in zip(self.stretches, masks, strict=True)]
+        )
+        known: Mapping[int, _Local] = near.memory if near is not None else {}
+        change = np.zeros(len(values)) if near is None else values - near.values
+        done: dict[int, _Local] = {}
+        with np.errstate(all="ignore"):  # a law that fails far out gives infinite residuals
+            try:
+                own = Copies.of(
+                    self.law, self.unknowns, values, constant=self.constant, slopes=slopes
+                )
+                mass = self._mass(values)
+                for k, mask in enumerate(masks):
+                    if mask.any():
+                        one = self.stretches[k]
+                        done[k] = self._local(one, mask, own, mass, known.get(k), change)
+            except (ParameterError, ArithmeticError):
+                done = {}
+        good = all(np.all(np.isfinite(one.residual)) for one in done.values())
+        if not done or not good:
+            return _failed(values, segment)
+        return Linearised(
+            values=values,
+            residual=np.concatenate([one.projected(one.residual) for one in done.values()]),
+            slopes=np.concatenate([one.projected(one.slopes) for one in done.values()]),
+            segment=segment,
+            memory=done,
+        )
+
+    @override
+    def carried(self, seen: Linearised) -> Array:
+        return self.linearise(seen.values, seen, slopes=False).residual
+
+    def _mass(self, values: Array) -> float:
+        """Return the mass [kg]: looked for, or that friction was derived with."""
+        if not self.inertia:
+            return self.mass
+        return float(values[self.unknowns.paths.index(self.inertia)])
+
+    def _local(
+        self,
+        one: Stretch,
+        mask: NDArray[np.bool_],
+        own: Copies,
+        mass: float,
+        before: _Local | None,
+        change: Array,
+    ) -> _Local:
+        """Return one stretch linearised, of the rows in a mask (n,)."""
+        offset = self.offset if own.offset is None else own.offset
+        # a filter sees what comes later, too
+        last = len(mask) if one.passed else int(np.flatnonzero(mask)[-1]) + 1
+        one = one.until(last)
+        if one.weighed and self.inertia:
+            one = one.loaded(mass / self.mass)
+        force, states, nudge = _friction(own, one, offset, before, change)
+        rows = mask[:last]
+        balanced = _balanced(one, force[:, 0], offset)
+        by_weight = np.zeros(last)
+        if one.weighed and self.inertia:
+            by_weight = _by_weight(own, one, states[..., 0], force[:, 0] * ~balanced)
+        force = one.seen(force)
+        base = force[:, :1]
+        local = (force[:, 1 + len(own.moved) :] - base)[:, : len(states)] / nudge
+        residual, slopes = one.friction - offset - base[:, 0], own.slopes_of(force)
+        if own.constant is not None and balanced.any():
+            slopes[:, own.constant] -= one.seen(balanced.astype(float))
+        if self.inertia and one.acceleration is not None:
+            residual = residual - (mass - self.mass) * one.acceleration
+            column = one.acceleration + one.seen(by_weight) / mass
+            slopes[:, self.unknowns.paths.index(self.inertia)] = column
+        basis, inverse = _inverted(local, rows)
+        return _Local(
+            start=states[:, 0, 0],
+            states=states[..., 0],
+            residual=residual[rows],
+            slopes=slopes[rows],
+            basis=basis,
+            inverse=inverse,
+        )
+
+
+def _friction(
+    own: Copies, one: Stretch, offset: float, before: _Local | None, change: Array
+) -> tuple[Array, Array, float]:
+    """Return friction (n, copies), bristles (b, n, copies), and by how much they were moved."""
+    count = len(one.path.time)
+    states, nudge = np.zeros((0, count, own.count)), 1.0
+    if isinstance(own.law, BristleLaw) and one.timed:
+        force, states, nudge = _with_memory(own, one, offset, before, change)
+    else:
+        force = _without_memory(own.law, one)
+    force = np.broadcast_to(force, (count, own.count))
+    return _at_rest(own.law, one, force, states, offset), states, nudge
+
+
+def _balanced(one: Stretch, force: Array, offset: float) -> NDArray[np.bool_]:
+    """Return at which samples (n,) friction balances all else, an offset included."""
+    if one.held is None or one.resting is None:
+        return np.zeros(len(force), dtype=bool)
+    return np.asarray(one.resting & (force == one.held - offset))
+
+
+def _by_weight(own: Copies, one: Stretch, states: Array, resting: Array) -> Array:
+    """Return by how much friction (n,) [N] grows with the relative growth of the load.
+
+    At rest, that is given (n,): weight moves what friction is held within.
+    """
+    law: Any = own.base
+    v, n = one.path.velocity, one.path.load
+
+    def force(load: Array) -> Array:
+        if len(states):
+            return np.asarray(law.force(v, tuple(states), load))
+        found = law.steady(v, load) if isinstance(law, BristleLaw) else law.force(v, load)
+        return np.asarray(found)
+
+    # friction is affine in the load, so that any difference is exact
+    growth: Array = force(2.0 * n) - force(n) + 0.0 * v
+    return growth if one.resting is None else np.where(one.resting, resting, growth)
+
+
+def _without_memory(law: Any, one: Stretch) -> Array:
+    """Return the friction of a law that knows no history, or in steady slip (n, copies)."""
+    v, n = one.path.velocity[:, None], one.path.load[:, None]
+    return np.asarray(law.steady(v, n) if isinstance(law, BristleLaw) else law.force(v, n))
+
+
+def _at_rest(law: Any, one: Stretch, force: Array, states: Array, offset: float) -> Array:
+    """Return friction (n, copies) with what holds the body at rest: what other forces ask for.
+
+    Rest is motion that the sensor does not resolve. Friction is then what balances the other
+    forces, as far as displacements within the resolution make it so: within the cone for a
+    set-valued law, within a narrow range for soft bristles. The stiffer bristles are, the nearer
+    they come to the cone.
+    """
+    if one.held is None or one.resting is None or not one.resting.any():
+        return force
+    rows = np.flatnonzero(one.resting)
+    n = one.path.load[rows, None]
+    if len(states):
+        low, high = (
+            law.force(0.0 * n, tuple(displaced(law, states[:, rows], n, way)), n)
+            for way in (-one.resolution, one.resolution)
+        )
+    else:
+        low, high = (side * towards(law, side).break_away(n) for side in (-1, 1))
+    force = force.copy()
+    force[rows] = np.clip(one.held[rows, None] - offset, low, high)
+    return force
+
+
+def _with_memory(
+    own: Copies, one: Stretch, offset: float, before: _Local | None, change: Array
+) -> tuple[Array, Array, float]:
+    """Return friction along a motion (n, copies), bristles (b, n, copies), and their nudge."""
+    if before is None:
+        start = _first_state(own, one, offset)
+        assert isinstance(own.base, BristleLaw)
+        guess = follow(own.base, one.path, start[:, None])[..., 0]
+    else:
+        start, guess = before.near(change), before.states
+    nudge = MOVED * max(float(np.max(np.abs(guess))), 1e-300)
+    starts = np.repeat(start[:, None], own.count, axis=1)
+    for k in range(own.bristles):
+        starts[k, 1 + len(own.moved) + k] += nudge
+    states = follow(own.law, one.path, starts, _extended(guess, len(one.path.time)))
+    v, n = one.path.velocity[:, None], one.path.load[:, None]
+    return np.asarray(own.law.force(v, tuple(states), n)), states, nudge
+
+
+def _extended(states: Array, count: int) -> Array:
+    """Return states (b, count), the last one repeated where there are fewer."""
+    rows = np.minimum(np.arange(count), states.shape[1] - 1)
+    found: Array = states[:, rows]
+    return found
+
+
+def _first_state(own: Copies, one: Stretch, offset: float) -> Array:
+    """Return the least bristle state (b,) that the first measured force can come from."""
+    law: Any = own.base
+    v, n, count = float(one.path.velocity[0]), float(one.path.load[0]), own.bristles
+    level = float(law.break_away(n))
+    wanted = min(max(float(one.friction[0]) - offset, -level), level)
+    size = 1e-6
+    at_rest = law.force(v, (0.0,) * count, n)
+    slope = np.array(
+        [
+            (law.force(v, tuple(size * (k == i) for i in range(count)), n) - at_rest) / size
+            for k in range(count)
+        ]
+    )
+    found: Array = slope * (wanted - at_rest) / max(float(slope @ slope), 1e-300)
+    return found
+
+
+def _inverted(local: Array, rows: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Return the space of first states in some rows (r, k), and what gives them by residual."""
+    count = local.shape[1]
+    seen = local[rows]
+    whole = np.linalg.norm(local, axis=0)
+    strong = (np.linalg.norm(seen, axis=0) > WEAK * whole) & np.isfinite(whole)
+    inverse = np.zeros((count, len(seen)))
+    if not strong.any():
+        return np.zeros((len(seen), 0)), inverse
+    u, s, v = np.linalg.svd(seen[:, strong] / whole[strong], full_matrices=False)
+    kept = s > WEAK * s[0]
+    inverse[strong] = ((v[kept].T / s[kept]) @ u[:, kept].T) / whole[strong, None]
+    return u[:, kept], inverse
+
+
+def _failed(values: Array, segment: NDArray[np.intp]) -> Linearised:
+    return Linearised(
+        values=values,
+        residual=np.full(len(segment), np.inf),
+        slopes=np.zeros((len(segment), len(values))),
+        segment=segment,
+        memory={},
+    )

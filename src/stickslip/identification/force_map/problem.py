@@ -1,0 +1,194 @@
+"""The route of measured friction: a law is fitted to the force along the measured motion."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import MISSING, fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.experiments import Measurement
+from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw
+from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.force_map.data import Stretch, refuse_timeless, stretches_of
+from stickslip.identification.force_map.model import ForceMap
+from stickslip.identification.force_map.screening import screened_starts
+from stickslip.identification.force_map.start_values import Rough, looked_for
+from stickslip.identification.series.inverse_dynamics import mass_of
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import fields_of
+
+__all__ = ["MECHANISM", "SENSOR", "ForceMap", "force_map", "map_along"]
+
+Array = NDArray[np.float64]
+
+MECHANISM, SENSOR = "mechanism.offset", "measurement.offset.friction"
+"""Paths of the constant force: of the mechanism if it has one, else of the force sensor."""
+FEW = 1_000
+"""Samples of a record that start values are looked for with."""
+SAMPLES = 4_000
+"""Samples of a record that a fit uses at most."""
+
+
+def force_map(
+    law: FrictionLaw | type[FrictionLaw],
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    segment: float | None = None,
+    samples: float = SAMPLES,
+    free: Collection[str] | None = None,
+    held: Collection[str] = (),
+    known: Mapping[str, float] | None = None,
+) -> ForceMap:
+    """Return the problem of fitting a law to measured friction, with start values from the data.
+
+    Parameters
+    ----------
+    law : FrictionLaw or type
+        With a type, all parameters of `fit_order` are looked for, and start where the data say.
+        With a law, those of them that stand in its equations are looked for, from its values: a
+        whole exponent is kept.
+    mechanism : Mechanism
+        Gives the normal force where it was not measured.
+    measurement : Measurement
+        Friction, with velocity or position in time, or with velocity as a table.
+    segment : float, optional
+        Length of segments [s]; a fortieth of each record if not given. Segments only say which
+        rows belong together: bristles are carried through from one to the next.
+    samples : float
+        Samples of a record that are compared at most; ``float("inf")`` for all. The motion between
+        them is kept.
+    free : collection of str, optional
+        Parameters of the law that are fitted, by path or last name; if not given, those of its
+        `fit_order`.
+    held : collection of str
+        Parameters that are not fitted, by path or last name.
+    known : mapping of str to float, optional
+        Values of those, by last name, where the law is a type; defaults if not given.
+
+    Returns
+    -------
+    ForceMap
+        A constant offset is looked for as well: ``mechanism.offset`` of a mechanism that has one,
+        else ``measurement.offset.friction``. Not so where the data or the law cannot tell it from
+        a level: slip in one direction only, or a law that differs by direction. Parameters that
+        the record does not depend on are left out.
+
+    Raises
+    ------
+    InputError
+        If there is no friction, no motion or no normal force, or nothing to look for.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Dahl, Measurement
+    >>> from stickslip.identification.estimation.levenberg_marquardt import search
+    >>> t = np.linspace(0.0, 2.0, 401)
+    >>> x = 1e-3 * np.sin(2.0 * np.pi * t)
+    >>> friction = np.sign(np.cos(2.0 * np.pi * t)) * 3.0
+    >>> record = Measurement(time=t, position=x, friction=friction, load=6.0)
+    >>> problem = force_map(Dahl, Axis(inertia=1.0), record, held=["exponent"])
+    >>> found = search(problem, starts=1)
+    >>> round(float(found.best.values[0]), 2)
+    0.5
+    """
+    stretches = stretches_of(mechanism, measurement, segment=segment, samples=samples)
+    few = stretches_of(mechanism, measurement, samples=min(FEW, samples))
+    problem, starts = map_along(law, mechanism, stretches, few, free=free, held=held, known=known)
+    return replace(problem, unknowns_=problem.unknowns.starting_at(starts[0]))
+
+
+def map_along(
+    law: FrictionLaw | type[FrictionLaw],
+    mechanism: Mechanism,
+    stretches: Sequence[Stretch],
+    few: Sequence[Stretch],
+    *,
+    free: Collection[str] | None = None,
+    held: Collection[str] = (),
+    known: Mapping[str, float] | None = None,
+    mass: Unknown | None = None,
+) -> tuple[ForceMap, tuple[Array, ...]]:
+    """Return the problem as `force_map` does, along stretches, and start values (p,), best first.
+
+    Start values of a law that knows no history come from stretches of fewer samples. `mass` is
+    that which friction was derived with, where it is looked for too.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to look for, or the law is none that can be mapped.
+    """
+    kind = law if isinstance(law, type) else type(law)
+    if not issubclass(kind, SetValuedLaw | DirectionalLaw | BristleLaw):
+        raise InputError(
+            f"a force map needs a law that is set-valued, directional or of bristles;"
+            f" {kind.__name__} is none of them."
+        )
+    refuse_timeless(law, stretches)
+    own = getattr(mechanism, "offset", None)
+    constant = SENSOR if own is None else MECHANISM
+    told = Rough.of(stretches, offset=None)
+    sought = (
+        told.two_sided
+        and not issubclass(kind, DirectionalLaw)
+        and not {constant, "offset"} & set(held)
+    )
+    rough = told if sought else Rough.of(stretches, offset=own or 0.0)
+    start = rough.law(kind, known or {}) if isinstance(law, type) else law
+    paths = looked_for(start, whole=isinstance(law, type), free=free, held=held)
+    if isinstance(law, type):
+        start = _with_defaults(start, paths, known or {})
+    whole = ForceMap(
+        law=start,
+        unknowns_=rough.unknowns(start, paths, constant if sought else None),
+        stretches=tuple(stretches),
+        constant=constant,
+        offset=own or 0.0,
+    )
+    if all(one.acceleration is not None for one in stretches):
+        whole = replace(whole, mass=mass_of(mechanism))
+    coarse = replace(whole, stretches=tuple(few))
+    unknowns = _effective(coarse if isinstance(law, type) else whole)
+    if mass is not None:
+        unknowns = replace(unknowns, items=(*unknowns.items, mass))
+        whole, coarse = (replace(one, inertia=mass.path) for one in (whole, coarse))
+    problem = replace(whole, unknowns_=unknowns)
+    if not isinstance(law, type):
+        return problem, (unknowns.start,)
+    return problem, screened_starts(problem, replace(coarse, unknowns_=unknowns))
+
+
+def _with_defaults(
+    law: FrictionLaw, fitted: Collection[str], known: Mapping[str, float]
+) -> FrictionLaw:
+    """Return a law in which what is not fitted has its known value or its default, if any."""
+    names = {path.rpartition(".")[2] for path in fitted}
+    plain = {
+        field.name: field.default
+        for field in fields(law)
+        if field.name in fields_of(type(law)) and field.name not in names
+        if field.default is not MISSING
+    }
+    return replace(law, **{**plain, **{n: v for n, v in known.items() if n not in names}})
+
+
+def _effective(problem: ForceMap) -> Unknowns:
+    """Return the unknowns without those that nothing in the record depends on.
+
+    Raises
+    ------
+    InputError
+        If none is left.
+    """
+    here = problem.linearise(problem.unknowns.start)
+    dead = np.all(here.slopes == 0.0, axis=0) & here.finite
+    items = problem.unknowns.items
+    left = tuple(item for item, gone in zip(items, dead, strict=True) if not gone)
+    if not left:
+        raise InputError(
+            f"nothing is left to look for in the law {problem.law.title}: its parameters are held"
+            " or do not show in the record."
+        )
+    return replace(problem.unknowns, items=left)

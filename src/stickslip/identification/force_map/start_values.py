@@ -1,0 +1,326 @@
+"""Start values and bounds for laws, from friction that was measured against motion."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.friction import FrictionLaw
+from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.force_map.data import Stretch
+from stickslip.quantities import Quantity, fields_of, full_path, parameters
+
+__all__ = ["Rough", "looked_for"]
+
+Array = NDArray[np.float64]
+
+FAST = 0.5
+"""Share of the largest speed (its 99th percentile) above which slip counts as steady."""
+MOVING = 0.05
+"""Share of the largest speed above which there is slip at all."""
+ONE_SIDED = 0.02
+"""Share of the moving samples that the rarer direction has at least if both were measured."""
+SURPLUS = 0.2
+"""Static surplus to begin with, over the kinetic level."""
+HUBER = 1.345
+"""Residuals beyond this many standard deviations count less; 95 % efficient for normal ones."""
+MOST_VISCOUS = 0.5
+"""Share of friction at the largest speed that starts as viscous at most."""
+WIDE = 100.0
+"""How far bounds lie from the size that the data suggest."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rough:
+    """What friction against motion says at a glance.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, Measurement
+    >>> from stickslip.identification.force_map.data import stretches_of
+    >>> v = np.linspace(-1.0, 1.0, 100)
+    >>> table = Measurement(velocity=v, friction=2.0 * np.sign(v) + 0.5)
+    >>> rough = Rough.of(stretches_of(Axis(inertia=1.0), table))
+    >>> round(rough.level, 6), round(rough.offset, 6)
+    (2.0, 0.5)
+    """
+
+    level: float
+    """Friction over normal force while sliding, less the viscous part."""
+    viscous: float
+    """Growth of friction with speed [N s/m]."""
+    offset: float
+    """Constant force beside friction [N]."""
+    force: float
+    """Typical friction force [N]."""
+    load: float
+    """Typical normal force [N]."""
+    speed: float
+    """Largest speed, the 99th percentile [m/s]."""
+    stiffness: float
+    """Slope of friction against displacement in presliding, over the normal force [1/m]."""
+    two_sided: bool
+    """Whether there is slip in both directions."""
+    sides: tuple["Rough", ...] = ()
+    """The same of backward and of forward slip alone."""
+
+    @classmethod
+    def of(cls, stretches: Sequence[Stretch], *, offset: float | None = None) -> "Rough":
+        """Return what some stretches say; the offset is looked for if it is not given."""
+        rows = [
+            np.stack([one.path.velocity, one.path.load, one.friction])[:, one.rows_of(None)]
+            for one in stretches
+        ]
+        v, n, f = np.concatenate(rows, axis=1)
+        speed = float(np.percentile(np.abs(v), 99.0)) or 1.0
+        ahead, back = v > MOVING * speed, v < -MOVING * speed
+        moving = int(np.sum(ahead | back))
+        two_sided = min(np.sum(ahead), np.sum(back)) > ONE_SIDED * moving
+        if offset is None:
+            offset = _middle(v, f, FAST * speed) if two_sided else 0.0
+        own: dict[str, Any] = {
+            "offset": offset,
+            "load": float(np.median(n)),
+            "speed": speed,
+            "two_sided": bool(two_sided),
+            "force": max(float(np.sqrt(np.mean((f - offset) ** 2))), 1e-12),
+        }
+        stiffness = _stiffness(stretches, own["force"])
+        sides = []
+        for side in (back, ahead, ahead | back):
+            enough = side if np.sum(side) >= 3 else np.ones(len(v), dtype=bool)
+            level, viscous = _line(
+                np.abs(v[enough]), n[enough], np.abs(f - offset)[enough], FAST * speed
+            )
+            sides.append(cls(level=level, viscous=viscous, stiffness=stiffness, **own))
+        return cls(**{**_plain(sides[2]), "sides": (sides[0], sides[1])})
+
+    def law(self, kind: type[FrictionLaw], known: Mapping[str, float]) -> FrictionLaw:
+        """Return a law of a kind: known values by name, else of these sizes where it needs some."""
+        values: dict[str, Any] = {}
+        for declared in fields(kind):
+            quantity = fields_of(kind).get(declared.name)
+            if quantity is None or (declared.default is None):
+                continue
+            if declared.name in known:
+                values[declared.name] = float(known[declared.name])
+                continue
+            if quantity.structural and not isinstance(declared.default, (int, float)):
+                values[declared.name] = 1.0
+            elif not quantity.structural and declared.name in _wanted(kind):
+                value = self._side(declared.name)._value(quantity)
+                if quantity.at_least is not None and quantity.at_least in values:
+                    value = values[quantity.at_least] * (1.0 + SURPLUS)
+                values[declared.name] = value
+        return kind(**values)
+
+    def unknowns(self, law: FrictionLaw, paths: Collection[str], constant: str | None) -> Unknowns:
+        """Return the parameters at some paths, and a constant force, to be looked for."""
+        known = _values(law)
+        items = [
+            self._unknown(path, quantity, value, known)
+            for path, (quantity, value) in known.items()
+            if path in paths
+        ]
+        if constant is not None:
+            most = WIDE * self.force
+            items.append(
+                Unknown(
+                    path=constant,
+                    quantity=Quantity("o", "N"),
+                    start=self.offset,
+                    low=-most,
+                    high=most,
+                )
+            )
+        return Unknowns(tuple(items), {path: value for path, (_, value) in known.items()})
+
+    def _side(self, name: str) -> "Rough":
+        """Return what holds for a parameter by its name: that of one direction, or of both."""
+        if not self.sides or not name.startswith(("forward", "backward")):
+            return self
+        return self.sides[1] if name.startswith("forward") else self.sides[0]
+
+    def _value(self, quantity: Quantity) -> float:
+        """Return a start value, by unit."""
+        sizes = {
+            "1": self.level,
+            "N": self.level * self.load,
+            "N s/m": max(self.viscous, 1e-3 * self.force / self.speed),
+            "N s^2/m^2": 1e-2 * self.force / self.speed**2,
+            "m/s": 0.1 * self.speed,
+            "1/m": self.stiffness,
+            "s/m": 0.01 * self.level / self.speed,
+        }
+        value = sizes.get(quantity.unit, 1.0)
+        return min(max(value, quantity.low), quantity.high)
+
+    def _unknown(
+        self,
+        path: str,
+        quantity: Quantity,
+        value: float,
+        known: dict[str, tuple[Quantity, float]],
+    ) -> Unknown:
+        sizes = {
+            "1": max(self.force / self.load, 1e-12),
+            "N": self.force,
+            "N s/m": self.force / self.speed,
+            "N s^2/m^2": self.force / self.speed**2,
+            "s/m": self.force / self.load / self.speed,
+        }
+        low = quantity.low if quantity.above is None else quantity.above
+        if quantity.structural:
+            low, high = max(0.02, quantity.low), min(10.0, quantity.high)
+            return Unknown(path=path, quantity=quantity, start=value, low=low, high=high, log=True)
+        if quantity.unit in ("m/s", "1/m") and low >= 0.0:
+            size = self.speed if quantity.unit == "m/s" else max(self.stiffness, value)
+            wide = 1e3 if quantity.unit == "m/s" else 1e4
+            limits = (min(size, value) / wide, max(size, value) * (10.0 if wide < 1e4 else wide))
+            return Unknown(
+                path=path, quantity=quantity, start=value, low=limits[0], high=limits[1], log=True
+            )
+        high = WIDE * max(sizes.get(quantity.unit, np.inf), abs(value))
+        if quantity.above is not None:
+            low += 1e-9 * sizes.get(quantity.unit, 1.0)
+        base = f"{path.rpartition('.')[0]}.{quantity.at_least}" if quantity.at_least else ""
+        if base and base in known:
+            return Unknown(
+                path=path, quantity=quantity, start=value, low=0.0, high=high, above=base
+            )
+        return Unknown(
+            path=path, quantity=quantity, start=value, low=low, high=min(high, quantity.high)
+        )
+
+
+def looked_for(
+    law: FrictionLaw, *, whole: bool, free: Collection[str] | None = None, held: Collection[str]
+) -> list[str]:
+    """Return the paths of the parameters of a law that a fit looks for.
+
+    Those of its `fit_order` and of laws within it, as far as they are given. A whole exponent is
+    among them only if `whole` is true, or if it is named.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> law = Dahl(kinetic_coefficient=0.5, bristle_stiffness=1e3)
+    >>> looked_for(law, whole=False, held=["bristle_stiffness"])
+    ['friction.kinetic_coefficient', 'friction.viscous_coefficient']
+    >>> looked_for(law, whole=False, free=["exponent"], held=[])
+    ['friction.exponent']
+    """
+    own = {f"friction.{name}" for name in _wanted(type(law))}
+    standing = {path for path, _, _ in parameters(law, "friction")}
+    within = {path for path in standing if path.count(".") > 1}
+    known = _values(law)
+    if free is not None:
+        named = {full_path(name, list(known)) for name in free}
+        found = [path for path in known if path in named]
+    else:
+        found = [
+            path
+            for path in known
+            if path in within or (path in own and (whole or path in standing))
+        ]
+    names = [*known, "mechanism.offset", "measurement.offset.friction"]
+    out = {full_path(name, names) for name in held if name != "offset"}
+    return [path for path in found if path not in out]
+
+
+def _wanted(kind: type[FrictionLaw]) -> set[str]:
+    """Return the names of the parameters that a fit of a law pays for, and those it needs."""
+    needed = {
+        declared.name
+        for declared in fields(kind)
+        if declared.name in fields_of(kind) and declared.default is declared.default_factory
+    }
+    return {*kind.fit_order, *needed}
+
+
+def _values(law: FrictionLaw) -> dict[str, tuple[Quantity, float]]:
+    """Return quantity and value of all parameters by path, whole exponents too."""
+    found = {
+        f"friction.{name}": (quantity, float(getattr(law, name)))
+        for name, quantity in fields_of(type(law)).items()
+        if getattr(law, name) is not None
+    }
+    found.update((path, (quantity, value)) for path, quantity, value in parameters(law, "friction"))
+    return found
+
+
+def _plain(rough: Rough) -> dict[str, Any]:
+    return {declared.name: getattr(rough, declared.name) for declared in fields(rough)}
+
+
+def _middle(v: Array, f: Array, fast: float) -> float:
+    """Return the middle between the forces of fast slip in the two directions."""
+    ahead, back = f[v > fast], f[v < -fast]
+    if not len(ahead) or not len(back):
+        return float(np.median(f))
+    return 0.5 * float(np.median(ahead) + np.median(back))
+
+
+def _line(speed: Array, load: Array, force: Array, fast: float) -> tuple[float, float]:
+    """Return the level of fast slip, and the viscous part by Huber's robust regression."""
+    from scipy.optimize import nnls
+
+    table = np.column_stack([load, speed])
+    weight = np.ones(len(force))
+    found = np.zeros(2)
+    for _ in range(10):
+        found = nnls(table * weight[:, None], force * weight)[0]
+        residual = np.abs(force - table @ found)
+        spread = 1.4826 * float(np.median(residual))
+        if spread <= 1e-12 * float(np.max(force, initial=1e-300)):
+            break
+        # root of the weights min(1, c s / |r|)
+        weight = np.sqrt(np.minimum(1.0, HUBER * spread / np.maximum(residual, 1e-300)))
+    fast_rows = speed >= fast
+    level = float(np.median((force / load)[fast_rows if fast_rows.any() else slice(None)]))
+    # where speeds hardly differ a level passes for a viscous part, and the other way round
+    most = MOST_VISCOUS * level * float(np.median(load)) / float(np.max(speed, initial=1e-300))
+    viscous = min(float(found[1]), most)
+    return max(level, 1e-12), viscous
+
+
+def _stiffness(stretches: Sequence[Stretch], force: float) -> float:
+    """Return the slope of friction after reversals over the load [1/m].
+
+    From the way over which friction first changes by its own size after the motion has turned.
+    """
+    ways, load = [], 1.0
+    for one in stretches:
+        if not one.timed:
+            continue
+        load = float(np.median(one.path.load))
+        x = np.concatenate([[0.0], np.cumsum(one.path.travel)])
+        stroke = float(np.ptp(x))
+        for start in _turns(x, 0.01 * stroke):
+            change = np.abs(one.friction[start:] - one.friction[start])
+            reached = np.flatnonzero(change > force)
+            if len(reached):
+                ways.append(abs(x[start + reached[0]] - x[start]))
+    way = float(np.median(ways)) if ways else 0.0
+    if way <= 0.0:
+        travelled = [float(np.ptp(np.cumsum(one.path.travel))) for one in stretches if one.timed]
+        way = 0.01 * max(travelled, default=1.0) or 1.0
+    return force / load / way
+
+
+def _turns(x: Array, least: float) -> list[int]:
+    """Return where a motion turns by more than a least way."""
+    found, extreme, direction = [], 0, 0
+    for i in range(1, len(x)):
+        way = x[i] - x[extreme]
+        if direction == 0:
+            direction = int(np.sign(way)) if abs(way) > least else 0
+            extreme = i if direction else extreme
+        elif way * direction > 0.0:
+            extreme = i
+        elif abs(way) > least:
+            found.append(extreme)
+            extreme, direction = i, -direction
+    return found

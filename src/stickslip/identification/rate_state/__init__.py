@@ -1,0 +1,1 @@
+"""Rate-and-state friction from velocity steps."""

@@ -1,0 +1,1 @@
+"""Fits to records in time and to measured friction."""

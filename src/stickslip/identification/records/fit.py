@@ -1,0 +1,428 @@
+"""A fit to records in time, and what it says of records it has not seen."""
+
+import html
+import math
+import numbers
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Protocol, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.errors import ParameterError
+from stickslip.experiments import QUANTITIES, Measurement
+from stickslip.experiments.estimates import LawEstimates, levels_at
+from stickslip.experiments.preconditions import refuse_lack, refuse_unused
+from stickslip.experiments.units import turned
+from stickslip.identification.estimation.containment import FittedLaw
+from stickslip.identification.estimation.halves import Halves
+from stickslip.identification.estimation.jackknife import Displaced, Inference, bootstrap
+from stickslip.identification.estimation.levenberg_marquardt import Found, improve
+from stickslip.identification.estimation.model_error import ModelError
+from stickslip.identification.estimation.parameters import Unknowns
+from stickslip.identification.estimation.problem import Held, Linearised, Problem, RecordProblem
+from stickslip.identification.results import Fit, Law_co, estimates_for
+from stickslip.identification.series.applied_force import inside
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Build", "Prediction", "RecordFit", "Score", "check_horizon"]
+
+Array = NDArray[np.float64]
+
+SETTLING = 8
+"""Rounds in which initial states are fitted at most."""
+SETTLED = 0.01
+"""Share of the cost that a round must take off for another one to follow."""
+
+
+class Build(Protocol):
+    """Makes problems of other records, with the same unknowns."""
+
+    def __call__(self, record: Measurement, length: float | None) -> RecordProblem:
+        """Return the problem of a record, all of it, in segments of a length [s]."""
+
+    def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
+        """Return the problem of a record as it is fitted: perhaps some of its rows only."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Score:
+    """How far predictions are off, each segment started from its own fitted state."""
+
+    rms: float
+    """Root mean square of measured less predicted."""
+    quantity: str
+    """Of what, as in `QUANTITIES`."""
+    horizon: float
+    """Length of the segments [s]."""
+    blocks: tuple[float, ...]
+    """Root mean square of each segment."""
+    turning: bool = False
+    """Whether what was predicted turns about an axis."""
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        return turned(QUANTITIES[self.quantity].unit, self.turning)
+
+    @override
+    def __str__(self) -> str:
+        """Return the error and what it is of, in one line."""
+        return (
+            f"{self.rms:.3g} {self.unit} ({self.quantity}, {len(self.blocks)} segments of"
+            f" {self.horizon:.3g} s)"
+        )
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prediction:
+    """Predicted segments beside what was measured; rows stand in the order of time.
+
+    What is local to a segment, such as the position and velocity that it starts from, is fitted:
+    `predicted` holds its last correction to first order, as `residual` does.
+    """
+
+    quantity: str
+    """Of what, as in `QUANTITIES`."""
+    record: NDArray[np.intp]
+    """Record of each row (n,)."""
+    segment: NDArray[np.intp]
+    """Segment of each row (n,)."""
+    t: Array
+    """Times (n,) [s]."""
+    residual: Array
+    """Measured less predicted (n,)."""
+    predicted: Array
+    """Predicted (n,), in the SI unit of the quantity."""
+    measured: Array
+    """Measured (n,), in the same unit."""
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the columns as a pandas DataFrame."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "record": self.record,
+                "segment": self.segment,
+                "t": self.t,
+                "measured": self.measured,
+                "predicted": self.predicted,
+                "residual": self.residual,
+            }
+        )
+
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class RecordFit(Fit[Law_co]):
+    """A fit to records in time: estimates in the order of the unknowns, residuals, restarts."""
+
+    route: str
+    """How: ``"shooting"``, ``"force-map"`` or ``"inverse-dynamics"``."""
+    measurement: Measurement
+    """What was fitted."""
+    problem: RecordProblem = field(repr=False)
+    """The record as residuals."""
+    build: Build = field(repr=False)
+    """Makes the same problem of other records."""
+    found: Found
+    """Least cost and restarts; of a free decay, those of the last and longest segments."""
+    inference: Inference
+    """Covariance, condition and effective sample size."""
+    at_bounds: Mapping[str, str]
+    """Which parameters ended at a bound, by path: ``"lower"`` or ``"upper"``."""
+    sentences: tuple[str, ...]
+    """What the record cannot tell, in words."""
+    search_failure: str = ""
+    """Which contained law fits more closely than this one, in words; empty if none does."""
+    route_reason: str = ""
+    """Why the route was chosen, in words; empty if it was asked for or is the usual one."""
+    halves: Halves | None = None
+    """Estimates from either half of a record in time; None if a half alone cannot be fitted."""
+    displaced: tuple[Displaced, ...] = ()
+    """What stated uncertainties of the mechanism make of the residuals; intervals hold it."""
+    model_errors: tuple[ModelError, ...] = ()
+    """What the residuals show to be wrong with model, rig or record; intervals leave it out."""
+
+    @override
+    def law_estimates(self) -> LawEstimates:
+        records = self.measurement.records()
+        weighed = any("load" in record.quantities() for record in records)
+        weighed = weighed or any("mechanism.load" in record.overrides for record in records)
+        speeds = [speed for speed in map(_largest_speed, records) if speed is not None]
+        return estimates_for(
+            self.law,
+            self.estimates,
+            self.inference.correlation,
+            levels="per load" if weighed else levels_at(self.mechanism),
+            largest_speed=max(speeds, default=None),
+        )
+
+    @override
+    def __str__(self) -> str:
+        """Return the law, its estimates and how far off it is, in one line."""
+        unit = self.measurement.unit(self.problem.quantity)
+        return (
+            f"{self.law.title} fitted to {self.problem.quantity}:"
+            f" {', '.join(map(str, self.estimates))}; residual {self.rms:.3g} {unit}"
+            f"{''.join(f'. {one.finding}' for one in self.model_errors).removesuffix('.')}"
+        )
+
+    @override
+    def _repr_html_(self) -> str:
+        rows = "".join(f"<li>{html.escape(str(estimate))}</li>" for estimate in self.estimates)
+        said = (*map(str, self.model_errors), *self.sentences)
+        notes = "".join(f"<p>{html.escape(line)}</p>" for line in said)
+        return f"<p>{html.escape(self.law.title)}</p><ul>{rows}</ul>{notes}"
+
+    @property
+    def unknowns(self) -> Unknowns:
+        """What was looked for."""
+        return self.problem.unknowns
+
+    @property
+    def values(self) -> Array:
+        """Best values of the unknowns (p,)."""
+        return self.found.best.values
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals, in the unit of the quantity compared."""
+        return self.found.best.rms
+
+    @property
+    def residual(self) -> Array:
+        """Measured less predicted (n,), what is local to segments taken out."""
+        return self.found.best.residual
+
+    @property
+    def fitted_law(self) -> FittedLaw:
+        """The fit as searches of richer laws begin from it."""
+        values = dict(zip(self.unknowns.paths, self.values.tolist(), strict=True))
+        best = self.found.best
+        return FittedLaw(law=self.law, values=values, cost=best.cost, rows=len(best.residual))
+
+    @property
+    def scale(self) -> Array:
+        """Derivatives of the values by what the optimiser saw; 0 for sizes that ran to a bound."""
+        return scale_of(self.unknowns, self.found.best.values, self.at_bounds)
+
+    def predict(
+        self, measurement: Measurement | None = None, *, horizon: float | None = None
+    ) -> Prediction:
+        """Predict a record segment by segment, each from its own fitted initial state.
+
+        Parameters
+        ----------
+        measurement : Measurement, optional
+            What is predicted; what was fitted if not given.
+        horizon : float, optional
+            Length of the segments [s]; that of the fit if not given.
+
+        Returns
+        -------
+        Prediction
+            Measured and predicted values and their residuals, by record, segment and time.
+
+        Examples
+        --------
+        >>> from stickslip import Axis, Coulomb, Measurement, fit
+        >>> v = np.linspace(-1.0, 1.0, 8)
+        >>> found = fit(
+        ...     Axis(inertia=1.0), Coulomb, Measurement(velocity=v, friction=2.0 * np.sign(v))
+        ... )
+        >>> seen = found.predict()
+        >>> seen.measured[-2:].tolist(), seen.predicted[-2:].round(6).tolist()
+        ([2.0, 2.0], [2.0, 2.0])
+        """
+        problem, seen = self._seen(measurement, horizon)
+        measured = problem.measured
+        return Prediction(
+            quantity=problem.quantity,
+            record=problem.spans[seen.segment, 0].astype(int),
+            segment=seen.segment,
+            t=problem.times,
+            residual=seen.residual,
+            predicted=measured - seen.residual,
+            measured=measured,
+        )
+
+    def score(
+        self, measurement: Measurement | None = None, *, horizon: float | None = None
+    ) -> Score:
+        """Return the error of predictions, arguments as in `predict`."""
+        problem, seen = self._seen(measurement, horizon)
+        squares = [
+            float(np.mean(seen.residual[seen.segment == k] ** 2)) for k in range(len(problem.spans))
+        ]
+        lengths = problem.spans[:, 2] - problem.spans[:, 1]
+        return Score(
+            rms=seen.rms,
+            quantity=problem.quantity,
+            horizon=float(np.median(lengths)),
+            blocks=tuple(math.sqrt(square) for square in squares),
+            turning=self.measurement.turning,
+        )
+
+    def _seen(
+        self, measurement: Measurement | None, horizon: float | None
+    ) -> tuple[RecordProblem, Linearised]:
+        if measurement is None and horizon is None:
+            return self.problem, self.found.best
+        if horizon is not None:
+            check_horizon(horizon)
+        if measurement is not None:
+            refuse_unused(measurement, inside(self.mechanism, measurement))
+            compared = self.problem.quantity if self.route == "shooting" else ""
+            refuse_lack(self.measurement, measurement, compared=compared)
+        problem = self.build(self.measurement if measurement is None else measurement, horizon)
+        return problem, settled(problem, self.values)
+
+    def bootstrap(self, *, draws: int = 2000, seed: int = 0) -> Array:
+        """Return estimates (draws, p) with blocks of the record weighted anew, in bounds.
+
+        What the record does not tell is not a number in all draws, as its interval has no ends.
+        Stated uncertainties of the mechanism move each draw as well.
+        """
+        unknowns = self.unknowns
+        low, high = unknowns.limits()
+        steps = bootstrap(
+            self.found.best, self.scale, draws=draws, seed=seed, held=self.inference.held
+        )
+        at = np.clip(unknowns.coordinates(self.values) + steps, low, high)
+        found = np.array([unknowns.values(one) for one in at])
+        found[:, ~np.isfinite(self.inference.errors)] = np.nan
+        return found
+
+    def profile(self, name: str, values: Sequence[float]) -> Array:
+        """Return the least sum of squares (n,) with one parameter held at each of the values.
+
+        Parameters
+        ----------
+        name : str
+            Path or last name of an unknown.
+        values : sequence of float
+            Where it is held.
+        """
+        index = self.unknowns.paths.index(self.estimate(name).path)
+        costs = []
+        for value in values:
+            held = Held(self.problem, index, float(value))
+            end, _ = improve(held, np.delete(self.values, index))
+            costs.append(end.cost)
+        return np.array(costs)
+
+    @override
+    def to_dict(self) -> Mapping[str, Any]:
+        found = self.found
+        return {
+            "law": self.law.name,
+            "route": self.route,
+            "route_reason": self.route_reason,
+            "quantity": self.problem.quantity,
+            "residual_rms": self.rms,
+            "estimates": [estimate.to_dict() for estimate in self.estimates],
+            "correlation": self.inference.correlation.tolist(),
+            "condition": self.inference.condition,
+            "effective_samples": self.inference.effective,
+            "at_bounds": dict(self.at_bounds),
+            "restarts": [math.sqrt(cost / len(self.residual)) for cost in found.costs],
+            "restarts_agreeing": found.agreeing,
+            "evaluations": found.evaluations,
+            "cancelled": found.cancelled,
+            "model_errors": [one.to_dict() for one in self.model_errors],
+            "cannot_tell": list(self.sentences),
+            "remarks": list(self.remarks),
+        }
+
+
+LAGS = 200
+"""Stretches of a record over which a mean velocity is taken, so that noise does not count."""
+
+
+def _largest_speed(record: Measurement) -> float | None:
+    """Return the largest slip speed of a record: as measured, or as positions change."""
+    if record.velocity is not None:
+        return float(np.max(np.abs(record.velocity)))
+    if record.position is None or record.time is None:
+        return None
+    x, t = np.asarray(record.position), np.asarray(record.time)
+    lag = max(len(x) // LAGS, 1)
+    return (
+        float(np.max(np.abs((x[lag:] - x[:-lag]) / (t[lag:] - t[:-lag])))) if len(x) > 1 else None
+    )
+
+
+def check_horizon(horizon: float) -> None:
+    """Refuse a length that no prediction has.
+
+    Raises
+    ------
+    ParameterError
+        If it is no number above 0 s.
+
+    Examples
+    --------
+    >>> check_horizon(4.0)
+    """
+    given: object = horizon  # a text with a unit is a likely mistake, whatever the types say
+    known = isinstance(given, numbers.Real) and not isinstance(given, bool)
+    if not (known and 0.0 < horizon < math.inf):
+        raise ParameterError(
+            "horizon must be a finite time above 0 s, a number of seconds such as 1.0, got"
+            f" {horizon!r}."
+        )
+
+
+def settled(
+    problem: Problem,
+    values: Array,
+    *,
+    only: Sequence[int] | None = None,
+    rounds: int = SETTLING,
+) -> Linearised:
+    """Return residuals at values with the segments' initial states fitted.
+
+    Where a segment begins at rest, each round takes three quarters off the error of its first
+    state only: after two, one such segment could outweigh all others in a held-out score.
+    """
+    seen = problem.linearise(values, only=only, slopes=False)
+    best = seen
+    for _ in range(rounds - 1):
+        if not math.isfinite(seen.cost):
+            break
+        seen = problem.linearise(values, seen, only=only, slopes=False)
+        before, best = best, _better(best, seen)
+        if best.cost > (1.0 - SETTLED) * before.cost:
+            break
+    return best
+
+
+def _better(one: Linearised, other: Linearised) -> Linearised:
+    """Return by segment the residuals that are less: a long step of a first state may go astray."""
+    residual = one.residual.copy()
+    for k in np.unique(one.segment):
+        rows = one.segment == k
+        if not other.residual[rows] @ other.residual[rows] > residual[rows] @ residual[rows]:
+            residual[rows] = other.residual[rows]
+    return other.with_residual(residual)
+
+
+def scale_of(unknowns: Unknowns, values: Array, at_bounds: Mapping[str, str]) -> Array:
+    """Return the derivatives of values by coordinates, 0 for sizes that ran to a bound.
+
+    A level or a slope that a bound holds, such as 0, is as unsure as any: were it taken for known,
+    what trades off with it would seem better known than it is.
+    """
+    scale = unknowns.slopes(unknowns.coordinates(values))
+    for i, item in enumerate(unknowns.items):
+        if item.path in at_bounds and item.log:
+            scale[:, i] = 0.0
+    return scale

@@ -1,0 +1,467 @@
+"""Fits a law to records in time or to measured friction, by one of three routes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import ConvergenceError, InputError, UnknownNameError
+from stickslip.experiments import Measurement
+from stickslip.experiments.preconditions import refuse_unused
+from stickslip.friction import FrictionLaw, laws
+from stickslip.identification.estimates import (
+    bounds_met,
+    estimates_of,
+    offset_left_out,
+    sentences_of,
+)
+from stickslip.identification.estimation.containment import (
+    FittedLaw,
+    reachable,
+    search_failure,
+    starts_from,
+)
+from stickslip.identification.estimation.halves import contradiction, widened
+from stickslip.identification.estimation.jackknife import infer
+from stickslip.identification.estimation.levenberg_marquardt import Found, Watch, search
+from stickslip.identification.estimation.parameters import Unknowns
+from stickslip.identification.features.features import ROUTE as FEATURES
+from stickslip.identification.force_map.force_balance import Balanced
+from stickslip.identification.records.fit import RecordFit, scale_of
+from stickslip.identification.records.level_units import in_forces, turned_as
+from stickslip.identification.records.problems import Prepared, Route, Wanted, prepared
+from stickslip.identification.records.propagation import displacements
+from stickslip.identification.records.refits import halves_of
+from stickslip.identification.records.route_choice import (
+    RouteChoice,
+    better_route,
+    choose_route,
+    to_compare,
+)
+from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.residuals.tests import model_errors
+from stickslip.identification.residuals.trends import noise_floor
+from stickslip.identification.series.applied_force import driven, drives_itself, inside
+from stickslip.identification.series.measured_load import as_loaded
+from stickslip.identification.shooting.multiple_shooting import Shooting
+from stickslip.identification.shooting.segments import Hold
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import fields_of, vary
+
+__all__ = ["ROUTES", "RecordSettings", "fit_record", "route_of"]
+
+Array = NDArray[np.float64]
+
+WIDER = 100.0
+"""How much farther out a guessed bound is moved that the search has met."""
+WIDENINGS = 3
+"""How often at most."""
+WORTH = 0.02
+"""Share of the cost that a wider bound must take off: else what ran there is told by nothing."""
+AT_NOISE = 1.15
+"""Residuals over the noise of the sensor up to which they count as this noise alone."""
+DECAY_STEP = 3.0
+"""A free decay is fitted in segments, then in segments so much longer, then as a whole."""
+
+
+ROUTES: tuple[Route, ...] = ("shooting", "force-map", "inverse-dynamics")
+
+
+def route_of(measurement: Measurement, route: str | None = None) -> Route:
+    """Return how a measurement is fitted: as asked, or as its quantities suggest.
+
+    Examples
+    --------
+    >>> route_of(Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6]))
+    'force-map'
+    """
+    if route is not None:
+        for known in ROUTES:
+            if route == known:
+                return known
+        if route == FEATURES:
+            raise InputError(
+                "features are no residuals of a record: fit_features, `fit` and `select` take that"
+                " route."
+            )
+        raise UnknownNameError("route", route, (*ROUTES, FEATURES))
+    return "force-map" if "friction" in measurement.quantities() else "shooting"
+
+
+def fit_record(
+    mechanism: Mechanism,
+    law: FrictionLaw | type[FrictionLaw],
+    measurement: Measurement,
+    *,
+    unknown: Sequence[str] = (),
+    free: Sequence[str] | None = None,
+    known: Mapping[str, float] | None = None,
+    route: str | RouteChoice | None = None,
+    settings: RecordSettings | None = None,
+    contained: Sequence[FittedLaw] | None = None,
+    rival: float = 0.0,
+    watch: Watch | None = None,
+) -> RecordFit:
+    """Fit a law to records in time or to measured friction.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured.
+    law : FrictionLaw or type
+        A type, whose start values come from the record; or an instance, whose values they are.
+    measurement : Measurement
+        Records in time with position or velocity, and the force applied if there is one; or
+        friction measured directly.
+    unknown : sequence of str
+        Parameters of the mechanism that are looked for too, such as ``"inertia"``.
+    free : sequence of str, optional
+        Parameters of the law that are looked for; all of its `fit_order` if not given.
+    known : mapping of str to float, optional
+        Values of those that are not, by name, where the law is a type.
+    route : {"shooting", "force-map", "inverse-dynamics"} or RouteChoice, optional
+        Simulated segments; measured friction along the measured motion; or friction that inverse
+        dynamics finds, along it. Chosen by `choose_route` if not given; where both the first and
+        the last may serve and the first leaves much of the motion, the better of both.
+    settings : RecordSettings, optional
+        Segments and starts.
+    contained : sequence of FittedLaw, optional
+        Fits of simpler laws to the same record by the same route, from which the search begins too.
+        If not given, the laws that this one contains are fitted first.
+    rival : float, optional
+        Mean square that another law leaves: where all starts are far above it, only the best of
+        them is continued, and the fit says so.
+    watch : callable, optional
+        Called with the least root mean square so far; False ends the search with the best so far.
+
+    Returns
+    -------
+    RecordFit
+        The law, estimates with intervals, what the record cannot tell.
+
+    Raises
+    ------
+    InputError
+        If the record does not serve, or a name is not known.
+    ConvergenceError
+        If no start predicts the record.
+    """
+    choice = _route(mechanism, measurement, unknown, route, settings)
+    refuse_unused(measurement, inside(mechanism, measurement))
+    wanted = Wanted(
+        mechanism=mechanism,
+        law=law,
+        measurement=measurement,
+        unknown=unknown,
+        free=free,
+        known=known,
+        settings=choice.settings,
+    )
+    fits: list[RecordFit] = []
+    try:
+        fits.append(_fitted_by(choice, wanted, contained, watch, rival))
+    except ConvergenceError:
+        if choice.alternative is None:
+            raise
+    if choice.alternative is None or not to_compare(choice, fits):
+        return fits[0]
+    other = RouteChoice(route=choice.alternative, settings=choice.settings)
+    try:
+        derived = _fitted_by(other, wanted, None, watch)
+    except (ConvergenceError, InputError):
+        if fits:
+            return fits[0]
+        raise
+    why = better_route(fits, [derived])
+    return replace(derived, route_reason=why) if why else fits[0]
+
+
+def _fitted_by(
+    choice: RouteChoice,
+    wanted: Wanted,
+    contained: Sequence[FittedLaw] | None,
+    watch: Watch | None,
+    rival: float = 0.0,
+) -> RecordFit:
+    """Return a fit by one route."""
+    way, measurement = choice.route, wanted.measurement
+    if contained is None:
+        contained = _simpler_fits(way, wanted, watch)
+    ready, found, first = _searched(way, wanted, contained, watch, rival)
+    if isinstance(ready.build, Balanced):
+        build = ready.build.at(found.best.values)
+        ready = replace(ready, build=build, problem=build.fitted(measurement))
+    contained = reachable(ready.start, ready.problem.unknowns, contained)
+    kind = _kind_of(wanted.law)
+    failure = search_failure(kind, found.best.cost, len(found.best.residual), contained)
+    fit = _tested(_finished(way, measurement, ready, found, first), choice.settings.hold)
+    sentences = (failure, *fit.sentences) if failure else fit.sentences
+    return replace(fit, sentences=sentences, search_failure=failure, route_reason=choice.reason)
+
+
+def _kind_of(law: FrictionLaw | type[FrictionLaw]) -> type[FrictionLaw]:
+    return law if isinstance(law, type) else type(law)
+
+
+def _searched(
+    way: Route,
+    wanted: Wanted,
+    contained: Sequence[FittedLaw],
+    watch: Watch | None,
+    rival: float = 0.0,
+) -> tuple[Prepared, Found, Found]:
+    """Return the problem and the end of its search, and the search that began from all starts.
+
+    They differ for a free decay only, which is fitted again in longer segments.
+    """
+    kind, ready = _kind_of(wanted.law), prepared(way, wanted)
+    contained = reachable(ready.start, ready.problem.unknowns, contained)
+    nested = starts_from(kind, ready.problem.unknowns, contained, ready.load)
+    ready = replace(ready, tried=(*nested, *ready.tried))
+    ready, found = _widened(ready, wanted.settings, watch, rival)
+    first = found
+    if way == "shooting" and not driven(wanted.measurement):
+        ready, found = _lengthened(ready, found, wanted.measurement, wanted.settings, watch)
+        again = starts_from(kind, ready.problem.unknowns, contained, ready.load)
+        found = _best_of(ready, found, again, watch)
+    return ready, found, first
+
+
+def _route(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    unknown: Sequence[str],
+    route: str | RouteChoice | None,
+    settings: RecordSettings | None,
+) -> RouteChoice:
+    """Return the route, its settings and why it was chosen; as asked for if it was."""
+    if isinstance(route, RouteChoice):
+        return route
+    if route is None:
+        return choose_route(mechanism, measurement, unknown=unknown, settings=settings)
+    return RouteChoice(route=route_of(measurement, route), settings=settings or RecordSettings())
+
+
+def _simpler_fits(way: Route, wanted: Wanted, watch: Watch | None) -> tuple[FittedLaw, ...]:
+    """Fit the laws that a law contains at first hand, and those that they contain.
+
+    The simplest are left out: what contains nothing, such as Coulomb friction alone, is found by
+    linear regression as part of the next.
+    """
+    known = laws()
+    found: dict[str, FittedLaw] = {}
+
+    def add(name: str) -> None:
+        simpler = known.get(name)
+        if simpler is None or not simpler.contained or name in found:
+            return
+        for one in simpler.contained:
+            add(one.law)
+        plain = replace(
+            wanted,
+            law=simpler,
+            free=[field for field in simpler.fit_order if not _is_shape(simpler, field)],
+            known=None,
+            settings=replace(wanted.settings, starts=1),
+        )
+        try:
+            ready, end, _ = _searched(way, plain, tuple(found.values()), watch)
+        except (ConvergenceError, InputError):
+            return
+        values = dict(zip(ready.problem.unknowns.paths, end.best.values.tolist(), strict=True))
+        friction = {path: v for path, v in values.items() if path.startswith("friction.")}
+        found[name] = FittedLaw(
+            law=vary(ready.start, "friction", friction),
+            values=values,
+            cost=end.best.cost,
+            rows=len(end.best.residual),
+        )
+
+    for one in _kind_of(wanted.law).contained:
+        add(one.law)
+    return tuple(found.values())
+
+
+def _is_shape(kind: type[FrictionLaw], name: str) -> bool:
+    """Whether a parameter is an exponent, which the contained law has at its default."""
+    return fields_of(kind)[name].structural
+
+
+def _best_of(ready: Prepared, found: Found, starts: Sequence[Array], watch: Watch | None) -> Found:
+    """Return the better of a search and of searches from further starts."""
+    for start in starts:
+        if found.cancelled:
+            break
+        try:
+            near = ready.looking_for(ready.problem.unknowns.starting_at(start)).problem
+            again = search(near, starts=1, watch=watch)
+        except ConvergenceError:
+            continue
+        better = min(found, again, key=lambda one: one.best.cost)
+        found = replace(better, evaluations=found.evaluations + again.evaluations)
+    return found
+
+
+def _tested(fit: RecordFit, hold: Hold) -> RecordFit:
+    """Return a fit with the errors of the model that its residuals show.
+
+    Residuals that are the noise of the sensor show none, whatever a test finds in them.
+    """
+    if fit.route == "force-map":  # no force that inertia would balance
+        return fit
+    if drives_itself(fit.mechanism, fit.measurement):  # nor one that was recorded
+        return fit
+    if fit.rms <= AT_NOISE * noise_floor(fit.mechanism, fit.measurement, fit.problem.quantity):
+        return fit
+    errors = model_errors(
+        fit.mechanism, fit.law, fit.measurement, fit.unknowns, fit.estimates, hold=hold
+    )
+    return replace(fit, model_errors=errors)
+
+
+def _widened(
+    ready: Prepared, settings: RecordSettings, watch: Watch | None, rival: float
+) -> tuple[Prepared, Found]:
+    """Search, and again with wider bounds where one was met that a start value had set.
+
+    A bound that follows from a poor guess would pass for what the record says. One that is a limit
+    of the quantity, such as 0, or of what the record covers stays.
+    """
+    found = search(
+        ready.problem,
+        starts=settings.starts,
+        seed=settings.seed,
+        tried=ready.tried,
+        few=ready.few,
+        rival=rival,
+        watch=watch,
+    )
+    for _ in range(WIDENINGS):
+        unknowns = ready.problem.unknowns
+        wider = unknowns.widened(bounds_met(unknowns, found.best.values), WIDER)
+        if found.cancelled or wider == unknowns:
+            break
+        wide = ready.looking_for(wider.starting_at(found.best.values))
+        again = search(
+            wide.problem,
+            starts=settings.starts,
+            seed=settings.seed,
+            few=wide.few,
+            rival=rival,
+            watch=watch,
+        )
+        again = replace(again, evaluations=found.evaluations + again.evaluations)
+        if again.best.cost > (1.0 - WORTH) * found.best.cost:
+            return ready, replace(found, evaluations=again.evaluations, cancelled=again.cancelled)
+        ready, found = wide, again
+    return ready, found
+
+
+def _lengthened(
+    ready: Prepared,
+    found: Found,
+    measurement: Measurement,
+    settings: RecordSettings,
+    watch: Watch | None,
+) -> tuple[Prepared, Found]:
+    """Fit a free decay again in longer segments, at last as a whole.
+
+    The whole tells the most, but only from near the truth: from farther off, a swing more or less
+    is as good a fit. What is returned is how the last search ended, whose residuals are those of
+    the fit: costs over longer segments cannot be compared with costs over short ones.
+    """
+    spans = ready.problem.spans
+    whole = float(np.max(spans[:, 2]) - np.min(spans[:, 1]))
+    for length in (DECAY_STEP * settings.segment, whole):
+        if found.cancelled or length <= settings.segment or length > whole:
+            continue
+        longer = ready.build(measurement, length)
+        near = longer.unknowns.starting_at(found.best.values)
+        problem = replace(longer, unknowns_=near) if isinstance(longer, Shooting) else longer
+        try:
+            again = search(problem, starts=1, watch=watch)
+        except ConvergenceError as error:
+            raise ConvergenceError(
+                f"segments of {settings.segment:g} s of this free decay do not tell enough to"
+                f" predict {length:.3g} s: {error} Give longer segments."
+            ) from None
+        ready = replace(ready, problem=problem, length=length)
+        found = replace(again, evaluations=found.evaluations + again.evaluations)
+    return ready, found
+
+
+def _finished(
+    route: Route,
+    measurement: Measurement,
+    ready: Prepared,
+    found: Found,
+    searched: Found,
+) -> RecordFit:
+    """Return a fit from the end of its search, which began with one from several starts."""
+    unknowns, best = ready.problem.unknowns, found.best
+    at_bounds = bounds_met(unknowns, best.values)
+    values = dict(zip(unknowns.paths, best.values.tolist(), strict=True))
+    law, own = (
+        {path: value for path, value in values.items() if path.startswith(f"{room}.")}
+        for room in ("friction", "mechanism")
+    )
+    mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
+    again = partial(ready.build.fitted, length=ready.length)
+    moved = displacements(again, best, mechanism, measurement)
+    inference = infer(best, scale_of(unknowns, best.values, at_bounds), displaced=moved)
+    mechanism, said = as_loaded(mechanism, measurement)
+    fit = RecordFit(
+        law=vary(ready.start, "friction", law),
+        mechanism=mechanism,
+        estimates=(),
+        remarks=(said,) if said else (),
+        route=route,
+        measurement=measurement,
+        problem=ready.problem,
+        build=ready.build,
+        found=found,
+        inference=inference,
+        displaced=moved,
+        at_bounds=at_bounds,
+        sentences=(),
+    )
+    sentences = (*offset_left_out(ready.start, ready.mechanism, unknowns), *_doubtful(searched))
+    told = turned_as(measurement, in_forces(unknowns, ready.mechanism, measurement))
+    return _with_estimates(fit, told, sentences)
+
+
+def _with_estimates(fit: RecordFit, told: Unknowns, sentences: Sequence[str]) -> RecordFit:
+    """Return a fit with its estimates and their intervals, and what is to be said of both."""
+    best = fit.found.best
+    halves = None if fit.found.cancelled else halves_of(fit)
+    inference = fit.inference if halves is None else widened(fit.inference, best.values, halves)
+    estimates = estimates_of(told, best, inference, fit.at_bounds)
+    return replace(
+        fit,
+        estimates=estimates,
+        inference=inference,
+        halves=halves,
+        sentences=(
+            *(() if halves is None else contradiction(told, halves)),
+            *sentences_of(told, best, inference, fit.at_bounds, estimates),
+            *sentences,
+        ),
+    )
+
+
+def _doubtful(found: Found) -> tuple[str, ...]:
+    """Return a sentence where no other start came to the least residual."""
+    if found.hopeless:
+        return (
+            "The search was cut short: from all of its"
+            f" {len(found.costs)} starts, the residual is more than three times that of another"
+            " law.",
+        )
+    if found.agreeing > 1 or len(found.costs) == 1:
+        return ()
+    return (
+        f"Only one of {len(found.costs)} starts came to the least residual: the estimates may be"
+        " those of a side valley, which intervals do not show.",
+    )

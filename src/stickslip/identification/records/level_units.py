@@ -1,0 +1,83 @@
+"""Levels that are forces: coefficients of a law where no normal force is known."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Final
+
+from stickslip.experiments import Measurement
+from stickslip.experiments.units import turned
+from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.mechanisms import Axis, Mechanism
+
+__all__ = ["in_forces", "reads_as_forces", "turned_as"]
+
+AT_UNIT_LOAD: Final = MappingProxyType({"1": "N", "1/m": "N/m", "s/m": "N s/m"})
+"""What a unit per load [N] reads as where the load is 1."""
+
+
+def reads_as_forces(mechanism: Mechanism, measurement: Measurement) -> bool:
+    """Whether levels read as forces [N]: an axis that was given no load, and none was measured.
+
+    Examples
+    --------
+    >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
+    >>> (
+    ...     reads_as_forces(Axis(inertia=1.0), table),
+    ...     reads_as_forces(Axis(inertia=1.0, load=5.0), table),
+    ... )
+    (True, False)
+    """
+    unit_load = isinstance(mechanism, Axis) and mechanism.load == 1.0
+    known = "load" in measurement.quantities() or any(
+        "mechanism.load" in record.overrides for record in measurement.records()
+    )
+    return unit_load and not known
+
+
+def in_forces(unknowns: Unknowns, mechanism: Mechanism, measurement: Measurement) -> Unknowns:
+    """Return the unknowns with the units that their values read in.
+
+    A law's levels are pure numbers, times the normal force. Where that is 1 for want of another,
+    the number is the force, and is said in N.
+
+    Examples
+    --------
+    >>> from stickslip.quantities import Quantity
+    >>> path = "friction.kinetic_coefficient"
+    >>> level = Unknowns((Unknown(path=path, quantity=Quantity("mu_k"), start=2.0),))
+    >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
+    >>> in_forces(level, Axis(inertia=1.0), table).items[0].quantity.unit
+    'N'
+    """
+    if not reads_as_forces(mechanism, measurement):
+        return unknowns
+    return replace(unknowns, items=tuple(_in_forces(unknowns.items)))
+
+
+def turned_as(measurement: Measurement, unknowns: Unknowns) -> Unknowns:
+    """Return the unknowns in the units of what was measured: about an axis, forces are torques.
+
+    Examples
+    --------
+    >>> from stickslip.quantities import Quantity
+    >>> offset = Unknowns(
+    ...     (Unknown(path="mechanism.offset", quantity=Quantity("o", "N"), start=0.0),)
+    ... )
+    >>> swing = Measurement(time=[0.0, 1.0], position=[0.0, 0.1], turning=True)
+    >>> turned_as(swing, offset).items[0].quantity.unit
+    'N m'
+    """
+    pairs = [(item, turned(item.quantity.unit, measurement.turning)) for item in unknowns.items]
+    items = (replace(item, quantity=replace(item.quantity, unit=unit)) for item, unit in pairs)
+    return replace(unknowns, items=tuple(items))
+
+
+def _in_forces(items: Iterable[Unknown]) -> Iterable[Unknown]:
+    for item in items:
+        quantity = item.quantity
+        unit = AT_UNIT_LOAD.get(quantity.unit, "")
+        if item.path.startswith("friction.") and unit and not quantity.structural:
+            yield replace(item, quantity=replace(quantity, unit=unit))
+        else:
+            yield item

@@ -1,0 +1,283 @@
+"""The problems that records become, by route, and where their searches begin."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.experiments import Measurement
+from stickslip.experiments.preconditions import with_doubts
+from stickslip.friction import FrictionLaw
+from stickslip.identification.estimation.parameters import Unknowns
+from stickslip.identification.estimation.problem import RecordProblem
+from stickslip.identification.force_map.data import stretches_of
+from stickslip.identification.force_map.force_balance import Balanced, balanced
+from stickslip.identification.force_map.model import ForceMap
+from stickslip.identification.force_map.problem import FEW, SAMPLES, map_along
+from stickslip.identification.records.fit import Build
+from stickslip.identification.records.scanning import scanned_scales, surplus_starts
+from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.series.applied_force import drives_itself
+from stickslip.identification.series.inertia import inertia_of
+from stickslip.identification.series.measured_load import as_loaded, loaded
+from stickslip.identification.series.start_values import (
+    joined,
+    law_unknowns,
+    mechanism_unknowns,
+    scales_of,
+)
+from stickslip.identification.shooting.multiple_shooting import Shooting, few_of
+from stickslip.identification.shooting.segments import measured_quantity, segments_of
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import fields_of, vary
+
+__all__ = ["Prepared", "Route", "Wanted", "prepared"]
+
+Array = NDArray[np.float64]
+SOME = 2_500
+"""Samples of a record that start values are looked for with, where many are at rest."""
+Route: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wanted:
+    """What is to be fitted to what, as `fit_record` is asked."""
+
+    mechanism: Mechanism
+    law: FrictionLaw | type[FrictionLaw]
+    measurement: Measurement
+    unknown: Sequence[str]
+    free: Sequence[str] | None
+    known: Mapping[str, float] | None
+    settings: RecordSettings
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A problem and where its search begins."""
+
+    mechanism: Mechanism
+    start: FrictionLaw
+    problem: RecordProblem
+    build: Build
+    tried: tuple[Array, ...] = ()
+    """Further start values (p,), the best first."""
+    load: float = 1.0
+    """Typical normal force [N]."""
+    length: float | None = None
+    """Length of its segments [s], if it is not that of the settings."""
+
+    @property
+    def few(self) -> RecordProblem | None:
+        """Some segments, on which starts are compared; None where that saves little.
+
+        Friction is compared on all rows: what a filter for fewer of them leaves of presliding
+        leads elsewhere.
+        """
+        return few_of(self.problem)
+
+    def looking_for(self, unknowns: Unknowns) -> "Prepared":
+        """Return the same with other bounds or start values of the unknowns."""
+        if isinstance(self.build, _Shot):
+            assert isinstance(self.problem, Shooting)
+            shot = replace(self.build, unknowns=unknowns)
+            return replace(self, problem=replace(self.problem, unknowns_=unknowns), build=shot)
+        assert isinstance(self.problem, ForceMap)
+        assert isinstance(self.build, _Rubbed | Balanced)
+        problem = replace(self.problem, unknowns_=unknowns)
+        return replace(self, problem=problem, build=replace(self.build, problem=problem))
+
+
+# What builds problems is no closure, so that fits can cross processes.
+
+
+@dataclass(frozen=True)
+class _Shot:
+    """Builds the shooting problem of a record."""
+
+    mechanism: Mechanism
+    law: FrictionLaw
+    unknowns: Unknowns
+    settings: RecordSettings
+    quantity: str
+    """What runs are compared with, in every record alike."""
+
+    def __call__(self, record: Measurement, length: float | None) -> RecordProblem:
+        return Shooting(
+            law=self.law,
+            unknowns_=self.unknowns,
+            segments=segments_of(
+                self.mechanism,
+                record,
+                length=self.settings.segment if length is None else length,
+                resolution=_rows(self.settings, length),
+                hold=self.settings.hold,
+                quantity=self.quantity,
+            ),
+            quantity_=self.quantity,
+        )
+
+    def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
+        return self(record, length)
+
+
+@dataclass(frozen=True)
+class _Rubbed:
+    """Builds the problem of a record of friction."""
+
+    mechanism: Mechanism
+    problem: ForceMap
+
+    def __call__(self, record: Measurement, length: float | None) -> RecordProblem:
+        return self.problem.along(stretches_of(self.mechanism, record, segment=length), record)
+
+    def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
+        own = stretches_of(self.mechanism, record, segment=length, samples=SAMPLES)
+        return self.problem.along(own, record)
+
+
+def _rows(settings: RecordSettings, length: float | None) -> int:
+    """Return the rows of a segment, so that longer ones are resolved alike."""
+    if length is None:
+        return settings.resolution
+    return max(settings.resolution, math.ceil(settings.resolution * length / settings.segment))
+
+
+def prepared(route: Route, wanted: Wanted) -> Prepared:
+    """Return the problem of a route.
+
+    Raises
+    ------
+    InputError
+        If the record does not serve, or a name is not known.
+    """
+    if route == "shooting":
+        return _shooting(wanted)
+    return _mapped(wanted) if route == "force-map" else _derived(wanted)
+
+
+def _shooting(wanted: Wanted) -> Prepared:
+    measurement = wanted.measurement
+    quantity = measured_quantity(measurement)
+    under_load = loaded(wanted.mechanism, measurement)
+    mechanism, _ = as_loaded(wanted.mechanism, measurement)
+    with with_doubts(measurement, mechanism):
+        scales = (
+            scanned_scales(mechanism, under_load, quantity)
+            if drives_itself(mechanism, under_load)
+            else scales_of(mechanism, under_load, wanted.unknown)
+        )
+    start, items, further = law_unknowns(wanted.law, scales, wanted.free, wanted.known)
+    own = mechanism_unknowns(mechanism, start, wanted.unknown, scales)
+    unknowns = joined(start, [*items, *own])
+    if not len(unknowns):
+        raise InputError("there is nothing to fit: name at least one parameter in `free`.")
+    _refuse_overrides(under_load, unknowns)
+
+    if scales.nominal is not None:
+        masses = (p for p in unknowns.paths if p in ("mechanism.inertia", "mechanism.mass"))
+        further = (dict.fromkeys(masses, scales.nominal), *further)
+    build = _Shot(mechanism, start, unknowns, wanted.settings, quantity)
+    tried = tuple(
+        np.array([other.get(p, v) for p, v in zip(unknowns.paths, unknowns.start, strict=True)])
+        for other in further
+    )
+    with with_doubts(measurement, mechanism):
+        problem = build(measurement, None)
+    if isinstance(wanted.law, type) and (
+        drives_itself(mechanism, under_load) or _acts_at_rest_alone(wanted.law)
+    ):
+        tried = (*surplus_starts(problem), *tried)
+    near = _by_inverse_dynamics(wanted, unknowns)
+    if near is not None:
+        assert isinstance(problem, Shooting)
+        tried = (unknowns.start, *tried)
+        problem = replace(problem, unknowns_=unknowns.starting_at(near))
+    return Prepared(mechanism, start, problem, build, tried, scales.load)
+
+
+def _acts_at_rest_alone(law: type[FrictionLaw]) -> bool:
+    """Whether a law has a level at rest that no sliding tells of."""
+    known = fields_of(law)
+    return "static_coefficient" in law.fit_order and "stribeck_velocity" not in known
+
+
+def _by_inverse_dynamics(wanted: Wanted, unknowns: Unknowns) -> Array | None:
+    """Return start values (p,) that inverse dynamics finds; None if it cannot or nothing asks.
+
+    Simulated segments say nothing of a velocity or a stiffness that is decades away.
+    """
+    if drives_itself(wanted.mechanism, wanted.measurement):
+        return None
+    decades = any(i.log and i.path.startswith("friction.") for i in unknowns.items)
+    if not decades or not isinstance(wanted.law, type):
+        return None
+    try:
+        derived = _derived(wanted).problem.unknowns
+    except InputError:
+        return None
+    found = dict(zip(derived.paths, derived.start.tolist(), strict=True))
+    near = np.array([found.get(item.path, item.start) for item in unknowns.items])
+    return unknowns.values(unknowns.coordinates(near))
+
+
+def _load(problem: ForceMap) -> float:
+    return float(np.median(np.concatenate([one.path.load for one in problem.stretches])))
+
+
+def _refuse_overrides(measurement: Measurement, unknowns: Unknowns) -> None:
+    """Refuse trials with values of their own for what is one unknown of all of them."""
+    for number, record in enumerate(measurement.records(), 1):
+        for path in record.overrides:
+            if path in unknowns.paths:
+                raise InputError(
+                    f"trial {record.name or number} overrides {path}, which is looked for as one"
+                    " number of all trials: leave the override out, or do not look for it."
+                )
+
+
+def _mapped(wanted: Wanted) -> Prepared:
+    """Return the problem of friction that was measured."""
+    if wanted.unknown:
+        raise InputError(
+            f"friction was measured, which tells nothing of {', '.join(wanted.unknown)}: leave out"
+            " what is unknown of the mechanism, or fit another record that has motion and force."
+        )
+    mechanism = wanted.mechanism
+    problem, starts = map_along(
+        wanted.law,
+        mechanism,
+        stretches_of(mechanism, wanted.measurement, samples=SAMPLES),
+        stretches_of(mechanism, wanted.measurement, samples=FEW),
+        free=wanted.free,
+        known=wanted.known,
+    )
+    problem = replace(problem, unknowns_=problem.unknowns.starting_at(starts[0]))
+    build = _Rubbed(mechanism, problem)
+    return Prepared(mechanism, problem.law, problem, build, starts[1:], _load(problem))
+
+
+def _derived(wanted: Wanted) -> Prepared:
+    """Return the problem of friction that inverse dynamics finds, the mass looked for with it."""
+    mechanism, measurement, hold = wanted.mechanism, wanted.measurement, wanted.settings.hold
+    mass = inertia_of(mechanism, measurement, wanted.unknown)
+    if mass is not None:
+        mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})
+    problem, starts = map_along(
+        wanted.law,
+        mechanism,
+        balanced(mechanism, measurement, hold=hold, slipping=True),
+        balanced(mechanism, measurement, hold=hold, samples=SOME, slipping=True),
+        free=wanted.free,
+        known=wanted.known,
+        mass=mass,
+    )
+    problem = replace(problem, unknowns_=problem.unknowns.starting_at(starts[0]))
+    if mass is not None:
+        _refuse_overrides(measurement, problem.unknowns)
+    build = Balanced(mechanism, problem, hold)
+    return Prepared(mechanism, problem.law, problem, build, starts[1:], _load(problem))

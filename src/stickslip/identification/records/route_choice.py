@@ -1,0 +1,332 @@
+"""Which route fits a record: simulated segments, or friction that inverse dynamics derives.
+
+A simulation of a second tells friction only where friction decides what happens in a second. At low
+speed in a closed loop it does not: the force that was recorded answers to every disturbance, and
+played back to the model it drives it elsewhere. Inverse dynamics, which takes the motion as it was
+measured, needs no such prediction, but a motion that is measured well.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias, final
+
+import numpy as np
+
+from stickslip.errors import ConvergenceError, StickslipError
+from stickslip.experiments import Measurement
+from stickslip.experiments.wording import number, percent
+from stickslip.friction import CoulombViscous
+from stickslip.identification.estimation.levenberg_marquardt import improve, search
+from stickslip.identification.records.fit import RecordFit, settled
+from stickslip.identification.records.problems import Route, Wanted, prepared
+from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.series.applied_force import driven, drives_itself
+from stickslip.identification.shooting.multiple_shooting import Segment, Shooting
+from stickslip.mechanisms import Mechanism
+
+__all__ = [
+    "RouteChoice",
+    "RouteName",
+    "asked_for",
+    "better_route",
+    "choose_route",
+    "serves_inverse_dynamics",
+    "to_compare",
+    "unexplained_share",
+]
+
+RouteName: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics", "features"]
+"""What `fit` and `select` may be asked for."""
+
+UNPREDICTED = 0.5
+"""Share of the motion left unexplained beyond which simulated segments do not serve."""
+SUSPECT = 0.05
+"""Share beyond which their mass and level are compared with those of inverse dynamics."""
+CONTRADICTED = 1.5
+"""Factor between the two beyond which the simulated segments do not serve."""
+LOOKED_AT = 12
+"""Segments that are simulated to see it."""
+COMPARED = ("inertia", "mass", "kinetic_coefficient")
+"""Ends of paths of what is compared; viscous parts trade off with levels at low speed."""
+STARTS = 2
+"""Starts of a search where the regression leaves much: of a short record it may be far off."""
+SHORTER = (0.5, 0.25, 0.125)
+"""Shares of the usual length that are tried where inverse dynamics does not serve."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class RouteChoice:
+    """How a record is fitted, and why."""
+
+    route: Route
+    """The route."""
+    settings: RecordSettings
+    """Settings with the length of segments that serves."""
+    reason: str = ""
+    """Why it is not simulated segments of the usual length; empty if it is."""
+    alternative: Route | None = None
+    """Route that may serve better, to be compared once laws are fitted; None if none may."""
+
+
+def asked_for(route: str | RouteChoice | None) -> str | None:
+    """Return the name of a route, or of that of a choice; None if nobody asked for one.
+
+    Examples
+    --------
+    >>> asked_for("shooting")
+    'shooting'
+    """
+    return route.route if isinstance(route, RouteChoice) else route
+
+
+def unexplained_share(fit: RecordFit) -> float:
+    """Return what a fit leaves unexplained, as a share.
+
+    Of simulated segments, that of their motion about a straight line, as their first position and
+    velocity are fitted; of friction, that of its variation about its mean.
+    """
+    problem = fit.problem
+    if isinstance(problem, Shooting):
+        whole = sum(_curved(segment) for segment in problem.segments)
+    else:
+        whole = float(np.sum((problem.measured - np.mean(problem.measured)) ** 2))
+    return math.sqrt(fit.found.best.cost / max(whole, 1e-300))
+
+
+def better_route(fits: Sequence[RecordFit], others: Sequence[RecordFit]) -> str:
+    """Return why the route of other fits to the same record serves better; empty if it does not.
+
+    It does where the best of its fits leaves a smaller share of what it explains.
+    """
+    if not others:
+        return ""
+    if not fits:
+        return "no law can be fitted to simulated segments"
+    one, other = (min(unexplained_share(fit) for fit in some) for some in (fits, others))
+    if not other < one:
+        return ""
+    return (
+        f"simulated segments leave {percent(one)} of the motion unexplained at best, inverse"
+        f" dynamics {percent(other)} of the friction"
+    )
+
+
+def to_compare(choice: RouteChoice, fits: Sequence[RecordFit]) -> bool:
+    """Whether the alternative of a choice is to be tried, as even the best fit leaves much.
+
+    Not after a search was ended early.
+    """
+    if choice.alternative is None or any(fit.found.cancelled for fit in fits):
+        return False
+    return not fits or min(unexplained_share(fit) for fit in fits) > SUSPECT
+
+
+def choose_route(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    unknown: Sequence[str] = (),
+    settings: RecordSettings | None = None,
+) -> RouteChoice:
+    """Return how a record is fitted where nobody asks for a route.
+
+    Friction that was measured is fitted along the measured motion. Everything else is simulated in
+    segments, unless Coulomb and viscous friction leaves more than half of the motion within these
+    unexplained, or a good part of it with a mass or a level that inverse dynamics contradicts. Then
+    friction is derived by inverse dynamics, or, where the mechanism does not allow that, segments
+    are made shorter.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        Records in time, or measured friction.
+    unknown : sequence of str
+        Parameters of the mechanism that are fitted too.
+    settings : RecordSettings, optional
+        Segments; a length other than the usual one is kept.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
+    >>> choose_route(Axis(inertia=1.0), table).route
+    'force-map'
+    """
+    settings = RecordSettings() if settings is None else settings
+    if "friction" in measurement.quantities():
+        return RouteChoice(route="force-map", settings=settings)
+    if drives_itself(mechanism, measurement):
+        return RouteChoice(route="shooting", settings=_whole(measurement, settings))
+    usual = RouteChoice(route="shooting", settings=settings)
+    if not driven(measurement):
+        return usual
+    seen = _simulated(mechanism, measurement, unknown, settings)
+    if seen is None or seen.left <= SUSPECT:
+        return usual
+    derivable = serves_inverse_dynamics(mechanism, measurement, unknown)
+    if seen.left > UNPREDICTED:
+        why = (
+            f"Coulomb + viscous friction leaves {percent(seen.left)} of the motion within"
+            f" {number(settings.segment)} s unexplained"
+            if math.isfinite(seen.left)
+            else f"the motion cannot be simulated over {number(settings.segment)} s"
+        )
+    else:
+        found = _contradiction(mechanism, measurement, unknown, settings, seen)
+        derivable, why = derivable and found is not None, found or ""
+    if not why:
+        return replace(usual, alternative="inverse-dynamics") if derivable else usual
+    if derivable:
+        return RouteChoice(route="inverse-dynamics", settings=settings, reason=why)
+    if settings.segment != RecordSettings().segment:
+        return usual
+    for share in SHORTER:
+        shorter = replace(settings, segment=share * settings.segment)
+        again = _simulated(mechanism, measurement, unknown, shorter)
+        if again is None or again.left <= UNPREDICTED:
+            return RouteChoice(route="shooting", settings=shorter, reason=why)
+    return usual
+
+
+def _whole(measurement: Measurement, settings: RecordSettings) -> RecordSettings:
+    """Return settings by which records are simulated as a whole, resolved as segments are.
+
+    A mechanism that drives itself runs from its start in any case: short segments would tell less.
+    """
+    usual = RecordSettings()
+    if settings.segment != usual.segment:
+        return settings
+    longest = max(float(np.ptp(np.asarray(one.time))) for one in measurement.records())
+    rows = math.ceil(settings.resolution * max(longest / settings.segment, 1.0))
+    return replace(settings, segment=max(longest, settings.segment), resolution=rows)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Simulated:
+    """Coulomb and viscous friction fitted to simulated segments."""
+
+    values: Mapping[str, float]
+    left: float
+    """Share of the motion within the segments that it leaves unexplained."""
+
+
+def _simulated(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    unknown: Sequence[str],
+    settings: RecordSettings,
+) -> _Simulated | None:
+    """Return what Coulomb and viscous friction leaves; None where that cannot be said."""
+    try:
+        problem = prepared(
+            "shooting", _plain_fit(mechanism, measurement, unknown, settings)
+        ).problem
+    except StickslipError:
+        return None  # what is wrong with the record is said where it is fitted
+    assert isinstance(problem, Shooting)
+    return _motion_left(problem)
+
+
+def _plain_fit(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    unknown: Sequence[str],
+    settings: RecordSettings,
+) -> Wanted:
+    return Wanted(
+        mechanism=mechanism,
+        law=CoulombViscous,
+        measurement=measurement,
+        unknown=unknown,
+        free=None,
+        known=None,
+        settings=settings,
+    )
+
+
+def _contradiction(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    unknown: Sequence[str],
+    settings: RecordSettings,
+    seen: _Simulated,
+) -> str | None:
+    """Return where inverse dynamics finds another mass or level, in words; empty if it does not.
+
+    None if it finds nothing at all.
+    """
+    try:
+        wanted = _plain_fit(mechanism, measurement, unknown, settings)
+        problem = prepared("inverse-dynamics", wanted).problem
+        end, _ = improve(problem, problem.unknowns.start)
+    except StickslipError:
+        return None
+    derived = dict(zip(problem.unknowns.paths, end.values.tolist(), strict=True))
+    for path, value in seen.values.items():
+        other = derived.get(path, 0.0)
+        if path.endswith(COMPARED) and value > 0.0 and other > 0.0:
+            factor = max(value / other, other / value)
+            if factor > CONTRADICTED:
+                name = path.rpartition(".")[2].replace("_", " ")
+                return (
+                    f"simulated segments and inverse dynamics contradict each other: the {name}"
+                    f" differs by a factor of {number(factor, 2)}"
+                )
+    return ""
+
+
+def serves_inverse_dynamics(
+    mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str] = ()
+) -> bool:
+    """Whether friction can be derived from motion and force: one coordinate, driven, positions.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> t = np.arange(100) / 100
+    >>> pushed = Measurement(time=t, position=np.sin(t), force=np.cos(t))
+    >>> serves_inverse_dynamics(Axis(inertia=1.0), pushed)
+    True
+    """
+    return (
+        len(mechanism.coordinates) == 1
+        and driven(measurement)
+        and all(path.rpartition(".")[2] in ("inertia", "mass") for path in unknown)
+        and all(
+            record.time is not None and "position" in record.quantities()
+            for record in measurement.records()
+        )
+    )
+
+
+def _motion_left(problem: Shooting) -> _Simulated:
+    """Return the share of the motion within segments that a law leaves unexplained at its best.
+
+    A straight line is taken off the motion of each segment, since its first position and velocity
+    are fitted. Start values, by linear regression of forces, are improved only if they leave much.
+    """
+    count = len(problem.segments)
+    step = max(1, math.ceil(count / LOOKED_AT))
+    few = replace(problem, segments=problem.segments[::step])
+    moved = sum(_curved(segment) for segment in few.segments)
+    seen = settled(few, few.unknowns.start)
+    for starts in (1, STARTS):
+        enough = SUSPECT if starts == 1 else UNPREDICTED
+        if seen.cost <= enough**2 * moved:
+            break
+        try:
+            seen = search(few, starts=starts).best
+        except ConvergenceError:
+            return _Simulated(values={}, left=math.inf)
+    values = dict(zip(few.unknowns.paths, seen.values.tolist(), strict=True))
+    return _Simulated(values=values, left=math.sqrt(seen.cost / max(moved, 1e-300)))
+
+
+def _curved(segment: Segment) -> float:
+    """Return the sum of squares of the motion of a segment less a straight line."""
+    line = np.polyfit(segment.times, segment.measured, 1)
+    return float(np.sum((segment.measured - np.polyval(line, segment.times)) ** 2))

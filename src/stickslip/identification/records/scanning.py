@@ -1,0 +1,136 @@
+"""Sizes of friction in a record of a mechanism that drives itself: levels are tried one by one.
+
+Without a force there is nothing for a regression to start from, but the drive is known, and a run
+takes milliseconds.
+"""
+
+import itertools
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import ConvergenceError
+from stickslip.experiments import Measurement
+from stickslip.friction import Coulomb
+from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.estimation.problem import RecordProblem
+from stickslip.identification.series.inverse_dynamics import mass_of
+from stickslip.identification.series.start_values import Scales, load_of
+from stickslip.identification.shooting.multiple_shooting import Shooting
+from stickslip.identification.shooting.segments import segments_of
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import fields_of
+
+__all__ = ["scanned_scales", "surplus_starts"]
+
+LEVELS: Final = tuple(np.geomspace(0.01, 2.0, 16).tolist())
+"""Levels over the load that are tried: a third more each, from rolling to rubber."""
+ROWS: Final = 200
+"""Rows of a record that they are compared at."""
+ONE_WAY: Final = 0.01
+"""Share of the samples that must go each way for a record to be two-sided."""
+SURPLUSES: Final = (1.02, 1.1, 1.2, 1.35, 1.6, 2.0)
+"""Levels at rest over those of sliding that are tried, beside ..."""
+NEAR: Final = (0.9, 0.95, 1.0, 1.05, 1.1)
+"""... levels of sliding over the one that fits best alone."""
+KEPT: Final = 3
+"""Starts that are kept of these."""
+LONGEST: Final = 1e9
+"""Length of a segment that no record has [s]."""
+
+
+def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str) -> Scales:
+    """Return the sizes of friction that simulated runs with Coulomb friction suggest.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured, with its drive.
+    measurement : Measurement
+        Records in time; their times are those of the drive.
+    quantity : {"position", "velocity"}
+        What is compared.
+
+    Raises
+    ------
+    ConvergenceError
+        If no level lets the runs go on to the end, as where the body lifts off.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Prescribed, ThreePhase, simulate
+    >>> stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+    >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
+    >>> run = simulate(capsule, Coulomb(kinetic_coefficient=0.2), t_end=0.5).sampled(100)
+    >>> record = Measurement(time=run.t, position=run["x"])
+    >>> scales = scanned_scales(capsule, record, "position")
+    >>> 0.14 < scales.level / scales.load < 0.28
+    True
+    """
+    load = load_of(mechanism)
+    path, bounds = "friction.kinetic_coefficient", fields_of(Coulomb)["kinetic_coefficient"]
+    level = Unknown(path=path, quantity=bounds, start=LEVELS[0], low=0.0, high=LEVELS[-1])
+    problem = Shooting(
+        law=Coulomb(kinetic_coefficient=LEVELS[0]),
+        unknowns_=Unknowns((level,), {}),
+        segments=segments_of(
+            mechanism, measurement, length=LONGEST, resolution=ROWS, quantity=quantity
+        ),
+        quantity_=quantity,
+    )
+    seen = [problem.linearise(np.array([mu]), slopes=False) for mu in LEVELS]
+    best = min(seen, key=lambda one: one.cost)
+    runs = problem.runs(best) if np.isfinite(best.cost) else ()
+    if not runs:
+        raise ConvergenceError(
+            f"no run of the {type(mechanism).__name__} goes on to the end of the record with"
+            f" Coulomb friction of {LEVELS[0]:g} to {LEVELS[-1]:g} times the load: look at masses,"
+            " lengths and the drive, in SI, and whether it lifts off or tips over."
+        )
+    slip = mechanism.coordinates.index(mechanism.contacts()[0].slip)
+    place, rate = mechanism.coordinates[slip], mechanism.rates[slip]
+    sampled = [run.sampled(10 * ROWS) for run in runs]
+    v = np.concatenate([one[rate] for one in sampled])
+    moving = v[np.abs(v) > 0.0]
+    ahead = float(np.mean(moving > 0.0)) if moving.size else 1.0
+    found = float(best.values[0]) * load
+    return Scales(
+        load=load,
+        level=found,
+        levels=(found, found),
+        slope=0.0,
+        slopes=(0.0, 0.0),
+        offset=0.0,
+        inertia=mass_of(mechanism),
+        speed=max(float(np.percentile(np.abs(v), 98.0)), 1e-12),
+        stroke=max(*(float(np.ptp(one[place])) for one in sampled), 1e-12),
+        two_sided=ONE_WAY < ahead < 1.0 - ONE_WAY,
+    )
+
+
+def surplus_starts(problem: RecordProblem) -> tuple[NDArray[np.float64], ...]:
+    """Return starts (p,) with the levels at rest that fit best, tried one by one.
+
+    Such a level decides at each rest whether the body breaks away or not, so that residuals jump
+    with it, and no slope leads from one side to the other.
+
+    Parameters
+    ----------
+    problem : RecordProblem
+        With start values of its unknowns.
+    """
+    unknowns = problem.unknowns
+    above = [item.path for item in unknowns.items if item.above]
+    if not above:
+        return ()
+    rest = unknowns.paths.index(above[0])
+    level = unknowns.paths.index(unknowns.items[rest].above)
+    found = []
+    for near, surplus in itertools.product(NEAR, SURPLUSES):
+        values = unknowns.start.copy()
+        values[level] *= near
+        values[rest] = surplus * values[level]
+        found.append((problem.linearise(values, slopes=False).cost, values))
+    found.sort(key=lambda one: one[0])
+    return tuple(values for cost, values in found[:KEPT] if np.isfinite(cost))

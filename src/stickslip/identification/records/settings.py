@@ -1,0 +1,49 @@
+"""How records are fitted."""
+
+import numbers
+from dataclasses import dataclass
+from typing import get_args
+
+from stickslip.errors import ParameterError, UnknownNameError
+from stickslip.identification.shooting.segments import LEAST, RESOLUTION, Hold
+from stickslip.quantities import Quantity
+
+__all__ = ["RecordSettings"]
+
+SEGMENT = 1.0
+"""Length of a segment [s] that is simulated from a state of its own."""
+STARTS = 4
+"""Starts of the search."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordSettings:
+    """How records are fitted."""
+
+    segment: float = SEGMENT
+    """Length of a segment [s] that is simulated."""
+    resolution: int = RESOLUTION
+    """Rows of a segment at most, 8 or more."""
+    hold: Hold = "zero"
+    """``"zero"`` if a force keeps its value until the next sample, ``"first"`` if it goes there.
+
+    Simulated segments and inverse dynamics heed it; measured friction has no force beside it.
+    """
+    starts: int = STARTS
+    """Starts of the search."""
+    seed: int = 0
+    """Of the jitter of further starts."""
+
+    def __post_init__(self) -> None:
+        """Check all: a hold that is not known would pass for ``"zero"``."""
+        Quantity("segment", "s", above=0).check("RecordSettings", "segment", self.segment)
+        for name, least in (("resolution", LEAST), ("starts", 1), ("seed", 0)):
+            value = getattr(self, name)
+            whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
+            if not (whole and value >= least):
+                raise ParameterError(
+                    f"RecordSettings.{name} must be a whole number of at least {least}, got"
+                    f" {value!r}."
+                )
+        if self.hold not in get_args(Hold):
+            raise UnknownNameError("hold in RecordSettings", self.hold, get_args(Hold))

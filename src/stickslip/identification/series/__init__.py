@@ -1,0 +1,1 @@
+"""What is computed from records in time before any fit."""

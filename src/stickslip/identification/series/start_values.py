@@ -1,0 +1,332 @@
+"""Where fits to records begin: values and bounds of every unknown, from the record itself."""
+
+import dataclasses
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.experiments import Measurement
+from stickslip.friction import FrictionLaw
+from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.series.applied_force import driven
+from stickslip.identification.series.inertia import REVERSED
+from stickslip.identification.series.inverse_dynamics import (
+    InverseDynamics,
+    inverse_dynamics,
+    mass_of,
+    positions_of,
+)
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity, fields_of, full_path, parameters, unchecked
+
+__all__ = ["Scales", "law_unknowns", "mechanism_unknowns", "scales_of"]
+
+NUISANCE = {"offset"}
+"""Parameters of a mechanism that are looked for whatever the law: sensors and cables have them."""
+FINEST, WIDEST = 1e-3, 1.0
+"""Bounds of velocities that shape a law, over the largest speed."""
+SHORTEST, LONGEST = 1e-6, 0.1
+"""Bounds of the length over which bristles give way, over the stroke."""
+ONE_WAY = 0.01
+"""Share of samples that must go each way for a record to be two-sided."""
+REACH = 100.0
+"""How far levels and slopes may go above what linear regression found."""
+CREDIBLE = 1.0 / REACH
+"""Share of the force from which a regressed level is one to start from: bounds go beyond the force.
+Below it, such as below 0, regression has mistaken the level for mass or slope."""
+GUESSED = ("kinetic_coefficient", "viscous_coefficient", "quadratic_coefficient")
+"""Ends of names of parameters whose upper bound follows from the regression alone. Bounds of others
+follow from what the record covers: the speeds, the stroke, the level."""
+FADING = (1.5, 0.3, 5.0)
+"""Start value and bounds of the exponent by which a static surplus fades: 1 Tustin, 2 Gaussian."""
+SEEN = 1e-3
+"""Share of the force that the inertia must take for its regression to say anything."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scales:
+    """What a record says about the sizes of friction, before any law is chosen."""
+
+    load: float
+    """Normal force [N] that levels are divided by."""
+    level: float
+    """Level [N], not negative."""
+    levels: tuple[float, float]
+    """The same forwards and backwards."""
+    slope: float
+    """Viscous coefficient [N s/m], not negative."""
+    slopes: tuple[float, float]
+    """The same forwards and backwards."""
+    offset: float
+    """Constant force [N]."""
+    inertia: float
+    """Mass [kg]."""
+    speed: float
+    """Speed [m/s] that is rarely exceeded."""
+    stroke: float
+    """Range of positions [m]."""
+    two_sided: bool = True
+    """Whether the record slips both ways."""
+    nominal: float | None = None
+    """Mass [kg] as it was given, where regression tells no level: it may be off as much."""
+
+
+def scales_of(
+    mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str] = ()
+) -> Scales:
+    """Return the sizes that robust linear regression of forces finds."""
+    free = ["inertia"] if any(path.endswith(("inertia", "mass")) for path in unknown) else []
+
+    def solved(*, directional: bool) -> InverseDynamics:
+        return inverse_dynamics(
+            mechanism,
+            measurement,
+            unknown=free,
+            directional=directional,
+            robust=True,
+        )
+
+    both, apart = solved(directional=False), solved(directional=True)
+    size = float(np.median(np.abs(both.friction)))
+    _check_signs(both, driven=driven(measurement))
+    positions = [np.ptp(positions_of(record)) for record in measurement.records()]
+    ahead = float(np.mean(both.velocity > 0.0))
+    speed = max(float(np.percentile(np.abs(both.velocity), 98.0)), 1e-12)
+    return Scales(
+        load=load_of(mechanism),
+        level=_level(both["level"], size),
+        levels=(_level(apart["level+"], size), _level(apart["level-"], size)),
+        slope=max(both["viscous"], 0.0),
+        slopes=(max(apart["viscous+"], 0.0), max(apart["viscous-"], 0.0)),
+        offset=both["offset"],
+        inertia=both["inertia"] if both.inertial_share > SEEN else mass_of(mechanism),
+        speed=speed,
+        stroke=max(float(max(positions)), 1e-12),
+        two_sided=ONE_WAY < ahead < 1.0 - ONE_WAY,
+        nominal=mass_of(mechanism) if free and both["level"] <= CREDIBLE * size else None,
+    )
+
+
+def _level(regressed: float, size: float) -> float:
+    """Return the level to start from [N]: half of the force where regression tells none."""
+    return regressed if regressed > CREDIBLE * size else 0.5 * size
+
+
+def _check_signs(found: InverseDynamics, *, driven: bool) -> None:
+    """Refuse a force that acts against the motion it should cause.
+
+    A negative inertia that takes a small share of the force says nothing: the motion was slow.
+    """
+    if found.inertial_share > -REVERSED and not (found["level"] < 0.0 and found["viscous"] < 0.0):
+        return
+    said = ", ".join(f"{n} {v:.3g}" for n, v in zip(found.names, found.values, strict=True))
+    if not driven:
+        raise InputError(
+            "nothing drives this motion, and friction alone cannot make it: linear regression gives"
+            f" {said}. Give the force, if there was one; only a free decay needs none."
+        )
+    raise InputError(
+        "the force acts against the motion that it should cause: linear regression gives"
+        f" {said}. Is its sign right (gain -1), and is each column what it is taken for?"
+    )
+
+
+def load_of(mechanism: Mechanism) -> float:
+    """Return the normal force at the contact [N] where that is a constant.
+
+    Raises
+    ------
+    InputError
+        If it is not.
+    """
+    contact = mechanism.contacts()[0]
+    load: float | None = contact.load
+    if contact.normal is not None:  # what its coordinate is pressed down with at rest
+        h = 1e-6
+        up, down = (
+            mechanism.potential_energy(0.0, defaultdict(float, {contact.normal: side * h}))
+            for side in (1.0, -1.0)
+        )
+        load = (up - down) / (2.0 * h)
+    if load is None or load <= 0.0:
+        raise InputError(
+            f"start values need a constant normal force above 0 N, and"
+            f" {type(mechanism).__name__} has {load!r}."
+        )
+    return float(load)
+
+
+def law_unknowns(
+    law: FrictionLaw | type[FrictionLaw],
+    scales: Scales,
+    free: Sequence[str] | None = None,
+    known: Mapping[str, float] | None = None,
+) -> tuple[FrictionLaw, tuple[Unknown, ...], tuple[Mapping[str, float], ...]]:
+    """Return a law to start from, its unknowns, and further starts by path.
+
+    Raises
+    ------
+    InputError
+        If a type of law has a parameter for which nothing is known to begin with.
+    """
+    kind = law if isinstance(law, type) else type(law)
+    names = list(kind.fit_order)
+    if free is not None:
+        known_paths = [f"friction.{name}" for name in fields_of(kind)]
+        wanted = {full_path(name, known_paths).partition(".")[2] for name in free}
+        names = [name for name in (*names, *fields_of(kind)) if name in wanted]
+        names = list(dict.fromkeys(names))
+    ranges = {name: _range(kind, name, scales) for name in names}
+    values = {name: start for name, (start, _, _) in ranges.items()}
+    if not isinstance(law, type):
+        values |= {n: v for n in names if (v := getattr(law, n)) is not None}
+    else:
+        values |= {n: float(v) for n, v in (known or {}).items() if n not in names}
+    start = _made(kind, law, values)
+    unknowns = []
+    for name in names:
+        quantity, (_, low, high) = fields_of(kind)[name], ranges[name]
+        above = quantity.at_least or ""
+        if above and getattr(start, above, None) is None:
+            above = ""
+        log = quantity.above is not None
+        surplus = getattr(start, above) if above else 0.0
+        unknowns.append(
+            Unknown(
+                path=f"friction.{name}",
+                quantity=quantity,
+                start=max(values[name], surplus),
+                low=low,
+                high=max(high, 2.0 * values[name]),
+                log=log,
+                above=f"friction.{above}" if above else "",
+                guessed=name.endswith(GUESSED) and not above,
+            )
+        )
+    further = _further(kind, scales) if isinstance(law, type) else ()
+    return start, tuple(unknowns), further
+
+
+def _made(
+    kind: type[FrictionLaw], law: FrictionLaw | type[FrictionLaw], values: Mapping[str, float]
+) -> FrictionLaw:
+    """Return a law with start values; exponents stand in its equations, whole or not."""
+    if not isinstance(law, type):
+        return law
+    defaults = {
+        name: field.default
+        for name, field in kind.__dataclass_fields__.items()
+        if name not in values
+    }
+    for name, default in defaults.items():
+        if default is dataclasses.MISSING:
+            symbol = fields_of(kind)[name].symbol
+            raise InputError(
+                f"{kind.__name__}.{name} ({symbol}) is neither free nor known:"
+                f" free it too, or give its value."
+            )
+    made = unchecked(kind, **{**defaults, **values})
+    made.__post_init__()
+    return made
+
+
+def _range(kind: type[FrictionLaw], name: str, s: Scales) -> tuple[float, float, float]:
+    """Return start value and bounds of a parameter of a law."""
+    level, slope = s.level / s.load, max(s.slope, 1e-3 * s.level / s.speed)
+    most = REACH * level
+    mu_ahead, mu_back = (value / s.load for value in s.levels)
+    steepest = REACH * slope + 10.0 * s.level / s.speed
+    known = {
+        "kinetic_coefficient": (level, 0.0, most),
+        "static_coefficient": (1.1 * level, 0.0, 10.0 * level),
+        "forward_kinetic_coefficient": (mu_ahead, 0.0, most),
+        "backward_kinetic_coefficient": (mu_back, 0.0, most),
+        "viscous_coefficient": (slope, 0.0, steepest),
+        "forward_viscous_coefficient": (s.slopes[0], 0.0, steepest),
+        "backward_viscous_coefficient": (s.slopes[1], 0.0, steepest),
+        "quadratic_coefficient": (0.1 * slope / s.speed, 0.0, steepest / s.speed),
+        "stribeck_velocity": (0.1 * s.speed, FINEST * s.speed, WIDEST * s.speed),
+        "bristle_stiffness": (
+            level / (1e-3 * s.stroke),
+            level / (LONGEST * s.stroke),
+            level / (SHORTEST * s.stroke),
+        ),
+        "bristle_damping": (
+            2.0 * (s.level / s.load / (1e-3 * s.stroke) * s.inertia / s.load) ** 0.5,
+            1e-3 * level / s.speed,
+            1e3 * level / s.speed,
+        ),
+        "exponent": FADING if "stribeck_velocity" in fields_of(kind) else (0.8, 0.2, 3.0),
+        "viscous_exponent": (0.6, 0.2, 1.5),
+    }
+    if name not in known:
+        symbol = fields_of(kind)[name].symbol
+        raise InputError(
+            f"nothing is known to begin {kind.__name__}.{name} ({symbol}) with: give an instance of"
+            f" {kind.__name__}, whose values are the start."
+        )
+    start, low, high = known[name]
+    quantity = fields_of(kind)[name]
+    if quantity.above is not None and low <= 0.0:
+        low = 1e-6 * max(start, 1e-300)
+    return start, low, high
+
+
+def _further(kind: type[FrictionLaw], s: Scales) -> tuple[Mapping[str, float], ...]:
+    """Return starts that differ in what no linear regression finds."""
+    fields = fields_of(kind)
+    found: list[Mapping[str, float]] = []
+    for velocity, length in ((0.03, 1e-4), (0.3, 1e-2)):
+        values = {}
+        if "stribeck_velocity" in fields:
+            values["friction.stribeck_velocity"] = velocity * s.speed
+        if "bristle_stiffness" in fields:
+            values["friction.bristle_stiffness"] = s.level / s.load / (length * s.stroke)
+        if values:
+            found.append(values)
+    return tuple(found)
+
+
+def mechanism_unknowns(
+    mechanism: Mechanism, law: FrictionLaw, unknown: Sequence[str], scales: Scales
+) -> tuple[Unknown, ...]:
+    """Return the unknowns of a mechanism: those asked for, and what is always in doubt.
+
+    A constant force is left out where the record has one number for it and a level: with laws that
+    have a level of their own in each direction, and where slip is in one direction only.
+    """
+    known: Mapping[str, tuple[Quantity, float]] = {
+        path: (quantity, value) for path, quantity, value in parameters(mechanism, "mechanism")
+    }
+    paths = [full_path(name, list(known)) for name in unknown]
+    if scales.two_sided and "forward_kinetic_coefficient" not in fields_of(type(law)):
+        paths += [f"mechanism.{n}" for n in NUISANCE if f"mechanism.{n}" in known]
+    found = []
+    for path in dict.fromkeys(paths):
+        quantity, value = known[path]
+        name = path.rpartition(".")[2]
+        start = {"inertia": scales.inertia, "mass": scales.inertia, "offset": scales.offset}
+        log = quantity.above is not None
+        begin = start.get(name, value)
+        most = (REACH if name in NUISANCE else 1e3) * (scales.level + abs(begin))
+        found.append(
+            Unknown(
+                path=path,
+                quantity=quantity,
+                start=begin,
+                low=1e-3 * begin if log else max(quantity.low, -most),
+                high=1e3 * begin if log else most,
+                log=log,
+                guessed=True,
+            )
+        )
+    return tuple(found)
+
+
+def joined(law: FrictionLaw, items: Sequence[Unknown]) -> Unknowns:
+    """Return the unknowns of a fit together, with what the law does not look for."""
+    rest = {path: value for path, _, value in parameters(law, "friction")}
+    return Unknowns(tuple(items), rest)

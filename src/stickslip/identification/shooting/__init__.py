@@ -1,0 +1,1 @@
+"""Simulated segments, each from an initial state of its own."""

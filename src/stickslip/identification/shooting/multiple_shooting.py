@@ -1,0 +1,320 @@
+"""Multiple shooting: a record is simulated segment by segment, each from a state of its own.
+
+The initial states of segments are eliminated to first order: their part of the slopes is projected
+out, and they follow the other unknowns from one linearisation to the next.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, partial
+from itertools import pairwise
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.errors import ParameterError
+from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.identification.estimation.containment import not_whole
+from stickslip.identification.estimation.parameters import Unknowns
+from stickslip.identification.estimation.problem import STEEPEST, Linearised, Problem, RecordProblem
+from stickslip.identification.shooting.first_deflections import deflection_slopes, first_deflection
+from stickslip.identification.shooting.initial_states import (
+    CLEARLY,
+    LocalState,
+    followed,
+    settled,
+    worse,
+)
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary
+from stickslip.solver import EventDriven
+from stickslip.solver.event_driven import BareRun
+from stickslip.trajectory import Trajectory
+
+__all__ = ["Segment", "Shooting", "few_of"]
+
+Array = NDArray[np.float64]
+
+SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_steps=5_000)
+"""Six digits below the noise of any record. A segment takes a few hundred steps; where it takes
+thousands, parameters have gone where nothing moves as measured."""
+
+
+FIRST = 20
+"""First rows of a segment from whose slope it is seen whether the body may be at rest ..."""
+UNSEEN = 3.0
+"""... if that is less than so many standard errors."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Segment:
+    """A stretch of a record and what drives the mechanism in it."""
+
+    record: int
+    """Which record it is of."""
+    start: float
+    """First time in the record [s]."""
+    mechanism: Mechanism
+    """As set in this record, with the drive of this stretch; times count from its start."""
+    times: Array
+    """Times (n,) [s] from the start, at which it is compared."""
+    measured: Array
+    """What was measured there (n,)."""
+    guess: Array
+    """First guess of coordinates and rates (m,)."""
+    known: NDArray[np.bool_]
+    """Which of these are known, and no guess (m,)."""
+
+    @property
+    def rest(self) -> Array:
+        """The guess with rates of 0, but those that are known."""
+        moves = np.arange(len(self.guess)) >= len(self.guess) // 2
+        return np.where(moves & ~self.known, 0.0, self.guess)
+
+
+FEW = 8
+"""Segments on which starts of a search are compared, where there are at least twice as many."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Shooting(RecordProblem):
+    """Positions (or velocities) of segments simulated with the measured drive."""
+
+    law: FrictionLaw
+    unknowns_: Unknowns
+    segments: tuple[Segment, ...]
+    quantity_: str = "position"
+
+    @property
+    @override
+    def unknowns(self) -> Unknowns:
+        return self.unknowns_
+
+    @property
+    @override
+    def quantity(self) -> str:
+        return self.quantity_
+
+    @property
+    @override
+    def spans(self) -> Array:
+        return np.array(
+            [[s.record, s.start + s.times[0], s.start + s.times[-1]] for s in self.segments]
+        )
+
+    @property
+    @override
+    def times(self) -> Array:
+        return np.concatenate([s.start + s.times for s in self.segments])
+
+    @property
+    @override
+    def measured(self) -> Array:
+        return np.concatenate([s.measured for s in self.segments])
+
+    @override
+    def linearise(
+        self,
+        values: Array,
+        near: Linearised | None = None,
+        *,
+        only: Sequence[int] | None = None,
+        slopes: bool = True,
+    ) -> Linearised:
+        chosen = range(len(self.segments)) if only is None else only
+        known: Mapping[int, LocalState] = near.memory if near is not None else {}
+        change = np.zeros(len(values)) if near is None else values - near.values
+        try:
+            law, mechanisms = self._changed(values)
+        except ParameterError:
+            return _failed(values, [self.segments[k] for k in chosen], chosen)
+
+        def one(k: int, before: LocalState | None) -> LocalState | None:
+            segment, mechanism = self.segments[k], mechanisms[id(self.segments[k].mechanism)]
+            shoot = partial(self._shot, segment, mechanism, law)
+            at_rest = _may_rest(segment, self.quantity)
+            if before is None:
+                return settled(segment.guess, segment.rest, shoot, at_rest=at_rest)
+            return followed(before, change, segment.rest, shoot, at_rest=at_rest)
+
+        found = {k: one(k, known.get(k)) for k in chosen}
+        if slopes and known and not change.any():
+            # at the end of a descent: states carried on from poor values may be those of a side
+            # valley, which shows in segments that fit worse than most
+            for k, poor in worse(found).items():
+                again = one(k, None)
+                if again is not None and again.misfit < (1.0 - CLEARLY) * poor.misfit:
+                    found[k] = again
+        return self._joined(values, chosen, list(found.values()))
+
+    def _changed(self, values: Array) -> tuple[FrictionLaw, Mapping[int, Mechanism]]:
+        """Return the law and, by identity, the segments' mechanisms with other values."""
+        items = zip(self.unknowns.items, map(float, values), strict=True)
+        pairs = {item.path: not_whole(item, value) for item, value in items}
+        own = {path: value for path, value in pairs.items() if path.startswith("mechanism.")}
+        law = vary(self.law, "friction", {p: v for p, v in pairs.items() if p not in own})
+        return law, {
+            id(s.mechanism): vary(s.mechanism, "mechanism", own) if own else s.mechanism
+            for s in self.segments
+        }
+
+    def _shot(
+        self, segment: Segment, mechanism: Mechanism, law: FrictionLaw, state: Array
+    ) -> LocalState | None:
+        """Return a segment simulated from a state; None if the run fails or leaves all bounds."""
+        run = _bare(segment, mechanism, law, state)
+        if run is None:
+            return None
+        column = run.states.index(_state_of(mechanism, self.quantity))
+        sense = partial(_sensed, run, segment, mechanism, law, state, column)
+        local = sense([f"initial.{name}" for name in run.states[: len(state)]])
+        if np.max(np.abs(local)) >= STEEPEST:
+            return None
+        units = np.ones(len(state))
+        units[len(mechanism.coordinates) :] = 1.0 / float(segment.times[-1])
+        units[segment.known] = 0.0
+        columns, singular, directions = np.linalg.svd(local * units, full_matrices=False)
+        return LocalState(
+            state=state,
+            residual=segment.measured - run.at(segment.times)[:, column],
+            size=float(np.ptp(segment.measured)),
+            sense=cache(partial(sense, self.unknowns.paths)),
+            units=units,
+            columns=columns,
+            singular=singular,
+            directions=directions,
+        )
+
+    @override
+    def carried(self, seen: Linearised) -> Array:
+        law, mechanisms = self._changed(seen.values)
+        found = []
+        for k, one in enumerate(self.segments):
+            state = np.where(one.known, one.guess, seen.memory[k].state)
+            mechanism = mechanisms[id(one.mechanism)]
+            run = _bare(one, mechanism, law, state)
+            column = None if run is None else run.states.index(_state_of(mechanism, self.quantity))
+            predicted = np.inf if run is None else run.at(one.times)[:, column]
+            found.append(one.measured - predicted)
+        return np.concatenate(found)
+
+    def runs(self, seen: Linearised) -> tuple[Trajectory, ...]:
+        """Return the segments simulated again from their fitted states, each with its certificate.
+
+        Times of a run count from the start of its segment.
+        """
+        law, mechanisms = self._changed(seen.values)
+        found = []
+        for k, one in enumerate(self.segments):
+            if k in seen.memory:
+                mechanism, end = mechanisms[id(one.mechanism)], float(one.times[-1])
+                start = _start(mechanism, law, seen.memory[k].state, end)
+                found.append(SOLVER.run(mechanism, law, y0=start, t_end=end))
+        return tuple(run for run in found if run.status.complete)
+
+    def _joined(
+        self, values: Array, chosen: Sequence[int], shots: Sequence[LocalState | None]
+    ) -> Linearised:
+        done = [shot for shot in shots if shot is not None]
+        if len(done) < len(shots):
+            return _failed(values, [self.segments[k] for k in chosen], chosen)
+        return Linearised(
+            values=values,
+            residual=np.concatenate([shot.residual for shot in done]),
+            slopes=lambda: np.concatenate([shot.projected(shot.slopes) for shot in done]),
+            segment=np.repeat(chosen, [len(shot.residual) for shot in done]),
+            memory=dict(zip(chosen, done, strict=True)),
+        )
+
+
+def few_of(problem: Problem) -> Shooting | None:
+    """Return some segments of a long record, spread over it; None if it is short.
+
+    They are drawn one from each of as many stretches: every third, say, would be the same phase of
+    a motion that repeats itself.
+    """
+    if not isinstance(problem, Shooting) or len(problem.segments) < 2 * FEW:
+        return None
+    random = np.random.default_rng(0)
+    edges = np.linspace(0, len(problem.segments), FEW + 1).astype(int)
+    chosen = [int(random.integers(a, b)) for a, b in pairwise(edges.tolist())]
+    return replace(problem, segments=tuple(problem.segments[k] for k in chosen))
+
+
+def _may_rest(segment: Segment, quantity: str) -> bool:
+    """Whether the first samples of a segment are those of a body at rest, as far as one can see."""
+    count = min(len(segment.times), FIRST)
+    t, x = segment.times[:count], segment.measured[:count]
+    columns = np.vander(t - t.mean(), 2 if quantity == "position" else 1)
+    found = np.linalg.lstsq(columns, x, rcond=None)[0]
+    left = x - columns @ found
+    error = np.sqrt(left @ left / (count - columns.shape[1]) / np.sum(columns[:, 0] ** 2))
+    return bool(abs(found[0]) <= UNSEEN * error)
+
+
+def _bare(segment: Segment, mechanism: Mechanism, law: FrictionLaw, state: Array) -> BareRun | None:
+    """Return a segment simulated from a state; None if the run fails."""
+    if not np.all(np.isfinite(state)):
+        return None
+    end = float(segment.times[-1])
+    run = SOLVER.bare(mechanism, law, y0=_start(mechanism, law, state, end), t_end=end)
+    return run if run.status.complete else None
+
+
+def _sensed(
+    run: BareRun,
+    segment: Segment,
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    state: Array,
+    column: int,
+    paths: Sequence[str],
+) -> Array:
+    """Return the slopes (n, paths) of what is compared; 0 where they are no numbers."""
+    bristle = [f"initial.{name}" for name in run.states[len(state) :]]
+    bristle = bristle if len(bristle) == 1 else []
+    table = run.differentiate(segment.times, [*paths, *bristle])[:, column, :]
+    table = np.where(np.isfinite(table), table, 0.0)
+    if not bristle:
+        return table
+    slip = _slip_velocity(mechanism)
+    by_law, by_velocity = deflection_slopes(
+        law, float(state[slip]), float(segment.times[-1]), paths
+    )
+    moved = by_law + by_velocity * (np.array(paths) == f"initial.{run.states[slip]}")
+    return np.asarray(table[:, :-1] + table[:, -1:] * moved)
+
+
+def _start(mechanism: Mechanism, law: FrictionLaw, state: Array, end: float) -> list[float]:
+    """Return the first states of a segment: coordinates, rates and bristles."""
+    bristles = len(law.bristles) if isinstance(law, BristleLaw) else 0
+    first = first_deflection(law, float(state[_slip_velocity(mechanism)]), end)
+    return [*state.tolist(), *[first] * bristles]
+
+
+def _slip_velocity(mechanism: Mechanism) -> int:
+    """Return the place of the slip velocity among coordinates and rates."""
+    coordinates = mechanism.coordinates
+    return coordinates.index(mechanism.contacts()[0].slip) + len(coordinates)
+
+
+def _state_of(mechanism: Mechanism, quantity: str) -> str:
+    """Return the name of the state that a quantity is of the slipping body."""
+    slip = mechanism.contacts()[0].slip
+    if quantity == "position":
+        return slip
+    return mechanism.rates[mechanism.coordinates.index(slip)]
+
+
+def _failed(values: Array, segments: Sequence[Segment], chosen: Sequence[int]) -> Linearised:
+    sizes = [len(s.times) for s in segments]
+    return Linearised(
+        values=values,
+        residual=np.full(sum(sizes), np.inf),
+        slopes=np.zeros((sum(sizes), len(values))),
+        segment=np.repeat(chosen, sizes),
+        memory={},
+    )

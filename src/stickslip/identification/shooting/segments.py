@@ -1,0 +1,250 @@
+"""Cuts records into the segments that are simulated."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.drives import Drive, Sampled, StraightPieces
+from stickslip.errors import InputError, ParameterError
+from stickslip.experiments import Measurement
+from stickslip.identification.series.applied_force import applied_force, drives_itself, inside
+from stickslip.identification.series.measured_load import loaded
+from stickslip.identification.shooting.multiple_shooting import Segment
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary
+
+__all__ = ["LEAST", "RESOLUTION", "Hold", "measured_quantity", "segments_of", "with_drive"]
+
+Array = NDArray[np.float64]
+
+RESOLUTION = 100
+"""Samples a segment is compared at, and pieces its drive has, at most."""
+Hold: TypeAlias = Literal["zero", "first"]
+
+GAP = 3.0
+"""Steps of time longer than this many usual ones are gaps, which no segment crosses."""
+GUESSED = 20
+"""Rows of a segment from whose parabola its first velocity is guessed."""
+LEAST = 8
+"""Rows that a segment must have to say anything beside its initial state."""
+
+
+def measured_quantity(measurement: Measurement) -> str:
+    """Return what simulated runs are compared with: the position, or else the velocity.
+
+    Raises
+    ------
+    InputError
+        If there is neither, or no time.
+    """
+    for record in measurement.records():
+        if record.time is None:
+            raise InputError(
+                f"a simulated run is compared in time, and record {record.name!r} has no time."
+            )
+    for quantity in ("position", "velocity"):
+        if all(quantity in record.quantities() for record in measurement.records()):
+            return quantity
+    raise InputError(
+        "a simulated run is compared with position or velocity, and the records have only"
+        f" {', '.join(measurement.quantities())}.{_other_way(measurement)}"
+    )
+
+
+def _other_way(measurement: Measurement) -> str:
+    """Return how a record without motion is fitted all the same, if it can be."""
+    if "spring_force" in measurement.quantities():
+        return " The force of a spring that pulls a block is fitted by route 'features'."
+    return ""
+
+
+def with_drive(mechanism: Mechanism, drive: Drive | None) -> Mechanism:
+    """Return a mechanism driven by what was measured.
+
+    Raises
+    ------
+    InputError
+        If it has no place for a drive.
+    """
+    if "drive" not in mechanism.__dataclass_fields__:
+        raise InputError(
+            f"{type(mechanism).__name__} has no drive that a measured force could be; use Axis or"
+            " SpringBlock."
+        )
+    return replace(mechanism, drive=drive)  # type: ignore[call-arg]  # it has one, as was seen
+
+
+def segments_of(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    length: float,
+    resolution: int = RESOLUTION,
+    hold: Hold = "zero",
+    quantity: str | None = None,
+) -> tuple[Segment, ...]:
+    """Return segments of about the same length that cover all records.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured; records may override its parameters.
+    measurement : Measurement
+        Records in time.
+    length : float
+        Length of a segment [s]; the last one of a record may be down to half as long, and a
+        shorter remainder is left out.
+    resolution : int
+        Rows of a segment at most; what drives it is condensed to as many pieces.
+    hold : {"zero", "first"}
+        Whether a force keeps its value until the next sample, as that of a controller, or goes
+        straight to it, as one that a sensor measured. A reference is always joined.
+    quantity : str, optional
+        What is compared, which all records have; the position, or else the velocity, if not given.
+    """
+    if not 0.0 < length < np.inf:
+        raise ParameterError(f"the length of segments must be above 0 s, got {length!r}.")
+    quantity = measured_quantity(measurement) if quantity is None else quantity
+    found: list[Segment] = []
+    for index, record in enumerate(loaded(mechanism, measurement).records()):
+        set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
+        time = np.asarray(record.time)
+        for first, last in _stretches(time, length):
+            rows = _rows(first, last, resolution)
+            found.append(_segment(index, record, quantity, set_up, rows, hold))
+    if not found:
+        raise InputError(
+            f"no stretch of {length:g} s has {LEAST} samples without a gap: give longer segments,"
+            " and look whether time is in seconds."
+        )
+    return tuple(found)
+
+
+def _stretches(time: Array, length: float) -> Iterator[tuple[int, int]]:
+    """Yield first and last index of each segment."""
+    steps = np.diff(time)
+    breaks = np.flatnonzero(steps > GAP * np.median(steps))
+    for first, last in zip([0, *(breaks + 1)], [*breaks, len(time) - 1], strict=True):
+        count = max(1, round((time[last] - time[first]) / length))
+        edges = time[first] + length * np.arange(count + 1)
+        cuts = np.searchsorted(time[first : last + 1], edges - 1e-6 * length) + first
+        for one, other in zip(cuts[:-1], np.minimum(cuts[1:], last), strict=True):
+            if other - one >= LEAST:
+                yield int(one), int(other)
+
+
+def _segment(
+    index: int,
+    record: Measurement,
+    quantity: str,
+    mechanism: Mechanism,
+    rows: NDArray[np.intp],
+    hold: Hold,
+) -> Segment:
+    assert isinstance(record.time, np.ndarray)
+    first, last, stride = int(rows[0]), int(rows[-1]), int(rows[1] - rows[0])
+    times = record.time[rows] - record.time[first]
+    values = np.asarray(record.values(quantity))
+    if drives_itself(mechanism, record):
+        return _from_the_start(index, record, quantity, mechanism, rows)
+    force = applied_force(mechanism, record)
+    if force is not None:
+        part = slice(first, last + 1)
+        joined = hold == "first" or "force" not in record.quantities()
+        pushed = bool(np.any(force))  # a force of 0 is no drive, and takes the mechanism's own off
+        drive = _drive(record.time[part], force[part], stride, joined=joined) if pushed else None
+        mechanism = with_drive(mechanism, drive)
+    return Segment(
+        record=index,
+        start=float(record.time[first]),
+        mechanism=mechanism,
+        times=times,
+        measured=values[rows],
+        guess=_guess(mechanism, quantity, record.time[first : last + 1], values[first : last + 1]),
+        known=np.zeros(2 * len(mechanism.coordinates), dtype=bool),
+    )
+
+
+def _from_the_start(
+    index: int,
+    record: Measurement,
+    quantity: str,
+    mechanism: Mechanism,
+    rows: NDArray[np.intp],
+) -> Segment:
+    """Return a segment of a mechanism with a drive of its own: it runs from time 0 on.
+
+    Nobody measured what moves inside, which begins as the mechanism or the record says; only the
+    body that slips may begin elsewhere, or move.
+    """
+    assert isinstance(record.time, np.ndarray)
+    if record.time[0] < 0.0:
+        raise InputError(
+            f"the record begins at {record.time[0]:g} s, and the drive of"
+            f" {type(mechanism).__name__} at 0 s: let its times count from there."
+        )
+    names = (*mechanism.coordinates, *mechanism.rates)
+    guess = _guess(mechanism, quantity, record.time, np.asarray(record.values(quantity)))
+    told = {**mechanism.start(), **record.initial}
+    hidden = inside(mechanism, record)
+    known = np.array([name in hidden for name in names])
+    return Segment(
+        record=index,
+        start=0.0,
+        mechanism=mechanism,
+        times=record.time[rows],
+        measured=np.asarray(record.values(quantity))[rows],
+        guess=np.where(known, [told.get(name, 0.0) for name in names], guess),
+        known=known,
+    )
+
+
+def _rows(first: int, last: int, resolution: int) -> NDArray[np.intp]:
+    """Return the samples at which a segment is compared."""
+    return np.arange(first, last + 1, max(1, (last - first) // resolution))
+
+
+def _drive(time: Array, force: Array, stride: int, *, joined: bool) -> Drive:
+    """Return a sampled force with fewer pieces.
+
+    Where every sample is a piece it is taken as it is. Else each piece is the straight line of the
+    same impulse and the same moment: to a free mass it is the same force at the ends of pieces.
+    """
+    t = time - time[0]
+    if stride == 1 and joined:
+        return Sampled(times=tuple(t.tolist()), values=tuple(force.tolist()), hold="first")
+    if stride == 1:
+        return Sampled(times=tuple(t[:-1].tolist()), values=tuple(force[:-1].tolist()))
+    rise = np.diff(force) if joined else np.zeros(len(force) - 1)
+    held = force[:-1] + 0.5 * rise
+    ends = t[::stride]
+    first = np.arange(0, len(t) - 1, stride)
+    length, middle = np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
+    steps = np.diff(t)
+    impulse = np.add.reduceat(held * steps, first)
+    moments = held * steps * 0.5 * (t[1:] + t[:-1]) + rise * steps**2 / 12.0
+    moment = np.add.reduceat(moments, first)
+    slope = 12.0 * (moment - middle * impulse) / length**3
+    value = impulse / length - 0.5 * slope * length
+    return StraightPieces(
+        times=tuple(ends.tolist()),
+        values=(*value.tolist(), float(force[-1])),
+        slopes=(*slope.tolist(), 0.0),
+    )
+
+
+def _guess(mechanism: Mechanism, quantity: str, time: Array, values: Array) -> Array:
+    """Return the first coordinates and rates, from a parabola through the first samples."""
+    count = min(len(time), GUESSED + 1)
+    t = time[:count] - time[0]
+    slope, value = np.polyfit(t, values[:count], 2)[1:]
+    slip = mechanism.coordinates.index(mechanism.contacts()[0].slip)
+    state = np.zeros(2 * len(mechanism.coordinates))
+    if quantity == "position":
+        state[slip], state[slip + len(mechanism.coordinates)] = value, slope
+    else:
+        state[slip + len(mechanism.coordinates)] = value
+    return state

@@ -1,0 +1,377 @@
+"""The route of scarce data: travels of a body that comes to rest."""
+
+import dataclasses
+import math
+from collections import Counter
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from decimal import Decimal
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import ConvergenceError, InputError, ParameterError
+from stickslip.experiments import Measurement
+from stickslip.experiments.parameter_paths import canonical
+from stickslip.experiments.travels import scale_of
+from stickslip.experiments.units import check_uncertainty
+from stickslip.experiments.wording import quantity
+from stickslip.friction import FrictionLaw, bristles_of
+from stickslip.mechanisms import Mechanism, Motor
+from stickslip.mechanisms.drive_period import WHOLE, cycle_of, repeats
+from stickslip.quantities import parameters, vary
+from stickslip.simulation import simulate
+
+__all__ = [
+    "TravelModel",
+    "Trial",
+    "driven_on",
+    "standard_errors",
+    "trials_of",
+    "uncertainties_of",
+    "under_cycles",
+]
+
+Array: TypeAlias = NDArray[np.float64]
+
+AFTER = 201
+"""Evenly spaced times after the end at which it is seen whether a body is at rest, beside the
+solver's own."""
+STEADY = 1.98
+"""Way in a time over that in its first half, from which on a body does not slow down."""
+LEAST_ERROR = 1e-5
+"""Share of the mean travel below which readings are not told apart: runs are exact to 1e-8, and no
+travel was ever measured to this."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trial:
+    """One measured travel and how the rig was set for it."""
+
+    mechanism: Mechanism
+    initial: Mapping[str, float]
+    travel: float
+    half_width: float
+    """Uncertainty of the travel [m]; 0 if none was given."""
+    quantity: str = "travel"
+    """As what the travel was measured, one of `TRAVELS`."""
+    scale: float = 1.0
+    """The travel over the number that was read."""
+    cycles: int | None = None
+    """Whole cycles of the drives after which its run ends; None if it lasts until ``t_end``."""
+    kind: str = "standard"
+    """What the uncertainty is, as in `Measurement`."""
+    doubts: Mapping[str, float] = field(default_factory=dict)
+    """Standard uncertainties of the mechanism's parameters that are of this trial alone."""
+    shared: Mapping[str, float] = field(default_factory=dict)
+    """Those that all trials share."""
+
+    def with_mechanism(self, mechanism: Mechanism) -> "Trial":
+        """Return the trial as if it had been made with another mechanism."""
+        return replace(self, mechanism=mechanism)
+
+    def until(self, t_end: float) -> float:
+        """Return when the run of this trial ends [s]."""
+        if self.cycles is None:
+            return t_end
+        end = self.cycles * cycle_of(self.mechanism)
+        return t_end if math.isclose(end, t_end, rel_tol=WHOLE) else end
+
+    def start(self, law: FrictionLaw) -> Mapping[str, float]:
+        """Return the initial states that a mechanism with a law has."""
+        known = {*self.mechanism.coordinates, *self.mechanism.rates}
+        known.update(bristles_of(law))
+        return {name: value for name, value in self.initial.items() if name in known}
+
+    @property
+    def setting(self) -> Hashable:
+        """What the experimenter set: trials of one setting are repeats."""
+        return self.mechanism, frozenset(self.initial.items())
+
+    @property
+    def run(self) -> Hashable:
+        """What tells runs apart: their setting, and when they end."""
+        return self.setting, self.cycles
+
+
+def driven_on(mechanism: Mechanism) -> bool:
+    """Whether a drive moves the body for as long as a run lasts, so that it has no travel to rest.
+
+    That is so where a drive repeats itself, and in a cart or capsule that carries its drive.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Pulse, SpringBlock, Torque
+    >>> push = Pulse(level=10.0, duration=0.1)
+    >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Torque(drive=push))
+    >>> driven_on(capsule), driven_on(SpringBlock(mass=1.0, drive=push))
+    (True, False)
+    """
+    parts = (getattr(mechanism, one.name) for one in dataclasses.fields(mechanism))
+    carried = any(isinstance(part, Motor) for part in parts)
+    return repeats(mechanism) or (carried and bool(mechanism.drives()))
+
+
+def trials_of(mechanism: Mechanism, measurement: Measurement, t_end: float) -> tuple[Trial, ...]:
+    """Return the trials of a measurement of travels, mean velocities or travels per cycle.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        Trials, or one.
+    t_end : float
+        Last time of runs [s], over which mean velocities are taken.
+
+    Returns
+    -------
+    tuple of Trial
+        All as travels [m]; each value of an array, which is repeats of one run, is one.
+
+    Raises
+    ------
+    InputError
+        If a record has no travel, an uncertainty is of no parameter, or travels per cycle have no
+        cycle.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> (one,) = trials_of(SpringBlock(mass=1.0), Measurement(mean_velocity=0.1), 2.0)
+    >>> one.travel
+    0.2
+    """
+    trials = []
+    uncertainties = uncertainties_of(mechanism, measurement)
+    pairs = zip(measurement.records(), uncertainties, strict=True)
+    for number, (record, (own, shared)) in enumerate(pairs, 1):
+        name = record.travelled
+        if not name:
+            raise InputError(
+                f"this fit uses travels, and record {record.name or 'without a name'!r} has none;"
+                f" it has {', '.join(record.quantities())}."
+            )
+        scale, cycles = scale_of(mechanism, record, t_end, f"trial {record.name or number}")
+        trials += [
+            Trial(
+                mechanism=vary(mechanism, "mechanism", record.overrides),
+                initial=record.initial,
+                travel=scale * float(value),
+                half_width=scale * record.uncertainty.get(name, 0.0),
+                quantity=name,
+                scale=scale,
+                cycles=cycles,
+                kind=record.uncertainty_kind,
+                doubts=own,
+                shared=shared,
+            )
+            for value in np.atleast_1d(record.values(name))
+        ]
+    return tuple(trials)
+
+
+def uncertainties_of(
+    mechanism: Mechanism, measurement: Measurement
+) -> list[tuple[dict[str, float], dict[str, float]]]:
+    """Return standard uncertainties of the mechanism's parameters by path, of each record.
+
+    Those of the record alone come first, then those that all records share: what any record sets
+    was set anew for each of them, and what none sets is one number for all.
+
+    Raises
+    ------
+    InputError
+        If an uncertainty is of no parameter.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0)
+    >>> trials = [Measurement(travel=s, overrides={"mechanism.compression": s}) for s in (0.1, 0.2)]
+    >>> both = Measurement(trials=tuple(trials), doubts={"compression": 1e-3, "mass": 0.01})
+    >>> uncertainties_of(rig, both)[0]
+    ({'mechanism.compression': 0.001}, {'mechanism.mass': 0.01})
+    """
+    records = measurement.records()
+    common = _doubts(mechanism, measurement.doubts) if measurement.trials else {}
+    anew = {path for record in records for path in record.overrides}
+    by_hand = {path: one for path, one in common.items() if path in anew}
+    found = []
+    for record in records:
+        own = {**by_hand, **_doubts(vary(mechanism, "mechanism", record.overrides), record.doubts)}
+        shared = {path: one for path, one in common.items() if path not in own}
+        found.append((own, shared))
+    return found
+
+
+def _doubts(mechanism: Mechanism, given: Mapping[str, float]) -> dict[str, float]:
+    """Return uncertainties by full path, of parameters that have a value."""
+    known = {path: (quantity, v) for path, quantity, v in parameters(mechanism, "mechanism")}
+    found = {canonical(mechanism, path): doubt for path, doubt in given.items()}
+    for path, doubt in found.items():
+        if path not in known:
+            raise InputError(
+                f"{path} has an uncertainty, but {type(mechanism).__name__} has no value of it."
+            )
+        quantity, value = known[path]
+        try:
+            check_uncertainty(doubt, value, quantity)
+        except ParameterError as error:
+            raise ParameterError(f"doubts: {path} {error}") from None
+    return found
+
+
+def standard_errors(trials: Sequence[Trial]) -> tuple[Array, bool]:
+    """Return a standard error of each travel [m], and whether any uncertainty was stated.
+
+    That of a rounding range is that of a uniform distribution; repeats of a setting that were all
+    rounded to one number share one error, and so tell no more than one of them. Readings without a
+    stated uncertainty beside others with one have the largest stated one. Where none is stated the
+    errors are lower bounds, for the true ones to be estimated from the residuals: nobody reads
+    better than the last digit that is written down.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        The readings.
+
+    Returns
+    -------
+    array (n,), bool
+        Standard errors [m], and whether they are more than lower bounds.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> one = Trial(mechanism=rig, initial={}, travel=0.204, half_width=0.0)
+    >>> errors, stated = standard_errors([one])
+    >>> f"{1e3 * errors[0]:.2f} mm", stated
+    ('0.29 mm', False)
+    """
+    rounded = 1.0 / math.sqrt(3.0)
+    widths = np.array([t.half_width * (rounded if t.kind == "rounding" else 1.0) for t in trials])
+    least = LEAST_ERROR * float(np.mean([abs(trial.travel) for trial in trials])) or LEAST_ERROR
+    groups = Counter((t.setting, t.travel) for t in trials if t.kind == "rounding")
+    settings = Counter(trial.setting for trial in trials)
+    for i, t in enumerate(trials):
+        if groups[t.setting, t.travel] == settings[t.setting]:
+            widths[i] *= math.sqrt(settings[t.setting])
+    if np.any(widths > 0.0):
+        return np.maximum(np.where(widths > 0.0, widths, widths.max()), 1e-3 * least), True
+    digit = min(trial.scale * _last_digit(trial.travel / trial.scale) for trial in trials)
+    return np.full(len(trials), max(min(digit, 0.01) / math.sqrt(12.0), least)), False
+
+
+def _last_digit(reading: float) -> float:
+    """Return the unit of the last digit that is written down."""
+    exponent = Decimal(f"{reading:.12g}").normalize().as_tuple().exponent
+    return 10.0 ** int(exponent)
+
+
+def under_cycles(trials: Sequence[Trial]) -> bool:
+    """Whether a drive that repeats itself moves the body again and again.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Square, SpringBlock, Torque
+    >>> wave = Torque(drive=Square(high=6.0, low=-1.0, period=0.4))
+    >>> rigs = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=wave), SpringBlock(mass=1.0)
+    >>> trials = [Trial(mechanism=rig, initial={}, travel=0.2, half_width=0.0) for rig in rigs]
+    >>> under_cycles(trials), under_cycles(trials[1:])
+    (True, False)
+    """
+    return any(repeats(trial.mechanism) for trial in trials)
+
+
+@dataclass
+class TravelModel:
+    """Travel as a function of the free parameters of a law."""
+
+    law: FrictionLaw
+    free: Sequence[str]
+    t_end: float
+    watch: Callable[[int], object] | None = None
+    runs: int = field(default=0, init=False)
+
+    def with_values(self, values: Sequence[float]) -> FrictionLaw:
+        """Return the law with other values of the free parameters."""
+        changes = dict(zip(self.free, values, strict=True))
+        return vary(self.law, "friction", changes)
+
+    def travel(self, trial: Trial, values: Sequence[float]) -> float:
+        """Return the travel [m] of one trial."""
+        self.runs += 1
+        if self.watch is not None:
+            self.watch(self.runs)
+        law = self.with_values(values)
+        run = simulate(trial.mechanism, law, t_end=trial.until(self.t_end), y0=trial.start(law))
+        (coordinate,) = (contact.slip for contact in trial.mechanism.contacts())
+        ends = run.at(run.span)[coordinate]
+        return float(ends[1] - ends[0])
+
+    def travels(self, trials: Sequence[Trial], values: Sequence[float]) -> Array:
+        """Return the travel of each trial [m] (n,); trials of one setting are one run."""
+        found: dict[Hashable, float] = {}
+        for trial in trials:
+            if trial.run not in found:
+                found[trial.run] = self.travel(trial, values)
+        return np.array([found[trial.run] for trial in trials])
+
+    def check_rest(
+        self, trials: Sequence[Trial], values: Sequence[float], errors: Sequence[float] | Array
+    ) -> None:
+        """Refuse values with which a body that is to come to rest still moves at ``t_end``.
+
+        A run that creeps towards its last position counts as at rest once the way left is within
+        the uncertainty of the reading; that way is looked for by a run of twice the duration.
+        Mean velocities and travels per cycle are those of the run, at rest or not, and so are
+        travels under a drive that goes on.
+
+        Parameters
+        ----------
+        trials : sequence of Trial
+            The readings (n,).
+        values : sequence of float
+            Values of the free parameters.
+        errors : sequence of float or array (n,)
+            Standard errors of the travels [m].
+
+        Raises
+        ------
+        ConvergenceError
+            If a body still moves.
+        """
+        least: dict[Hashable, tuple[Trial, float]] = {}
+        for trial, error in zip(trials, errors, strict=True):
+            if trial.quantity == "travel" and not driven_on(trial.mechanism):
+                _, known = least.get(trial.run, (trial, math.inf))
+                least[trial.run] = trial, min(known, error)
+        for trial, error in least.values():
+            self._check_rest(trial, values, error)
+
+    def _check_rest(self, trial: Trial, values: Sequence[float], error: float) -> None:
+        law, end = self.with_values(values), self.t_end
+        run = simulate(trial.mechanism, law, t_end=2.0 * end, y0=trial.start(law), throw=False)
+        (slip,) = (contact.slip for contact in trial.mechanism.contacts())
+        index = trial.mechanism.coordinates.index(slip)
+        last = min(2.0 * end, float(run.span[1]))
+        if last <= end:
+            return
+        times = np.union1d(np.linspace(end, last, AFTER), run.t[(run.t > end) & (run.t < last)])
+        seen = run.at(times)
+        way = np.abs(seen[slip] - seen[slip][0])
+        if not way.max() > error:
+            return
+        unit = trial.mechanism.units[index]
+        speed = quantity(abs(float(seen[trial.mechanism.rates[index]][0])), f"{unit}/s")
+        halves = way[np.searchsorted(times, 0.5 * (end + last))], way[-1]
+        steady = halves[1] >= STEADY * halves[0]
+        cure = "It does not slow down: give a mean_velocity over the run instead."
+        raise ConvergenceError(
+            f"{law.title} friction does not bring the body to rest: at t_end = {end:g} s it still"
+            f" moves at {speed}, and goes up to {quantity(float(way.max()), unit)} farther in as"
+            f" long again. {cure if steady else 'Increase t_end.'}"
+        )

@@ -1,0 +1,284 @@
+"""Start values: of a law of which only the type is given, and of a search on several travels."""
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError, SimulationError, UnknownNameError
+from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.identification.travels.model import TravelModel, Trial
+from stickslip.identification.travels.single_travel import room_for
+from stickslip.quantities import fields_of, vary
+from stickslip.simulation import ensemble, simulate
+
+__all__ = [
+    "Start",
+    "check_known",
+    "doubling_slope",
+    "required_of",
+    "starting_law",
+    "starting_points",
+    "with_known",
+]
+
+Start: TypeAlias = Sequence[float]
+"""Values of the free parameters where a search begins."""
+Array: TypeAlias = NDArray[np.float64]
+
+START = {
+    "kinetic_coefficient": 0.25,
+    "forward_kinetic_coefficient": 0.25,
+    "backward_kinetic_coefficient": 0.25,
+    "static_coefficient": 0.35,
+    "viscous_coefficient": 0.5,
+    "stribeck_velocity": 0.05,
+    "bristle_stiffness": 1e3,
+    "bristle_damping": 10.0,
+}
+"""Dry metal on metal, per unit load; bristles give way by a quarter of a millimetre."""
+
+
+LEVELS = (0.04, 12.0)
+"""Least and largest friction level that is scanned, over its start value: from a ball bearing to
+rubber."""
+SLOPES = (1e-2, 1e5)
+"""The same for a law whose first parameter is no level but a slope with speed, which grows with the
+size of a rig."""
+COUNTS = {LEVELS: 24, SLOPES: 15}
+"""How many values of the first parameter are scanned."""
+SHARES = (0.9, 0.6, 0.3)
+"""Shares of the level that fits alone, beside which further parameters are scanned; a viscous part
+takes the rest."""
+DECADES = (1e-2, 10**-1.5, 1e-1, 10**-0.5, 1.0, 10**0.5, 10.0, 1e2)
+"""Further parameters over their start values: least squares does not see them from afar."""
+DENSE = (240, 16)
+"""Levels and values of a second parameter, where travels are not monotonic in the level."""
+SURPLUS = 0.02
+"""What a level at rest that is scanned densely has over that of sliding, over this, in decades."""
+MOST = 60
+"""Combinations of further parameters that are tried, at most; drawn if there are more."""
+KEPT = 6
+"""Starting points that a scan returns."""
+
+
+def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
+    """Return values of the free parameters near which several travels are explained best.
+
+    The first parameter, a level, is scanned over three decades with the others at their least.
+    Where each travel falls as the level rises there is one best level, and the others are scanned
+    over decades beside shares of it. A body that swings to and fro before it rests has travels that
+    rise and fall with the level, and least squares would stay on the branch where it begins: there
+    levels are scanned densely.
+
+    Parameters
+    ----------
+    model : TravelModel
+        The law, whose values are the centre of the scan, and its free parameters.
+    trials : sequence of Trial
+        Several travels.
+    """
+    trials = _spread(trials)
+    first, *others = model.free
+    names = {path: path.rpartition(".")[2] for path in model.free}
+    centre = {path: float(getattr(model.law, name) or 0.1) for path, name in names.items()}
+    span = SLOPES if names[first] == "viscous_coefficient" else LEVELS
+    ends = span[0] * centre[first], span[1] * centre[first]
+    low, high = room_for(model.law, names[first], model.free)
+    levels = np.unique(np.clip(np.geomspace(*ends, COUNTS[span]), max(low, ends[0]), high))
+    idle = [_least(model, path, centre[path]) for path in others]
+    rows = [[level, *idle] for level in levels.tolist()]
+    table = np.array([_travels(model, trials, row) for row in rows])
+    costs = _costs(table, trials)
+    best = rows[int(np.argmin(costs))]
+    centre |= {
+        p: doubling_slope(model, trials, best) for p in others if names[p] == "viscous_coefficient"
+    }
+    scanned = len(others) <= 1 and span is LEVELS and not isinstance(model.law, BristleLaw)
+    if scanned and _branched(table):
+        return _best(*_dense(model, trials, (max(ends[0], low), min(ends[1], high)), centre))
+    if not others:
+        return _best(rows, costs)
+    rows += [[share * best[0], *rest] for share, rest in _beside(model, best[0], centre)]
+    more = [_travels(model, trials, row) for row in rows[len(costs) :]]
+    return _best(rows, np.concatenate([costs, _costs(np.array(more), trials)]))
+
+
+def _spread(trials: Sequence[Trial]) -> list[Trial]:
+    """Return one trial of each setting; of many the shortest, the middle and the longest travel."""
+    different = sorted({t.run: t for t in trials}.values(), key=lambda t: abs(t.travel))
+    return [different[i] for i in sorted({0, len(different) // 2, len(different) - 1})]
+
+
+def _least(model: TravelModel, path: str, centre: float) -> float:
+    """Return the value at which a parameter does least: 0 where that is allowed, else its start."""
+    quantity = fields_of(type(model.law))[path.rpartition(".")[2]]
+    return centre if quantity.above is not None or quantity.at_least is not None else 0.0
+
+
+def doubling_slope(model: TravelModel, trials: Sequence[Trial], values: Start) -> float:
+    """Return the slope [N s/m] that doubles the friction of a law at the largest speed of a run."""
+    trial = max(trials, key=lambda one: abs(one.travel))
+    law = model.with_values(values)
+    end = trial.until(model.t_end)
+    run = simulate(trial.mechanism, law, t_end=end, y0=trial.start(law), throw=False)
+    (slip,) = (contact.slip for contact in trial.mechanism.contacts())
+    rate = trial.mechanism.rates[trial.mechanism.coordinates.index(slip)]
+    force = values[0] * float(np.median(run["normal_force"]))
+    return force / max(float(np.max(np.abs(run[rate]))), 1e-6)
+
+
+def _beside(
+    model: TravelModel, level: float, centre: Mapping[str, float]
+) -> list[tuple[float, list[float]]]:
+    """Return shares of a level, and values of the further parameters beside each.
+
+    A parameter that must not fall below the level lies above it by a third of what is scanned:
+    friction at rest is seldom twice that of sliding.
+    """
+    quantities = fields_of(type(model.law))
+    found = []
+    for share in SHARES:
+        axes = []
+        for path in model.free[1:]:
+            name = path.rpartition(".")[2]
+            if name == "viscous_coefficient":
+                axes.append([(1.0 - share) * centre[path]])
+            elif quantities[name].at_least is not None:
+                axes.append([share * level * (1.0 + extra) for extra in (0.15, 0.5)])
+            else:
+                axes.append([factor * centre[path] for factor in DECADES])
+        found += [(share, list(rest)) for rest in itertools.product(*axes)]
+    if len(found) <= MOST:
+        return found
+    chosen = np.random.default_rng(0).choice(len(found), MOST, replace=False)
+    return [found[i] for i in sorted(chosen)]
+
+
+def _travels(model: TravelModel, trials: Sequence[Trial], values: Sequence[float]) -> Array:
+    try:
+        return model.travels(trials, values)
+    except (SimulationError, InputError):
+        return np.full(len(trials), math.inf)
+
+
+def _costs(table: Array, trials: Sequence[Trial]) -> Array:
+    """Return the sum of squared residuals of each row."""
+    costs: Array = np.sum((table - np.array([trial.travel for trial in trials])) ** 2, axis=1)
+    return costs
+
+
+def _branched(table: Array) -> bool:
+    """Whether a travel rises with the level anywhere, by more than runs are wrong."""
+    finite = table[np.all(np.isfinite(table), axis=1)]
+    if len(finite) < 2:
+        return False
+    rises = np.diff(np.abs(finite), axis=0)
+    return bool(np.any(rises > 1e-6 * np.abs(finite).max()))
+
+
+def _dense(
+    model: TravelModel,
+    trials: Sequence[Trial],
+    ends: tuple[float, float],
+    centre: Mapping[str, float],
+) -> tuple[list[Start], Array]:
+    """Return a dense grid of one or two parameters and its costs, by ensembles."""
+    others = model.free[1:]
+    axes = [np.geomspace(*ends, DENSE[0])]
+    above = [path for path in others if _stands_above(model, path)]
+    for path in others:
+        spread = np.geomspace(DECADES[0], DECADES[-1], DENSE[1] - 1)
+        if path in above:
+            axes.append(np.array([1.0, *(1.0 + SURPLUS * spread)]))
+        else:
+            axes.append(np.array([_least(model, path, centre[path]), *(spread * centre[path])]))
+    columns = dict(zip(model.free, (a.ravel() for a in np.meshgrid(*axes)), strict=True))
+    for path in above:
+        columns[path] = columns[path] * columns[model.free[0]]
+    table = []
+    for trial in trials:
+        start = trial.start(model.law)
+        (slip,) = (contact.slip for contact in trial.mechanism.contacts())
+        end = trial.until(model.t_end)
+        runs = ensemble(trial.mechanism, model.law, columns, t_end=end, outputs=[slip], y0=start)
+        table.append(np.where(np.isfinite(runs[slip]), runs[slip], np.inf) - start.get(slip, 0.0))
+    rows = np.stack([columns[path] for path in model.free], axis=1)
+    return rows.tolist(), _costs(np.stack(table, axis=1), trials)
+
+
+def _stands_above(model: TravelModel, path: str) -> bool:
+    """Whether a parameter must not fall below another one."""
+    return fields_of(type(model.law))[path.rpartition(".")[2]].at_least is not None
+
+
+def _best(rows: Sequence[Start], costs: Array) -> list[Start]:
+    return [rows[i] for i in np.argsort(costs, kind="stable")[:KEPT]]
+
+
+def required_of(law: type[FrictionLaw]) -> tuple[str, ...]:
+    """Return the names of the parameters that a law cannot do without.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> required_of(Dahl)
+    ('kinetic_coefficient', 'bristle_stiffness')
+    """
+    fields = law.__dataclass_fields__
+    return tuple(name for name in fields_of(law) if fields[name].default is dataclasses.MISSING)
+
+
+def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
+    """Return a law of that type with ordinary values for each parameter it needs.
+
+    Parameters
+    ----------
+    law : type
+        A friction law.
+    load : float
+        Normal force [N]; start values that are not per unit load scale with it.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> starting_law(Coulomb)
+    Coulomb(kinetic_coefficient=0.25, static_coefficient=None)
+    """
+    values: dict[str, Any] = {}
+    for name in fields_of(law):
+        required = law.__dataclass_fields__[name].default
+        if name in START and not isinstance(required, (float, int)) and required is not None:
+            values[name] = START[name] * (load / 9.81 if name == "viscous_coefficient" else 1.0)
+    return law(**values)
+
+
+def check_known(law: FrictionLaw | type[FrictionLaw], known: Mapping[str, float] | None) -> None:
+    """Check that values stand beside a type of law, and are of its parameters."""
+    if not known:
+        return
+    if not isinstance(law, type):
+        raise InputError(
+            f"known is for a type of law, and this is a {type(law).__name__} with all its values:"
+            " give the type, or the values with the law."
+        )
+    fields = fields_of(law)
+    for name in known:
+        if name not in fields:
+            raise UnknownNameError(f"parameter of {law.__name__} in known", name, fields)
+
+
+def with_known(law: FrictionLaw, known: Mapping[str, float] | None) -> FrictionLaw:
+    """Return a law with the values that are known, by name.
+
+    Examples
+    --------
+    >>> from stickslip import Viscous
+    >>> with_known(Viscous(viscous_coefficient=1.0), {"viscous_coefficient": 30.0})
+    Viscous(viscous_coefficient=30.0)
+    """
+    return vary(law, "friction", {f"friction.{name}": v for name, v in (known or {}).items()})

@@ -1,0 +1,1 @@
+"""Whether several trials share one law."""

@@ -1,0 +1,131 @@
+"""Where a polynomial on 0 to 1 first falls below zero; no fall is missed, however short.
+
+In Bernstein form the number of roots is at most the number of sign changes of the coefficients,
+and of the same parity (Descartes). None means no root, one means one; else the interval is halved.
+The coefficients stand at POLYNOMIAL, the intervals still to be looked at on a stack at ROOM.
+"""
+
+from stickslip.kernels.backend import Vector
+from stickslip.kernels.itp import itp_limit, itp_point
+from stickslip.kernels.state_layout import DEEPEST, INTERVAL, POLYNOMIAL, ROOM
+
+__all__ = ["FALLS_AT_ONCE", "NEVER_FALLS", "first_fall"]
+
+NEVER_FALLS = 2.0
+FALLS_AT_ONCE = -1.0
+ROUNDED = 4e-15
+"""Share of all coefficients below which the first ones are zero but for rounding."""
+EPSILON = 2.220446049250313e-16
+PASSES = 4
+"""Searches, each with the rounding of the last result as its goal: early roots are exact too."""
+
+
+def horner(w: Vector, first: int, degree: int, x: float) -> float:
+    """Return the polynomial over x to the power `first`."""
+    value = w[POLYNOMIAL + degree]
+    for k in range(POLYNOMIAL + degree - 1, POLYNOMIAL + first - 1, -1):
+        value = value * x + w[k]
+    return value
+
+
+def to_bernstein(w: Vector, first: int, d: int) -> None:
+    """Write the whole interval, with the Bernstein coefficients, to the bottom of the stack."""
+    w[ROOM] = 0.0
+    w[ROOM + 1] = 1.0
+    binomial = 1.0
+    for j in range(d + 1):
+        w[ROOM + 2 + j] = w[POLYNOMIAL + first + j] / binomial
+        binomial *= (d - j) / (j + 1.0)
+    for row in range(d):
+        for i in range(ROOM + 2 + d, ROOM + 2 + row, -1):
+            w[i] += w[i - 1]
+
+
+def sign_changes(w: Vector, at: int, d: int) -> int:
+    """Return the number of sign changes, zeros left out; -1 if the first sign is negative."""
+    changes = 0
+    sign = 0.0
+    for i in range(at + 2, at + d + 3):
+        value = w[i]
+        if value != 0.0:
+            if sign == 0.0 and value < 0.0:
+                return -1
+            if value * sign < 0.0:
+                changes += 1
+            sign = 1.0 if value > 0.0 else -1.0
+    return changes
+
+
+def halve(w: Vector, at: int, d: int) -> None:
+    """Split an interval in two (de Casteljau): its right half stays, the left one goes on top."""
+    top = at + INTERVAL
+    half = 0.5 * w[at + 1]
+    w[top] = w[at]
+    w[top + 1] = half
+    w[at] += half
+    w[at + 1] = half
+    w[top + 2] = w[at + 2]
+    for row in range(1, d + 1):
+        for i in range(at + 2, at + d + 3 - row):
+            w[i] = 0.5 * (w[i] + w[i + 1])
+        w[top + 2 + row] = w[at + 2]
+
+
+def fall_in(w: Vector, first: int, degree: int, low: float, high: float) -> float:
+    """Return the point just past the one sign change of an interval."""
+    f_low = horner(w, first, degree, low)
+    f_high = horner(w, first, degree, high)
+    if f_low <= 0.0:  # a root within rounding of the lower end
+        return low
+    if f_high >= 0.0:  # negative before, and back at zero but for rounding
+        f_high = -EPSILON * f_low
+    for _ in range(PASSES):
+        width = high - low
+        epsilon = EPSILON * high
+        if width <= 2.0 * epsilon:
+            break
+        limit = itp_limit(width, epsilon)
+        for trial in range(limit + 1):
+            if high - low <= 2.0 * epsilon:
+                break
+            x = itp_point(limit - trial, width, epsilon, low, high, f_low, f_high)
+            value = horner(w, first, degree, x)
+            if value < 0.0:
+                high = x
+                f_high = value
+            else:
+                low = x
+                f_low = value
+    return high
+
+
+def first_fall(w: Vector, degree: int) -> float:
+    """Return the fraction just past the first fall below zero, NEVER_FALLS or FALLS_AT_ONCE."""
+    total = 0.0
+    for k in range(degree + 1):
+        total += abs(w[POLYNOMIAL + k])
+    first = 0
+    while first <= degree and abs(w[POLYNOMIAL + first]) <= ROUNDED * total:
+        first += 1
+    if first > degree:
+        return NEVER_FALLS
+    if w[POLYNOMIAL + first] < 0.0:
+        return FALLS_AT_ONCE
+    if 2.0 * w[POLYNOMIAL + first] > total:
+        return NEVER_FALLS
+    d = degree - first
+    to_bernstein(w, first, d)
+    top = 0
+    while top >= 0:
+        at = ROOM + top * INTERVAL
+        changes = sign_changes(w, at, d)
+        if changes == -1:
+            return max(w[at], EPSILON)
+        if changes == 1:
+            return fall_in(w, first, degree, w[at], w[at] + w[at + 1])
+        if changes == 0 or top == DEEPEST:
+            top -= 1
+        else:
+            halve(w, at, d)
+            top += 1
+    return NEVER_FALLS

@@ -1,0 +1,93 @@
+"""A recorded run at any times: its rows hold all that is needed."""
+
+from stickslip.kernels.backend import Vector
+from stickslip.kernels.dense_output import interpolate
+from stickslip.kernels.drive_segments import load_piece
+from stickslip.kernels.model_interface import N_CHANNELS, N_DRIVES, N_STATES, contact
+from stickslip.kernels.state_layout import (
+    DENSE,
+    POINT,
+    ROW_COLUMNS,
+    ROW_DENSE,
+    TERMS,
+    VALUES,
+    Y,
+)
+from stickslip.kernels.taylor_series import series_fill
+
+__all__ = ["piece_at", "play", "restore", "row_at"]
+
+
+def row_at(log: Vector, count: int, t: float) -> int:
+    """Return the last row that begins at or before a time."""
+    low = 0
+    high = count
+    while high - low > 1:
+        middle = (low + high) // 2
+        if log[middle * ROW_COLUMNS] <= t:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def piece_at(table: Vector, first: int, t: float) -> int:
+    """Return the piece of the drives that holds at a time, `first` or a later one."""
+    width = 1 + 3 * N_DRIVES
+    piece = first
+    while (piece + 1) * width < len(table) and table[(piece + 1) * width] <= t:
+        piece += 1
+    return piece
+
+
+def restore(log: Vector, row: int, table: Vector, w: Vector) -> None:
+    """Bring back the start of a row in Y, its dense output, and the piece of its drives."""
+    at = row * ROW_COLUMNS
+    load_piece(table, int(log[at + 5]), w)
+    for i in range(N_STATES):
+        w[Y + i] = log[at + ROW_DENSE + 1 + i]
+    if log[at + ROW_DENSE] > 0.0:
+        series_fill(int(log[at + 3]), int(log[at + 4]), log[at], log[at + 2], w, Y)
+    else:
+        for i in range(1 + (TERMS + 1) * N_STATES):
+            w[DENSE + i] = log[at + ROW_DENSE + i]
+
+
+def play(
+    log: Vector,
+    count: int,
+    times: Vector,
+    table: Vector,
+    w: Vector,
+    states: Vector,
+    forces: Vector,
+    rows: Vector,
+) -> None:
+    """Write states, friction, normal force and channels, and the row, of each of the times.
+
+    A body at rest for good is one row, during which its drives go on.
+    """
+    row = -1
+    piece = 0
+    for i in range(len(times)):
+        t = times[i]
+        here = row
+        if row < 0 or t < log[row * ROW_COLUMNS] or not t < log[row * ROW_COLUMNS + 1]:
+            here = row_at(log, count, t)
+        at = here * ROW_COLUMNS
+        if here != row or t < times[i - 1]:
+            piece = int(log[at + 5])
+        if here != row:
+            row = here
+            restore(log, row, table, w)
+        interpolate(w, (t - log[at]) / log[at + 2], POINT)
+        piece = piece_at(table, piece, t)
+        load_piece(table, piece, w)
+        contact(int(log[at + 3]), int(log[at + 4]), t, w, POINT, VALUES)
+        for j in range(N_STATES):
+            states[i * N_STATES + j] = w[POINT + j]
+        forces[(2 + N_CHANNELS) * i] = w[VALUES]
+        forces[(2 + N_CHANNELS) * i + 1] = w[VALUES + 1]
+        for j in range(N_CHANNELS):
+            forces[(2 + N_CHANNELS) * i + 2 + j] = w[VALUES + 4 + j]
+        rows[i] = row

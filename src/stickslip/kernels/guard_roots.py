@@ -1,0 +1,172 @@
+"""Where inside a step a guard is first violated."""
+
+from stickslip.kernels.backend import Vector
+from stickslip.kernels.dense_output import interpolate
+from stickslip.kernels.enums import LIFT_OFF, STOP
+from stickslip.kernels.hard_stops import FIRST_LIMIT, FIRST_WALL
+from stickslip.kernels.itp import itp_limit, itp_point
+from stickslip.kernels.model_interface import CAN_LIFT, HAS_BRISTLES, N_GUARDS, SLIP, guards
+from stickslip.kernels.state_layout import (
+    FRACTION,
+    LOWEST,
+    POINT,
+    REACHED,
+    SAMPLED,
+    SAMPLES,
+    SCALE,
+    VALUES,
+)
+
+__all__ = ["NO_GUARD", "first_violation", "guard_values", "note_least", "note_sizes", "rises"]
+
+NO_GUARD = -1
+QUIET = 1e-12
+"""Share of the largest speed so far below which a reversal of a bristle law is left unnoticed.
+
+The fields of both directions agree there to rounding, and a body that creeps to rest would else
+reverse with every rounding error.
+"""
+GOLDEN = 0.6180339887498949
+EPSILON_STEP = 2.220446049250313e-16
+
+
+def guard_values(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+    """Evaluate the guards, with the quiet zone of bristle laws."""
+    guards(mode, flags, t, w, at, to)
+    if HAS_BRISTLES and mode != 0:
+        w[to + STOP] += QUIET * w[SCALE + SLIP]
+
+
+def guard_at(guard: int, x: float, mode: int, flags: int, t: float, h: float, w: Vector) -> float:
+    """Return one guard at a fraction of the step."""
+    interpolate(w, x, POINT)
+    guard_values(mode, flags, t + x * h, w, POINT, VALUES)
+    return w[VALUES + guard]
+
+
+def bisect(
+    guard: int, low: float, high: float, mode: int, flags: int, t: float, h: float, w: Vector
+) -> float:
+    """Return the fraction just past a sign change."""
+    f_low = guard_at(guard, low, mode, flags, t, h, w)
+    f_high = guard_at(guard, high, mode, flags, t, h, w)
+    epsilon = max(EPSILON_STEP, EPSILON_STEP * abs(t) / abs(h))
+    width = high - low
+    limit = itp_limit(width, epsilon)
+    for trial in range(limit + 1):
+        if high - low <= 2.0 * epsilon:
+            break
+        x = itp_point(limit - trial, width, epsilon, low, high, f_low, f_high)
+        value = guard_at(guard, x, mode, flags, t, h, w)
+        if value < 0.0:
+            high = x
+            f_high = value
+        else:
+            low = x
+            f_low = value
+    return high
+
+
+def dip(
+    guard: int, low: float, high: float, mode: int, flags: int, t: float, h: float, w: Vector
+) -> float:
+    """Return a fraction between where the guard is negative, or -1 if its minimum is not."""
+    a = high - GOLDEN * (high - low)
+    b = low + GOLDEN * (high - low)
+    f_a = guard_at(guard, a, mode, flags, t, h, w)
+    f_b = guard_at(guard, b, mode, flags, t, h, w)
+    for _ in range(40):
+        if f_a < 0.0:
+            return a
+        if f_b < 0.0:
+            return b
+        if f_a < f_b:
+            high = b
+            b = a
+            f_b = f_a
+            a = high - GOLDEN * (high - low)
+            f_a = guard_at(guard, a, mode, flags, t, h, w)
+        else:
+            low = a
+            a = b
+            f_a = f_b
+            b = low + GOLDEN * (high - low)
+            f_b = guard_at(guard, b, mode, flags, t, h, w)
+    return -1.0
+
+
+def first_sign(
+    guard: int, first: float, mode: int, flags: int, t: float, h: float, w: Vector
+) -> float:
+    """Return the first point just past a fall of one guard among the samples.
+
+    That is `first` if the guard holds up to there, and -1 for a guard that starts at zero and never
+    becomes positive although it ends negative.
+    """
+    at = SAMPLED + guard
+    armed = w[at] > 0.0
+    for s in range(1, SAMPLES + 1):
+        low = (s - 1) / SAMPLES
+        if armed and low >= first:
+            return first
+        value = w[at + s * N_GUARDS]
+        before = w[at + (s - 1) * N_GUARDS]
+        if armed and value < 0.0:
+            return min(first, bisect(guard, low, s / SAMPLES, mode, flags, t, h, w))
+        if armed and s > 1:
+            earlier = w[at + (s - 2) * N_GUARDS]
+            # a minimum lies near `before`, and it is low enough to matter
+            if before <= value and before < earlier and 4.0 * before < earlier + value:
+                low = (s - 2) / SAMPLES
+                x = dip(guard, low, s / SAMPLES, mode, flags, t, h, w)
+                if x >= 0.0:
+                    return min(first, bisect(guard, low, x, mode, flags, t, h, w))
+        if value < 0.0 and guard >= FIRST_WALL:  # a bounce too short to be seen
+            return -1.0
+        armed = armed or value > 0.0
+    return -1.0 if not armed and w[at + SAMPLES * N_GUARDS] < 0.0 else first
+
+
+def first_violation(mode: int, flags: int, t: float, h: float, w: Vector) -> int:
+    """Find the first violated guard of a step, with its fraction in FRACTION.
+
+    The fraction is 0 where a guard was never armed: it starts at zero and falls.
+    """
+    for s in range(SAMPLES + 1):
+        interpolate(w, s / SAMPLES, POINT)
+        guard_values(mode, flags, t + s / SAMPLES * h, w, POINT, SAMPLED + s * N_GUARDS)
+    best = NO_GUARD
+    w[FRACTION] = 2.0
+    for guard in range(N_GUARDS):
+        x = first_sign(guard, w[FRACTION], mode, flags, t, h, w)
+        if x < 0.0:
+            w[FRACTION] = 0.0
+            return guard
+        if x < w[FRACTION]:
+            w[FRACTION] = x
+            best = guard
+    w[FRACTION] = min(w[FRACTION], 1.0)
+    return best
+
+
+def rises(guard: int, w: Vector) -> bool:
+    """Whether one guard is positive at any of the samples."""
+    highest = w[SAMPLED + guard]
+    for s in range(1, SAMPLES + 1):
+        highest = max(highest, w[SAMPLED + s * N_GUARDS + guard])
+    return highest > 0.0
+
+
+def note_least(guard: int, value: float, w: Vector) -> None:
+    """Note the least value of a guard that ends runs."""
+    if (CAN_LIFT and guard == LIFT_OFF) or FIRST_LIMIT <= guard < FIRST_WALL:
+        w[LOWEST + guard] = min(w[LOWEST + guard], value)
+
+
+def note_sizes(w: Vector) -> None:
+    """Note the largest size of each guard among the samples of a step, and the least ones."""
+    for guard in range(N_GUARDS):
+        for s in range(SAMPLES + 1):
+            value = w[SAMPLED + s * N_GUARDS + guard]
+            w[REACHED + guard] = max(w[REACHED + guard], abs(value))
+            note_least(guard, value, w)

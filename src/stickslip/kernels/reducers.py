@@ -1,0 +1,198 @@
+"""What is kept of a run in an ensemble: one number for each output."""
+
+import math
+
+from stickslip.kernels.backend import Vector
+from stickslip.kernels.dense_evaluation import restore, row_at
+from stickslip.kernels.dense_output import interpolate
+from stickslip.kernels.enums import (
+    AT,
+    BREAK_BACKWARD,
+    BREAK_FORWARD,
+    BROKE_AWAY,
+    EVENT_COUNT,
+    EVENT_TIME,
+    FINAL,
+    GREATEST,
+    HIT,
+    LEFT_GROUND,
+    LEFT_STOP,
+    LIFT_OFF,
+    MEAN,
+    REVERSED,
+    SMALLEST,
+    STOP,
+    STOPPED,
+    SWITCH,
+)
+from stickslip.kernels.gauss_legendre import NODES, WEIGHTS
+from stickslip.kernels.hard_stops import FIRST_LIMIT, FIRST_WALL
+from stickslip.kernels.model_interface import N_COORDINATES, N_LIMITS, WALL_COORDINATES
+from stickslip.kernels.state_layout import (
+    END,
+    EVENT_COLUMNS,
+    EVENTS,
+    POINT,
+    ROW_COLUMNS,
+    SAMPLES,
+    STEPS,
+)
+
+__all__ = ["happened", "reduced"]
+
+GOLD = 0.6180339887498949
+
+
+def state_in(x: float, state: int, w: Vector) -> float:
+    """Return a state at a fraction of the restored row."""
+    interpolate(w, x, POINT)
+    return w[POINT + state]
+
+
+def peak_in(state: int, side: float, low: float, high: float, w: Vector) -> float:
+    """Return the largest `side` times a state within a bracket, by golden section."""
+    a = high - GOLD * (high - low)
+    b = low + GOLD * (high - low)
+    f_a = side * state_in(a, state, w)
+    f_b = side * state_in(b, state, w)
+    for _ in range(40):
+        if f_a > f_b:
+            high = b
+            b = a
+            f_b = f_a
+            a = high - GOLD * (high - low)
+            f_a = side * state_in(a, state, w)
+        else:
+            low = a
+            a = b
+            f_a = f_b
+            b = low + GOLD * (high - low)
+            f_b = side * state_in(b, state, w)
+    return max(f_a, f_b)
+
+
+def extremum(
+    state: int, side: float, since: float, w: Vector, count: int, log: Vector, table: Vector
+) -> float:
+    """Return the largest (`side` 1) or smallest (-1) value of a state from a time on."""
+    best = -math.inf
+    for row in range(row_at(log, count, since), count):
+        at = row * ROW_COLUMNS
+        restore(log, row, table, w)
+        first = max((since - log[at]) / log[at + 2], 0.0)
+        width = ((log[at + 1] - log[at]) / log[at + 2] - first) / SAMPLES
+        top = side * state_in(first, state, w)
+        lowest = top
+        place = first
+        for s in range(1, SAMPLES + 1):
+            here = side * state_in(first + s * width, state, w)
+            lowest = min(lowest, here)
+            if here > top:
+                top = here
+                place = first + s * width
+        best = max(best, top)
+        # a peak lies beside the highest sample, and above it by less than the samples differ
+        if top + (top - lowest) > best:
+            low = max(place - width, first)
+            high = min(place + width, first + SAMPLES * width)
+            best = max(best, peak_in(state, side, low, high, w))
+    return side * best
+
+
+def mean(
+    state: int,
+    since: float,
+    until: float,
+    w: Vector,
+    count: int,
+    log: Vector,
+    table: Vector,
+) -> float:
+    """Return the mean of a state over a stretch of time."""
+    total = 0.0
+    for row in range(row_at(log, count, since), count):
+        at = row * ROW_COLUMNS
+        begin = max(since, log[at])
+        span = min(until, log[at + 1]) - begin
+        if span > 0.0:
+            restore(log, row, table, w)
+            for node in range(len(NODES)):
+                x = (begin - log[at] + NODES[node] * span) / log[at + 2]
+                total += WEIGHTS[node] * span * state_in(x, state, w)
+    return total / (until - since)
+
+
+def happened(events: Vector, k: int) -> int:
+    """Return what event `k` was, as a code."""
+    at = k * EVENT_COLUMNS
+    guard = int(events[at + 3])
+    if guard == STOP:
+        return REVERSED if abs(events[at + 2]) == 1.0 else STOPPED
+    if guard in (BREAK_FORWARD, BREAK_BACKWARD):
+        return LEFT_STOP if abs(events[at + 1]) == 2.0 else BROKE_AWAY
+    if guard == LIFT_OFF:
+        return LEFT_GROUND
+    if guard >= FIRST_WALL:
+        return HIT + WALL_COORDINATES[guard - FIRST_WALL]
+    if guard >= FIRST_LIMIT:
+        return HIT + N_COORDINATES + guard - FIRST_LIMIT
+    ceased = 1 - ((int(events[at + 4]) >> (guard - SWITCH)) & 1)
+    return HIT + N_COORDINATES + N_LIMITS + 2 * (guard - SWITCH) + ceased
+
+
+def event_time(what: int, which: int, whole: Vector, events: Vector) -> float:
+    """Return when something happened for the n-th time from 0, from the end if negative; or NaN."""
+    found = 0
+    number = int(whole[EVENTS])
+    for i in range(number):
+        k = i if which >= 0 else number - 1 - i
+        if happened(events, k) == what:
+            if found == (which if which >= 0 else -1 - which):
+                return events[k * EVENT_COLUMNS]
+            found += 1
+    return math.nan
+
+
+def event_count(what: int, whole: Vector, events: Vector) -> float:
+    """Return how often something happened."""
+    found = 0.0
+    for k in range(int(whole[EVENTS])):
+        if happened(events, k) == what:
+            found += 1.0
+    return found
+
+
+def reduced(
+    kind: int,
+    what: int,
+    first: float,
+    last: float,
+    w: Vector,
+    whole: Vector,
+    table: Vector,
+    log: Vector,
+    events: Vector,
+) -> float:
+    """Return one output of a run.
+
+    `what` is a state, or what happened; `first` and `last` are a time, a stretch of time, or which
+    event. Asked for beyond the end of a run that ended early, the output is NaN.
+    """
+    count = int(whole[STEPS])
+    if kind == FINAL:
+        return w[END + what]
+    if kind == EVENT_TIME:
+        return event_time(what, int(first), whole, events)
+    if kind == EVENT_COUNT:
+        return event_count(what, whole, events)
+    end = log[(count - 1) * ROW_COLUMNS + 1]
+    if not first <= end:
+        return math.nan
+    if kind in (GREATEST, SMALLEST):
+        return extremum(what, 1.0 if kind == GREATEST else -1.0, first, w, count, log, table)
+    if kind == MEAN:
+        return mean(what, first, last, w, count, log, table) if last <= end else math.nan
+    row = row_at(log, count, first)
+    restore(log, row, table, w)
+    at = row * ROW_COLUMNS
+    return state_in((first - log[at]) / log[at + 2], what, w) if kind == AT else math.nan

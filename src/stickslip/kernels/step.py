@@ -1,0 +1,180 @@
+"""One step: as long as accuracy allows, up to the first event."""
+
+import math
+
+from stickslip.kernels.backend import Vector
+from stickslip.kernels.dop853 import dop853_dense, dop853_step
+from stickslip.kernels.enums import EXACT, STEP_TOO_SMALL, STIFF, STOP
+from stickslip.kernels.guard_roots import NO_GUARD, first_violation, note_sizes, rises
+from stickslip.kernels.hard_stops import FIRST_WALL, approach
+from stickslip.kernels.linear_events import first_crossing
+from stickslip.kernels.model_interface import HAS_BRISTLES, jacobian
+from stickslip.kernels.rodas5p import rodas_dense, rodas_step
+from stickslip.kernels.state_layout import (
+    FLAGS,
+    FRACTION,
+    LENGTH,
+    MATRIX,
+    MODE,
+    POLYNOMIAL,
+    REJECTED,
+    SERIES,
+    STATUS,
+    STEP,
+    STEPPER,
+    STRIDE,
+    TIME,
+    Y,
+)
+from stickslip.kernels.stepper_selection import watch_stiffness
+from stickslip.kernels.taylor_series import series_step
+
+__all__ = ["advance"]
+
+OVERSHOT = 0.98
+"""A step is taken again if the event lies before this part of it."""
+BEYOND = 1.002
+"""Length of the new step over the time to the event, so that the event lies at its end."""
+STRETCH = 1.01
+"""A step that nearly reaches the end of a piece is stretched to it. STRETCH x BEYOND x OVERSHOT is
+below 1: a step taken again up to an event must not be stretched back."""
+BOUNCE = 1e-3
+"""Fraction of a series below which an impact is looked for in a shorter one."""
+
+
+def attempt(h: float, w: Vector, whole: Vector, rtol: float) -> float:
+    """Try a step with the mode's stepper, fill its dense output if it is good enough."""
+    mode = int(whole[MODE])
+    flags = int(whole[FLAGS])
+    t = w[TIME]
+    if whole[STEPPER] == EXACT:
+        return series_step(mode, flags, t, h, w, Y)
+    if whole[STEPPER] == STIFF:
+        error = rodas_step(mode, flags, t, h, w, rtol)
+        if error <= 1.0:
+            rodas_dense(w)
+        return error
+    error = dop853_step(mode, flags, t, h, w, rtol)
+    if error <= 1.0:
+        dop853_dense(mode, flags, t, h, w)
+        jacobian(mode, flags, t, w, Y, MATRIX)
+    return error
+
+
+def resized(h: float, error: float, stepper: int) -> float:
+    """Return the next step length for an error over the tolerance."""
+    if stepper == EXACT:
+        if error == 0.0:
+            return math.inf
+        return h * (0.95 * math.pow(error, -1.0 / SERIES) if error < 1e60 else 1e-3)
+    if error == 0.0:
+        return 10.0 * h
+    if not error < 1e30:
+        return 0.1 * h
+    order = 5.0 if stepper == STIFF else 8.0
+    return h * min(10.0, max(0.2, 0.9 * math.pow(error, -1.0 / order)))
+
+
+def accepted_step(
+    stop: float, w: Vector, whole: Vector, rtol: float, cap: float, slot: int
+) -> float:
+    """Shorten the step until it is accurate; return its length, 0 if there is none."""
+    stepper = int(whole[STEPPER])
+    t = w[TIME]
+    h = min(w[slot], cap)
+    left = stop - t
+    while True:
+        last = STRETCH * h >= left
+        if last:
+            h = left
+        elif 2.0 * h > left:
+            h = 0.5 * left
+        if not t + h > t:
+            whole[STATUS] = STEP_TOO_SMALL
+            return 0.0
+        error = attempt(h, w, whole, rtol)
+        proposed = resized(h, error, stepper)
+        if error <= 1.0:
+            w[slot] = max(proposed, w[slot]) if last else proposed
+            if stepper != STIFF:
+                watch_stiffness(h, w, whole)
+            return h
+        whole[REJECTED] += 1
+        h = proposed
+
+
+def retry_length(guard: int, h: float, w: Vector) -> float:
+    """Return the length with which a step should be taken again, 0 if it stands."""
+    t = w[TIME]
+    fraction = w[FRACTION]
+    if guard >= FIRST_WALL and fraction == 0.0 and approach(guard, w) > 0.0:
+        return 0.0  # it is at its stop
+    if guard != NO_GUARD and fraction == 0.0 and not (guard == STOP and HAS_BRISTLES):
+        return h / 8.0 if t + h / 64.0 > t else 0.0
+    if guard != NO_GUARD and 0.0 < fraction < OVERSHOT and t + 0.25 * fraction * h > t:
+        return BEYOND * fraction * h
+    return 0.0
+
+
+def bounce_length(guard: int, h: float, w: Vector) -> float:
+    """Return the length with which a series should be taken again, 0 if it stands.
+
+    Fractions are found to rounding of 1, within which a short bounce would be lost. What falls at
+    once does so truly if its first coefficient that is not zero, however small, is negative.
+    """
+    fraction = w[FRACTION]
+    if guard < FIRST_WALL or fraction >= BOUNCE:
+        return 0.0
+    shorter = 2.0 * fraction * h
+    if fraction == 0.0:
+        k = POLYNOMIAL
+        while w[k] == 0.0:
+            k += 1
+        if w[k] < 0.0:
+            return 0.0
+        shorter = h / 8.0
+    return shorter if w[TIME] + shorter / 8.0 > w[TIME] else 0.0
+
+
+def advance(stop: float, w: Vector, whole: Vector, rtol: float, cap: float) -> int:
+    """Take one step up to the first event; return the guard that ended it, or NO_GUARD.
+
+    On return FRACTION and LENGTH hold the fraction of the step that holds and its length. A body
+    that starts from rest towards a guard that would be violated at once gets shorter steps before
+    that is believed; it is, too, where they are so short that the guard does not change at all. A
+    step that ends beyond an event is taken again up to just beyond it: the mode's equations, and so
+    the error estimate, mean little where the mode does not hold, and the dense output is best where
+    the step ends. Neither concerns the series of a linear mode, but for bounces.
+    """
+    exact = whole[STEPPER] == EXACT
+    slot = STRIDE if exact else STEP
+    before = w[slot]
+    doubted = NO_GUARD
+    while True:
+        h = accepted_step(stop, w, whole, rtol, cap, slot)
+        if h == 0.0:
+            return NO_GUARD
+        mode = int(whole[MODE])
+        flags = int(whole[FLAGS])
+        if exact:
+            guard = first_crossing(mode, flags, w[TIME], h, w)
+            shorter = bounce_length(guard, h, w)
+        else:
+            guard = first_violation(mode, flags, w[TIME], h, w)
+            shorter = 0.0
+            if guard == NO_GUARD and doubted != NO_GUARD and not rises(doubted, w):
+                guard = doubted
+                w[FRACTION] = 0.0
+            else:
+                shorter = retry_length(guard, h, w)
+            if shorter > 0.0:
+                doubted = guard if w[FRACTION] == 0.0 else NO_GUARD
+        if shorter > 0.0:
+            w[slot] = shorter
+            continue
+        if w[FRACTION] > 0.0 and not exact:
+            note_sizes(w)
+        w[LENGTH] = h
+        if guard != NO_GUARD and w[FRACTION] == 0.0:
+            w[slot] = before  # the step was tried in a mode that does not hold
+        return guard

@@ -1,0 +1,102 @@
+"""Which stepper a mode takes: its exact series, DOP853, or Rodas5P where it is stiff."""
+
+from stickslip.kernels.backend import Vector
+from stickslip.kernels.enums import EXACT, SMOOTH, STIFF
+from stickslip.kernels.error_scale import size_of
+from stickslip.kernels.model_interface import HAS_BRISTLES, N_STATES, SLIP, linear
+from stickslip.kernels.rodas5p import rodas_step
+from stickslip.kernels.state_layout import (
+    FLAGS,
+    MATRIX,
+    MODE,
+    SCALE,
+    SLOW,
+    STEP,
+    STEPPER,
+    TIME,
+    VALUES,
+    Y1,
+    Y,
+)
+
+__all__ = ["choose_stepper", "watch_stiffness"]
+
+FIRST_SHARE = 1e-3
+"""First step of a run over the time to its first stop, before errors tell."""
+PROBE = 1e-3
+"""Stretch of time, over that to the next stop, that tells the sizes of states at rest."""
+PROBES = 8
+"""Stretches that are tried, each shorter by the same factor."""
+PROBED = 1e-9
+"""Size of a state over its change in that stretch, at least."""
+BLURRED = 4e4
+"""Time over that stretch at which its rounding blurs all that a growing load does in it.
+
+What tolerates less than the rounding of the time takes short steps until the state is larger.
+"""
+SLOW_CHANGE = 0.01
+"""Change of every state in a step, over its size, that is slow."""
+SLOW_STEPS = 15
+"""Steps in a row that damping keeps short although all is slow, after which a mode is stiff."""
+
+
+def choose_stepper(stop: float, w: Vector, whole: Vector) -> None:
+    """Choose for the mode that begins."""
+    mode = int(whole[MODE])
+    whole[SLOW] = 0
+    if HAS_BRISTLES and abs(mode) == 1:
+        whole[STEPPER] = STIFF
+    else:
+        linear(mode, int(whole[FLAGS]), w[TIME], w, Y, VALUES)
+        whole[STEPPER] = EXACT if w[VALUES] > 0.0 else SMOOTH
+    if whole[STEPPER] != EXACT:
+        probe_sizes(stop, w, whole)
+        if not stop + w[STEP] > stop:  # none yet, or one left over from an event soon after 0
+            w[STEP] = FIRST_SHARE * (stop - w[TIME])
+
+
+def probe_sizes(stop: float, w: Vector, whole: Vector) -> None:
+    """Give a size to states that have none yet: a small part of what a first stretch brings.
+
+    What is at rest begins as a power of time, which no relative error control gets started.
+    """
+    mode = int(whole[MODE])
+    missing = False
+    for i in range(N_STATES):
+        missing = missing or w[SCALE + i] == 0.0
+    h = PROBE * (stop - w[TIME])
+    for _ in range(PROBES):
+        if not missing or not w[TIME] + h > w[TIME]:
+            return
+        error = rodas_step(mode, int(whole[FLAGS]), w[TIME], h, w, 1.0)
+        if error <= 1.0 and w[Y1 + SLIP] * mode >= 0.0:
+            blurred = abs(w[TIME]) / (BLURRED * h)
+            share = max(PROBED, min(1.0, blurred * blurred))
+            for i in range(N_STATES):
+                w[SCALE + i] = max(w[SCALE + i], share * abs(w[Y1 + i] - w[Y + i]))
+            return
+        if HAS_BRISTLES and error <= 1.0 and w[Y + SLIP] == 0.0 and mode == int(whole[MODE]):
+            mode = -mode  # what leads to the body tells only later which way it will be drawn
+        else:
+            h *= PROBE
+            mode = int(whole[MODE])
+
+
+def watch_stiffness(h: float, w: Vector, whole: Vector) -> None:
+    """Go over to Rodas5P where steps stay short for the sake of a motion that has died away.
+
+    The Jacobian at the start of the step stands at MATRIX; less its trace is the sum of all
+    dampings.
+    """
+    n = N_STATES
+    damping = 0.0
+    for i in range(n):
+        damping -= w[MATRIX + i * n + i]
+    slow = h * damping > 1.0
+    for i in range(n):
+        change = abs(w[Y1 + i] - w[Y + i])
+        slow = slow and change <= SLOW_CHANGE * size_of(i, 0.0, w)
+    whole[SLOW] = whole[SLOW] + 1 if slow else 0
+    if whole[SLOW] > SLOW_STEPS:
+        whole[STEPPER] = STIFF
+        w[STEP] = h

@@ -1,0 +1,69 @@
+"""Exact propagation of linear modes: the Taylor series of the solution, which is entire.
+
+With constant coefficients each term follows from the last, c[k + 1] = h / (k + 1) J c[k], and
+twenty of them give a step of more than a radian of the fastest motion to the last digit. The
+series stands in the dense output, so that guards become polynomials in the fraction of the step.
+"""
+
+import math
+
+from stickslip.kernels.backend import Vector
+from stickslip.kernels.dense_output import interpolate
+from stickslip.kernels.error_scale import size_of
+from stickslip.kernels.model_interface import N_STATES, field, jacobian, time_slope
+from stickslip.kernels.state_layout import DENSE, DRIFT, MATRIX, POINT, SERIES, Y1
+
+__all__ = ["series_fill", "series_step"]
+
+TAIL = 1e-16
+"""Size of the last two terms, over that of the state, that a step may have."""
+NOTHING = 1e-18
+"""Size of a term, over the largest of its state, below which the series has ended."""
+
+
+def series_fill(mode: int, flags: int, t: float, h: float, w: Vector, at: int) -> None:
+    """Fill the dense output with the series of a step from the state at `at`."""
+    n = N_STATES
+    last = DENSE + 1
+    field(mode, flags, t, w, at, last + n)
+    time_slope(mode, flags, t, w, at, DRIFT)
+    jacobian(mode, flags, t, w, at, MATRIX)
+    for i in range(n):
+        w[last + i] = w[at + i]
+        w[last + n + i] *= h
+        w[POINT + i] = max(abs(w[last + i]), abs(w[last + n + i]))  # largest term yet
+    small = 0
+    terms = 1
+    while terms < SERIES and small < 2:
+        last += n
+        terms += 1
+        factor = h / terms
+        ended = True
+        for i in range(n):
+            total = h * w[DRIFT + i] if terms == 2 else 0.0
+            for j in range(n):
+                total += w[MATRIX + i * n + j] * w[last + j]
+            total *= factor
+            w[last + n + i] = total
+            w[POINT + i] = max(w[POINT + i], abs(total))
+            ended = ended and abs(total) <= NOTHING * w[POINT + i]
+        small = small + 1 if ended else 0
+    w[DENSE] = terms - small
+
+
+def series_step(mode: int, flags: int, t: float, h: float, w: Vector, at: int) -> float:
+    """Try a step; return the tail of its series over what is allowed, the solution in Y1."""
+    n = N_STATES
+    series_fill(mode, flags, t, h, w, at)
+    interpolate(w, 1.0, Y1)
+    error = 0.0
+    if w[DENSE] >= SERIES:
+        last = DENSE + 1 + SERIES * n
+        for i in range(n):
+            tail = abs(w[last + i]) + abs(w[last - n + i])
+            if not tail < math.inf:
+                return math.inf
+            size = TAIL * size_of(i, h, w)
+            if tail > 0.0:
+                error = max(error, tail / size if size > 0.0 else math.inf)
+    return error

@@ -1,0 +1,1 @@
+"""Pictures that move: frames, encoders and scenes of each mechanism."""

@@ -1,0 +1,242 @@
+"""A scene beside time plots with a cursor: what a frame of an animation is made of."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from stickslip.mechanisms import Mechanism
+from stickslip.plots.animation.animation_layout import layout, write_legend
+from stickslip.plots.animation.scenes.bounding_boxes import (
+    Extent,
+    Scales,
+    extent_of,
+    joined,
+    scales_of,
+)
+from stickslip.plots.animation.scenes.registry import scene_of
+from stickslip.plots.animation.scenes.renderer import artists_of
+from stickslip.plots.animation.scenes.shapes import Moment, Picture, Scene, Shape
+from stickslip.plots.core.event_markers import within
+from stickslip.plots.core.helpers import dense, scale_of
+from stickslip.plots.core.theme import C1, INK, MUTED, SLIP_BACK, shade
+from stickslip.trajectory import Trajectory
+
+__all__ = ["Stage", "moments_of"]
+
+LOOKS: Final = 121
+"""Times at which is looked how much room a scene takes."""
+FAR: Final = 4.0
+"""Travel over the mechanism's own width from which the view follows it."""
+FOLLOWED: Final = 1.0
+"""Half the width of a view that follows over the mechanism's own width."""
+FLAT: Final = 0.42
+"""Height over width of a scene below which it stands above the time plots, not beside them."""
+WORDS: Final = {0: "stick", 1: "slip forward", -1: "slip backward", 2: "at stop", -2: "at stop"}
+
+
+def moments_of(
+    run: Trajectory, mechanism: Mechanism, times: "np.typing.NDArray[np.float64]"
+) -> list[Moment]:
+    """Return the columns of a run and the values of its drives at each of some times.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, Sine, simulate
+    >>> axis = Axis(inertia=1.0, drive=Sine(amplitude=3.0, frequency=1.0))
+    >>> run = simulate(axis, Coulomb(kinetic_coefficient=1.0), t_end=1.0)
+    >>> moment = moments_of(run, axis, np.array([0.25]))[0]
+    >>> moment["t"], round(moment["drive"], 9)
+    (0.25, 3.0)
+    """
+    seen = run.at(times)
+    columns = {name: seen[name] for name in run.names}
+    drives = {name: drive for name, drive in mechanism.drives().items() if name not in run.names}
+    return [
+        {
+            "t": float(t),
+            **{name: float(values[row]) for name, values in columns.items()},
+            **{name: drive.value(float(t)) for name, drive in drives.items()},
+        }
+        for row, t in enumerate(times)
+    ]
+
+
+class Stage:
+    """Draws moments of a run into a figure, one after the other.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        An empty figure.
+    run : Trajectory
+        What happens.
+    mechanism : Mechanism
+        What it happens to.
+    until : float
+        Last time shown [s].
+    scene : callable, optional
+        How the mechanism is drawn, if not as `scene_of` says.
+    narrow : bool
+        Whether the scene stands above the time plots.
+    digits : int
+        Decimals of the time that is shown.
+    """
+
+    def __init__(
+        self,
+        figure: Figure,
+        run: Trajectory,
+        mechanism: Mechanism,
+        *,
+        until: float,
+        scene: Scene | None = None,
+        narrow: bool = False,
+        digits: int = 3,
+    ) -> None:
+        first = run.span[0]
+        looks = np.linspace(first, until, LOOKS)
+        self.picture: Picture = (scene or scene_of(mechanism))(mechanism, run.at(looks))
+        self.digits = digits
+        shown = [self.picture.shapes(m) for m in moments_of(run, mechanism, looks)]
+        whole = self._measured(shown)
+        self.axes, panels = layout(figure, narrow=narrow, flat=whole.height < FLAT * whole.width)
+        box = self.axes.get_window_extent()
+        view = _padded(whole, box.height / box.width, ground=self.picture.metric)
+        self.axes.set_xlim(view.left, view.right)
+        self.axes.set_ylim(view.bottom, view.top)
+        _ruler(self.axes, view, metric=self.picture.metric)
+        self.cursors = _curves(panels, run, mechanism, until, narrow=narrow)
+        write_legend(self.axes, self.picture, shown, self.scales)
+        self.passing: list[Artist] = []
+        self._title = self.axes.set_title("", fontsize=11.5, color=INK)
+
+    def _measured(self, shown: Sequence[Sequence[Shape]]) -> Extent:
+        """Return what is seen, and choose how long arrows are."""
+        bare = [extent_of(shapes) for shapes in shown]
+        everything = joined(bare)
+        own = max(extent.width for extent in bare)
+        self.follows = everything.width > FAR * own
+        size = max(own if self.follows else everything.width / 2, everything.height)
+        self.scales: Scales = scales_of(shown, size)
+        whole = joined([extent_of(shapes, self.scales) for shapes in shown])
+        if not self.follows:
+            return whole
+        middle = 0.5 * (bare[0].left + bare[0].right)
+        return Extent(middle - FOLLOWED * own, middle + FOLLOWED * own, whole.bottom, whole.top)
+
+    def show(self, moment: Moment) -> list[Artist]:
+        """Draw a moment in place of the last one; return what moved, from back to front."""
+        for artist in self.passing:
+            artist.remove()
+        shapes = self.picture.shapes(moment)
+        if self.follows:
+            low, high = self.axes.get_xlim()
+            extent = extent_of(shapes)
+            middle = 0.5 * (extent.left + extent.right)
+            half = 0.5 * (high - low)
+            self.axes.set_xlim(middle - half, middle + half)
+        mode = round(moment["mode"])
+        self.passing = artists_of(self.axes, shapes, mode, self.scales)
+        self._title.set_text(f"{moment['t']:.{self.digits}f} s, {WORDS[mode]}")
+        moved: list[Artist] = [*self.passing, self._title]
+        for cursor, dot, name, factor in self.cursors:
+            cursor.set_xdata([moment["t"], moment["t"]])
+            dot.set_data([moment["t"]], [factor * moment[name]])
+            moved += [cursor, dot]
+        return [self.axes.xaxis, *moved] if self.follows else moved
+
+
+Cursor = tuple[Line2D, Line2D, str, float]
+
+
+def _curves(
+    panels: Sequence[Axes], run: Trajectory, mechanism: Mechanism, until: float, *, narrow: bool
+) -> list[Cursor]:
+    """Draw place, velocity and friction against time; return their cursors."""
+    slip = mechanism.contacts()[0].slip
+    rate = mechanism.rates[mechanism.coordinates.index(slip)]
+    seen = dense(run, until)
+    turning = run.units[slip] == "rad"
+    titles = {
+        slip: "angle" if turning else "displacement",
+        rate: "velocity",
+        "friction": "friction",
+    }
+    lowest = min(axes.get_position().y0 for axes in panels)
+    back = _spans(seen, -1)
+    pixel = 72 / panels[0].get_figure(root=True).dpi  # type: ignore[union-attr]  # they have one
+    found: list[Cursor] = []
+    for axes, (name, title) in zip(panels, titles.items(), strict=True):
+        factor, unit = scale_of(seen[name], run.units[name])
+        axes.plot(seen.t, factor * seen[name], color=C1, linewidth=1.6)
+        unit = "N m" if turning and name == "friction" else unit
+        axes.set_ylabel(f"{name if narrow else title}, {unit}")
+        axes.yaxis.set_label_coords(-48 / max(axes.get_window_extent().width * pixel, 1.0), 0.5)
+        axes.locator_params(axis="y", nbins=4)
+        axes.margins(x=0, y=0.12)
+        axes.grid(axis="y")
+        shade(axes, within(run.stick_spans(), until))
+        shade(axes, back, colour=SLIP_BACK)
+        bottom = axes.get_position().y0 <= lowest
+        axes.tick_params(labelbottom=bottom)
+        cursor = axes.axvline(float(seen.t[0]), color=INK, linewidth=1.0)
+        (dot,) = axes.plot([], [], "o", color=C1, markersize=5)
+        found.append((cursor, dot, name, factor))
+        if bottom:
+            axes.set_xlabel("time, s")
+    return found
+
+
+def _spans(seen: Trajectory, mode: int) -> list[tuple[float, float]]:
+    """Return the stretches of time in a mode, from dense samples."""
+    here = seen["mode"] == mode
+    return [
+        (float(a), float(b))
+        for a, b, one, other in zip(seen.t[:-1], seen.t[1:], here[:-1], here[1:], strict=True)
+        if one and other
+    ]
+
+
+def _padded(whole: Extent, shape: float, *, ground: bool) -> Extent:
+    """Return a view of the given height over width around a box, with a margin."""
+    margin = 0.05 * max(whole.width, whole.height)
+    width, height = whole.width + 2 * margin, whole.height + 2 * margin
+    bottom = whole.bottom - margin
+    middle = 0.5 * (whole.left + whole.right)
+    if height < shape * width:
+        spare = shape * width - height
+        # what stands on the ground stands low in the picture
+        bottom -= 0.35 * spare if ground else 0.5 * spare
+        height = shape * width
+    else:
+        width = height / shape
+    return Extent(middle - 0.5 * width, middle + 0.5 * width, bottom, bottom + height)
+
+
+def _ruler(axes: Axes, view: Extent, *, metric: bool) -> None:
+    """Write the scale below the scene, in the unit that suits it."""
+    if not metric:
+        axes.set_xticks([])
+        return
+    factor, unit = (1e3, "mm") if view.width < 1.0 else (1.0, "m")
+    axes.xaxis.set_major_formatter(
+        lambda x, _: f"{factor * x + 0.0:g}".replace("-", "\N{MINUS SIGN}")
+    )
+    axes.locator_params(axis="x", nbins=5)
+    axes.spines["bottom"].set_visible(True)
+    axes.annotate(
+        f"places in {unit}",
+        (1.0, 0.0),
+        xycoords="axes fraction",
+        xytext=(0, -52),
+        textcoords="offset points",
+        ha="right",
+        va="center",
+        color=MUTED,
+        fontsize=11,
+    )

@@ -1,0 +1,52 @@
+"""The scene of a mechanism that nobody has drawn: a bar for each state."""
+
+import numpy as np
+
+from stickslip.mechanisms import Mechanism
+from stickslip.plots.animation.scenes.shapes import Box, Moment, Picture, Rod, Shape, Word
+from stickslip.trajectory import Trajectory
+
+__all__ = ["bars"]
+
+HALF = 1.0
+"""Length of the bar of the largest value."""
+
+
+def bars(mechanism: Mechanism, seen: Trajectory) -> Picture:
+    """Return bars for the states, each over its largest value in the run.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, Pulse, simulate
+    >>> axis = Axis(inertia=2.0, drive=Pulse(level=5.0, duration=1.0))
+    >>> run = simulate(axis, Coulomb(kinetic_coefficient=1.0), t_end=10.0).sampled(50)
+    >>> picture = bars(axis, run)
+    >>> bar, *_ = [s for s in picture.shapes({"x": 5.0, "v": 0.0}) if isinstance(s, Box)]
+    >>> round(bar.left, 6), round(bar.width, 6), bar.fill
+    (0.0, 1.0, 'mode')
+    """
+    slip = mechanism.contacts()[0].slip
+    names = tuple(name for name in seen.states or (*mechanism.coordinates, *mechanism.rates))
+    largest = {name: float(np.abs(seen[name]).max()) or 1.0 for name in names}
+
+    def shapes(now: Moment) -> list[Shape]:
+        found: list[Shape] = []
+        for row, name in enumerate(names):
+            base = -0.45 * row
+            length = HALF * now[name] / largest[name]
+            fill = "mode" if name == slip else "body"
+            left, width = min(0.0, length), abs(length)
+            found += [
+                Rod(points=((-HALF, base), (HALF, base)), width=0.6),
+                Box(left=left, bottom=base, width=width, height=0.16, fill=fill),  # type: ignore[arg-type]  # one of the two
+                Rod(points=((0.0, base - 0.03), (0.0, base + 0.19)), width=1.2),
+                Word(at=(-HALF, base + 0.25), text=name),
+                Word(
+                    at=(HALF, base + 0.25),
+                    text=f"{now[name] + 0.0:.3g} {seen.units.get(name, '1')}",
+                    align="right",
+                ),
+            ]
+        return found
+
+    return Picture(shapes=shapes, metric=False)

@@ -1,0 +1,362 @@
+"""The scenes of our mechanisms.
+
+Lengths that a mechanism has are drawn to scale; bodies it gives no size of are as large as suits
+the motion. Heights above the ground are for the eye where the equations do not know them.
+"""
+
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+
+from stickslip.mechanisms import (
+    Axis,
+    Capsule,
+    Motor,
+    Pendulum,
+    PendulumCart,
+    Prescribed,
+    SpringBlock,
+    Torque,
+    TowedBlock,
+    TwoMassAxis,
+)
+from stickslip.plots.animation.scenes.shapes import (
+    Arrow,
+    Ball,
+    Box,
+    Coil,
+    Ground,
+    Moment,
+    Picture,
+    Point,
+    Rod,
+    Scene,
+    Shape,
+    Turn,
+    Wall,
+    Word,
+)
+from stickslip.trajectory import Trajectory
+
+__all__ = ["SCENES"]
+
+TALL: Final = 0.6
+"""Height of a block over its length."""
+
+
+def _range(seen: Trajectory, name: str) -> float:
+    return float(np.ptp(seen[name]))
+
+
+def _forces(now: Moment, x: float, width: float, *, normal: bool) -> list[Shape]:
+    """Return friction and normal force where the body stands on the ground at y = 0."""
+    found: list[Shape] = [
+        Arrow(at=(x, 0.0), along=(-1.0, 0.0), value=now["friction"], role="friction")
+    ]
+    if normal:
+        foot = (x + 0.25 * width, 0.0)
+        found.append(Arrow(at=foot, along=(0.0, 1.0), value=now["normal_force"], role="normal"))
+    return found
+
+
+def _plumb(incline: float, at: Point, length: float) -> list[Shape]:
+    """Return a plumb line where the ground is inclined: pictures are drawn along the ground.
+
+    From a point that it hangs from, down as gravity points: turned clockwise from the picture's
+    vertical where positive x is uphill.
+    """
+    if incline == 0.0:
+        return []
+    x, y = at
+    angle = f"{math.degrees(incline):.3g}\N{DEGREE SIGN}".replace("-", "\N{MINUS SIGN}")
+    bob = (x - length * math.sin(incline), y - length * math.cos(incline))
+    return [
+        Rod(points=((x, y), (x, y - 1.1 * length)), width=0.6),
+        Rod(points=(at, bob), width=1.0),
+        Ball(centre=bob, radius=0.08 * length, fill="solid"),
+        Word(at=(x + 0.12 * length, y - 0.1 * length), text=angle),
+    ]
+
+
+def _effort(motor: Motor, now: Moment, column: str) -> float:
+    """Return the force or torque of a motor: what the motion takes, or what it is told."""
+    if isinstance(motor, Prescribed):
+        return now[column]
+    wanted = now.get("motor", 0.0)
+    limit = motor.limit if isinstance(motor, Torque) else None
+    return wanted if limit is None else max(-limit, min(limit, wanted))
+
+
+def spring_block(mechanism: SpringBlock, seen: Trajectory) -> Picture:
+    """Return the block and the spring that shoots it off; `x` is the face that the spring meets."""
+    x_0 = mechanism.compression
+    side = -1.0 if x_0 < 0 else 1.0
+    size = 0.35 * max(abs(x_0), 0.5 * _range(seen, "x")) or 0.1
+    squeezed = float(np.max(side * (x_0 - seen["x"]), initial=abs(x_0)))
+    natural = max(2.2 * squeezed, 1.5 * size)
+    foot = x_0 - side * natural
+
+    def shapes(now: Moment) -> list[Shape]:
+        x = now["x"]
+        left = x if side > 0 else x - size
+        middle = left + 0.5 * size
+        found: list[Shape] = [Ground(touched=((left, left + size),))]
+        if mechanism.stiffness > 0:
+            end = x if mechanism.attached or side * (x_0 - x) > 0 else x_0
+            high = 0.5 * TALL * size
+            corners = ((foot, 0.0), (foot, 1.6 * TALL * size))
+            start, stop = corners if side > 0 else corners[::-1]
+            found.append(Wall(start=start, end=stop))
+            found.append(Coil(start=(foot, high), end=(end, high), radius=0.32 * TALL * size))
+        found += _stops(mechanism.lower_stop, mechanism.upper_stop, left - x, size)
+        found.append(Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"))
+        found += _plumb(
+            mechanism.incline, (left + 0.15 * size, 1.7 * TALL * size), 0.6 * TALL * size
+        )
+        found += _forces(now, middle, size, normal=True)
+        if "drive" in now:
+            top = (middle, 0.6 * TALL * size)
+            found.append(Arrow(at=top, along=(1.0, 0.0), value=now["drive"], role="drive"))
+        return found
+
+    return Picture(shapes=shapes)
+
+
+def _stops(lower: float | None, upper: float | None, left: float, size: float) -> list[Shape]:
+    """Return hard stops of a block whose left face is at ``x + left``."""
+    found: list[Shape] = []
+    if lower is not None:
+        place = lower + left
+        found.append(Wall(start=(place, 0.0), end=(place, 0.8 * TALL * size)))
+    if upper is not None:
+        place = upper + left + size
+        found.append(Wall(start=(place, 0.8 * TALL * size), end=(place, 0.0)))
+    return found
+
+
+def towed_block(mechanism: TowedBlock, seen: Trajectory) -> Picture:
+    """Return the block, its spring and the far end that pulls; its natural length is ours."""
+    stretch = mechanism.speed * seen.t - seen["x"]
+    side = -1.0 if mechanism.speed < 0 else 1.0
+    most = float(np.max(np.abs(stretch))) or 0.1
+    size = 0.5 * most
+    natural = 1.3 * most + 0.2 * size
+
+    def shapes(now: Moment) -> list[Shape]:
+        x, far = now["x"], mechanism.speed * now["t"] + side * natural
+        left, high = (x - size if side > 0 else x), 0.5 * TALL * size
+        middle = left + 0.5 * size
+        found: list[Shape] = [
+            Ground(touched=((left, left + size),)),
+            Coil(start=(x, high), end=(far, high), radius=0.25 * TALL * size),
+            Rod(points=((far, 0.7 * high), (far, 1.3 * high)), width=3.0),
+            Rod(points=((far, high), (far + side * 0.3 * size, high))),
+            Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"),
+            *_forces(now, middle, size, normal=mechanism.load is None or mechanism.load != 1.0),
+        ]
+        if "modulation" in now:
+            top = (middle - 0.25 * size, TALL * size)
+            value = now["modulation"]
+            found.append(Arrow(at=top, along=(0.0, -1.0), value=value, role="drive"))
+        return found
+
+    return Picture(shapes=shapes, names={"drive": "modulation"})
+
+
+def axis(mechanism: Axis, seen: Trajectory) -> Picture:
+    """Return a carriage on its rail; `x` is its middle."""
+    reach = float(np.max(np.abs(seen["x"]), initial=0.0))
+    size = 0.35 * max(_range(seen, "x"), 0.3 * reach) or 0.1
+    foot = -1.6 * reach - 1.5 * size
+
+    def shapes(now: Moment) -> list[Shape]:
+        x, left = now["x"], now["x"] - 0.5 * size
+        high = 0.5 * TALL * size
+        found: list[Shape] = [Ground(touched=((left, left + size),))]
+        if mechanism.stiffness > 0:
+            found.append(Wall(start=(foot, 0.0), end=(foot, 1.6 * TALL * size)))
+            found.append(Coil(start=(foot, high), end=(left, high), radius=0.3 * TALL * size))
+        found += _stops(mechanism.lower_stop, mechanism.upper_stop, -0.5 * size, size)
+        found.append(Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"))
+        found += _forces(now, x, size, normal=mechanism.load != 1.0)
+        if "drive" in now:
+            top = (x, 1.2 * high)
+            found.append(Arrow(at=top, along=(1.0, 0.0), value=now["drive"], role="drive"))
+        return found
+
+    return Picture(shapes=shapes)
+
+
+def two_mass_axis(mechanism: TwoMassAxis, seen: Trajectory) -> Picture:
+    """Return motor and load on a rail with what joins them; its length is for the eye."""
+    reach = max(_range(seen, "x"), _range(seen, "other"))
+    stretch = float(np.max(np.abs(seen["x"] - seen["other"]), initial=0.0))
+    size = 0.25 * max(reach, stretch) or 0.1
+    gap = 1.2 * size + 1.2 * stretch
+    of_motor, of_load = ("other", "x") if mechanism.rubs == "load" else ("x", "other")
+
+    def shapes(now: Moment) -> list[Shape]:
+        motor, load = now[of_motor] - size, now[of_load] + gap
+        left = load if mechanism.rubs == "load" else motor
+        high = 0.5 * TALL * size
+        raised = 0.12 * TALL * size  # what does not rub runs on rollers
+        found: list[Shape] = [Ground(touched=((left, left + size),))]
+        found.append(Coil(start=(motor + size, high), end=(load, high), radius=0.3 * TALL * size))
+        for side, place in (("motor", motor), ("load", load)):
+            rubs = side == mechanism.rubs
+            base = 0.0 if rubs else raised
+            if not rubs:
+                for share in (0.25, 0.75):
+                    centre = (place + share * size, 0.5 * raised)
+                    found.append(Ball(centre=centre, radius=0.5 * raised, fill="solid"))
+            found.append(
+                Box(
+                    left=place,
+                    bottom=base,
+                    width=size,
+                    height=TALL * size - base,
+                    fill="mode" if rubs else "body",
+                )
+            )
+        found += _forces(now, left + 0.5 * size, size, normal=mechanism.load != 1.0)
+        if "drive" in now:
+            at = (motor + 0.5 * size, 1.2 * high)
+            found.append(Arrow(at=at, along=(1.0, 0.0), value=now["drive"], role="drive"))
+        return found
+
+    return Picture(shapes=shapes)
+
+
+def pendulum(mechanism: Pendulum, _seen: Trajectory) -> Picture:
+    """Return the rod that hangs from its pivot at (0, 0), which rubs."""
+    l, bob = mechanism.length, 0.09 * mechanism.length  # noqa: E741  # the symbol of PHYSICS
+
+    def shapes(now: Moment) -> list[Shape]:
+        theta = now["theta"]
+        end = (l * math.sin(theta), -l * math.cos(theta))
+        found: list[Shape] = [
+            Wall(start=(-0.35 * l, 0.14 * l), end=(0.35 * l, 0.14 * l)),
+            Rod(points=((0.0, 0.14 * l), (0.0, 0.0))),
+            Rod(points=((0.0, 0.0), end), width=2.4),
+            Ball(centre=end, radius=bob, fill="solid"),
+            Ball(centre=(0.0, 0.0), radius=0.06 * l, fill="mode"),
+            Turn(centre=(0.0, 0.0), radius=0.17 * l, value=-now["friction"], role="friction"),
+        ]
+        if "drive" in now:
+            found.append(Turn(centre=(0.0, 0.0), radius=0.25 * l, value=now["drive"], role="drive"))
+        return found
+
+    return Picture(shapes=shapes)
+
+
+def pendulum_cart(mechanism: PendulumCart, _seen: Trajectory) -> Picture:
+    """Return the cart with its wheels and the inverted pendulum, to scale.
+
+    The wheelbase, the height of the pivot and the rod are those of the mechanism; a cart without
+    wheelbase or height is given some for the eye.
+    """
+    l = mechanism.length  # noqa: E741  # the symbol of PHYSICS
+    base = mechanism.wheelbase or 0.6 * l
+    pivot = mechanism.pivot_height or 0.24 * l
+    wheel = min(0.07 * l, 0.4 * pivot)
+    overhang = 1.6 * wheel
+
+    def shapes(now: Moment) -> list[Shape]:
+        x, theta = now["x"], now["theta"]
+        ball = (x - l * math.sin(theta), pivot + l * math.cos(theta))
+        feet = (x - 0.5 * base, x + 0.5 * base)
+        # the arrow of a torque turns as theta does, anticlockwise
+        return [
+            Ground(touched=tuple((foot - wheel, foot + wheel) for foot in feet)),
+            Box(
+                left=feet[0] - overhang,
+                bottom=wheel,
+                width=base + 2.0 * overhang,
+                height=pivot - wheel,
+                fill="mode",
+            ),
+            *(Ball(centre=(foot, wheel), radius=wheel, fill="solid") for foot in feet),
+            Rod(points=((x, pivot), ball), width=2.4),
+            Ball(centre=ball, radius=0.08 * l, fill="solid"),
+            Ball(centre=(x, pivot), radius=0.03 * l, fill="none"),
+            *_spiral(mechanism, (x, pivot), theta),
+            *_plumb(mechanism.incline, (feet[1] + base, pivot + l), 0.4 * l),
+            *_forces(now, x, base, normal=True),
+            Turn(
+                centre=(x, pivot),
+                radius=0.2 * l,
+                value=_effort(mechanism.pendulum, now, "torque"),
+                role="drive",
+            ),
+        ]
+
+    return Picture(shapes=shapes, names={"drive": "torque"})
+
+
+def _spiral(mechanism: PendulumCart, centre: Point, theta: float) -> list[Shape]:
+    """Return the spring at the pivot: two turns from the cart up to the rod."""
+    if mechanism.pivot_stiffness == 0.0:
+        return []
+    turns = np.linspace(-0.5 * math.pi, 4.5 * math.pi + theta, 61)
+    radii = mechanism.length * np.linspace(0.05, 0.13, turns.size)
+    xs, ys = centre[0] + radii * np.cos(turns), centre[1] + radii * np.sin(turns)
+    return [Rod(points=tuple(zip(xs.tolist(), ys.tolist(), strict=True)), width=1.1)]
+
+
+def capsule(mechanism: Capsule, seen: Trajectory) -> Picture:
+    """Return the capsule with its inner mass, spring and stops; `x` and `xi` are their middles."""
+    places = [float(np.abs(seen["xi"]).max()), 0.0]
+    places += [abs(s) for s in (mechanism.lower_stop, mechanism.upper_stop) if s is not None]
+    reach = max(places) or 0.1
+    inner = 0.7 * reach
+    post = 0.35 * inner
+    half = reach + 0.5 * inner + 3.0 * post
+    tall = 1.1 * reach
+
+    def shapes(now: Moment) -> list[Shape]:
+        x, place = now["x"], now["x"] + now["xi"]
+        left, face = x - half, place - 0.5 * inner
+        middle = 0.5 * tall
+        found: list[Shape] = [
+            Ground(touched=((left, x + half),)),
+            Box(left=left, bottom=0.0, width=2.0 * half, height=tall, fill="mode"),
+        ]
+        if mechanism.stiffness > 0:
+            coil = Coil(start=(left, middle), end=(face, middle), radius=0.16 * tall, turns=7)
+            found.append(coil)
+        for stop, side in ((mechanism.lower_stop, -1.0), (mechanism.upper_stop, 1.0)):
+            if stop is None:
+                continue
+            near = x + stop + side * 0.5 * inner
+            start = near if side > 0 else near - post
+            for bottom in (0.0, 0.72 * tall):
+                size = {"width": post, "height": 0.28 * tall}
+                found.append(Box(left=start, bottom=bottom, fill="solid", **size))
+        box = Box(left=face, bottom=0.15 * tall, width=inner, height=0.7 * tall)
+        effort = _effort(mechanism.drive, now, "force")
+        found += [
+            box,
+            *_plumb(mechanism.incline, (x, 1.9 * tall), 0.7 * tall),
+            *_forces(now, x, 1.8 * half, normal=True),
+            Arrow(at=(place, middle), along=(1.0, 0.0), value=effort, role="drive"),
+        ]
+        return found
+
+    return Picture(shapes=shapes, names={"drive": "force on the inner mass"})
+
+
+SCENES: Final[Mapping[str, Scene]] = MappingProxyType(
+    {
+        SpringBlock.name: spring_block,
+        TowedBlock.name: towed_block,
+        Axis.name: axis,
+        TwoMassAxis.name: two_mass_axis,
+        Pendulum.name: pendulum,
+        PendulumCart.name: pendulum_cart,
+        Capsule.name: capsule,
+    }
+)
+"""The scenes of our mechanisms, by the names of these."""

@@ -1,0 +1,1 @@
+"""What every plot uses: colours, figures, arguments, labels."""

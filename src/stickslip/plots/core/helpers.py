@@ -1,0 +1,253 @@
+"""What the figures of runs share: sizes, dense samples, a fitting end of time, units, colours."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final, NamedTuple, TypeAlias, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.plots.core.svg import Size
+from stickslip.plots.core.theme import C1, C2, C3, C4, INK, MUTED
+from stickslip.trajectory import Trajectory
+
+__all__ = [
+    "Array",
+    "Look",
+    "Sizes",
+    "dense",
+    "grouped",
+    "horizon",
+    "in_mm",
+    "looks",
+    "scale_of",
+    "wrapped",
+]
+
+Array: TypeAlias = NDArray[np.float64]
+
+RIVALS: Final = (C2, C3, C4, INK, MUTED)
+DASHES: Final = ("-", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)))
+SETTLED: Final = 0.01
+"""Share of its largest excursion within which a body counts as having arrived."""
+SAMPLES: Final = 700
+MOST_STEPS: Final = 20_000
+"""Steps of a run up to which jumps are looked for at each."""
+JUMP: Final = 1e-3
+"""Share of its largest size by which a force jumps, or more."""
+SMALL: Final = ("m", "m/s", "rad", "rad/s")
+"""Units that are shown in thousandths where they would need leading zeros."""
+
+
+class Sizes(TypedDict):
+    """The two sizes of a figure, as `stickslip.plots.inline_svg` takes them."""
+
+    wide: Size
+    narrow: Size
+
+
+class Look(NamedTuple):
+    """How one series is drawn."""
+
+    colour: str
+    dashes: str | tuple[int, tuple[float, ...]]
+    width: float
+    order: int
+
+
+def looks(names: Iterable[str], chosen: str | None = None) -> dict[str, Look]:
+    """Return how each series is drawn: the chosen one blue and broad, the others thin upon it.
+
+    So curves that coincide are both seen.
+
+    Parameters
+    ----------
+    names : iterable of str
+        The series.
+    chosen : str, optional
+        The one that the report recommends; the first if not given.
+
+    Returns
+    -------
+    dict of str to Look
+        Rivals have thin lines; more of them than colours differ by their dashes.
+
+    Examples
+    --------
+    >>> looks(["Dahl", "Coulomb"], "Coulomb")["Coulomb"].width
+    3.0
+    """
+    names = list(names)
+    chosen = names[0] if chosen is None and names else chosen
+    found = {}
+    rivals = [name for name in names if name != chosen]
+    for index, name in enumerate(rivals):
+        lap, place = divmod(index, len(RIVALS))
+        found[name] = Look(RIVALS[place], DASHES[lap % len(DASHES)], 1.4, 3)
+    return {name: found.get(name, Look(C1, "-", 3.0, 2)) for name in names}
+
+
+def dense(run: Trajectory, until: float | None = None, samples: int = SAMPLES) -> Trajectory:
+    """Return a run at times close enough for a smooth curve, its events among them.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    until : float, optional
+        Last time [s]; the end of the run if not given.
+    samples : int
+        Evenly spaced times.
+
+    Returns
+    -------
+    Trajectory
+        The same run at those times.
+    """
+    first, last = run.span
+    last = last if until is None else min(until, last)
+    events = [event.t for event in run.events if event.t <= last]
+    # Also just before an event: friction jumps there, and the jump must be upright.
+    before = [max(math.nextafter(t, -math.inf), first) for t in events]
+    steps = _jumps(run, first, last)
+    times = np.union1d(np.linspace(first, last, samples), [*before, *events, *steps])
+    return run.at(times)
+
+
+def _jumps(run: Trajectory, first: float, last: float) -> Array:
+    """Return the solver's times at which a contact force jumps, and those just before.
+
+    So it does where a drive or a swing steps, without an event.
+    """
+    after = run.t[(run.t > first) & (run.t <= last)]
+    if not after.size or after.size > MOST_STEPS:
+        return np.empty(0)
+    before = np.nextafter(after, -np.inf)
+    now, then = run.at(after), run.at(before)
+    apart = np.zeros(after.size, dtype=np.bool_)
+    for force in ("friction", "normal_force"):
+        if force in run.names:
+            size = max(float(np.abs(now[force]).max()), 1e-300)
+            apart |= np.abs(now[force] - then[force]) > JUMP * size
+    return np.concatenate([before[apart], after[apart]])
+
+
+def horizon(run: Trajectory, slip: str = "x") -> float:
+    """Return the time [s] up to which a figure shows a run: until it has arrived, and some more.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    slip : str
+        The coordinate that says so.
+
+    Returns
+    -------
+    float
+        The end of the run for a motion that goes on.
+    """
+    first, last = run.span
+    seen = run.at(np.union1d(np.linspace(first, last, 4000), run.t[run.t <= last]))
+    x = seen[slip]
+    far = np.abs(x - x[-1]) > SETTLED * max(float(np.ptp(x)), 1e-300)
+    if not far.any():
+        return last
+    arrived = float(seen.t[np.flatnonzero(far)[-1]]) - first
+    stops = [e.t for e in run.events if abs(e.to_mode) != 1 and e.t >= first + arrived]
+    # The stop is shown, unless it is the end of a decay that one cannot see.
+    arrived = max([arrived, *[stop - first for stop in stops[:1] if stop < 1.5 * arrived]])
+    return min(first + 1.3 * arrived, last)
+
+
+def scale_of(values: Array | Sequence[float], unit: str) -> tuple[float, str]:
+    """Return a factor and a unit that save leading zeros: millimetres where metres have them.
+
+    Parameters
+    ----------
+    values : array
+        What is to be shown, SI.
+    unit : str
+        Its SI unit.
+
+    Returns
+    -------
+    tuple of float and str
+        The factor and the unit to show.
+
+    Examples
+    --------
+    >>> scale_of([0.02, -0.05], "m"), scale_of([0.2], "m/s"), scale_of([0.01], "rad")
+    ((1000.0, 'mm'), (1.0, 'm/s'), (1000.0, 'mrad'))
+    """
+    largest = float(np.max(np.abs(values))) if len(values) else 0.0
+    if unit not in SMALL or largest >= 0.1 or largest == 0.0:
+        return 1.0, unit
+    return (1e6, f"µ{unit}") if largest < 1e-4 else (1e3, f"m{unit}")
+
+
+def in_mm(values: Array | Sequence[float], unit: str) -> tuple[float, str]:
+    """Return a factor and a unit as `scale_of` does, millimetres for all that is below a metre.
+
+    Examples
+    --------
+    >>> in_mm([0.2], "m/s"), in_mm([1.5], "m"), in_mm([12.0], "N")
+    ((1000.0, 'mm/s'), (1.0, 'm'), (1.0, 'N'))
+    """
+    largest = float(np.max(np.abs(values))) if len(values) else 0.0
+    factor, shown = scale_of(values, unit)
+    return (1e3, f"m{unit}") if factor == 1.0 and unit in {"m", "m/s"} and 0 < largest < 1 else (
+        factor, shown
+    )  # fmt: skip
+
+
+def grouped(
+    values: Mapping[str, float | Array], apart: float
+) -> list[tuple[float, tuple[str, ...]]]:
+    """Return the names of series that are nowhere `apart`, with the end of the first of them.
+
+    Parameters
+    ----------
+    values : mapping of str to float or array
+        Where each series ends, or all of it, in the order of their importance.
+    apart : float
+        Distance from which two series have names of their own.
+
+    Returns
+    -------
+    list of tuple
+        Groups by falling value.
+
+    Examples
+    --------
+    >>> grouped({"Coulomb": 0.450, "viscous": 0.300, "Dahl": 0.451}, 0.01)
+    [(0.45, ('Coulomb', 'Dahl')), (0.3, ('viscous',))]
+    """
+    groups: list[tuple[Array, list[str]]] = []
+    for name, value in values.items():
+        series = np.atleast_1d(value)
+        gaps = [float(np.max(np.abs(first - series))) for first, _ in groups]
+        if gaps and min(gaps) < apart:
+            groups[int(np.argmin(gaps))][1].append(name)
+        else:
+            groups.append((series, [name]))
+    ends = [(float(series[-1]), tuple(names)) for series, names in groups]
+    return sorted(ends, key=lambda group: -group[0])
+
+
+def wrapped(names: Sequence[str], width: int) -> list[str]:
+    """Return names joined by commas, in lines of at most `width` characters where they allow it.
+
+    Examples
+    --------
+    >>> wrapped(["Coulomb", "Dahl", "LuGre"], 14)
+    ['Coulomb, Dahl,', 'LuGre']
+    """
+    lines: list[str] = []
+    for index, name in enumerate(names):
+        part = name + ("," if index < len(names) - 1 else "")
+        if lines and len(lines[-1]) + 1 + len(part) <= width:
+            lines[-1] += f" {part}"
+        else:
+            lines.append(part)
+    return lines

@@ -1,0 +1,338 @@
+"""The palette of every figure, and the matplotlib settings that go with it.
+
+A colour has one meaning throughout a report (chosen model, rival, measured, at rest). The
+constants are the light palette itself, so a figure drawn with them is right in a file, a notebook
+or on paper as it stands; `stickslip.plots.core.svg` replaces them by CSS variables where the page
+decides between light and dark. No two may be equal, or that replacement could not tell them apart.
+"""
+
+import re
+import threading
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from types import MappingProxyType
+from typing import Any, Final, Literal
+
+from cycler import cycler
+from matplotlib import style
+from matplotlib.axes import Axes
+from matplotlib.text import Annotation
+
+from stickslip.errors import InputError
+
+__all__ = [
+    "C1",
+    "C2",
+    "C3",
+    "C4",
+    "DATA",
+    "INK",
+    "LINE",
+    "MUTED",
+    "SLIP_BACK",
+    "STICK",
+    "STYLE",
+    "SURFACE",
+    "VARIABLES",
+    "house_style",
+    "label_at",
+    "label_column",
+    "shade",
+    "spread",
+    "symbol_label",
+]
+
+INK: Final = "#14191d"
+"""Text, and lines that must stand out."""
+MUTED: Final = "#5d6870"
+"""Axes, ticks and asides."""
+LINE: Final = "#e3e6e8"
+"""Grid lines."""
+DATA: Final = "#7d8990"
+"""Measured points."""
+C1: Final = "#0b62a8"
+"""Chosen model."""
+C2: Final = "#b84a00"
+"""Reference or rival model, drawn dashed."""
+C3: Final = "#00795a"
+"""Third series."""
+C4: Final = "#8a4a86"
+"""Fourth series."""
+STICK: Final = "#fff1c9"
+"""Band of rest, or of what is undetermined."""
+SLIP_BACK: Final = "#e6eef5"
+"""Band of reverse travel, or of a measured range."""
+SURFACE: Final = "#ffffff"
+"""Paper: the inside of open markers."""
+
+VARIABLES: Final = MappingProxyType(
+    {
+        INK: "ink",
+        MUTED: "muted",
+        LINE: "line",
+        DATA: "data",
+        C1: "c1",
+        C2: "c2",
+        C3: "c3",
+        C4: "c4",
+        STICK: "stick",
+        SLIP_BACK: "slip-back",
+        SURFACE: "surface",
+    }
+)
+"""CSS variable of each colour, without its leading dashes."""
+
+STYLE: Final[MappingProxyType[str, Any]] = MappingProxyType(
+    {
+        "svg.fonttype": "none",
+        "svg.hashsalt": "stickslip",
+        "pdf.fonttype": 42,
+        "figure.dpi": 72,  # one unit of a drawing is then one CSS pixel
+        "figure.facecolor": "none",
+        "axes.facecolor": "none",
+        "savefig.facecolor": "auto",
+        "figure.constrained_layout.w_pad": 0.05,
+        "figure.constrained_layout.h_pad": 0.05,
+        "font.size": 11.5,
+        "axes.titlesize": 11.5,
+        "axes.titlelocation": "left",
+        "axes.labelsize": 11.5,
+        "xtick.labelsize": 11,
+        "ytick.labelsize": 11,
+        "axes.linewidth": 0.8,
+        "lines.linewidth": 1.8,
+        "lines.solid_capstyle": "round",
+        "patch.linewidth": 0.8,
+        "grid.linewidth": 0.8,
+        "grid.color": LINE,
+        "axes.axisbelow": True,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.edgecolor": MUTED,
+        "axes.labelcolor": MUTED,
+        "axes.titlecolor": INK,
+        "xtick.color": MUTED,
+        "ytick.color": MUTED,
+        "text.color": INK,
+        "patch.edgecolor": INK,
+        "axes.prop_cycle": cycler(color=(C1, C2, C3, C4)),
+        "legend.frameon": False,
+        "axes.formatter.use_mathtext": False,
+        "axes.formatter.useoffset": False,
+    }
+)
+"""Settings of matplotlib for the figures of this package."""
+
+_LETTERS: Final = (
+    "alpha beta gamma delta epsilon zeta eta theta iota kappa"
+    " lambda mu nu xi pi rho sigma tau upsilon phi chi psi"
+    " omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega"
+)
+GREEK: Final = frozenset(_LETTERS.split())
+"""Letters that mathtext knows by these names."""
+_SYMBOL: Final = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9_+-]+)?")
+_LOCK: Final = threading.RLock()
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Draw in the house style, whatever the reader's own matplotlib settings are.
+
+    matplotlib keeps its settings once per process; a lock keeps two threads from mixing theirs.
+
+    Yields
+    ------
+    None
+        The settings hold inside the block and are restored after it.
+
+    Examples
+    --------
+    >>> import matplotlib as mpl
+    >>> with house_style():
+    ...     mpl.rcParams["axes.edgecolor"] == MUTED
+    True
+    """
+    with _LOCK, style.context(["default", dict(STYLE)]):
+        yield
+
+
+def shade(axes: Axes, spans: Iterable[tuple[float, float]], *, colour: str = STICK) -> None:
+    """Mark stretches of the horizontal axis, such as the times at rest, by a band behind all.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    spans : iterable of tuple of float
+        First and last position of each band; bands that touch become one.
+    colour : str
+        `STICK` or `SLIP_BACK`.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> axes = Figure().add_subplot()
+    >>> shade(axes, [(0.0, 0.2), (0.2, 0.3), (0.8, 1.0)])
+    >>> len(axes.patches)
+    2
+    """
+    merged: list[list[float]] = []
+    for low, high in sorted(spans):
+        if merged and low <= merged[-1][1]:
+            merged[-1][1] = max(high, merged[-1][1])
+        else:
+            merged.append([low, high])
+    for low, high in merged:
+        axes.axvspan(low, high, facecolor=colour, edgecolor="none", linewidth=0, zorder=0)
+
+
+def label_at(
+    axes: Axes,
+    x: float,
+    y: float,
+    text: str,
+    colour: str,
+    *,
+    offset: tuple[float, float] = (6, 0),
+    align: Literal["left", "center", "right"] = "left",
+) -> Annotation:
+    """Name a curve beside it and in its colour, instead of in a legend.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    x, y : float
+        The point the label belongs to, in the units of the axes.
+    text : str
+        The label.
+    colour : str
+        Colour of the curve.
+    offset : tuple of float
+        Shift of the label from its point, to the right and up [CSS px].
+    align : {"left", "center", "right"}
+        The side of the text that stands at the point.
+
+    Returns
+    -------
+    matplotlib.text.Annotation
+        The label.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> label_at(Figure().add_subplot(), 1.0, 0.5, "Coulomb", C1).get_color() == C1
+    True
+    """
+    return axes.annotate(
+        text,
+        (x, y),
+        xytext=offset,
+        textcoords="offset points",
+        color=colour,
+        fontsize=11,
+        ha=align,
+        va="center",
+        annotation_clip=False,
+    )
+
+
+def label_column(
+    axes: Axes, x: float, labels: Sequence[tuple[float, str, str]], *, gap: float = 14.0
+) -> None:
+    """Name curves in a column where they end; names of curves that end close together move apart.
+
+    Set the limits of the axes before.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    x : float
+        Horizontal position of the column, in the units of the axes.
+    labels : sequence of tuple
+        For each curve the height at which it ends, its name and its colour.
+    gap : float
+        Smallest distance between two names [CSS px].
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> axes = Figure().add_subplot()
+    >>> label_column(axes, 1.0, [(0.50, "Dahl", C1), (0.51, "LuGre", C2)])
+    >>> [label.get_text() for label in axes.texts]
+    ['Dahl', 'LuGre']
+    """
+    figure = axes.get_figure(root=True)
+    if figure is None:
+        raise InputError("the axes belong to no figure any more; label them before removing them.")
+    figure.draw_without_rendering()  # the layout decides how many pixels a unit has
+    pixel = 72 / figure.dpi
+    wanted = [float(axes.transData.transform((x, y))[1]) * pixel for y, _, _ in labels]
+    for (y, text, colour), old, new in zip(labels, wanted, spread(wanted, gap), strict=True):
+        label_at(axes, x, y, text, colour, offset=(6, new - old))
+
+
+def spread(positions: Sequence[float], gap: float) -> list[float]:
+    """Move positions apart, as little as possible in the least-squares sense, to a given gap.
+
+    Parameters
+    ----------
+    positions : sequence of float
+        Where the labels would like to stand.
+    gap : float
+        Smallest distance between two of them, in the same unit.
+
+    Returns
+    -------
+    list of float
+        Where they stand, in the order of `positions`; equal positions keep their order.
+
+    Examples
+    --------
+    >>> spread([1.0, 1.0, 9.0], 2.0)
+    [0.0, 2.0, 9.0]
+    """
+    order = sorted(range(len(positions)), key=lambda i: (positions[i], i))
+    # With the gaps taken off, the order need only not fall: isotonic regression, whose exact
+    # solution is to pool neighbours that fall into their mean.
+    pools: list[tuple[float, int]] = []
+    for rank, index in enumerate(order):
+        mean, count = positions[index] - rank * gap, 1
+        while pools and pools[-1][0] >= mean:
+            other, others = pools.pop()
+            mean = (other * others + mean * count) / (others + count)
+            count += others
+        pools.append((mean, count))
+    levels = [mean for mean, count in pools for _ in range(count)]
+    placed = [0.0] * len(order)
+    for rank, index in enumerate(order):
+        placed[index] = levels[rank] + rank * gap
+    return placed
+
+
+def symbol_label(name: str) -> str:
+    r"""Return a symbol for a figure, in mathtext: an italic letter with an upright subscript.
+
+    Parameters
+    ----------
+    name : str
+        Letter or Greek name, then perhaps an underscore and a subscript. Anything else stays.
+
+    Returns
+    -------
+    str
+        What a label may contain, beside other text.
+
+    Examples
+    --------
+    >>> symbol_label("mu_d"), symbol_label("F")
+    ('$\\mu_{\\mathrm{d}}$', '$F$')
+    """
+    if not _SYMBOL.fullmatch(name):
+        return name.replace("$", r"\$")
+    letter, _, below = name.partition("_")
+    if len(letter) > 1:
+        letter = f"\\{letter}" if letter in GREEK else rf"\mathit{{{letter}}}"
+    below = below.replace("_", ",")
+    return rf"${letter}_{{\mathrm{{{below}}}}}$" if below else f"${letter}$"

@@ -1,0 +1,68 @@
+"""A record in time: what was measured, one panel below the other."""
+
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from stickslip.plots.core.helpers import Array, Sizes, in_mm
+from stickslip.plots.core.svg import Draw
+from stickslip.plots.core.theme import DATA, INK, MUTED, SLIP_BACK, shade
+
+__all__ = ["Channel", "draw_record", "record_sizes"]
+
+PANEL: Final = 90
+"""Height of a panel [CSS px]."""
+
+
+class Channel(NamedTuple):
+    """A quantity of a record: its name, SI unit, times and values."""
+
+    name: str
+    unit: str
+    t: Array
+    values: Array
+
+
+def record_sizes(count: int) -> Sizes:
+    """Return the sizes of a figure of that many channels.
+
+    Examples
+    --------
+    >>> record_sizes(3)["wide"]
+    (880, 315)
+    """
+    return Sizes(wide=(880, 45 + PANEL * count), narrow=(358, 45 + PANEL * count))
+
+
+def draw_record(channels: Sequence[Channel], reverse: Sequence[tuple[float, float]] = ()) -> Draw:
+    """Return a drawing of a record against time.
+
+    Parameters
+    ----------
+    channels : sequence of Channel
+        One panel each.
+    reverse : sequence of tuple of float
+        Spans of reverse travel [s], shaded.
+
+    Returns
+    -------
+    callable
+        Draws it.
+    """
+
+    def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
+        panels = figure.subplots(len(channels), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, channel in zip(panels, channels, strict=True):
+            factor, unit = in_mm(channel.values, channel.unit)
+            shade(axes, reverse, colour=SLIP_BACK)
+            axes.plot(channel.t, factor * channel.values, color=INK, linewidth=1.1)
+            axes.set_title(f"{channel.name}, {unit}", color=MUTED)
+            axes.margins(x=0.0, y=0.1)
+            if np.min(channel.values) < 0.0 < np.max(channel.values):
+                axes.axhline(0.0, color=DATA, linewidth=0.6, zorder=1)
+            axes.locator_params(axis="y", nbins=4)
+        panels[-1].set_xlabel("time, s")
+
+    return draw

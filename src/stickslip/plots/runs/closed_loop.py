@@ -1,0 +1,121 @@
+"""A run in closed loop: where the body is, and what the controller makes of it."""
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stickslip.control import ClosedLoop
+from stickslip.plots.core.helpers import Array, Sizes, dense, in_mm
+from stickslip.plots.core.label_placement import Curve, label_curves
+from stickslip.plots.core.svg import Draw
+from stickslip.plots.core.theme import C1, C2, C3, MUTED, shade
+from stickslip.trajectory import Trajectory
+
+__all__ = ["LOOP_SIZES", "draw_closed_loop"]
+
+LOOP_SIZES: Final = Sizes(wide=(880, 380), narrow=(358, 420))
+"""Sizes of the figure."""
+SHORTEST: Final = 1e-3
+"""Share of the time shown that a rest must last to be shaded."""
+DASHED: Final = (0, (5, 2))
+SAMPLES: Final = 1200
+COLUMNS: Final = 600
+"""Stretches of time of which the least and the largest command are drawn, where there are many."""
+
+
+def draw_closed_loop(
+    loop: ClosedLoop,
+    *,
+    state: str = "x",
+    reference: float | Callable[[float], float] | None = None,
+    level: float | None = None,
+    since: float = 0.0,
+    unit: str = "N",
+) -> Draw:
+    """Return a drawing of a state and of the command against time, rests shaded.
+
+    Parameters
+    ----------
+    loop : ClosedLoop
+        The run.
+    state : str
+        What is controlled.
+    reference : float or callable, optional
+        Where it should be, a number or a function of time.
+    level : float, optional
+        Break-away level, drawn on both sides of 0 beside the command.
+    since : float
+        First time shown [s].
+    unit : str
+        Unit of the command.
+
+    Returns
+    -------
+    callable
+        Draws it, one panel below the other.
+    """
+    run = dense(loop.run, samples=SAMPLES)
+    seen = run.at(run.t[run.t >= since])
+    last = float(seen.t[-1])
+    rests = [
+        (max(a, since), b)
+        for a, b in loop.run.stick_spans()
+        if b - max(a, since) > SHORTEST * (last - since)
+    ]
+
+    def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
+        above, below = figure.subplots(2, 1, sharex=True)
+        for axes in (above, below):
+            shade(axes, rests)
+            axes.set_xlim(since, last)
+            axes.margins(x=0.0, y=0.18)
+        _place(above, seen, state, reference)
+        _command(below, loop, since, last, level)
+        below.set_title(f"command, {unit}", color=MUTED)
+        below.set_xlabel("time, s (shaded: at rest)")
+
+    return draw
+
+
+def _place(
+    axes: Axes, seen: Trajectory, state: str, reference: float | Callable[[float], float] | None
+) -> None:
+    """Draw the state, and where it should be."""
+    factor, unit = in_mm(seen[state], seen.units[state])
+    curves = [Curve(seen.t, factor * seen[state], state, C1)]
+    axes.plot(seen.t, curves[0].y, color=C1, zorder=3)
+    if reference is not None:
+        wanted = [reference(t) if callable(reference) else reference for t in seen.t]
+        curves.append(Curve(seen.t, factor * np.array(wanted), "reference", C2))
+        axes.plot(seen.t, curves[-1].y, color=C2, linestyle=DASHED, linewidth=1.2, zorder=2)
+    axes.set_title(f"{state}, {unit}", color=MUTED)
+    label_curves(axes, curves)
+
+
+def _command(axes: Axes, loop: ClosedLoop, since: float, last: float, level: float | None) -> None:
+    """Draw the command when it acts, and what it must reach to break the body away."""
+    when = loop.t + loop.delay
+    when, said = when[when >= since], loop.commands[when >= since]
+    t, u = _thinned(when, said)
+    style = "steps-post" if len(t) == len(when) else "default"  # extremes are not held
+    axes.plot(t, u, drawstyle=style, color=C3, linewidth=1.2, zorder=3)
+    curves = [Curve(t, u, "", C3)]  # the panel has its name
+    if level is not None:
+        for side in (-1.0, 1.0):
+            axes.axhline(side * level, color=MUTED, linestyle=DASHED, linewidth=1.0)
+        curves.append(Curve(np.array([since, last]), np.full(2, level), "break-away", MUTED))
+    label_curves(axes, curves)
+
+
+def _thinned(t: Array, u: Array) -> tuple[Array, Array]:
+    """Return a long series as its extremes, stretch by stretch, so that nothing is hidden."""
+    if len(t) <= 4 * COLUMNS:
+        return t, u
+    kept: set[int] = {0, len(t) - 1}
+    for part in np.array_split(np.arange(len(t)), COLUMNS):
+        kept |= {int(part[np.argmin(u[part])]), int(part[np.argmax(u[part])])}
+    order = sorted(kept)
+    return t[order], u[order]

@@ -1,0 +1,110 @@
+"""A motion that repeats itself: its progress, and one cycle of its velocity about zero."""
+
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stickslip.plots.core.event_markers import within
+from stickslip.plots.core.helpers import Look, Sizes, dense, looks, scale_of
+from stickslip.plots.core.label_placement import Curve, label_curves
+from stickslip.plots.core.svg import Draw
+from stickslip.plots.core.theme import MUTED, shade
+from stickslip.trajectory import Trajectory
+
+__all__ = ["CYCLE_SIZES", "draw_cycles"]
+
+CYCLE_SIZES: Final = Sizes(wide=(880, 320), narrow=(358, 480))
+
+ROOM: Final = 1.35
+"""Height of the velocity panel on either side of zero, as a multiple of the lowest velocity."""
+SAMPLES: Final = 700
+
+
+def draw_cycles(
+    runs: Mapping[str, Trajectory],
+    *,
+    chosen: str,
+    cycle: tuple[float, float],
+    slip: str = "x",
+    rate: str = "v",
+) -> Draw:
+    """Return a drawing of displacement in time, and of the velocity near zero within a cycle.
+
+    Parameters
+    ----------
+    runs : mapping of str to Trajectory
+        The runs by name.
+    chosen : str
+        The run that stands out, whose times at rest are shaded.
+    cycle : tuple of float
+        First and last time of the velocity panel [s].
+    slip, rate : str
+        Names of the slipping coordinate and its rate.
+
+    Returns
+    -------
+    callable
+        Draws it: beside each other where there is room, else one below the other.
+    """
+    look = looks(runs, chosen)
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        left, right = figure.subplots(*((2, 1) if narrow else (1, 2)))
+        left.margins(x=0, y=0.25 if narrow else 0.12)
+        _progress(left, {name: dense(run) for name, run in runs.items()}, slip, look)
+        _near_zero(right, runs, chosen, cycle, rate, look)
+        for axes in (left, right):
+            axes.set_xlabel("time, s")
+
+    return draw
+
+
+def _progress(
+    axes: Axes, runs: Mapping[str, Trajectory], slip: str, look: Mapping[str, Look]
+) -> None:
+    everything = np.concatenate([run[slip] for run in runs.values()])
+    factor, unit = scale_of(everything, next(iter(runs.values())).units[slip])
+    curves = []
+    for name, run in runs.items():
+        colour, dashes, width, order = look[name]
+        y = factor * run[slip]
+        axes.plot(run.t, y, color=colour, linestyle=dashes, linewidth=width, zorder=order)
+        curves.append(Curve(run.t, y, name, colour))
+    axes.set_ylabel(f"displacement, {unit}")
+    axes.grid(axis="y")
+    label_curves(axes, curves)
+
+
+def _near_zero(
+    axes: Axes,
+    runs: Mapping[str, Trajectory],
+    chosen: str,
+    cycle: tuple[float, float],
+    rate: str,
+    look: Mapping[str, Look],
+) -> None:
+    first, last = cycle
+    # Fixed steps are shown where they stand, so that one sees them.
+    times = {
+        name: [first, *run.t[(run.t > first) & (run.t < last)], last] for name, run in runs.items()
+    }
+    times[chosen] = list(np.union1d(np.linspace(first, last, SAMPLES), times[chosen]))
+    inside = {name: run.at(times[name]) for name, run in runs.items()}
+    reach = -ROOM * min(float(run[rate].min()) for run in inside.values())
+    factor, unit = scale_of([reach], next(iter(runs.values())).units[rate])
+    for name, run in inside.items():
+        colour, _, width, order = look[name]
+        axes.plot(
+            run.t, factor * run[rate], "-" if name == chosen else "o-", color=colour,
+            linewidth=width, markersize=2.5, zorder=order,
+        )  # fmt: skip
+    spans = [(max(low, first), high) for low, high in runs[chosen].stick_spans() if high > first]
+    shade(axes, within(spans, last))
+    axes.axhline(0.0, color=MUTED, linewidth=0.8, zorder=1)
+    axes.set_xlim(first, last)
+    if reach > 0.0:
+        axes.set_ylim(-factor * reach, factor * reach)
+    axes.set_ylabel(f"velocity{' near zero' if reach > 0.0 else ''}, {unit}")

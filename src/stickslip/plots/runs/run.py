@@ -1,0 +1,191 @@
+"""Figures of one run, and of several over each other."""
+
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from stickslip.plots.core.event_markers import name_events, name_modes, within
+from stickslip.plots.core.helpers import Sizes, dense, grouped, horizon, looks, scale_of, wrapped
+from stickslip.plots.core.label_placement import Curve, label_curves, label_ends
+from stickslip.plots.core.svg import Draw
+from stickslip.plots.core.theme import C1, INK, MUTED, SURFACE, label_at, shade
+from stickslip.sweep import Band
+from stickslip.trajectory import Trajectory
+
+__all__ = [
+    "FORCE_SIZES",
+    "FRICTION_SIZES",
+    "RUN_SIZES",
+    "draw_friction_velocity",
+    "draw_run",
+    "draw_runs",
+]
+
+RUN_SIZES: Final = Sizes(wide=(880, 440), narrow=(358, 440))
+FORCE_SIZES: Final = Sizes(wide=(880, 560), narrow=(358, 560))
+"""Of `draw_run` with the normal force."""
+FRICTION_SIZES: Final = Sizes(wide=(880, 280), narrow=(358, 250))
+
+MOST_MARKED: Final = 40
+
+
+def draw_run(
+    run: Trajectory,
+    *,
+    slip: str = "x",
+    rate: str = "v",
+    until: float | None = None,
+    normal_force: bool = False,
+    band: Band | None = None,
+) -> Draw:
+    """Return a drawing of displacement, velocity, friction and perhaps normal force against time.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    slip, rate : str
+        Names of the slipping coordinate and its rate.
+    until : float, optional
+        Last time shown [s]; some time after the body has arrived if not given.
+    normal_force : bool
+        Whether the normal force has a panel too.
+    band : Band, optional
+        Where 95 % of the runs lie that have a law's parameters from its estimates; shown pale.
+
+    Returns
+    -------
+    callable
+        Draws it, with bands where the body sticks and dots at events.
+    """
+    last = horizon(run, slip) if until is None else min(until, run.span[1])
+    seen = dense(run, last)
+    titles = {slip: "displacement", rate: "velocity", "friction": "friction"}
+    titles |= {"normal_force": "normal force"} if normal_force else {}
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        panels = figure.subplots(len(titles), 1, sharex=True)
+        events = [event for event in run.events if event.t <= last][:MOST_MARKED]
+        for axes, (name, title) in zip(panels, titles.items(), strict=True):
+            factor, unit = scale_of(seen[name], run.units[name])
+            axes.plot(seen.t, factor * seen[name], color=C1, linewidth=2.0)
+            axes.set_ylabel(f"{title}, {unit}")
+            if band is not None and name in band.states:
+                shown = band.t <= last
+                low, _, high = factor * band.states[name][:, shown]
+                axes.fill_between(band.t[shown], low, high, color=C1, alpha=0.22, linewidth=0)
+            axes.margins(x=0, y=0.12)
+            axes.grid(axis="y")
+            shade(axes, within(run.stick_spans(), last))
+            if events:
+                at = run.at([event.t for event in events])
+                axes.plot(at.t, factor * at[name], "o", color=C1, markersize=4.5, zorder=4)
+        figure.align_ylabels()
+        panels[-1].set_xlabel("time, s")
+        name_modes(panels[0], run, last)
+        name_events(panels[1], events, narrow)
+
+    return draw
+
+
+def draw_friction_velocity(
+    run: Trajectory, *, rate: str = "v", until: float | None = None, slip: str = "x"
+) -> Draw:
+    """Return a drawing of friction against velocity along a run.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    rate, slip : str
+        Names of the slip velocity and of the coordinate.
+    until : float, optional
+        Last time shown [s].
+
+    Returns
+    -------
+    callable
+        Draws it, with a ring where it begins and a dot where it ends.
+    """
+    last = horizon(run, slip) if until is None else min(until, run.span[1])
+    seen = dense(run, last, samples=2500)
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_subplot()
+        factor, unit = scale_of(seen[rate], run.units[rate])
+        v, force = factor * seen[rate], seen["friction"]
+        axes.axhline(0, color=MUTED, linewidth=0.8)
+        axes.axvline(0, color=MUTED, linewidth=0.8)
+        axes.plot(v, force, color=C1, linewidth=2.0)
+        axes.margins(0.08, 0.18)
+        axes.set_xlabel(f"velocity, {unit}")
+        axes.set_ylabel("friction, N")
+        axes.grid(axis="y")
+        axes.plot(v[:1], force[:1], "o", color=C1, markerfacecolor=SURFACE, markersize=6, zorder=4)
+        axes.plot(v[-1:], force[-1:], "o", color=C1, markersize=5, zorder=5)
+        label_at(axes, v[0], force[0], "start", INK, offset=(8, -10))
+        if abs(force[-1] - force[0]) > 0.15 * np.ptp(axes.get_ylim()):
+            label_at(axes, v[-1], force[-1], "end", INK, offset=(8, 9))
+
+    return draw
+
+
+def draw_runs(
+    runs: Mapping[str, Trajectory],
+    *,
+    column: str = "x",
+    title: str = "displacement",
+    chosen: str | None = None,
+    until: float | None = None,
+) -> Draw:
+    """Return a drawing of several runs over each other, named where they end.
+
+    Parameters
+    ----------
+    runs : mapping of str to Trajectory
+        The runs by name.
+    column, title : str
+        What is drawn, and what it is called.
+    chosen : str, optional
+        The run that stands out; the first if not given.
+    until : float, optional
+        Last time shown [s].
+
+    Returns
+    -------
+    callable
+        Draws it.
+    """
+    end = min(run.span[1] for run in runs.values())
+    last = min(until or max(horizon(run, column) for run in runs.values()), end)
+    seen = {name: dense(run, last) for name, run in runs.items()}
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        axes = figure.add_subplot()
+        look = looks(runs, chosen)
+        times = np.linspace(0.0, last, 200)
+        everything = np.concatenate([run[column] for run in seen.values()])
+        factor, unit = scale_of(everything, next(iter(runs.values())).units[column])
+        ends = {}
+        for name, run in seen.items():
+            colour, dashes, width, order = look[name]
+            y = factor * run[column]
+            axes.plot(run.t, y, color=colour, linestyle=dashes, linewidth=width, zorder=order)
+            ends[name] = factor * runs[name].at(times)[column]
+        axes.margins(x=0, y=0.1)
+        axes.set_xlabel("time, s")
+        axes.set_ylabel(f"{title}, {unit}")
+        axes.grid(axis="y")
+        groups = grouped(ends, 0.02 * float(np.ptp(axes.get_ylim())))
+        if narrow:
+            texts = {names[0]: ", ".join(names) for _, names in groups}
+            label_curves(
+                axes,
+                [Curve(times, ends[n], texts.get(n, ""), look[n].colour) for n in ends],
+            )
+            return
+        label_ends(axes, last, [(y, wrapped(ns, 30), look[ns[0]].colour) for y, ns in groups])
+
+    return draw

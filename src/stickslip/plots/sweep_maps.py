@@ -1,0 +1,245 @@
+"""Figures of campaigns: mean velocities, bifurcation diagrams, basins of attraction."""
+
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap, ListedColormap
+from matplotlib.figure import Figure
+
+from stickslip.errors import InputError
+from stickslip.plots.core.helpers import scale_of
+from stickslip.plots.core.svg import Draw
+from stickslip.plots.core.theme import (
+    C1,
+    C2,
+    C3,
+    C4,
+    DATA,
+    INK,
+    MUTED,
+    SLIP_BACK,
+    STICK,
+    SURFACE,
+    shade,
+)
+from stickslip.sweep import Basins, Bifurcation, VelocityMap
+
+__all__ = ["draw_basins", "draw_bifurcation", "draw_velocity_map"]
+
+BASIN_COLOURS: Final = (SLIP_BACK, STICK, "#dcefe7", "#efe1ee", "#f6dfd0", "#e3e6e8")
+"""Fill of each basin, the largest first."""
+POINT_COLOURS: Final = (C1, C2, C3, C4, INK, MUTED)
+"""Points of the motion each basin leads to."""
+DIVERGING: Final = LinearSegmentedColormap.from_list("direction", [C2, SURFACE, C1])
+"""Backward, nowhere, forward."""
+
+
+def draw_velocity_map(found: VelocityMap) -> Draw:
+    """Return a drawing of mean velocities: a curve over one axis, colours over two.
+
+    Parameters
+    ----------
+    found : VelocityMap
+        Over one or two parameters.
+
+    Returns
+    -------
+    callable
+        Draws it. Backward motion has a band behind the curve, and reversals are marked; runs that
+        ended early are left out, and grey in a map of two parameters.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, Sine, average_velocity
+    >>> axis = Axis(inertia=1.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    >>> found = average_velocity(
+    ...     axis, Coulomb(kinetic_coefficient=0.5), {"frequency": [1.0, 2.0]}, settle=20, cycles=4
+    ... )
+    >>> callable(draw_velocity_map(found))
+    True
+    """
+    if len(found.axes) not in (1, 2):
+        raise InputError(
+            f"a map of {len(found.axes)} parameters cannot be drawn; fix all but two of them."
+        )
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_subplot()
+        factor, unit = scale_of(found.velocity[np.isfinite(found.velocity)], found.unit)
+        label = f"mean velocity, {unit}"
+        if len(found.axes) == 1:
+            _curve(axes, found, factor, label)
+        else:
+            _colours(figure, axes, found, factor, label)
+
+    return draw
+
+
+def _curve(axes: Axes, found: VelocityMap, factor: float, label: str) -> None:
+    ((path, values),) = found.axes.items()
+    axes.plot(values, factor * found.velocity, color=C1, marker="o", markersize=2.5, linewidth=1.6)
+    axes.margins(x=0.01, y=0.12)
+    axes.axhline(0.0, color=MUTED, linewidth=0.8)
+    still = ~found.moves() & np.isfinite(found.velocity)
+    shade(axes, _stretches(values, still))
+    shade(axes, _stretches(values, (found.velocity < 0) & ~still), colour=SLIP_BACK)
+    turns = found.reversals()
+    axes.plot(turns, 0.0 * turns, "o", color=C1, markerfacecolor=SURFACE, markersize=7, zorder=4)
+    for place in turns:
+        axes.annotate(
+            f"{place:.3g}",
+            (place, 0.0),
+            xytext=(7, 8),
+            textcoords="offset points",
+            color=INK,
+            fontsize=11,
+        )
+    axes.set_xlabel(_name(path, found.units[path]))
+    axes.set_ylabel(label)
+    axes.grid(axis="y")
+
+
+def _stretches(values: Any, chosen: Any) -> list[tuple[float, float]]:
+    """Return the spans between the middles of neighbouring points that are chosen."""
+    edges = _edges(np.asarray(values))
+    edges[0], edges[-1] = values[0], values[-1]
+    spans = zip(edges[:-1], edges[1:], chosen, strict=True)
+    return [(min(a, b), max(a, b)) for a, b, wanted in spans if wanted]
+
+
+def _colours(figure: Figure, axes: Axes, found: VelocityMap, factor: float, label: str) -> None:
+    (across, xs), (up, ys) = reversed(list(found.axes.items()))
+    velocity = factor * found.velocity
+    largest = float(np.nanmax(np.abs(velocity), initial=0.0)) or 1.0
+    axes.set_facecolor(DATA)
+    mesh = axes.pcolormesh(
+        _edges(xs), _edges(ys), velocity, cmap=DIVERGING, vmin=-largest, vmax=largest,
+        rasterized=True,
+    )  # fmt: skip
+    moving = np.ma.masked_where(~_judged(found), velocity)
+    if min(velocity.shape) > 1 and moving.count() and moving.min() < 0.0 < moving.max():
+        axes.contour(xs, ys, moving, levels=[0.0], colors=[INK], linewidths=1.0)
+    axes.set_xlabel(_name(across, found.units[across]))
+    axes.set_ylabel(_name(up, found.units[up]))
+    bar = figure.colorbar(mesh, ax=axes, pad=0.02)
+    bar.set_label(label)
+    bar.outline.set_visible(False)
+
+
+def _judged(found: VelocityMap) -> Any:
+    """Return where the velocity has a sign, or lies right between two signs."""
+    sign = np.where(found.moves(), np.sign(found.velocity), 0.0)
+    rows, columns = sign.shape
+    around = np.pad(sign, 1)
+    shifts = [(i, j) for i in range(3) for j in range(3)]
+    near = np.stack([around[i : i + rows, j : j + columns] for i, j in shifts])
+    between = (near.max(axis=0) > 0) & (near.min(axis=0) < 0)
+    return ((sign != 0) | between) & np.isfinite(found.velocity)
+
+
+def draw_bifurcation(found: Bifurcation) -> Draw:
+    """Return a bifurcation diagram: the samples of each run over its parameter.
+
+    Parameters
+    ----------
+    found : Bifurcation
+        The samples; each start has its own colour.
+
+    Returns
+    -------
+    callable
+        Draws it.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, Sine, bifurcation
+    >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    >>> law = Coulomb(kinetic_coefficient=0.5)
+    >>> found = bifurcation(axis, law, "frequency", [1.0, 1.2], state="x", keep=6, settle=50)
+    >>> callable(draw_bifurcation(found))
+    True
+    """
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_subplot()
+        known = found.samples[np.isfinite(found.samples)]
+        factor, unit = scale_of(known, found.unit)
+        for start in range(found.samples.shape[1]):
+            points = factor * found.samples[:, start, :]
+            places = np.repeat(found.values, points.shape[1])
+            colour = POINT_COLOURS[start % len(POINT_COLOURS)]
+            axes.plot(places, points.ravel(), ".", color=colour, markersize=2.2, alpha=0.7)
+        axes.margins(x=0.01, y=0.06)
+        when = "once a cycle" if found.sample == "period" else f'at "{found.sample}"'
+        axes.set_xlabel(_name(found.path, found.path_unit))
+        axes.set_ylabel(f"{found.state} {when}, {unit}")
+        axes.grid(axis="y")
+
+    return draw
+
+
+def draw_basins(found: Basins) -> Draw:
+    """Return a drawing of basins of attraction with the points of the motions they lead to.
+
+    Parameters
+    ----------
+    found : Basins
+        The basins. White are starts whose runs ended early.
+
+    Returns
+    -------
+    callable
+        Draws it.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, Sine, basins
+    >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    >>> grid = {"x": [-1.0, 0.0, 1.0], "v": [-1.0, 1.0]}
+    >>> callable(draw_basins(basins(axis, Coulomb(kinetic_coefficient=0.5), grid, settle=30)))
+    True
+    """
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_subplot()
+        (across, xs), (up, ys) = found.starts.items()
+        count = max(1, len(found.attractors))
+        fills = [BASIN_COLOURS[i % len(BASIN_COLOURS)] for i in range(count)]
+        axes.pcolormesh(
+            _edges(xs), _edges(ys), np.ma.masked_less(found.index.T, 0),
+            cmap=ListedColormap(fills), vmin=-0.5, vmax=count - 0.5, rasterized=True,
+        )  # fmt: skip
+        axes.set_xlim(xs.min(), xs.max())
+        axes.set_ylim(ys.min(), ys.max())
+        axes.set_xlabel(f"{across} at the start")
+        axes.set_ylabel(f"{up} at the start")
+        for number, motion in enumerate(found.attractors):
+            colour = POINT_COLOURS[number % len(POINT_COLOURS)]
+            if {across, up} <= set(found.states):
+                i, j = found.states.index(across), found.states.index(up)
+                axes.plot(
+                    motion.points[:, i], motion.points[:, j], "o", color=colour, markersize=4.5
+                )
+            kind = f"period {motion.period}" if motion.period else "does not close"
+            axes.plot([], [], "o", color=colour, label=f"{100 * motion.share:.0f} %, {kind}")
+        if found.attractors:
+            axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+    return draw
+
+
+def _edges(values: Any) -> Any:
+    """Return the borders of cells around points."""
+    if len(values) == 1:
+        half = 0.5 * (abs(values[0]) or 1.0)
+        return np.array([values[0] - half, values[0] + half])
+    middles = 0.5 * (values[1:] + values[:-1])
+    ends = 1.5 * values[[0, -1]] - 0.5 * values[[1, -2]]
+    return np.concatenate([ends[:1], middles, ends[1:]])
+
+
+def _name(path: str, unit: str) -> str:
+    """Return the last name of a path in words, with its unit."""
+    word = path.rpartition(".")[2].replace("_", " ")
+    return word if unit == "1" else f"{word}, {unit}"

@@ -1,0 +1,390 @@
+"""The blocks of a report.
+
+Every text may use the small markup of `stickslip.report.core.markup.inline`. A block knows what it
+says and which template shows it; it computes nothing.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Final, Literal, Protocol, final, runtime_checkable
+
+from markupsafe import Markup
+
+from stickslip.errors import InputError
+
+__all__ = [
+    "Block",
+    "Caption",
+    "Code",
+    "Columns",
+    "Fact",
+    "Facts",
+    "Figure",
+    "Gallery",
+    "KeyValue",
+    "KeyValues",
+    "Math",
+    "Note",
+    "Panel",
+    "Paragraph",
+    "Reference",
+    "References",
+    "Subheading",
+]
+
+_MOST: Final = 3
+_ACTIVE: Final = re.compile(
+    r"<(?:script|foreignObject|style|image)\b|<[^>]*\s(?:on[a-z]+\s*=|(?:[a-z]+:)?href=[\"'](?!#))",
+    re.IGNORECASE,
+)
+
+
+@runtime_checkable
+class Block(Protocol):
+    """Anything that names the template in ``templates/blocks`` that shows it."""
+
+    template: ClassVar[str]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Paragraph:
+    """A paragraph of text.
+
+    Examples
+    --------
+    >>> Paragraph(text="One travel fixes one number: $mu_d$.").template
+    'paragraph'
+    """
+
+    template: ClassVar[str] = "paragraph"
+    text: str
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Caption:
+    """A remark in small print below a table or a matrix.
+
+    Examples
+    --------
+    >>> Caption(text="Dot: held-out error. Bar: ± 1 standard error.").template
+    'caption'
+    """
+
+    template: ClassVar[str] = "caption"
+    text: str
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Subheading:
+    """A heading inside a section.
+
+    Examples
+    --------
+    >>> Subheading(text="What moves together").template
+    'subheading'
+    """
+
+    template: ClassVar[str] = "subheading"
+    text: str
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Figure:
+    """A figure with its caption.
+
+    Parameters
+    ----------
+    svg : str
+        What `stickslip.plots.inline_svg` returns. It goes into the page unescaped.
+    caption : str
+        Begins with a bold name and says what to see.
+
+    Raises
+    ------
+    InputError
+        If it is no SVG, has no aria-label, or carries a script.
+
+    Examples
+    --------
+    >>> Figure(svg='<svg aria-label="Travel"></svg>', caption="**Travel** of the block.").template
+    'figure'
+    """
+
+    template: ClassVar[str] = "figure"
+    svg: str
+    caption: str = ""
+
+    def __post_init__(self) -> None:
+        _check_svg(self.svg)
+
+    @property
+    def markup(self) -> Markup:
+        """The drawing, ready for the page."""
+        return Markup(self.svg)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Panel:
+    """A small drawing with a name and a sentence, part of a `Gallery`.
+
+    Examples
+    --------
+    >>> Panel(svg='<svg aria-label="Push"></svg>', title="A. Push.", text="10 N for 0.1 s.").colour
+    'ink'
+    """
+
+    svg: str
+    title: str
+    text: str
+    colour: Literal["ink", "c1", "c2", "c3", "c4"] = "ink"
+
+    def __post_init__(self) -> None:
+        _check_svg(self.svg)
+
+    @property
+    def markup(self) -> Markup:
+        """The drawing, ready for the page."""
+        return Markup(self.svg)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Gallery:
+    """Up to three small drawings side by side.
+
+    Examples
+    --------
+    >>> panel = Panel(svg='<svg aria-label="Push"></svg>', title="A. Push.", text="10 N.")
+    >>> Gallery(panels=(panel,)).template
+    'gallery'
+    """
+
+    template: ClassVar[str] = "gallery"
+    panels: tuple[Panel, ...]
+
+    def __post_init__(self) -> None:
+        at_most_three("Gallery.panels", self.panels)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Fact:
+    """A number one would quote, its doubt, and below it what it is.
+
+    Examples
+    --------
+    >>> Fact(value="0.255", aside="0.249 to 0.261", what="$mu_d$ for Coulomb").value
+    '0.255'
+    """
+
+    value: str
+    what: str
+    aside: str = ""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Facts:
+    """Up to three facts side by side.
+
+    Examples
+    --------
+    >>> Facts(facts=(Fact(value="+47 %", what="more friction in reverse"),)).template
+    'facts'
+    """
+
+    template: ClassVar[str] = "facts"
+    facts: tuple[Fact, ...]
+
+    def __post_init__(self) -> None:
+        at_most_three("Facts.facts", self.facts)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Note:
+    """A warning or remark that must not be missed.
+
+    Examples
+    --------
+    >>> Note(title="The record is short.", text="24.8 s.").kind
+    'warn'
+    """
+
+    template: ClassVar[str] = "note"
+    title: str
+    text: str
+    kind: Literal["warn", "info"] = "warn"
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class KeyValue:
+    """A named value, perhaps with the outcome of a check.
+
+    Examples
+    --------
+    >>> KeyValue(key="Drift at rest", value="exactly 0", mark="ok").mark
+    'ok'
+    """
+
+    key: str
+    value: str
+    mark: Literal["none", "ok", "warn", "bad"] = "none"
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class KeyValues:
+    """A list of named values or checks.
+
+    Examples
+    --------
+    >>> KeyValues(items=(KeyValue(key="Sampling", value="1 kHz", mark="ok"),)).template
+    'key_values'
+    """
+
+    template: ClassVar[str] = "key_values"
+    items: tuple[KeyValue, ...]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Code:
+    """Commands or code, shown as they are.
+
+    Examples
+    --------
+    >>> Code(text="$ stickslip select").template
+    'code'
+    """
+
+    template: ClassVar[str] = "code"
+    text: str
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Math:
+    r"""An equation on a line of its own.
+
+    Parameters
+    ----------
+    latex : str
+        The equation.
+    tag : str
+        Its number in the source, such as "(5)".
+
+    Examples
+    --------
+    >>> Math(latex=r"F = \mu_d N").template
+    'math'
+    """
+
+    template: ClassVar[str] = "math"
+    latex: str
+    tag: str = ""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Reference:
+    """A cited work.
+
+    Parameters
+    ----------
+    authors, title, where : str
+        Who, what (set in italics), and journal and year.
+    note : str
+        What it was used for.
+    url : str
+        Its address; the page links to it and loads nothing from it.
+
+    Raises
+    ------
+    InputError
+        If the address is not https or http.
+
+    Examples
+    --------
+    >>> Reference(authors="P. R. Dahl", title="A solid friction model", where="1968").url
+    ''
+    """
+
+    title: str
+    authors: str = ""
+    where: str = ""
+    note: str = ""
+    url: str = ""
+
+    def __post_init__(self) -> None:
+        if self.url and not re.match(r"https?://", self.url):
+            raise InputError(f"Reference.url must begin with https://, got {self.url!r}.")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class References:
+    """A numbered list of cited works.
+
+    Examples
+    --------
+    >>> References(items=(Reference(title="A solid friction model"),)).template
+    'references'
+    """
+
+    template: ClassVar[str] = "references"
+    items: tuple[Reference, ...]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Columns:
+    """Blocks side by side, below each other on a phone.
+
+    Examples
+    --------
+    >>> Columns(left=(Paragraph(text="Left."),), right=(Paragraph(text="Right."),)).template
+    'columns'
+    """
+
+    template: ClassVar[str] = "columns"
+    left: tuple[Block, ...]
+    right: tuple[Block, ...]
+
+
+def at_most_three(name: str, items: Sequence[object]) -> None:
+    """Refuse a list that a reader would not read to its end.
+
+    Parameters
+    ----------
+    name : str
+        What the list is called.
+    items : sequence
+        The list.
+
+    Raises
+    ------
+    InputError
+        If it has more than three items.
+
+    Examples
+    --------
+    >>> at_most_three("Facts.facts", ())
+    """
+    if len(items) > _MOST:
+        raise InputError(f"{name}: at most {_MOST} items, got {len(items)}.")
+
+
+def _check_svg(svg: str) -> None:
+    drawings = re.findall(r"<svg\b[^>]*>", svg)
+    if not svg.startswith("<svg") or not all("aria-label=" in drawing for drawing in drawings):
+        raise InputError(f"a figure is <svg> with an aria-label, got {svg[:60]!r}.")
+    if _ACTIVE.search(svg):
+        raise InputError("a figure must not carry scripts or load anything.")

@@ -1,0 +1,60 @@
+"""The certificate of a run as a list: what was checked, and how well it holds."""
+
+from stickslip.experiments.wording import quantity
+from stickslip.report import numbers
+from stickslip.report.core.blocks import KeyValue
+from stickslip.trajectory import Trajectory
+
+__all__ = ["evidence"]
+
+
+def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
+    """Return the certificate of a run, check by check.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    located : bool
+        Whether its events were located, as those of fixed steps are not.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock, simulate
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> run = simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=1.0)
+    >>> [item.key for item in evidence(run)]
+    ['Energy', 'Events', 'Sticking and slipping', 'Drift at rest', 'Steps']
+    """
+    book = run.certificate
+    stops = f", {quantity(book.work_stops, 'J', 4)} by stops" if book.work_stops else ""
+    energy = (
+        f"{quantity(book.energy_start + book.work_supplied, 'J', 4)} at the start and from the"
+        f" drives; {quantity(book.work_friction, 'J', 4)} taken by friction{stops};"
+        f" {quantity(book.energy_end, 'J', 4)} left. Mismatch {numbers.residue(book.energy_error)}"
+    )
+    items = [KeyValue(key="Energy", value=energy, mark="ok" if book.certified else "warn")]
+    if located:
+        events = "event" if len(run.events) == 1 else "events"
+        still = book.stick_drift == 0.0
+        items += [
+            KeyValue(
+                key="Events",
+                value=f"{len(run.events):,} {events} located, each to"
+                f" {numbers.residue(book.event_residual)} of its condition",
+            ),
+            KeyValue(
+                key="Sticking and slipping",
+                value=f"largest violation of a condition: {numbers.residue(book.guard_violation)}",
+            ),
+            KeyValue(
+                key="Drift at rest",
+                value="exactly 0" if still else quantity(book.stick_drift, "m", 1),
+                mark="ok" if still else "warn",
+            ),
+        ]
+    steps = f"{book.steps:,} accepted, {book.rejected:,} rejected"
+    items.append(KeyValue(key="Steps", value=steps))
+    items += [KeyValue(key="Near a limit", value=text, mark="warn") for text in book.warnings]
+    items += [KeyValue(key="Problem", value=text, mark="bad") for text in book.problems]
+    return tuple(items)

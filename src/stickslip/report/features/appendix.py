@@ -1,0 +1,140 @@
+"""The end of the report: the record and its checks, next measurements, how to reproduce it."""
+
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+from stickslip.report import numbers
+from stickslip.report.core.blocks import Block, Caption, Code, KeyValue, KeyValues, References
+from stickslip.report.core.documents import Section
+from stickslip.report.core.tables import Cell, Column, Row, Table
+from stickslip.report.features.texts import typeset_lines
+from stickslip.report.travels.appendix import law_references
+from stickslip.report.travels.texts import counted, quantity_value
+from stickslip.selection import FeatureVerdict, OtherSpeed
+
+__all__ = ["next_section", "record_section", "reproduce_section"]
+
+Severity = Literal["none", "warn", "bad"]
+
+
+def record_section(verdict: FeatureVerdict) -> Section:
+    """Return the section on the features of the whole record and what was checked of it."""
+    marks: Mapping[str, Severity] = {"warning": "warn", "error": "bad"}
+    items = [*_numbers(verdict)]
+    for line in typeset_lines(verdict.features.sentences, verdict):
+        items.append(KeyValue(key="Feature", value=line, mark="warn"))
+    items += [
+        KeyValue(
+            key=finding.kind.replace("-", " ").replace("_", " ").capitalize(),
+            value=str(finding),
+            mark=marks.get(finding.severity, "none"),
+        )
+        for finding in verdict.checks.findings
+    ]
+    warned = sum(item.mark != "none" for item in items)
+    heading = "The record, and no warning from its checks"
+    if warned:
+        noun = "warning" if warned == 1 else "warnings"
+        heading = f"The record, and {counted(warned)} {noun} from its features and checks"
+    block = KeyValues(items=tuple(items))
+    return Section(id="record", nav="Record and checks", heading=heading, blocks=(block,))
+
+
+def _numbers(verdict: FeatureVerdict) -> list[KeyValue]:
+    seen = verdict.features
+    items = [
+        KeyValue(key="Motion", value=seen.regime),
+        KeyValue(
+            key="Frequency",
+            value=f"{quantity_value(seen.frequency, 'Hz')}, natural"
+            f" {quantity_value(seen.natural_frequency, 'Hz')}",
+        ),
+    ]
+    if seen.slips > 1:
+        spread = float(seen.waiting_times.std())
+        items += [
+            KeyValue(
+                key="Slips",
+                value=f"{seen.slips:,}, {quantity_value(seen.waiting_time, 's')} apart in the"
+                f" median (spread {quantity_value(spread, 's', 2)})",
+            ),
+            KeyValue(
+                key="Break-away",
+                value=f"{numbers.fixed(seen.break_away, 3)} ±"
+                f" {numbers.fixed(float(seen.levels.std()), 3)} of the load, drop"
+                f" {numbers.fixed(seen.drop, 3)}",
+            ),
+        ]
+    return items
+
+
+def next_section(verdict: FeatureVerdict) -> Section | None:
+    """Return the section on other speeds of the pull, None if laws were not to be told apart."""
+    if not verdict.speeds:
+        return None
+    titles = {c.name: c.title for c in verdict.candidates}
+    names = list(verdict.speeds[0].predicted)
+    columns = (
+        Column(head="speed of the pull"),
+        *(
+            Column(head=titles[n], numeric=True, phone="label", label=f"{titles[n]}:")
+            for n in names
+        ),
+        Column(head="apart by", numeric=True, phone="label"),
+    )
+    caption = (
+        "Frequency and standard deviation of the force over the load that the laws predict as"
+        " fitted. Where parameters are not bounded, other values that fit this record as well"
+        " would predict other numbers: what such a pull tells is these values, before it tells the"
+        " law. Apart by: root mean square difference of the features from the chosen law to its"
+        " nearest rival."
+    )
+    rows = tuple(_speed(one, names) for one in verdict.speeds)
+    return Section(
+        id="next",
+        nav="Measure next",
+        heading="At other speeds the fitted laws part",
+        blocks=(Table(columns=columns, rows=rows, caption=caption),),
+    )
+
+
+def _speed(one: OtherSpeed, names: Sequence[str]) -> Row:
+    cells: list[Cell] = [quantity_value(one.speed, "m/s")]
+    for name in names:
+        seen = one.predicted[name]
+        cells.append(
+            f"{quantity_value(seen['frequency'], 'Hz')},"
+            f" {numbers.significant(seen['standard_deviation'], 2)}"
+            if seen["frequency"] > 0.0
+            else "slides steadily"
+        )
+    return Row(cells=(*cells, numbers.percent(one.separation)))
+
+
+def reproduce_section(
+    verdict: FeatureVerdict, commands: Sequence[str], versions: Mapping[str, str], digest: str
+) -> Section:
+    """Return the section with commands, the rig file of the fit, data and references."""
+    blocks: list[Block] = []
+    if commands:
+        blocks.append(Code(text="\n".join(f"$ {command}" for command in commands)))
+    fit = verdict.best.fit if verdict.best else None
+    items = []
+    if fit is not None:
+        blocks.append(Code(text=fit.to_toml().strip()))
+        blocks.append(Caption(text="The fitted block and law, as a file that simulations take."))
+        text = f"{fit.runs:,} limit cycles simulated for the chosen law"
+        items.append(KeyValue(key="Runs", value=text))
+    if verdict.measurement.provenance:
+        items.append(KeyValue(key="Data", value=verdict.measurement.provenance))
+    items += [KeyValue(key=name, value=version) for name, version in versions.items()]
+    if digest:
+        items.append(KeyValue(key="Hash of the inputs", value=f"`{digest}`"))
+    if items:
+        blocks.append(KeyValues(items=tuple(items)))
+    sources = law_references([c.law for c in verdict.candidates if c.law is not None], {})
+    if sources:
+        blocks += [References(items=sources), Caption(text="What the laws come from.")]
+    return Section(
+        id="reproduce", nav="Reproduce and cite", heading="Reproduce and cite", blocks=tuple(blocks)
+    )

@@ -1,0 +1,91 @@
+"""The opening: the verdict, the law with its numbers, and what one would quote."""
+
+from stickslip.identification import FeatureFit, StickSlipFeatures
+from stickslip.quantities import fields_of
+from stickslip.report import numbers
+from stickslip.report.core.blocks import Fact
+from stickslip.report.core.documents import LawLine, Opening, Section
+from stickslip.report.features.texts import said, share_parts, typeset_lines
+from stickslip.report.records.texts import label_of
+from stickslip.report.travels.texts import quantity_value
+from stickslip.selection import FeatureVerdict
+
+__all__ = ["opening_section"]
+
+
+def opening_section(verdict: FeatureVerdict, kicker: str) -> Section:
+    """Return the section that a reader may stop after."""
+    best, words = verdict.best, verdict.words
+    fit = best.fit if best else None
+    told = fit is not None and best is not None and not best.dropped
+    (lede,) = typeset_lines([f"{words.lede} {words.no_score}".strip()], verdict)
+    opening = Opening(
+        kicker=kicker,
+        verdict=words.verdict,
+        lede=lede,
+        law=_law_lines(fit) if fit else (),
+        facts=_facts(verdict),
+        settles=_settles(fit) if fit and told else typeset_lines(words.settles, verdict),
+        cannot_tell=typeset_lines(words.cannot_tell, verdict),
+        measure_next=typeset_lines(words.measure_next, verdict),
+    )
+    return Section(id="verdict", nav="Verdict", heading="", blocks=(opening,))
+
+
+def _settles(fit: FeatureFit) -> tuple[str, ...]:
+    known = [e for e in fit.estimates if e.bounded]
+    return tuple(f"{label_of(e)} is {said(e)}." for e in known[:3])
+
+
+def _law_lines(fit: FeatureFit) -> tuple[LawLine, ...]:
+    """Return the parameters of the law, then what of the mechanism was looked for."""
+    found = {e.path: e for e in fit.estimates}
+    lines = []
+    for name, quantity in fields_of(type(fit.law)).items():
+        value, estimate = getattr(fit.law, name), found.get(f"friction.{name}")
+        if value is None:
+            continue
+        text = f"{quantity_value(value, quantity.unit)}, taken as given"
+        text = said(estimate) if estimate else text
+        lines.append(LawLine(label=name.replace("_", " "), formula=f"${quantity.symbol}$ = {text}"))
+    for path, estimate in found.items():
+        if path.startswith("mechanism."):
+            name = path.rpartition(".")[2].replace("_", " ")
+            formula = f"${estimate.quantity.symbol}$ = {said(estimate)}"
+            lines.append(LawLine(label=f"effective {name}", formula=formula))
+    return tuple(lines)
+
+
+def _facts(verdict: FeatureVerdict) -> tuple[Fact, ...]:
+    best, control, features = verdict.best, verdict.control, verdict.features
+    facts = []
+    if best is not None and best.fit is not None:
+        value, doubt = share_parts(best.score, best.score_error)
+        what = (
+            "error of frequency, mean and standard deviation in the half no fit has seen, root mean"
+            " square, ± 1 standard error"
+        )
+        facts.append(Fact(value=value, aside=numbers.with_unit(doubt, "%"), what=what))
+    if control is not None and control.fit is not None:
+        what = "the same error with the mechanism as stated, nothing of it looked for"
+        facts.append(Fact(value=f"{numbers.fixed(100.0 * control.score, 1)} %", what=what))
+    facts.append(_motion(features))
+    return tuple(facts[:3])
+
+
+def _motion(features: StickSlipFeatures) -> Fact:
+    """Return what tells most of the motion: the time between slips, or how fast it swings."""
+    if features.slips > 1:
+        spread = quantity_value(float(features.waiting_times.std()), "s", 2)
+        what = (
+            f"between slips in the median, with the spread of {features.slips:,} of them; they"
+            f" begin at {numbers.fixed(features.break_away, 3)} of the load"
+        )
+        value = quantity_value(features.waiting_time, "s")
+        return Fact(value=value, aside=f"± {spread}", what=what)
+    ratio = features.frequency / features.natural_frequency
+    what = (
+        "of the natural frequency √(k/m) of the nominal mass: the force swings at"
+        f" {quantity_value(features.frequency, 'Hz')}"
+    )
+    return Fact(value=numbers.with_unit(numbers.fixed(ratio, 2), "×"), what=what)

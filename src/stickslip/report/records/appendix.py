@@ -1,0 +1,196 @@
+"""Towards the end of the report: dropped laws, the record, and what to measure next."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+
+from stickslip.identification import RecordFit
+from stickslip.plots.core.svg import inline_svg
+from stickslip.plots.data.record import Channel, draw_record, record_sizes
+from stickslip.report import numbers
+from stickslip.report.core.blocks import Block, Figure, KeyValue, KeyValues
+from stickslip.report.core.documents import Section
+from stickslip.report.core.tables import Cell, Column, Number, Row, Table
+from stickslip.report.records.plot_data import speeds_of, thinned
+from stickslip.report.records.texts import (
+    DOUBT,
+    estimate_parts,
+    scale_for,
+    symbols_of,
+    typeset,
+    unit_of,
+)
+from stickslip.report.travels.texts import counted
+from stickslip.selection import RecordCandidate, RecordVerdict
+from stickslip.selection.design.experiments import Experiment
+from stickslip.selection.record_wording import with_doubt
+
+__all__ = ["dropped_section", "next_section", "record_section"]
+
+LINES = 700
+"""Points of a line of the record."""
+MOST_SPANS = 60
+"""More spans of reverse travel than this are not shaded: they would be stripes."""
+
+
+def dropped_section(verdict: RecordVerdict) -> Section | None:
+    """Return the section on laws that may not be taken, None if there is none."""
+    everyone = [*verdict.candidates, *([verdict.control] if verdict.control else [])]
+    dropped = [c for c in everyone if c.dropped]
+    if not dropped:
+        return None
+    scale = scale_for(verdict)
+    rows = []
+    for c in dropped:
+        value, doubt = scale.pair(c.score, c.validation.error if c.validation else math.inf)
+        score: Cell = Number(value=value, doubt=doubt) if math.isfinite(c.score) else "no score"
+        symbols = symbols_of([c])
+        cells = (c.title, score, _said(c, symbols), typeset(c.dropped, symbols))
+        rows.append(Row(cells=cells, muted=True))
+    columns = (
+        Column(head="candidate"),
+        Column(head=f"held-out error\n{scale.unit}, ± 1 s.e.", numeric=True),
+        Column(head="what the fit said"),
+        Column(head="rule", phone="label", label="rule:"),
+    )
+    count = counted(len(dropped)).capitalize()
+    noun = "candidate" if len(dropped) == 1 else "candidates"
+    return Section(
+        id="dropped",
+        nav="Dropped",
+        heading=f"{count} {noun} dropped, and why",
+        blocks=(Table(columns=columns, rows=tuple(rows)),),
+    )
+
+
+def _said(c: RecordCandidate, symbols: frozenset[str]) -> str:
+    """Return the estimates of a dropped law that speak against it, else all of them."""
+    if c.fit is None:
+        return "no fit"
+    doubtful = [e for e in c.fit.estimates if not e.bounded or e.low <= 0.0 <= e.high]
+    parts = []
+    for estimate in (doubtful or c.fit.estimates)[:4]:
+        value, doubt = estimate_parts(estimate)
+        text = f"{value} {doubt}" if estimate.bounded else value
+        side = c.fit.at_bounds.get(estimate.path)
+        tail = f", at its {side} bound" if side else "" if estimate.bounded else ", not bounded"
+        shown = numbers.with_unit(text, unit_of(estimate))
+        parts.append(f"${estimate.quantity.symbol}$ = {shown}{tail}")
+    if not parts:
+        return " ".join(typeset(line, symbols) for line in c.fit.sentences) or "nothing was free"
+    return "; ".join(parts)
+
+
+def record_section(verdict: RecordVerdict) -> Section | None:
+    """Return the section on the record and what was checked of it."""
+    blocks: list[Block] = []
+    fit = verdict.closest.fit
+    figure = _record_figure(verdict, fit) if fit else None
+    if figure is not None:
+        blocks.append(figure)
+    marks: Mapping[str, Literal["none", "warn", "bad"]] = {"warning": "warn", "error": "bad"}
+    items = [
+        KeyValue(
+            key=finding.kind.replace("-", " ").replace("_", " ").capitalize(),
+            value=str(finding),
+            mark=marks.get(finding.severity, "none"),
+        )
+        for finding in verdict.checks.findings
+    ]
+    if items:
+        blocks.append(KeyValues(items=tuple(items)))
+    if not blocks:
+        return None
+    warned = sum(finding.severity != "info" for finding in verdict.checks.findings)
+    heading = "The record, and no warning from its checks"
+    if warned:
+        noun = "warning" if warned == 1 else "warnings"
+        heading = f"The record, and {counted(warned)} {noun} from its checks"
+    return Section(id="record", nav="Record and checks", heading=heading, blocks=tuple(blocks))
+
+
+def _record_figure(verdict: RecordVerdict, fit: RecordFit) -> Figure | None:
+    record = verdict.measurement.records()[0]
+    if record.time is None:
+        return None
+    names = {"force": "force applied", "friction": "friction"}
+    moving = speeds_of(fit, record)
+    channels = []
+    for name in ("position", "velocity", "force", "friction"):
+        if name == "velocity" and moving is not None:
+            t, values = moving
+        elif name in record.quantities() and np.ndim(record.values(name)):
+            t, values = record.time, np.asarray(record.values(name), dtype=float)
+        else:
+            continue
+        channels.append(
+            Channel(names.get(name, name), record.unit(name), *thinned(t, values, LINES))
+        )
+    if not channels:
+        return None
+    spans = _reverse(*moving) if moving is not None else []
+    svg = inline_svg(
+        draw_record(channels, spans),
+        alt=f"The record against time: {', '.join(channel.name for channel in channels)}",
+        prefix="record-figure",
+        **record_sizes(len(channels)),
+    )
+    several = len(verdict.measurement.records())
+    caption = "**The record.**" if several == 1 else f"**The first of {several} records.**"
+    if moving is not None and "velocity" not in record.quantities():
+        caption += " Velocity: from filtered positions."
+    caption += " Blue-grey: reverse travel." if spans else ""
+    return Figure(svg=svg, caption=caption)
+
+
+def _reverse(t: np.ndarray, velocity: np.ndarray) -> list[tuple[float, float]]:
+    """Return the spans of reverse travel [s]; none if they are too many to be seen."""
+    back = velocity < -0.02 * float(np.max(np.abs(velocity)))
+    turns = np.flatnonzero(np.diff(np.concatenate([[False], back, [False]]).astype(int)))
+    spans = [
+        (float(t[a]), float(t[min(b, len(t) - 1)]))
+        for a, b in zip(turns[::2], turns[1::2], strict=True)
+    ]
+    return spans if len(spans) <= MOST_SPANS else []
+
+
+def next_section(verdict: RecordVerdict) -> Section | None:
+    """Return the section on measurements that would tell more, None if none would."""
+    if not verdict.experiments:
+        return None
+    titles = {c.name: c.title for c in verdict.candidates}
+    names = list(verdict.experiments[0].predicted)
+    columns = (
+        Column(head="measurement"),
+        Column(head="read off"),
+        *(
+            Column(head=titles.get(n, n), numeric=True, phone="label", label=f"{titles.get(n, n)}:")
+            for n in names
+        ),
+        Column(head="separation\nover its doubt", numeric=True, phone="label", label="separation"),
+    )
+    rows = [_experiment(one, names) for one in verdict.experiments]
+    first = verdict.experiments[0]
+    far = numbers.significant(first.separation, 2)
+    heading = f"The most telling next measurement tells the laws apart by {far} times its doubt"
+    caption = (
+        "What each law predicts as it was fitted, with the mass and the offset fitted with it."
+        " Separation: from the chosen law to the nearest rival, over the doubt of the reading and"
+        " of both predictions."
+    )
+    table = Table(columns=columns, rows=tuple(rows), caption=caption)
+    return Section(id="next", nav="Measure next", heading=heading, blocks=(table,))
+
+
+def _experiment(one: Experiment, names: Sequence[str]) -> Row:
+    what, _, unit = one.observed.rpartition(", ")
+    factor = 1.0
+    if unit == "m" and max(abs(v) for v in one.predicted.values()) < 1.0:
+        factor, unit = 1e3, "mm"
+    cells: list[Cell] = [one.what, f"{what}, {unit}"]
+    for name in names:
+        said = with_doubt(factor * one.predicted[name], factor * one.doubts.get(name, 0.0))
+        cells.append(said.replace(" ± ", DOUBT))
+    return Row(cells=(*cells, numbers.significant(one.separation, 2)))

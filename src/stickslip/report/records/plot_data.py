@@ -1,0 +1,280 @@
+"""The numbers behind the figures: what was measured, and what the fits leave of it."""
+
+import itertools
+from collections.abc import Sequence
+from typing import Final, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.experiments import Measurement
+from stickslip.identification import RecordFit
+from stickslip.identification.force_map.problem import ForceMap
+from stickslip.identification.series.inverse_dynamics import inverse_dynamics
+from stickslip.identification.series.start_values import load_of
+from stickslip.plots.selection.residuals import ErrorSeries, ResidualPanel
+from stickslip.selection import RecordCandidate, RecordVerdict
+
+__all__ = [
+    "MOST_POINTS",
+    "MapPoints",
+    "Rows",
+    "block_edges",
+    "errors_of",
+    "is_timed",
+    "map_points",
+    "offset_of",
+    "panel_of",
+    "rows_of",
+    "sampled",
+    "speeds_of",
+    "thinned",
+    "trend_of",
+]
+
+Array: TypeAlias = NDArray[np.float64]
+
+MOST_POINTS: Final = 2400
+SEED: Final = 0
+BINS: Final = 16
+FEWEST: Final = 10
+"""Rows of a bin from which its mean is shown."""
+STEADY: Final = 0.05
+"""Changes of speed below this share of what is rarely exceeded count as none."""
+LINE_POINTS: Final = 1200
+"""Points of a line: more cannot be seen in a figure of 880 px."""
+
+
+class MapPoints(NamedTuple):
+    """Friction against velocity as measured."""
+
+    velocity: Array
+    friction: Array
+    load: float
+    load_varies: bool
+    measured: bool
+    trend: Array
+    """1 where the speed rises, -1 where it falls, 0 where it does neither or nobody knows."""
+
+
+class Rows(NamedTuple):
+    """Residuals of a fit with the motion that they belong to; None where it is not known."""
+
+    t: Array | None
+    velocity: Array | None
+    position: Array | None
+    residual: Array
+
+
+def sampled(count: int, most: int = MOST_POINTS) -> NDArray[np.intp]:
+    """Return which of so many points are drawn: all, or a random sample with a fixed seed.
+
+    Every so manieth point of a periodic record would hide the cloud.
+
+    Examples
+    --------
+    >>> len(sampled(10_000)), sampled(3).tolist()
+    (2400, [0, 1, 2])
+    """
+    if count <= most:
+        return np.arange(count)
+    return np.sort(np.random.default_rng(SEED).choice(count, most, replace=False))
+
+
+def thinned(t: Array, y: Array, most: int = LINE_POINTS) -> tuple[Array, Array]:
+    """Return a line with fewer points: the least and the largest of each stretch of it.
+
+    Examples
+    --------
+    >>> t = np.arange(10_000.0)
+    >>> len(thinned(t, np.sin(t))[0]) <= 1200
+    True
+    """
+    if len(t) <= most:
+        return t, y
+    kept = []
+    edges = np.linspace(0, len(t), most // 2 + 1).astype(int)
+    for first, last in itertools.pairwise(edges.tolist()):
+        kept += sorted(
+            {first + int(np.argmin(y[first:last])), first + int(np.argmax(y[first:last]))}
+        )
+    return t[kept], y[kept]
+
+
+def is_timed(fit: RecordFit) -> bool:
+    """Whether the rows of a fit follow each other in time; those of a table do not."""
+    return all(record.time is not None for record in fit.measurement.records())
+
+
+def offset_of(fit: RecordFit) -> float:
+    """Return the constant force that stands beside friction in a fit [N]."""
+    for estimate in fit.estimates:
+        if estimate.path in {"mechanism.offset", "measurement.offset.friction"}:
+            return estimate.value
+    if isinstance(fit.problem, ForceMap):
+        return float(fit.problem.offset)
+    return float(getattr(fit.mechanism, "offset", 0.0))
+
+
+def map_points(fit: RecordFit) -> MapPoints | None:
+    """Return friction against velocity, measured or by inverse dynamics; None if neither can be."""
+    if isinstance(fit.problem, ForceMap):
+        stretches = fit.problem.stretches
+        load = np.concatenate([one.path.load for one in stretches])
+        middle = float(np.median(load))
+        return MapPoints(
+            velocity=np.concatenate([one.path.velocity for one in stretches]),
+            friction=np.concatenate([one.friction for one in stretches]),
+            load=middle,
+            load_varies=bool(np.ptp(np.percentile(load, [5.0, 95.0])) > 0.05 * middle),
+            measured=True,
+            trend=np.concatenate(
+                [
+                    trend_of(one.path.time, one.path.velocity)
+                    if one.timed
+                    else np.zeros(len(one.friction))
+                    for one in stretches
+                ]
+            ),
+        )
+    try:
+        found = inverse_dynamics(fit.mechanism, fit.measurement, unknown=())
+        load_now = load_of(fit.mechanism)
+    except InputError:  # too short, without a position, or of several coordinates
+        return None
+    return MapPoints(
+        found.velocity,
+        found.friction,
+        load_now,
+        load_varies=False,
+        measured=False,
+        trend=trend_of(found.time, found.velocity),
+    )
+
+
+def trend_of(t: Array, velocity: Array) -> Array:
+    """Return 1 where the speed rises, -1 where it falls, 0 where it hardly does either.
+
+    Examples
+    --------
+    >>> trend_of(np.arange(5.0), np.array([-3.0, -2.0, -1.0, 0.0, 1.0])).tolist()
+    [-1.0, -1.0, -1.0, 0.0, 1.0]
+    """
+    rate = np.zeros(len(t))
+    forward = np.flatnonzero(np.diff(t, prepend=-np.inf) <= 0.0)  # several records, end to end
+    for own in np.split(np.arange(len(t)), forward):
+        if len(own) > 1:
+            rate[own] = np.gradient(np.abs(velocity[own]), t[own])
+    least = STEADY * float(np.percentile(np.abs(rate), 95.0)) if len(rate) else 0.0
+    return np.sign(rate) * (np.abs(rate) > least)
+
+
+def speeds_of(fit: RecordFit, record: Measurement) -> tuple[Array, Array] | None:
+    """Return times and velocities of one record, measured or by differences."""
+    if record.time is None:
+        return None
+    if "velocity" in record.quantities():
+        return record.time, np.asarray(record.values("velocity"), dtype=float)
+    if "position" not in record.quantities():
+        return None
+    try:
+        found = inverse_dynamics(fit.mechanism, record, unknown=())
+    except InputError:  # too short to be filtered
+        position = np.asarray(record.values("position"), dtype=float)
+        return record.time, np.gradient(position, record.time)
+    return found.time, found.velocity
+
+
+def rows_of(fit: RecordFit) -> Rows:
+    """Return the residuals of a fit with times, velocities and positions."""
+    problem, seen = fit.problem, fit.found.best
+    if not is_timed(fit):
+        assert isinstance(problem, ForceMap)
+        velocity = np.concatenate([one.path.velocity for one in problem.stretches])
+        return Rows(None, velocity, None, seen.residual)
+    record = problem.spans[seen.segment, 0].astype(int)
+    t, shift = problem.times, _shifts(problem.spans)
+    columns: dict[str, Array | None] = {"velocity": np.zeros(len(t)), "position": np.zeros(len(t))}
+    for number, one in enumerate(fit.measurement.records()):
+        own = record == number
+        motion: dict[str, tuple[Array, Array] | None] = {"velocity": speeds_of(fit, one)}
+        known = "position" in one.quantities() and one.time is not None
+        motion["position"] = (one.time, np.asarray(one.values("position"))) if known else None  # type: ignore[assignment]
+        for name, pair in motion.items():
+            column = columns[name]
+            if pair is None or column is None:
+                columns[name] = None
+            else:
+                column[own] = np.interp(t[own], *pair)
+    placed = t + np.array([shift[number] for number in record])
+    return Rows(placed, columns["velocity"], columns["position"], seen.residual)
+
+
+def _shifts(spans: Array) -> dict[int, float]:
+    """Return what times of each record are shifted by, so that several lie end to end."""
+    order = np.unique(spans[:, 0]).astype(int).tolist()
+    if len(order) == 1:
+        return {order[0]: 0.0}
+    found, at = {}, 0.0
+    for record in order:
+        own = spans[spans[:, 0] == record]
+        found[record] = at - float(own[:, 1].min())
+        at += float(own[:, 2].max() - own[:, 1].min())
+    return found
+
+
+def block_edges(verdict: RecordVerdict) -> Array:
+    """Return the ends (folds + 1,) of the held-out blocks, on the axis of `rows_of`."""
+    assert verdict.closest.fit is not None
+    spans = verdict.closest.fit.problem.spans
+    shift = _shifts(spans)
+    moved = np.array([shift[int(record)] for record in spans[:, 0]])
+    first, last = float((spans[:, 1] + moved).min()), float((spans[:, 2] + moved).max())
+    return np.linspace(first, last, verdict.plan.folds + 1)
+
+
+def errors_of(candidate: RecordCandidate, horizon: float, factor: float) -> ErrorSeries | None:
+    """Return errors of predictions over a horizon [s], over time and by held-out block."""
+    if candidate.fit is None or candidate.validation is None:
+        return None
+    seen = candidate.fit.predict(horizon=horizon)
+    problem = candidate.fit.problem
+    shift = _shifts(problem.spans)
+    placed = seen.t + np.array([shift[int(record)] for record in seen.record])
+    share = max(LINE_POINTS // max(len(np.unique(seen.segment)), 1), 12)
+    times: list[Array] = []
+    errors: list[Array] = []
+    for number in np.unique(seen.segment):
+        own = seen.segment == number
+        t, y = thinned(placed[own], factor * seen.residual[own], share)
+        times += [t, t[-1:]]  # a gap in the line: each segment starts from a state of its own
+        errors += [y, np.array([np.nan])]
+    return ErrorSeries(
+        np.concatenate(times),
+        np.concatenate(errors),
+        factor * np.sqrt(np.array(candidate.validation.losses)),
+    )
+
+
+def panel_of(
+    label: str, x: Array, residual: Array, effective: float, shown: Sequence[int] | NDArray[np.intp]
+) -> ResidualPanel:
+    """Return residuals against a quantity, with means of bins and twice their standard errors.
+
+    Neighbours are alike: a bin counts as many independent rows as its share of those of all.
+    """
+    edges = np.linspace(float(x.min()), float(x.max()), BINS + 1)
+    place = np.clip(np.digitize(x, edges) - 1, 0, BINS - 1)
+    centre, mean, doubt = [], [], []
+    for number in range(BINS):
+        own = residual[place == number]
+        if len(own) < FEWEST:
+            continue
+        independent = max(len(own) * min(effective / len(residual), 1.0), 1.0)
+        centre.append(0.5 * (edges[number] + edges[number + 1]))
+        mean.append(float(own.mean()))
+        doubt.append(2.0 * float(own.std()) / independent**0.5)
+    return ResidualPanel(
+        label, x[shown], residual[shown], np.array(centre), np.array(mean), np.array(doubt)
+    )

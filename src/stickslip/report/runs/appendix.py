@@ -1,0 +1,120 @@
+"""The end of the report of a run: the law and its doubt, certificate, how to reproduce it."""
+
+from stickslip.experiments.estimates import HARD
+from stickslip.experiments.wording import number
+from stickslip.quantities import parameters
+from stickslip.report import numbers
+from stickslip.report.core.blocks import (
+    Block,
+    Caption,
+    Code,
+    KeyValue,
+    KeyValues,
+    Math,
+    Note,
+    References,
+)
+from stickslip.report.core.certificates import evidence
+from stickslip.report.core.documents import Section
+from stickslip.report.core.tables import Column, Row, Table
+from stickslip.report.runs.subject import RunReport
+from stickslip.report.travels.appendix import law_references
+
+__all__ = ["certificate_section", "law_section", "reproduce_section"]
+
+
+def law_section(about: RunReport) -> Section:
+    """Return the law with its parameters, their intervals, and what does not carry over."""
+    law = about.law
+    rows = []
+    for path, one, value in parameters(law, "friction"):
+        name = path.removeprefix("friction.")
+        span, how = _known(about, name)
+        label = f"{name.replace('_', ' ').capitalize()} ${one.symbol}$"
+        unit = "none" if one.unit == "1" else one.unit
+        rows.append(Row(cells=(label, number(value, 4), unit, span, how)))
+    kind = "95 %" if about.estimates is None else about.estimates.interval
+    columns = (
+        Column(head="parameter"),
+        Column(head="value", numeric=True),
+        Column(head="unit", phone="label", label="unit:"),
+        Column(head=kind, numeric=True, phone="label", label=f"{kind}:"),
+        Column(head="how it is known"),
+    )
+    blocks: list[Block] = [Math(latex=law.formula), Table(columns=columns, rows=tuple(rows))]
+    if about.remarks:
+        title = "Validity of the law."
+        blocks.append(Note(kind="info", title=title, text=" ".join(about.remarks)))
+    blocks += _drawn(about)
+    from_file = f", from `{about.law_file}`" if about.law_file else ""
+    heading = f"{law.title} friction{from_file}"
+    return Section(id="law", nav="The law", heading=heading, blocks=tuple(blocks))
+
+
+def _known(about: RunReport, name: str) -> tuple[str, str]:
+    """Return the interval of a parameter, and how it is known."""
+    known = about.estimates
+    if known is None or name not in (*known.intervals, *known.not_identified, *known.not_fitted):
+        return "—", "as given"
+    if name in known.not_fitted:
+        return "—", "overridden" if name in known.overridden else "given or assumed"
+    if name in known.not_identified:
+        return "—", f"not identified: {known.not_identified[name]}"
+    return numbers.interval(*known.intervals[name]), "fitted"
+
+
+def _drawn(about: RunReport) -> list[Block]:
+    band, known = about.band, about.estimates
+    if band is None or known is None:
+        return []
+    names = ", ".join(path.removeprefix("friction.").replace("_", " ") for path in band.draws)
+    how = (
+        "with their covariance"
+        if len(known.covariance_of) > 1
+        else f"uniform within the {known.interval}"
+        if known.interval in HARD
+        else "normal with the 95 % interval"
+    )
+    text = (
+        f"The band: {band.count} draws (seed {band.seed}) of {names}, {how}, in the valid ranges of"
+        " the law."
+    )
+    kept = [*known.not_fitted, *known.not_identified]
+    if kept:
+        words = ", ".join(name.replace("_", " ") for name in kept)
+        text += f" Held fixed: {words}."
+    return [Caption(text=text)]
+
+
+def certificate_section(about: RunReport) -> Section:
+    """Return how far to trust the computation, in words."""
+    exact = about.fixed_step is None
+    if not exact:
+        heading = "Fixed steps have no certificate"
+    elif about.run.certificate.certified:
+        heading = "The run is certified"
+    else:
+        heading = "The run is not certified"
+    text = (
+        "The certificate shows that the equations were solved: energies are integrated"
+        " independently of the motion. It does not show that the law is right for the contact."
+    )
+    items = evidence(about.run, located=exact)
+    blocks = (KeyValues(items=items), Caption(text=text))
+    return Section(id="certificate", nav="Certificate", heading=heading, blocks=blocks)
+
+
+def reproduce_section(about: RunReport) -> Section:
+    """Return commands, versions, hashes and the sources of the law."""
+    blocks: list[Block] = []
+    if about.commands:
+        blocks.append(Code(text="\n".join(f"$ {command}" for command in about.commands)))
+    items = [KeyValue(key=name, value=version) for name, version in about.versions.items()]
+    items += [KeyValue(key=f"Hash of {name}", value=f"`{x}`") for name, x in about.digests.items()]
+    if items:
+        blocks.append(KeyValues(items=tuple(items)))
+    sources = law_references([about.law], {"paper": ["criteria"]})
+    if sources:
+        blocks.append(References(items=sources))
+    nav = "Reproduce and cite"
+    return Section(id="reproduce", nav=nav, heading=nav, blocks=tuple(blocks))

@@ -1,0 +1,102 @@
+"""The opening of the report of a run: how it ended, how far the body came."""
+
+from stickslip.experiments.wording import count, quantity, span
+from stickslip.report.core.blocks import Fact
+from stickslip.report.core.documents import Opening, Section
+from stickslip.report.runs.subject import RunReport
+
+__all__ = ["opening_section"]
+
+
+def opening_section(about: RunReport) -> Section:
+    """Return the headline with its numbers, and what the run cannot tell."""
+    opening = Opening(
+        kicker=f"{about.rig.title or about.rig.mechanism.name}, {about.law.title} friction",
+        verdict=_headline(about),
+        lede=_lede(about),
+        facts=_facts(about),
+        settles=_settles(about),
+        cannot_tell=_cannot_tell(about),
+        record="run",
+    )
+    return Section(id="result", nav="Result", heading="", blocks=(opening,))
+
+
+def _headline(about: RunReport) -> str:
+    run, seen = about.run, about.criteria
+    if not run.status.complete:
+        return f"The run ends early, at {quantity(run.span[1], 's')}"
+    if about.cycles:
+        last = about.cycles[-1]
+        if not last.moves_on:
+            return "The body makes no net motion: the last cycle ends where it began"
+        return f"The body moves {about.of(last.travel)} in a cycle of {quantity(last.period, 's')}"
+    if seen.stop_time is not None:
+        after = quantity(seen.stop_time, "s")
+        return f"The body comes to rest {about.of(seen.travel)} from its start, after {after}"
+    return f"The body has moved {about.of(seen.travel)} after {quantity(run.span[1], 's')}"
+
+
+def _lede(about: RunReport) -> str:
+    said = [about.run.status.value]
+    if about.cycles:
+        number = count(len(about.cycles), "whole cycle")
+        travel = sum(one.travel for one in about.cycles)
+        said.append(f"The body advances {about.of(travel, 4)} in {number}.")
+    band = about.band
+    if band is not None:
+        travels = span(band.travel.low, band.travel.high, about.unit)
+        said.append(
+            f"With the law's parameters drawn from their estimates, the travel of the whole run is"
+            f" {travels} in 95 % of {band.count} runs."
+        )
+        if band.ended_early:
+            said.append(f"{band.ended_early} of them ended early and are left out.")
+    return " ".join(said)
+
+
+def _facts(about: RunReport) -> tuple[Fact, ...]:
+    band, seen = about.band, about.criteria
+    travel = Fact(
+        value=about.of(seen.travel, 4),
+        aside="" if band is None else span(band.travel.low, band.travel.high, about.unit),
+        what="travel in the whole run",
+    )
+    mean = Fact(
+        value=about.of(about.mean_velocity, per_second=True),
+        aside=""
+        if band is None
+        else span(band.mean_velocity.low, band.mean_velocity.high, f"{about.unit}/s"),
+        what="mean velocity over whole cycles" if about.cycles else "mean velocity of the run",
+    )
+    if about.cycles:
+        back = Fact(value=about.of(about.cycles[-1].back_slip), what="back-slip in the last cycle")
+    else:
+        back = Fact(value=about.of(seen.largest_return), what="largest back-slip")
+    return travel, mean, back
+
+
+def _settles(about: RunReport) -> tuple[str, ...]:
+    if about.fixed_step is not None:
+        step = quantity(about.fixed_step, "s")
+        return (f"The solution in fixed steps of {step}; events are not located.",)
+    if not about.run.certificate.certified:
+        return ()
+    return ("The solution of these equations with this law: the run is certified.",)
+
+
+def _cannot_tell(about: RunReport) -> tuple[str, ...]:
+    said = []
+    if about.law_file:
+        said.append("Whether this contact has the friction of the one on which the law was fitted.")
+    if about.estimates is None:
+        said.append("The uncertainty of the motion: the law has no intervals.")
+    elif about.band is None:
+        said.append(
+            "The uncertainty of the motion: `--ensemble 200` computes it from the law's intervals."
+        )
+    else:
+        said.append("How the body would move with another law that fits the data as well.")
+    if not about.run.status.complete:
+        said.append("The motion after the run ended.")
+    return tuple(said)

@@ -1,0 +1,260 @@
+"""The end of the report: what to measure next, parameters, certificate, and how to reproduce it."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+from stickslip.experiments.wording import joined
+from stickslip.friction import SOURCES, FrictionLaw
+from stickslip.identification.travels.model import trials_of
+from stickslip.plots.core.svg import inline_svg
+from stickslip.plots.selection.separation import SEPARATION_SIZES, draw_separation
+from stickslip.quantities import fields_of, parameters
+from stickslip.report import numbers
+from stickslip.report.core.blocks import (
+    Block,
+    Caption,
+    Code,
+    Figure,
+    KeyValue,
+    KeyValues,
+    Math,
+    Reference,
+    References,
+)
+from stickslip.report.core.certificates import evidence
+from stickslip.report.core.documents import Section
+from stickslip.report.core.tables import Column, Row, Table
+from stickslip.report.travels.texts import (
+    estimate_range,
+    estimate_value,
+    quantity_value,
+)
+from stickslip.selection import TravelVerdict
+from stickslip.selection.design.discriminating_settings import Proposal
+
+__all__ = [
+    "certificate_section",
+    "law_references",
+    "next_section",
+    "parameters_section",
+    "reproduce_section",
+]
+
+AUTHORS: Final = re.compile(r"(?<=[^\W\d_]{3})\. ")
+"""The end of the authors: a full stop after a surname, not after an initial."""
+
+
+def next_section(verdict: TravelVerdict) -> Section | None:
+    """Return the section on further measurements, None if none would tell more.
+
+    Heading, table and figure show the proposal of the verdict, and no other.
+    """
+    best, proposal = verdict.best, verdict.proposal
+    if best is None or proposal is None or not proposal.tried:
+        return None
+    names = (best.name, *proposal.rivals)
+    rows = verdict.separations
+    titles = {c.name: c.title for c in verdict.candidates}
+    if proposal.settings:
+        count = "One more setting" if len(proposal.settings) == 1 else "Two more settings"
+        apart = joined([titles[name] for name in proposal.apart])
+        heading = f"{count} of the {proposal.what} would separate {apart} friction"
+    else:
+        apart = joined([titles[name] for name in proposal.rivals])
+        heading = f"No setting of the {proposal.what} separates {best.title} from {apart} friction"
+    in_mm = rows[0].unit == "m"
+    settings = [f"{row.value * (1e3 if in_mm else 1):g}" for row in rows]
+    unit = "mm" if in_mm else rows[0].unit
+    columns = [Column(head=f"travel predicted, m\n{proposal.what}, {unit}")]
+    columns += [Column(head=s, numeric=True, phone="label", label=f"{s} {unit}") for s in settings]
+    table = Table(
+        columns=tuple(columns),
+        rows=tuple(
+            Row(
+                cells=(titles[n], *(numbers.fixed(row.predicted[n], 3) for row in rows)),
+                chosen=n == best.name,
+            )
+            for n in names
+        ),
+    )
+    figure = _separation_figure(verdict, proposal, unit, titles)
+    return Section(id="next", nav="Measure next", heading=heading, blocks=(figure, table))
+
+
+def _separation_figure(
+    verdict: TravelVerdict, proposal: Proposal, unit: str, titles: Mapping[str, str]
+) -> Figure:
+    names = (proposal.best, *proposal.rivals)
+    rows = [
+        replace(row, predicted={name: row.predicted[name] for name in names})
+        for row in verdict.separations
+    ]
+    path = rows[0].path
+    trials = trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)
+    settings = [
+        next((v for p, _, v in parameters(t.mechanism, "mechanism") if p == path), None)
+        for t in trials
+    ]
+    measured = [
+        (float(s), t.travel) for s, t in zip(settings, trials, strict=True) if s is not None
+    ]
+    still = [titles[name] for name in proposal.rivals if name not in proposal.apart]
+    caption = f"**Predicted travel** of each law as fitted, against the {proposal.what}."
+    if still and proposal.settings:
+        caption += f" The proposed settings do not separate {joined(still)} from"
+        caption += f" {titles[proposal.best]}."
+    elif still:
+        caption += f" They differ by at most {numbers.length(proposal.widest, 2)} at new settings."
+    svg = inline_svg(
+        draw_separation(
+            rows,
+            proposal.best,
+            measured,
+            proposed=[row.value for row in proposal.settings],
+            titles=titles,
+        ),
+        alt=f"Travel predicted by each law against the {proposal.what} in {unit}",
+        prefix="separation",
+        **SEPARATION_SIZES,
+    )
+    return Figure(svg=svg, caption=caption)
+
+
+def parameters_section(verdict: TravelVerdict) -> Section | None:
+    """Return the section on the parameters of the chosen law."""
+    best = verdict.best
+    if best is None or best.fit is None:
+        return None
+    law = best.fit.law
+    estimates = {e.path.rpartition(".")[2]: e for e in best.fit.estimates}
+    rows = []
+    for name, quantity in fields_of(type(law)).items():
+        value = getattr(law, name)
+        label = f"{name.replace('_', ' ').capitalize()} ${quantity.symbol}$"
+        unit = "none" if quantity.unit == "1" else quantity.unit
+        if name in estimates:
+            estimate = estimates[name]
+            cells = (label, estimate_value(estimate), unit, estimate_range(estimate), "fitted")
+        elif value is None:
+            cells = (label, "not given", unit, "—", "taken from the level of sliding")
+        else:
+            how = "fixed form" if quantity.structural else "taken as given"
+            how = "assumed, not measured" if name in best.invented else how
+            cells = (label, quantity_value(value, "1"), unit, "—", how)
+        rows.append(Row(cells=cells, chosen=name in estimates))
+    kinds = joined(sorted({e.interval for e in estimates.values()}))
+    table = Table(
+        columns=(
+            Column(head="parameter"),
+            Column(head="value", numeric=True),
+            Column(head="unit", phone="label", label="unit:"),
+            Column(head=kinds or "interval", numeric=True, phone="label", label="interval"),
+            Column(head="how it is known"),
+        ),
+        rows=tuple(rows),
+    )
+    said = [
+        f"${e.quantity.symbol}$ = {quantity_value(float(f'{e.value:.3g}'), e.quantity.unit)}"
+        for e in best.fit.estimates
+    ]
+    fitted = joined(said)
+    blocks: tuple[Block, ...] = (Math(latex=law.formula), table, Code(text=_as_code(verdict)))
+    heading = f"Fitted: {fitted}" if fitted else f"The parameters of {best.title} friction"
+    return Section(id="parameters", nav="Parameters", heading=heading, blocks=blocks)
+
+
+def _as_code(verdict: TravelVerdict) -> str:
+    """Return the chosen law as one would write it."""
+    if verdict.best is None or verdict.best.fit is None:
+        return ""
+    law = verdict.best.fit.law
+    values = ", ".join(
+        f"{name}={getattr(law, name):.6g}"
+        for name in fields_of(type(law))
+        if getattr(law, name) is not None
+    )
+    return f"{type(law).__name__}({values})"
+
+
+def certificate_section(verdict: TravelVerdict) -> Section:
+    """Return the section that says how far to trust the computation."""
+    best = verdict.best
+    items = [] if best is None or best.run is None else list(evidence(best.run))
+    runs = [c.run for c in verdict.candidates if c.run is not None]
+    passed = sum(run.certificate.certified for run in runs)
+    if runs:
+        items.append(
+            KeyValue(
+                key="All fitted runs",
+                value=f"{passed} of {len(runs)} certified",
+                mark="ok" if passed == len(runs) else "warn",
+            )
+        )
+    items.append(_data(verdict))
+    return Section(
+        id="certificate",
+        nav="Certificate",
+        heading="Certificate of the computation",
+        blocks=(KeyValues(items=tuple(items)),),
+    )
+
+
+def _data(verdict: TravelVerdict) -> KeyValue:
+    records = verdict.measurement.records()
+    half = records[0].uncertainty.get("travel")
+    doubt = f"± {numbers.length(half, 1)}" if half else "without a stated uncertainty"
+    if len(records) == 1:
+        kind = {"rounding": "its rounding", "standard": "standard error", "interval": "interval"}
+        text = f"one travel, {doubt}"
+        text += f" ({kind[records[0].uncertainty_kind]})" if half else ""
+        return KeyValue(key="Data", value=f"{text}, no repeat: its spread is unknown", mark="warn")
+    distinct = len({tuple(sorted(record.overrides.items())) for record in records})
+    text = f"{len(records)} travels at {distinct} settings, {doubt} each"
+    return KeyValue(key="Data", value=text, mark="ok" if distinct > 1 else "warn")
+
+
+def reproduce_section(
+    verdict: TravelVerdict, commands: Sequence[str], versions: Mapping[str, str], digest: str
+) -> Section:
+    """Return the section with commands, versions, hash and references."""
+    blocks: list[Block] = []
+    if commands:
+        blocks.append(Code(text="\n".join(f"$ {command}" for command in commands)))
+    items = [KeyValue(key=name, value=version) for name, version in versions.items()]
+    if digest:
+        items.append(KeyValue(key="Hash of the inputs", value=f"`{digest}`"))
+    if items:
+        blocks.append(KeyValues(items=tuple(items)))
+    blocks.append(References(items=_references(verdict)))
+    blocks.append(Caption(text="What the laws and criteria of this report come from."))
+    return Section(
+        id="reproduce", nav="Reproduce and cite", heading="Reproduce and cite", blocks=tuple(blocks)
+    )
+
+
+def _references(verdict: TravelVerdict) -> tuple[Reference, ...]:
+    laws = [candidate.law for candidate in verdict.candidates]
+    return law_references(laws, {"paper": ["criteria"]})
+
+
+def law_references(
+    laws: Iterable[FrictionLaw], first: Mapping[str, Sequence[str]]
+) -> tuple[Reference, ...]:
+    """Return the sources of laws with the laws they are for, after those given by key."""
+    used = {key: list(who) for key, who in first.items()}
+    for law in laws:
+        for key in law.sources:
+            used.setdefault(key, []).append(law.title)
+    return tuple(
+        _reference(SOURCES[key], joined(who)) for key, who in used.items() if key in SOURCES
+    )
+
+
+def _reference(text: str, note: str) -> Reference:
+    """Return a citation in parts: authors, title, where."""
+    parts = AUTHORS.split(text.rstrip("."), maxsplit=1)
+    authors, rest = parts if len(parts) == 2 else ("", text.rstrip("."))
+    title, _, where = rest.partition(". ")
+    return Reference(authors=authors, title=title, where=where, note=note)

@@ -1,0 +1,179 @@
+"""The criteria of the source paper, as numbers."""
+
+from collections.abc import Sequence
+
+from stickslip.experiments.wording import joined
+from stickslip.report import numbers
+from stickslip.report.core.blocks import Block, Note, Paragraph, Subheading
+from stickslip.report.core.documents import Section
+from stickslip.report.core.tables import Cell, Column, Row, Table
+from stickslip.report.travels.spring_back import elastic_returns
+from stickslip.report.travels.texts import counted
+from stickslip.selection import Candidate, Criteria, TravelVerdict
+
+__all__ = ["criteria_section"]
+
+
+def criteria_section(verdict: TravelVerdict) -> Section:
+    """Return the section on velocity, displacement, error and energy."""
+    given = [(c, c.given) for c in verdict.candidates]
+    fitted = [(c, c.criteria) for c in verdict.explained if c.criteria is not None]
+    blocks: list[Block] = [
+        Subheading(
+            text="With ordinary values, which nobody gave"
+            if all(c.ordinary for c in verdict.candidates)
+            else "With the values as given"
+        ),
+        _table(verdict, given, with_error=True),
+    ]
+    if fitted:
+        text = _agreement(given, fitted)
+        again = Paragraph(text=text) if text else _table(verdict, fitted)
+        blocks += [Subheading(text="With the fitted values"), again]
+    springs = elastic_returns(verdict)
+    if springs:
+        blocks.append(_note(given + fitted, springs))
+    pulled = [name for name in _failing(given + fitted) if name not in springs]
+    if pulled:
+        blocks.append(_pulled(pulled))
+    return Section(
+        id="criteria",
+        nav="Criteria",
+        heading=_heading(given + fitted, springs),
+        blocks=tuple(blocks),
+    )
+
+
+def _passes(seen: Criteria) -> bool:
+    return seen.velocity_never_negative and seen.displacement_never_decreases
+
+
+def _failing(rows: Sequence[tuple[Candidate, Criteria]]) -> list[str]:
+    return list(dict.fromkeys(c.title for c, seen in rows if not _passes(seen)))
+
+
+def _agreement(
+    given: Sequence[tuple[Candidate, Criteria]], fitted: Sequence[tuple[Candidate, Criteria]]
+) -> str:
+    """Return the sentence for fitted rows without anything to compare, else nothing."""
+    shown = [_cells(seen) for _, seen in fitted]
+    if len(shown) < 2 or any(cells != shown[0] for cells in shown):
+        return ""
+    travel, least, back, put_in, taken, left = shown[0]
+    which = "All" if len(fitted) == len(given) > 2 else "The"
+    return (
+        f"{which} {counted(len(fitted))} models agree in every column:"
+        f" travel {travel} m, least velocity {least} mm/s, largest return {back} mm; of {put_in} J"
+        f" put in, friction takes {taken} J and {left} J is left."
+    )
+
+
+def _heading(rows: Sequence[tuple[Candidate, Criteria]], springs: Sequence[str]) -> str:
+    failing = _failing(rows)
+    count = len({c.name for c, _ in rows})
+    if not failing:
+        return (
+            "The body only ever moves forward, with every model"
+            if count > 1
+            else "The body only ever moves forward"
+        )
+    if set(failing) == set(springs):
+        verb = "lets" if len(springs) == 1 else "let"
+        rest = "; the others never reverse it" if len(springs) < count else ""
+        return f"{joined(springs)} {verb} the body spring back{rest}"
+    if len(failing) == count:
+        return "The body moves back, with every model" if count > 1 else "The body moves back"
+    return f"The body moves back with {counted(len(failing))} of {counted(count)} models"
+
+
+def _note(rows: Sequence[tuple[Candidate, Criteria]], springs: Sequence[str]) -> Note:
+    slowest = {
+        name: min(seen.least_velocity for c, seen in rows if c.title == name) for name in springs
+    }
+    speeds = joined([numbers.with_unit(_mm(v), "mm/s") for v in slowest.values()])
+    verb, its = ("lets", "its") if len(springs) == 1 else ("let", "their")
+    return Note(
+        title="The criterion “velocity never negative” rejects correct models.",
+        text=f"{joined(springs)} {verb} the body spring back by the elastic deflection of {its}"
+        f" contact when it stops, at up to {speeds}. That is physics, not error. A static switch"
+        " would hide it.",
+    )
+
+
+def _pulled(names: Sequence[str]) -> Note:
+    return Note(
+        title="The mechanism pulls the body back.",
+        text=f"With {joined(names)} friction the body moves back under the force of the"
+        " mechanism, its spring or its drive, and not by the elastic deflection of the contact."
+        " The criterion speaks neither for nor against these models.",
+        kind="info",
+    )
+
+
+def _table(
+    verdict: TravelVerdict,
+    rows: Sequence[tuple[Candidate, Criteria]],
+    *,
+    with_error: bool = False,
+) -> Table:
+    columns = [
+        Column(head="model"),
+        Column(head="travel\nm", numeric=True),
+        *([Column(head="relative error", numeric=True, phone="label")] if with_error else []),
+        Column(head="least velocity\nmm/s", numeric=True, phone="label"),
+        Column(head="largest return\nmm", numeric=True, phone="label"),
+        Column(head="work in\nJ", numeric=True, phone="label"),
+        Column(head="taken by friction\nJ", numeric=True, phone="label"),
+        Column(head="left\nJ", numeric=True, phone="label"),
+    ]
+    out = []
+    for candidate, seen in rows:
+        error: list[Cell] = []
+        if with_error:
+            known = seen.relative_error
+            error = ["not measured" if known is None else numbers.signed_percent(known)]
+        travel, least, back, *energies = _cells(seen)
+        cells: tuple[Cell, ...] = (
+            candidate.title,
+            travel,
+            *error,
+            _marked(least, seen.velocity_never_negative),
+            _marked(back, seen.displacement_never_decreases),
+            *energies,
+        )
+        out.append(
+            Row(cells=cells, chosen=candidate is verdict.best, muted=bool(candidate.dropped))
+        )
+    caption = (
+        "✓ meets and ! fails “velocity never negative” and “displacement never decreases”. The"
+        " work put in is taken by friction, or still in the mechanism at the end."
+    )
+    return Table(columns=tuple(columns), rows=tuple(out), caption=caption)
+
+
+def _cells(seen: Criteria) -> tuple[str, str, str, str, str, str]:
+    """Return travel, least velocity, largest return, and work put in, taken and left."""
+    return (
+        numbers.fixed(seen.travel, 3),
+        _mm(seen.least_velocity),
+        _mm(seen.largest_return),
+        numbers.fixed(seen.work_in, 4),
+        numbers.fixed(seen.work_friction, 4),
+        _energy(seen.work_left, seen.work_in),
+    )
+
+
+def _marked(text: str, passes: bool) -> str:
+    return f"{text}{numbers.NO_BREAK_SPACE}{'✓' if passes else '!'}"
+
+
+def _mm(metres: float) -> str:
+    """Return metres in millimetres; what is below rounding is 0."""
+    return "0" if abs(metres) < 1e-9 else numbers.significant(1e3 * metres, 2)
+
+
+def _energy(left: float, all_in: float) -> str:
+    """Return an energy; 0 below rounding, and a power of ten where it is a remainder."""
+    if abs(left) <= 1e-15 * abs(all_in):
+        return "0"
+    return numbers.fixed(left, 4) if abs(left) >= 5e-5 * abs(all_in) else numbers.residue(left)

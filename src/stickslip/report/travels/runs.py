@@ -1,0 +1,256 @@
+"""The chosen run, the laws as curves, and fixed steps beside the exact run."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import numpy as np
+
+from stickslip.experiments.wording import joined
+from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.identification.travels.model import trials_of
+from stickslip.plots.core.svg import inline_svg
+from stickslip.plots.laws.curves import (
+    characteristic_sizes,
+    draw_characteristics,
+    draw_presliding,
+    presliding_sizes,
+)
+from stickslip.plots.runs.fixed_step_comparison import draw_fixed_steps, fixed_step_sizes
+from stickslip.plots.runs.run import FRICTION_SIZES, RUN_SIZES, draw_friction_velocity, draw_run
+from stickslip.report import numbers
+from stickslip.report.core.blocks import Block, Caption, Figure
+from stickslip.report.core.documents import Section
+from stickslip.report.core.tables import Column, Row, Table
+from stickslip.report.travels.texts import slip_and_rate, step_text
+from stickslip.selection import FixedStepRow, TravelVerdict, compare_fixed_steps
+from stickslip.selection.fixed_step_comparison import largest_step, rounded_step
+from stickslip.trajectory import Trajectory
+
+__all__ = ["fixed_steps_section", "laws_section", "run_section", "steps_heading"]
+
+MOST_EVENTS = 4
+STEPS: Final = (50.0, 500.0)
+"""Fixed steps from the start to the stop, in the runs that are compared."""
+LOST: Final = 1e3
+"""Travel of a fixed-step run that is only garbage [m]; four decimals of it would be a line long."""
+MOST_STEPS: Final = 2e4
+"""Steps to the end of a run that is made only because bristles need it: a second or two."""
+
+
+def run_section(verdict: TravelVerdict) -> Section | None:
+    """Return the section on the chosen run, None if no law was chosen."""
+    best = verdict.best
+    if best is None or best.run is None or best.criteria is None:
+        return None
+    slip, rate = slip_and_rate(verdict)
+    stop = best.criteria.stop_time
+    if stop is None:
+        heading = f"With {best.title} friction the body never quite stops"
+    else:
+        heading = f"With {best.title} friction the body stops after {stop:.3f} s, and stays"
+    blocks = (
+        Figure(
+            svg=inline_svg(
+                draw_run(best.run, slip=slip, rate=rate),
+                alt=f"Displacement, velocity and friction against time, {best.title}",
+                prefix="chosen",
+                **RUN_SIZES,
+            ),
+            caption=f"**The chosen run.** {_events(best.run)}",
+        ),
+        Figure(
+            svg=inline_svg(
+                draw_friction_velocity(best.run, rate=rate, slip=slip),
+                alt=f"Friction against velocity along the run, {best.title}",
+                prefix="friction-velocity",
+                **FRICTION_SIZES,
+            ),
+            caption="**Friction against velocity** along the same run.",
+        ),
+    )
+    return Section(id="run", nav="The chosen run", heading=heading, blocks=blocks)
+
+
+def _events(run: Trajectory) -> str:
+    """Say what happens when, in one sentence."""
+    if not run.events:
+        return "Nothing switches."
+    said = [f"{event.reason} at {event.t:.3f} s" for event in run.events[:MOST_EVENTS]]
+    more = len(run.events) - MOST_EVENTS
+    tail = f"; {more} more events" if more > 0 else ""
+    return f"Dots are events: {joined(said) if not tail else ', '.join(said)}{tail}."
+
+
+def laws_section(verdict: TravelVerdict) -> Section | None:
+    """Return the section with the fitted laws as curves."""
+    laws = {c.title: c.fit.law for c in verdict.explained if c.fit is not None}
+    best = verdict.best
+    if best is None or best.run is None or best.title not in laws:
+        return None
+    _, rate = slip_and_rate(verdict)
+    v_max = float(np.max(np.abs(best.run[rate])))
+    load = float(np.median(best.run["normal_force"]))
+    blocks: list[Block] = [_characteristics(laws, load, v_max, best.title)]
+    bristle = _bristle(laws)
+    if bristle:
+        guessed = [c.title for c in verdict.explained if "bristle_stiffness" in c.assumed]
+        blocks.append(_presliding(bristle, load, guessed))
+    heading = "Fitted laws as curves" if len(laws) > 1 else f"{best.title} friction as a curve"
+    return Section(id="laws", nav="The laws", heading=heading, blocks=tuple(blocks))
+
+
+def _bristle(laws: Mapping[str, FrictionLaw]) -> dict[str, BristleLaw]:
+    return {title: law for title, law in laws.items() if isinstance(law, BristleLaw)}
+
+
+def _characteristics(
+    laws: Mapping[str, FrictionLaw], load: float, v_max: float, chosen: str
+) -> Figure:
+    svg = inline_svg(
+        draw_characteristics(laws, load, v_max, chosen=chosen),
+        alt="Friction against slip velocity of each fitted law",
+        prefix="laws",
+        **characteristic_sizes(len(laws)),
+    )
+    bristle = joined(list(_bristle(laws)))
+    others = " The other laws stand pale behind it." if len(laws) > 1 else ""
+    steady = f"; for {bristle} the curve is that of steady sliding" if bristle else ""
+    return Figure(
+        svg=svg,
+        caption=f"**Each law as fitted**, at the load of {load:.3g} N.{others} At rest a contact"
+        f" takes any force between the ends of the upright line{steady}.",
+    )
+
+
+def _presliding(laws: Mapping[str, BristleLaw], load: float, guessed: Sequence[str]) -> Figure:
+    svg = inline_svg(
+        draw_presliding(laws, load=load),
+        alt="Friction against slow displacement to and fro, before full slip",
+        prefix="presliding",
+        **presliding_sizes(len(laws)),
+    )
+    caption = (
+        "**Before full slip** the contact is elastic: friction against a slow displacement to"
+        " and fro that swings ever wider."
+    )
+    if guessed:
+        caption += f" The stiffness of {joined(guessed)} is assumed, not measured."
+    return Figure(svg=svg, caption=caption)
+
+
+def fixed_steps_section(verdict: TravelVerdict) -> Section | None:
+    """Return the section on what fixed steps make of the run, None if no law was chosen."""
+    best = verdict.best
+    if best is None or best.fit is None or best.run is None:
+        return None
+    law, trial = best.fit.law, trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)[0]
+    last = best.run.span[1]
+    stop = best.criteria.stop_time if best.criteria else None
+    until = min(2.0 * stop, last) if stop else last
+    limit = largest_step(trial.mechanism, law, best.run)
+    steps = _steps(stop or last / 20.0, until, limit)
+    rows = compare_fixed_steps(trial.mechanism, law, t_end=until, y0=trial.initial, steps=steps)
+    blocks: list[Block] = [_steps_table(rows)]
+    shown = [row for row in rows if row.dt is not None and not row.diverged]
+    if shown:
+        runs = {
+            f"{step_text(row.dt or 0.0)}, {'stick rule' if row.stick_rule else 'no stick rule'}": (
+                row.run
+            )
+            for row in reversed(shown)
+            if row.dt == shown[0].dt
+        }
+        _, rate = slip_and_rate(verdict)
+        svg = inline_svg(
+            draw_fixed_steps(best.run, runs, rate=rate),
+            alt="Velocity around the stop, exact and with fixed steps",
+            prefix="fixed-steps",
+            **fixed_step_sizes(len(runs)),
+        )
+        caption = "**Velocity around the stop.** Each panel covers as many steps; dots are steps."
+        blocks.insert(0, Figure(svg=svg, caption=caption))
+    if limit is not None and limit < max(steps):
+        text = (
+            f"The bristles of this law need steps below {step_text(float(f'{limit:.2g}'))}: with"
+            " larger ones forward Euler lets their deflection grow."
+        )
+        blocks.append(Caption(text=text))
+    return Section(
+        id="steps", nav="Fixed steps", heading=steps_heading(rows, limit), blocks=tuple(blocks)
+    )
+
+
+def _steps(stop: float, until: float, limit: float | None) -> tuple[float, ...]:
+    """Return the steps to compare: parts of the time to the stop, and one that bristles allow."""
+    steps = [rounded_step(stop / parts) for parts in STEPS]
+    if limit is not None and limit < steps[-1] and until < MOST_STEPS * limit:
+        steps.append(rounded_step(limit / 2.0))
+    return tuple(steps)
+
+
+def steps_heading(rows: Sequence[FixedStepRow], limit: float | None = None) -> str:
+    """Return what the comparison shows, or its topic if it shows nothing.
+
+    Examples
+    --------
+    >>> steps_heading([])
+    'Fixed steps beside the exact run'
+    """
+    large = [row.dt for row in rows if row.dt and (row.diverged or row.dt > (limit or math.inf))]
+    if large:
+        return f"A fixed step of {step_text(min(large))} is too large for this law"
+    if not rows:
+        return "Fixed steps beside the exact run"
+    worst = max(rows, key=lambda row: row.reversals)
+    exact = next((row.reversals for row in rows if row.dt is None), 0)
+    extra = worst.reversals - exact
+    if worst.dt is None or extra == 0:
+        return "Fixed steps beside the exact run"
+    times = "once" if extra == 1 else f"{extra:,} times"
+    rule = "" if worst.stick_rule else " without a stick rule"
+    more = " more than the exact run" if exact else ""
+    return f"A fixed step of {step_text(worst.dt)}{rule} reverses the body {times}{more}"
+
+
+def _travel(travel: float) -> str:
+    return numbers.fixed(travel, 4) if abs(travel) < LOST else numbers.significant(travel, 2)
+
+
+def _steps_table(rows: Sequence[FixedStepRow]) -> Table:
+    columns = (
+        Column(head="step"),
+        Column(head="stick rule", phone="label", label="stick rule:"),
+        Column(head="travel\nm", numeric=True, phone="label"),
+        Column(head="differs by\nmm", numeric=True, phone="label"),
+        Column(head="least velocity\nmm/s", numeric=True, phone="label"),
+        Column(head="reversals", numeric=True, phone="label"),
+    )
+    exact = next((row.criteria.travel for row in rows if row.dt is None), None)
+    out = []
+    for row in rows:
+        if row.diverged and row.dt is not None:
+            when = f"grows beyond all numbers in {1e3 * row.run.span[1]:.3g} ms"
+            rule = "yes" if row.stick_rule else "no"
+            out.append(Row(cells=(step_text(row.dt), rule, when, "—", "—", "—")))
+            continue
+        gap = None if exact is None or row.dt is None else row.criteria.travel - exact
+        least = row.criteria.least_velocity
+        out.append(
+            Row(
+                cells=(
+                    "exact, event-driven" if row.dt is None else step_text(row.dt),
+                    "located events" if row.dt is None else "yes" if row.stick_rule else "no",
+                    _travel(row.criteria.travel),
+                    "—" if gap is None else numbers.significant(1e3 * gap, 2),
+                    "0" if abs(least) < 1e-9 else numbers.significant(1e3 * least, 2),
+                    f"{row.reversals:,}",
+                ),
+                chosen=row.dt is None,
+            )
+        )
+    caption = (
+        "Travel at the end of the run. With a fixed step a reversal is noticed one step late; the"
+        " stick rule then holds the body, and without it the velocity chatters about zero."
+    )
+    return Table(columns=columns, rows=tuple(out), caption=caption)

@@ -1,0 +1,123 @@
+"""The opening: the verdict, and the three numbers one would quote."""
+
+from stickslip.report import numbers
+from stickslip.report.core.blocks import Fact
+from stickslip.report.core.documents import Opening, Section
+from stickslip.report.travels.texts import (
+    estimate_range,
+    estimate_value,
+    quantity_value,
+    travels,
+)
+from stickslip.selection import Candidate, TravelVerdict
+from stickslip.selection.verdict import misfit
+
+__all__ = ["opening_section"]
+
+
+def opening_section(verdict: TravelVerdict, kicker: str, remark: str = "") -> Section:
+    """Return the section that a reader may stop after."""
+    words = verdict.words
+    several = len(travels(verdict)) > 1
+    opening = Opening(
+        kicker=kicker,
+        verdict=words.verdict,
+        lede=f"{words.lede} {remark}".strip(),
+        facts=_facts(verdict),
+        settles=words.settles[:3],
+        cannot_tell=words.cannot_tell[:3],
+        measure_next=words.measure_next[:3],
+        record="record" if several else "travel",
+    )
+    return Section(id="verdict", nav="Verdict", heading="", blocks=(opening,))
+
+
+def _facts(verdict: TravelVerdict) -> tuple[Fact, ...]:
+    if verdict.best is None:
+        return _facts_of_failure(verdict)
+    facts = [_estimate(verdict.best), _as_given(verdict.best)]
+    if verdict.best.score is not None:
+        facts.append(_score(verdict, verdict.best))
+    elif len(verdict.candidates) > 1:
+        facts.append(_tie(verdict))
+    return tuple(fact for fact in facts if fact is not None)[:3]
+
+
+def _estimate(best: Candidate) -> Fact | None:
+    if best.fit is None or not best.fit.estimates:
+        return None
+    estimate = best.fit.estimates[0]
+    unit = "" if estimate.quantity.unit == "1" else estimate.quantity.unit
+    what = f"${estimate.quantity.symbol}$ for {best.title}; the range is the "
+    doubt = {
+        "rounding range": "rounding of the measurement",
+        "stated interval": "interval stated with the measurement",
+    }.get(estimate.interval, f"{estimate.interval} interval")
+    return Fact(
+        value=numbers.with_unit(estimate_value(estimate), unit),
+        aside=estimate_range(estimate) if estimate.bounded else "",
+        what=what + doubt if estimate.bounded else f"{what}open end: {estimate.reason}",
+    )
+
+
+def _as_given(best: Candidate) -> Fact | None:
+    error = best.given.relative_error
+    if error is None or best.fit is None or not best.fit.estimates or best.ordinary:
+        return None  # nobody gave the values of an ordinary law
+    estimate = best.fit.estimates[0]
+    name = estimate.path.rpartition(".")[2]
+    given = quantity_value(getattr(best.law, name), estimate.quantity.unit)
+    return Fact(
+        value=numbers.percent(abs(error)),
+        aside="too far" if error > 0 else "too short",
+        what=f"error of {best.title} as given, with ${estimate.quantity.symbol}$ = {given}",
+    )
+
+
+def _score(verdict: TravelVerdict, best: Candidate) -> Fact:
+    score, error = 1e3 * (best.score or 0.0), best.score_error
+    doubt = "" if error is None else f"± {numbers.score(1e3 * error)}"
+    count = len(verdict.measurement.records())
+    return Fact(
+        value=numbers.with_unit(numbers.score(score), "mm"),
+        aside=doubt,
+        what=f"held-out error: each of {count} travels predicted from the others, root mean square"
+        f"{', ± 1 standard error' if doubt else ''}",
+    )
+
+
+def _tie(verdict: TravelVerdict) -> Fact:
+    free = max((len(c.fit.estimates) for c in verdict.explained if c.fit), default=1)
+    number = "one number" if free == 1 else f"{free} numbers"
+    count = len(verdict.explained)
+    return Fact(
+        value=f"{count} of {len(verdict.candidates)} models",
+        what=f"{'reaches' if count == 1 else 'reach'} {travels(verdict)[0]:.3f} m"
+        f" with {number} left free",
+    )
+
+
+def _facts_of_failure(verdict: TravelVerdict) -> tuple[Fact, ...]:
+    one = verdict.closest
+    if one is not None and one.fit is not None:
+        return (
+            Fact(
+                value=numbers.with_unit(numbers.score(1e3 * misfit(one)), "mm"),
+                what=f"root mean square residual of {one.title}, the closest of"
+                f" {len(verdict.candidates)} models",
+            ),
+        )
+    closest = min(verdict.candidates, key=lambda c: abs(c.given.relative_error or 0.0))
+    error = closest.given.relative_error
+    facts = [
+        Fact(
+            value=f"0 of {len(verdict.candidates)} models",
+            what=f"reach {travels(verdict)[0]:.3f} m with any value of the number left free",
+        ),
+        Fact(
+            value=numbers.length(closest.given.travel),
+            aside="" if error is None else numbers.signed_percent(error),
+            what=f"travel of the closest, {closest.title}, with the values given",
+        ),
+    ]
+    return tuple(facts)

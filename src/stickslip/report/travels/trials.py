@@ -1,0 +1,72 @@
+"""Several trials: each travel beside its prediction."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from stickslip.experiments import QUANTITIES
+from stickslip.quantities import parameters, vary
+from stickslip.report import numbers
+from stickslip.report.core.documents import Section
+from stickslip.report.core.tables import Column, Row, Table
+from stickslip.report.travels.texts import quantity_value
+from stickslip.selection import TravelVerdict
+
+__all__ = ["trials_section"]
+
+
+def trials_section(verdict: TravelVerdict) -> Section | None:
+    """Return the section that compares measured and predicted travels, None with one trial."""
+    best = verdict.closest
+    records = verdict.measurement.records()
+    if best is None or best.fit is None or len(records) < 2:
+        return None
+    held_out = best.held_out or (None,) * len(best.fit.measured)
+    columns = [
+        Column(head="trial"),
+        Column(head="measured\nm", numeric=True),
+        Column(head="fitted to all\nm", numeric=True, phone="label"),
+        Column(head="measured less fitted\nmm", numeric=True, phone="label"),
+        Column(head="measured less predicted\nfrom the others, mm", numeric=True, phone="label"),
+    ]
+    rows = []
+    readings = [
+        (record, float(value))
+        for record in records
+        for value in np.atleast_1d(record.values(record.travelled))
+    ]
+    for (record, reading), measured, predicted, error in zip(
+        readings, best.fit.measured, best.fit.predicted, held_out, strict=True
+    ):
+        name = record.name or _setting(verdict, record.overrides)
+        if record.travelled != "travel":
+            given = quantity_value(reading, QUANTITIES[record.travelled].unit)
+            name += f", {record.travelled.replace('_', ' ')} {given}"
+        rows.append(
+            Row(
+                cells=(
+                    name,
+                    numbers.fixed(measured, 3),
+                    numbers.fixed(predicted, 4),
+                    numbers.fixed(1e3 * (measured - predicted), 2),
+                    "not scored" if error is None else numbers.fixed(1e3 * error, 2),
+                )
+            )
+        )
+    table = Table(columns=tuple(columns), rows=tuple(rows))
+    worst = max(abs(residual) for residual in best.fit.residuals)
+    heading = f"Largest residual of {best.title} friction: {numbers.length(worst, 2)}"
+    return Section(id="trials", nav="Trials", heading=heading, blocks=(table,))
+
+
+def _setting(verdict: TravelVerdict, overrides: Mapping[str, float]) -> str:
+    """Return what was different in a trial, in words."""
+    varied = vary(verdict.mechanism, "mechanism", overrides)
+    known = {path: quantity for path, quantity, _ in parameters(varied, "mechanism")}
+    parts = [
+        f"${known[path].symbol}$ = {quantity_value(value, known[path].unit)}"
+        if path in known
+        else f"{path} = {value:g}"
+        for path, value in overrides.items()
+    ]
+    return ", ".join(parts) or "as the rig stands"

@@ -1,0 +1,176 @@
+"""A verdict as files: a page, a JSON document, the law as a rig."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stickslip.documents import document, json_text, write_folder
+from stickslip.errors import InputError
+from stickslip.report.core.versions import versions
+
+if TYPE_CHECKING:
+    from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict, Verdict
+
+__all__ = ["LAW", "PAGE", "write_report", "write_verdict"]
+
+PAGE, DOCUMENT, LAW = "index.html", "verdict.json", "law.toml"
+"""What is written into a folder."""
+
+# Blocks and pages are imported for much else: what fits laws is imported where it is asked for.
+
+
+def write_report(
+    verdict: "Verdict",
+    folder: str | Path,
+    *,
+    title: str = "",
+    subject: str = "",
+    digest: str = "",
+    commands: Sequence[str] = (),
+    overwrite: bool = False,
+) -> Path:
+    """Write what ``stickslip select`` writes of a verdict into a folder.
+
+    These are ``index.html``, the report as one page that needs nothing else; ``verdict.json``, all
+    that the verdict says as numbers and texts; and ``law.toml``, mechanism and law with their
+    fitted values, which `load_rig` reads and ``stickslip simulate`` takes. Without a law to name
+    there is no ``law.toml``. On travels the command's page also compares fixed steps, and audits
+    the source paper where the rig is the paper's.
+
+    Parameters
+    ----------
+    verdict : Verdict
+        What `select` gave.
+    folder : str or Path
+        Made if it is not there.
+    title : str
+        What was measured, for the title of the page; the kind of mechanism if not given.
+    subject : str
+        The data in one line; if not given what the measurement says of where it is from.
+    digest : str
+        Hash of the inputs, to be shown.
+    commands : sequence of str
+        Commands that give this report again, to be shown.
+    overwrite : bool
+        Whether files of an earlier report in the folder may be replaced.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    InputError
+        If a report is already there, or the folder cannot be written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from stickslip import Coulomb, Measurement, SpringBlock, load_rig, select
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+    >>> verdict = select(rig, reading, [Coulomb], t_end=1.0)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     page = write_report(verdict, folder, title="Block")
+    ...     law = load_rig(page.with_name("law.toml")).laws["coulomb"]
+    ...     sorted(file.name for file in page.parent.iterdir())
+    ['index.html', 'law.toml', 'verdict.json']
+    >>> f"{law.kinetic_coefficient:.3f}"
+    '0.255'
+    """
+    from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict
+
+    if not isinstance(verdict, RecordVerdict | FeatureVerdict | TravelVerdict):
+        raise InputError(f"a report is of a verdict of `select`, got {type(verdict).__name__}.")
+    folder = Path(folder)
+    there = [name for name in (PAGE, DOCUMENT, LAW) if (folder / name).exists()]
+    if there and not overwrite:
+        raise InputError(
+            f"{folder / there[0]} is already there: give overwrite=True to replace it, or another"
+            " folder."
+        )
+    kind = verdict.mechanism.name.replace("-", " ").capitalize()
+    subject = subject or verdict.measurement.provenance or kind
+    content = document("select", {"rig": title, "digest": digest, **verdict.to_dict()})
+    write_verdict(folder, verdict, content)
+    write_folder(folder, {PAGE: _page(verdict, title or kind, subject, digest, commands)})
+    return folder / PAGE
+
+
+def write_verdict(
+    folder: Path,
+    verdict: "RecordVerdict | FeatureVerdict | TravelVerdict",
+    content: Mapping[str, Any],
+) -> None:
+    """Write a verdict as its document and its law, over those of an earlier one.
+
+    The page comes after, since it must not cost the verdict; that of an earlier verdict is removed,
+    and so is an earlier law where this verdict names none.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from stickslip import Coulomb, Measurement, SpringBlock, select
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+    >>> verdict = select(rig, reading, [Coulomb], t_end=1.0)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_verdict(Path(folder), verdict, {})
+    ...     sorted(file.name for file in Path(folder).iterdir())
+    ['law.toml', 'verdict.json']
+    """
+    files: dict[str, str | bytes] = {DOCUMENT: json_text(content)}
+    if verdict.best is not None and verdict.best.fit is not None:
+        files[LAW] = verdict.best.fit.to_toml()
+    write_folder(folder, files)
+    for name in {LAW, PAGE} - set(files):
+        (folder / name).unlink(missing_ok=True)
+
+
+def _page(
+    verdict: "RecordVerdict | FeatureVerdict | TravelVerdict",
+    title: str,
+    subject: str,
+    digest: str,
+    commands: Sequence[str],
+) -> str:
+    """Return the page as HTML."""
+    from stickslip.selection import RecordVerdict, TravelVerdict
+
+    if isinstance(verdict, TravelVerdict):
+        return _travel_page(verdict, title, subject, digest, commands)
+    if isinstance(verdict, RecordVerdict):
+        from stickslip.report.records import record_page
+
+        return record_page(
+            verdict,
+            title=title,
+            kicker=subject,
+            commands=commands,
+            versions=versions(),
+            digest=digest,
+        )
+    from stickslip.report.features import feature_page
+
+    return feature_page(
+        verdict, title=title, kicker=subject, commands=commands, versions=versions(), digest=digest
+    )
+
+
+def _travel_page(
+    verdict: "TravelVerdict", title: str, subject: str, digest: str, commands: Sequence[str]
+) -> str:
+    from stickslip.report.core.page import render
+    from stickslip.report.travels import selection_page
+
+    return render(
+        selection_page(
+            verdict,
+            subject=subject,
+            kicker=title,
+            reproduce=commands,
+            versions=versions(),
+            digest=digest,
+        )
+    )

@@ -1,0 +1,1 @@
+"""Experiments that tell laws apart."""

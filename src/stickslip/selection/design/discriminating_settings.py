@@ -1,0 +1,347 @@
+"""Which further measurement would tell the candidates apart: found by simulating it."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.errors import StickslipError
+from stickslip.experiments.travels import whole_cycles
+from stickslip.experiments.wording import number
+from stickslip.friction import FrictionLaw
+from stickslip.identification.travels.model import TravelModel, Trial
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters, vary
+
+__all__ = [
+    "Proposal",
+    "Separation",
+    "knob_of",
+    "predictions",
+    "propose",
+    "separations",
+    "unit_of",
+    "words_of",
+]
+
+FACTORS = (0.4, 0.6, 0.8, 1.0, 1.25, 1.5)
+"""Settings tried, over the present one: what a rig can usually be set to."""
+KNOBS = ("mechanism.compression", "mechanism.drive.level", "mechanism.drive.amplitude")
+"""Parameters an experimenter can turn, in the order of ease."""
+SAME = 0.02
+"""Settings closer than this share are one setting."""
+BEYOND = (0.75, 1.5)
+"""New settings below and above those measured, over the outermost, where they span all others."""
+MOVES = 0.05
+"""Share of the longest travel below which a setting is not worth a run."""
+
+
+def unit_of(unit: str) -> tuple[str, float]:
+    """Return the unit that settings are read in, and its numbers over those in SI.
+
+    Examples
+    --------
+    >>> unit_of("m"), unit_of("N"), unit_of("rad")[0]
+    (('mm', 1000.0), ('N', 1.0), '°')
+    """
+    return {"m": ("mm", 1e3), "rad": ("°", math.degrees(1.0))}.get(unit, (unit, 1.0))
+
+
+def words_of(path: str) -> str:
+    """Return what a parameter of the mechanism is called.
+
+    Examples
+    --------
+    >>> words_of("mechanism.compression"), words_of("mechanism.drive.level")
+    ('compression', 'drive level')
+    """
+    return path.removeprefix("mechanism.").replace(".", " ").replace("_", " ")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Separation:
+    """One setting of the rig and the travel each fitted law predicts for it."""
+
+    path: str
+    """Parameter to set."""
+    symbol: str
+    unit: str
+    value: float
+    """Setting, SI."""
+    predicted: Mapping[str, float]
+    """Travel [m] by law."""
+    measured: bool = False
+    """Whether a trial was made at this setting; it is then no proposal."""
+
+    @property
+    def text(self) -> str:
+        """The setting with its unit, lengths in millimetres and angles in degrees."""
+        unit, factor = unit_of(self.unit)
+        return f"{number(factor * self.value, 6)} {unit}".replace(" °", "°")
+
+    def gap(self, one: str, other: str) -> float:
+        """Return the difference of two predictions [m]."""
+        return abs(self.predicted[one] - self.predicted[other])
+
+    @property
+    def spread(self) -> float:
+        """Largest difference of two predictions [m]."""
+        return max(self.predicted.values()) - min(self.predicted.values())
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the separation as plain numbers and strings."""
+        return {
+            "set": {self.path: self.value},
+            "measured": self.measured,
+            "predicted_travel": dict(self.predicted),
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Proposal:
+    """Which settings to measure next to tell the best law from others, and what to expect."""
+
+    what: str
+    """Parameter to set, in words."""
+    best: str
+    """Key of the best law."""
+    rival: str
+    """Key of the law that differs most from it at these settings."""
+    rivals: tuple[str, ...]
+    """Keys of all laws that are to be told from the best."""
+    settings: tuple[Separation, ...]
+    """Settings to measure, one or two; empty if none separates the laws."""
+    tried: tuple[Separation, ...]
+    """New settings that were simulated and at which the body moves."""
+    apart: tuple[str, ...]
+    """Keys of the laws that these settings separate from the best."""
+    widest: float
+    """Largest difference of any of these laws from the best at a new setting [m]."""
+
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the proposal as plain numbers and strings."""
+        return {
+            "set": [{row.path: row.value} for row in self.settings],
+            "rivals": list(self.rivals),
+            "separates": list(self.apart),
+            "largest_difference": self.widest,
+        }
+
+    def line(self, titles: Mapping[str, str]) -> str:
+        """Return the proposal as a sentence, with the titles of the laws by key."""
+        if not self.tried:
+            return f"No new setting of the {self.what} was found at which the body moves."
+        symbol = f"${self.tried[0].symbol}$"
+        others = [titles[name] for name in self.rivals]
+        names = others[0] if len(others) == 1 else ", ".join(others[:-1]) + f" and {others[-1]}"
+        if not self.settings:
+            first, last = self.tried[0].text, self.tried[-1].text
+            ends = f"from {first} to {last}" if len(self.tried) > 1 else f"such as {first}"
+            return (
+                f"No setting of {symbol} {ends} would separate {titles[self.best]} from {names}:"
+                f" they differ by at most {number(1e3 * self.widest, 2)} mm."
+            )
+        one, other = (
+            " and ".join(f"{row.predicted[name]:#.3g}".rstrip(".") for row in self.settings)
+            for name in (self.best, self.rival)
+        )
+        return (
+            f"Set {symbol} to {' and '.join(row.text for row in self.settings)}, three runs each."
+            f" {titles[self.best]} predicts {one} m, {titles[self.rival]} {other} m."
+        )
+
+
+def propose(
+    rows: Sequence[Separation], best: str, rivals: Sequence[str], doubt: float
+) -> Proposal | None:
+    """Propose the settings that separate the best law from its rivals; None without any to try.
+
+    These are the outermost two settings that were not measured if a rival differs there by more
+    than the doubt, since they tell how travel grows; else the one where one differs most.
+
+    Parameters
+    ----------
+    rows : sequence of Separation
+        In the order of the setting.
+    best : str
+        Key of the best law.
+    rivals : sequence of str
+        Keys of the others.
+    doubt : float
+        Difference of two travels that readings can show [m].
+    """
+    if not rows or not rivals:
+        return None
+    farthest = max(abs(row.predicted[best]) for row in rows)
+    least = max(MOVES * farthest, doubt)
+    tried = tuple(r for r in rows if not r.measured and abs(r.predicted[best]) > least)
+    outer = tried[:1] + tried[1:][-1:]
+    inner = tuple(sorted(tried, key=lambda row: _gap([row], best, rivals)[0])[-1:])
+    settings = next((s for s in (outer, inner) if s and _gap(s, best, rivals)[0] > doubt), ())
+    return Proposal(
+        what=words_of(rows[0].path),
+        best=best,
+        rival=_gap(settings or tried, best, rivals)[1],
+        rivals=tuple(rivals),
+        settings=settings,
+        tried=tried,
+        apart=tuple(name for name in rivals if _gap(settings, best, [name])[0] > doubt),
+        widest=_gap(tried, best, rivals)[0],
+    )
+
+
+def _gap(rows: Sequence[Separation], best: str, names: Sequence[str]) -> tuple[float, str]:
+    """Return the largest difference from the best law [m], and whose it is."""
+    gaps = {name: max((row.gap(best, name) for row in rows), default=0.0) for name in names}
+    name = max(gaps, key=lambda one: gaps[one])
+    return gaps[name], name
+
+
+def knob_of(
+    mechanism: Mechanism, trials: Sequence[Trial] = ()
+) -> tuple[str, str, str, float] | None:
+    """Return path, symbol, unit and value of the parameter that is set to get other travels.
+
+    What the trials vary, if that is one parameter, can be set; else, or where that one is 0 as the
+    rig stands, it is the one that is easiest to turn.
+    """
+    known = {
+        path: (q.symbol, q.unit, value) for path, q, value in parameters(mechanism, "mechanism")
+    }
+    varied = [path for path in known if len({_value(trial, path) for trial in trials}) > 1]
+    for path in (*(varied if len(varied) == 1 else ()), *KNOBS):
+        if path in known and known[path][2] != 0:
+            return path, *known[path]
+    return None
+
+
+def _value(trial: Trial, path: str) -> float | None:
+    found = {name: value for name, _, value in parameters(trial.mechanism, "mechanism")}
+    return found.get(path)
+
+
+def separations(
+    mechanism: Mechanism,
+    laws: Mapping[str, FrictionLaw],
+    *,
+    t_end: float,
+    trials: Sequence[Trial] = (),
+    factors: Sequence[float] = FACTORS,
+) -> tuple[Separation, ...]:
+    """Predict the travel of each law at settings of the rig, in the order of the setting.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The rig as it stands.
+    laws : mapping of str to FrictionLaw
+        The fitted laws by name.
+    t_end : float
+        Time after which a body counts as stopped [s].
+    trials : sequence of Trial
+        What was measured: their settings are marked, and where they span all others, settings
+        beyond them are added.
+    factors : sequence of float
+        Settings over the present one.
+    """
+    knob = knob_of(mechanism, trials)
+    if knob is None or not laws:
+        return ()
+    path, *_, value = knob
+    settings = _settings(mechanism, path, value, trials, factors)
+    initial = trials[0].initial if trials else {}
+    per_cycle = bool(trials and trials[0].cycles)
+    return predictions(
+        mechanism, laws, path, settings, t_end=t_end, initial=initial, per_cycle=per_cycle
+    )
+
+
+def predictions(
+    mechanism: Mechanism,
+    laws: Mapping[str, FrictionLaw],
+    path: str,
+    settings: Sequence[tuple[float, bool]],
+    *,
+    t_end: float,
+    initial: Mapping[str, float] | None = None,
+    per_cycle: bool = False,
+) -> tuple[Separation, ...]:
+    """Predict the travel of each law at given settings; those with which no run ends are left out.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The rig as it stands.
+    laws : mapping of str to FrictionLaw
+        The laws by name.
+    path : str
+        Parameter that is set.
+    settings : sequence of tuple of float and bool
+        Settings, SI, and whether each was measured.
+    t_end : float
+        Time after which a body counts as stopped [s].
+    initial : mapping of str to float, optional
+        Initial states by name.
+    per_cycle : bool
+        Whether travels are those of the whole cycles that end by then.
+    """
+    symbol, unit = next(
+        (q.symbol, q.unit) for one, q, _ in parameters(mechanism, "mechanism") if one == path
+    )
+    found = []
+    for setting, measured in settings:
+        changed = vary(mechanism, "mechanism", {path: setting})
+        try:
+            trial = Trial(
+                mechanism=changed,
+                initial=initial or {},
+                travel=0.0,
+                half_width=0.0,
+                cycles=whole_cycles(changed, t_end) if per_cycle else None,
+            )
+            predicted = {
+                name: TravelModel(law, (), t_end).travel(trial, ()) for name, law in laws.items()
+            }
+        except StickslipError:
+            continue
+        found.append(
+            Separation(
+                path=path,
+                symbol=symbol,
+                unit=unit,
+                value=setting,
+                predicted=predicted,
+                measured=measured,
+            )
+        )
+    return tuple(found)
+
+
+def _settings(
+    mechanism: Mechanism,
+    path: str,
+    value: float,
+    trials: Sequence[Trial],
+    factors: Sequence[float],
+) -> list[tuple[float, bool]]:
+    """Return settings to try, and whether each was measured, by their share of the present one."""
+    done = sorted({share for t in trials if (share := _share(mechanism, path, value, t)) > 0.0})
+    tried = sorted(factors)
+    if done and done[0] <= (1.0 + SAME) * tried[0]:
+        tried.insert(0, BEYOND[0] * done[0])
+    if done and done[-1] >= (1.0 - SAME) * tried[-1]:
+        tried.append(BEYOND[1] * done[-1])
+    new = [f for f in tried if all(abs(f - share) > SAME * share for share in done)]
+    rows = [(float(f"{share * value:.12g}"), True) for share in done]
+    rows += [(float(f"{f * value:.3g}"), False) for f in new]
+    return sorted(rows, key=lambda row: row[0] / value)
+
+
+def _share(mechanism: Mechanism, path: str, value: float, trial: Trial) -> float:
+    """Return the setting of a trial over the present one; 0 if more than that was different."""
+    as_it_stands, as_set = (
+        {name: number for name, _, number in parameters(rig, "mechanism")}
+        for rig in (mechanism, trial.mechanism)
+    )
+    same = {**as_set, path: value} == as_it_stands and not trial.initial
+    return as_set[path] / value if same else 0.0

@@ -1,0 +1,242 @@
+"""The verdict on features in words. Symbols stand between dollar signs, which reports typeset."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from stickslip.experiments import Checks
+from stickslip.identification import FeatureFit, StickSlipFeatures
+from stickslip.identification.features.features import FASTER
+from stickslip.identification.features.scores import as_good, room_of
+from stickslip.selection.feature_verdict import FeatureCandidate, OtherSpeed
+from stickslip.selection.record_wording import plus_minus
+from stickslip.selection.verdict import Wording
+
+__all__ = ["errors_text", "feature_wording", "outcomes", "share", "signed_share"]
+
+MOST = 3
+"""Items of a list at most."""
+CLEAR = 0.05
+"""A speed is worth a measurement if laws part there by more than this, and than by drift."""
+MASS = "mechanism.mass"
+NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
+"""How titles begin that are names."""
+
+
+def share(value: float) -> str:
+    """Return a relative error in per cent.
+
+    Examples
+    --------
+    >>> share(0.0571), share(0.186)
+    ('5.7 %', '18.6 %')
+    """
+    return f"{100.0 * value:.1f} %"
+
+
+def signed_share(value: float) -> str:
+    """Return a relative error in per cent with its sign.
+
+    Examples
+    --------
+    >>> signed_share(0.0845), signed_share(-0.187), signed_share(0.00001)
+    ('+8.5 %', '−18.7 %', '0.0 %')
+    """
+    text = f"{100.0 * value:+.1f} %"
+    return "0.0 %" if text[1:] == "0.0 %" else text.replace("-", "−")
+
+
+def errors_text(errors: Mapping[str, float]) -> str:
+    """Return relative errors in words.
+
+    Examples
+    --------
+    >>> errors_text({"frequency": -0.032, "standard_deviation": 0.085})
+    'frequency by -3.2 % and standard deviation by +8.5 %'
+    """
+    parts = [f"{name.replace('_', ' ')} by {100.0 * e:+.1f} %" for name, e in errors.items()]
+    return " and ".join([", ".join(parts[:-1]), parts[-1]]) if len(parts) > 1 else "".join(parts)
+
+
+def outcomes(ordered: Sequence[FeatureCandidate]) -> list[FeatureCandidate]:
+    """Add to each candidate, the best first, what became of it."""
+    return [replace(one, outcome=_outcome(one, ordered[0])) for one in ordered]
+
+
+def _outcome(one: FeatureCandidate, best: FeatureCandidate) -> str:
+    if one.fit is None:
+        return f"not fitted: {one.dropped}"
+    if one.name == best.name:
+        return "chosen" if not one.dropped else f"closest, but {one.dropped}"
+    if one.dropped:
+        return one.dropped
+    if best.fit is not None and as_good(one.fit, best.fit):
+        return f"as good within doubt; {one.doubt}" if one.doubt else "as good within doubt"
+    return f"{one.score / best.score:.1f} × the error"
+
+
+def feature_wording(
+    ordered: Sequence[FeatureCandidate],
+    control: FeatureCandidate | None,
+    features: StickSlipFeatures,
+    checks: Checks,
+    speeds: Sequence[OtherSpeed],
+) -> Wording:
+    """Put a selection on features into words; the best candidate is the first."""
+    best, fit = ordered[0], ordered[0].fit
+    assert fit is not None
+    equal = [one for one in ordered[1:] if one.fit and not one.dropped and as_good(one.fit, fit)]
+    return Wording(
+        verdict=_verdict(ordered, fit, equal),
+        lede=_lede(ordered, fit, control),
+        settles=_settles(fit) if not best.dropped else _seen(features),
+        cannot_tell=_cannot_tell(fit, equal, features),
+        measure_next=_measure_next([best, *equal], features, checks, speeds),
+        no_score=_no_score(ordered, equal),
+    )
+
+
+def _verdict(
+    ordered: Sequence[FeatureCandidate], fit: FeatureFit, equal: Sequence[FeatureCandidate]
+) -> str:
+    best = ordered[0]
+    name = f"{_inline(best.title)} friction"
+    if best.dropped:
+        least = all(best.score <= one.score for one in ordered)
+        said = f"the closest is {name}" if least else f"{name} comes as close as any"
+        return f"No candidate has the features of this record; {said}."
+    mass = next((one for one in fit.estimates if one.path == MASS and one.bounded), None)
+    if mass is not None:
+        name += f" with an effective mass of {plus_minus(mass)}"
+    if best.doubt:
+        return f"Use {name} to predict; not all of it is known: {best.doubt}."
+    if equal:
+        return f"Use {name}; these features do not tell it from {_titles(equal)}."
+    return f"Use {name}."
+
+
+def _titles(candidates: Sequence[FeatureCandidate]) -> str:
+    *most, last = [_inline(one.title) for one in candidates]
+    return f"{', '.join(most)} and {last}" if most else last
+
+
+def _inline(title: str) -> str:
+    """Return a title as it stands within a sentence; names keep their capital."""
+    return title if title.startswith(NAMES) else title[0].lower() + title[1:]
+
+
+def _lede(
+    ordered: Sequence[FeatureCandidate], fit: FeatureFit, control: FeatureCandidate | None
+) -> str:
+    best = ordered[0]
+    text = (
+        f"Fitted to the first half of the record, it is off in the second in"
+        f" {errors_text(fit.held_out_errors)}: {share(best.score)} root mean square, with a"
+        f" standard error of {share(best.score_error)}. The features themselves change by"
+        f" {share(room_of(fit))} between the halves."
+    )
+    if control is not None and control.fit is not None:
+        off = control.fit.held_out_errors.get("frequency", 0.0)
+        text += (
+            f" With the nominal mechanism it would be {share(control.score)}, the frequency off by"
+            f" {100.0 * off:+.1f} %."
+        )
+    closer = [one for one in ordered[1:] if one.fit and one.dropped and one.score < best.score]
+    if closer and not best.dropped:
+        first = closer[0]
+        text += f" {first.title} is off by {share(first.score)}, but {first.dropped}."
+    return text
+
+
+def _settles(fit: FeatureFit) -> tuple[str, ...]:
+    known = [one for one in fit.estimates if one.bounded]
+    known.sort(key=lambda one: (one.high - one.low) / max(abs(one.value), 1e-300))
+    return tuple(f"${one.quantity.symbol}$ = {plus_minus(one)}." for one in known[:MOST])
+
+
+def _seen(features: StickSlipFeatures) -> tuple[str, ...]:
+    """Return what the record settles although no law has its features: these themselves."""
+    if features.slips > 1:
+        return tuple(line for line in features.sentences if "slips," in line)
+    return (
+        f"The force has {features.frequency:.3g} Hz, about a mean of {features.mean:.3f} of the"
+        f" load and with a standard deviation of {features.standard_deviation:.3g} of it.",
+    )
+
+
+def _cannot_tell(
+    fit: FeatureFit, equal: Sequence[FeatureCandidate], features: StickSlipFeatures
+) -> tuple[str, ...]:
+    lines = []
+    if equal:
+        lines.append(
+            f"Which law: {_titles(equal)} can have the same frequency, mean and standard deviation."
+            " Three features fix three numbers."
+        )
+    lines += [line for line in features.sentences if "cannot explain" in line or "drifts" in line]
+    if any(one.path == MASS for one in fit.estimates):
+        lines.append(
+            "Why this mass: a spring stiffer than stated, or a body that rocks, would look the same"
+            " as another mass."
+        )
+    elif features.frequency > FASTER * features.natural_frequency:
+        lines += [line for line in features.sentences if "effective mass" in line]
+    lines.append("How friction behaves at speeds and loads that were not recorded.")
+    return tuple(lines[:MOST])
+
+
+def _measure_next(
+    alike: Sequence[FeatureCandidate],
+    features: StickSlipFeatures,
+    checks: Checks,
+    speeds: Sequence[OtherSpeed],
+) -> tuple[str, ...]:
+    lines, fit = [], alike[0].fit
+    assert fit is not None
+    telling = [one for one in speeds if one.separation > max(2.0 * room_of(fit), CLEAR)]
+    if len(alike) > 1 and telling:
+        lines.append(_speed_line(telling[0], alike))
+    free = any(one.path == MASS for one in fit.estimates)
+    if not free and features.frequency > FASTER * features.natural_frequency:
+        lines.append(
+            'Look for the mass as well: unknown=["mass"], or --unknown mass. The nominal one cannot'
+            " oscillate as fast as was measured."
+        )
+    if free:
+        lines.append(
+            "Weigh what moves and load the spring by a known weight: the effective mass says that"
+            " one of the two is not as stated, or that the body is not rigid."
+        )
+    if features.drifts:
+        lines.append("The same pull after some passes more, until the mean no longer drifts.")
+    warned = [one.sentence for one in checks.findings if one.severity == "warning"]
+    lines += [f"First mend the record: {line}" for line in warned[:1] if "drift" not in line]
+    if not lines:
+        lines.append("The same pull at another speed, and at another place of the track.")
+    return tuple(lines[:MOST])
+
+
+def _speed_line(told: OtherSpeed, alike: Sequence[FeatureCandidate]) -> str:
+    said = "; ".join(f"{one.title} {_motion(told.predicted[one.name])}" for one in alike)
+    return (
+        f"Pull at {1e3 * told.speed:.3g} mm/s, where the laws part with the values found here:"
+        f" {said}."
+    )
+
+
+def _motion(predicted: Mapping[str, float]) -> str:
+    """Return a predicted limit cycle in words."""
+    if not predicted["frequency"] > 0.0:
+        return "slides steadily"
+    spread = predicted["standard_deviation"]
+    return f"has {predicted['frequency']:.3g} Hz and a standard deviation of {spread:.2g}"
+
+
+def _no_score(ordered: Sequence[FeatureCandidate], equal: Sequence[FeatureCandidate]) -> str:
+    if len(ordered) < 2:
+        return "No ranking: one law was tried."
+    if not equal:
+        return ""
+    return (
+        f"No ranking of {_titles([ordered[0], *equal])}: their held-out errors do not differ beyond"
+        " doubt."
+    )

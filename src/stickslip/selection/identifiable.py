@@ -1,0 +1,76 @@
+"""Which estimates of a fit may be quoted one by one."""
+
+import numpy as np
+
+from stickslip.identification import Estimate, RecordFit
+from stickslip.identification.estimates import TOGETHER
+from stickslip.identification.travels.model import uncertainties_of
+from stickslip.quantities import vary
+from stickslip.selection.limits import limit_text
+
+__all__ = ["half_of", "limit_of", "moved_by_errors", "settled_estimates", "traded"]
+
+
+def half_of(estimate: Estimate) -> float:
+    """Return half the width of a bounded interval."""
+    return 0.5 * (estimate.high - estimate.low)
+
+
+def limit_of(fit: RecordFit, estimate: Estimate) -> str:
+    """Return what limits the interval of an estimate, as a sentence; empty if nothing was stated.
+
+    It is the record or the uncertainty of the mechanism.
+    """
+    if not estimate.sources:
+        return ""
+    mechanism, measurement = fit.mechanism, fit.measurement
+    pairs = zip(measurement.records(), uncertainties_of(mechanism, measurement), strict=True)
+    stated = [
+        (vary(mechanism, "mechanism", record.overrides), {**shared, **own})
+        for record, (own, shared) in pairs
+    ]
+    return limit_text(estimate, stated, "the record")
+
+
+def traded(fit: RecordFit) -> frozenset[str]:
+    """Return the paths of what trades off with another unknown: only together they are known."""
+    table = np.abs(fit.inference.of_record.correlation)
+    found = set()
+    for i, one in enumerate(fit.unknowns.paths):
+        for j, other in enumerate(fit.unknowns.paths[:i]):
+            if table[i, j] > TOGETHER:
+                found |= {one, other}
+    return frozenset(found)
+
+
+def moved_by_errors(fit: RecordFit) -> frozenset[str]:
+    """Return the paths of the estimates that an error of the model moves out of their intervals.
+
+    All of them, where an error does not say which.
+    """
+    found: set[str] = set()
+    for error in fit.model_errors:
+        found |= set(fit.unknowns.paths if error.moved is None else error.moved)
+    return frozenset(found)
+
+
+def settled_estimates(fit: RecordFit) -> tuple[Estimate, ...]:
+    """Return the estimates that stand each for itself, the surest first.
+
+    Their intervals are bounded, they are no offset, none trades off with another, and no
+    error of the model moves them.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, Measurement, fit
+    >>> v = np.linspace(-1.0, 1.0, 40)
+    >>> friction = 2.0 * np.sign(v) + 0.01 * np.cos(40.0 * v)
+    >>> found = fit(Axis(inertia=1.0), Coulomb, Measurement(velocity=v, friction=friction))
+    >>> [estimate.quantity.symbol for estimate in settled_estimates(found)]
+    ['mu_k']
+    """
+    apart = traded(fit) | moved_by_errors(fit)
+    known = [
+        e for e in fit.estimates if e.bounded and "offset" not in e.path and e.path not in apart
+    ]
+    return tuple(sorted(known, key=lambda e: half_of(e) / max(abs(e.value), 1e-300)))

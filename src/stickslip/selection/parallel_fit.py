@@ -1,0 +1,157 @@
+"""Fits candidates at the same time, watched and stopped from here."""
+
+import math
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol, TypeVar
+
+from stickslip.friction import BristleLaw
+from stickslip.identification.estimation.containment import FittedLaw
+from stickslip.selection.candidates import Specification, contains
+
+__all__ = ["Fitted", "fitted_side_by_side", "takes_long"]
+
+PATIENCE = 0.2
+"""Time between looks at whether the search is still wanted [s]."""
+
+Watch = Callable[[str, float], object]
+
+
+class Residual(Protocol):
+    """What a fit leaves."""
+
+    @property
+    def rms(self) -> float:
+        """Root mean square."""
+
+
+class Tried(Protocol):
+    """A candidate with its fit, if there is one."""
+
+    @property
+    def name(self) -> str:
+        """Key of the candidate."""
+
+    @property
+    def fit(self) -> Residual | None:
+        """The fit."""
+
+    @property
+    def fitted_law(self) -> FittedLaw | None:
+        """The fit as searches of richer laws begin from it, if they can."""
+
+
+C = TypeVar("C", bound=Tried)
+C_co = TypeVar("C_co", bound=Tried, covariant=True)
+
+
+class Fitted(Protocol[C_co]):
+    """Fits one candidate; may be sent to other processes."""
+
+    def __call__(
+        self,
+        one: Specification,
+        contained: Sequence[FittedLaw],
+        rival: float,
+        watch: Watch | None = None,
+        /,
+    ) -> C_co:
+        """Return the candidate with its fit, whose search begins from contained laws too.
+
+        It may be cut short if it leaves far more than a mean square, that of a `rival`.
+        """
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """Says in any process of this machine whether a search is to go on: a file ends it."""
+
+    end: Path
+
+    def __call__(self, _name: str, _residual: float) -> bool:
+        return not self.end.exists()
+
+
+def fitted_side_by_side(
+    fitted: Fitted[C],
+    chosen: Sequence[Specification],
+    watch: Watch | None,
+    executor: Executor | None,
+) -> list[C]:
+    """Return the candidates in order, each fitted by a worker; without any, one after the other.
+
+    A candidate is fitted after those that it contains, from which its search begins too. Those
+    that take long are fitted last, and are told the least mean square of the others.
+
+    `watch` is called here: with the least residual of each candidate when its search ends, and in
+    between to ask whether to go on. When it answers False, searches end with the best so far.
+    """
+    found: dict[str, C] = {}
+    waiting = list(chosen)
+    if executor is None:
+        while waiting:
+            one = next(one for one in waiting if not _awaited(one, waiting))
+            found[one.name] = fitted(
+                one, _contained(one, chosen, found), _rival(one, chosen, found), watch
+            )
+            waiting.remove(one)
+        return [found[one.name] for one in chosen]
+    with tempfile.TemporaryDirectory() as folder:
+        wanted = _Wanted(Path(folder, "end"))
+        futures: dict[Future[C], Specification] = {}
+        while waiting or futures:
+            unfinished = [*waiting, *futures.values()]
+            ready = [one for one in waiting if not _awaited(one, unfinished)]
+            for one in ready:
+                nested, rival = _contained(one, chosen, found), _rival(one, chosen, found)
+                futures[executor.submit(fitted, one, nested, rival, wanted)] = one
+                waiting.remove(one)
+            done, _ = wait(futures, timeout=PATIENCE, return_when=FIRST_COMPLETED)
+            found |= {futures.pop(future).name: future.result() for future in done}
+            news = [(future.result().name, _residual(future.result())) for future in done]
+            news += [(one.name, math.nan) for one in futures.values()][:1]
+            if watch is not None and any(watch(*item) is False for item in news):
+                wanted.end.touch()
+    return [found[one.name] for one in chosen]
+
+
+def _awaited(one: Specification, unfinished: Sequence[Specification]) -> bool:
+    """Whether a fit has not ended that is to end before that of a candidate."""
+    return any(
+        contains(one, other) or _knows(one, other) for other in unfinished if other is not one
+    )
+
+
+def _knows(one: Specification, other: Specification) -> bool:
+    """Whether a candidate is fitted with what another leaves in mind."""
+    return takes_long(one.law) and not takes_long(other.law) and not contains(other, one)
+
+
+def _rival(
+    one: Specification, chosen: Sequence[Specification], found: Mapping[str, Tried]
+) -> float:
+    """Return the least mean square of those whose fits ended before; 0 if none did."""
+    known = (found[other.name].fitted_law for other in chosen if _knows(one, other))
+    return min((law.cost / law.rows for law in known if law is not None), default=0.0)
+
+
+def _contained(
+    one: Specification, chosen: Sequence[Specification], found: Mapping[str, Tried]
+) -> tuple[FittedLaw, ...]:
+    """Return the fits of candidates that a candidate contains."""
+    # in an order of their own: what a search comes to must not hang on that of the candidates
+    ordered = sorted(chosen, key=lambda other: other.name)
+    simpler = (found[other.name].fitted_law for other in ordered if contains(one, other))
+    return tuple(law for law in simpler if law is not None)
+
+
+def takes_long(law: object) -> bool:
+    """Whether fits of a law, or of a type of law, take several times as long as those of most."""
+    return issubclass(law if isinstance(law, type) else type(law), BristleLaw)
+
+
+def _residual(candidate: Tried) -> float:
+    return candidate.fit.rms if candidate.fit else math.nan

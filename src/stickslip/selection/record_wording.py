@@ -1,0 +1,491 @@
+"""The verdict on records in words. Symbols stand between dollar signs, which reports typeset."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+
+from stickslip.experiments import QUANTITIES, Checks
+from stickslip.experiments.units import turned
+from stickslip.experiments.wording import capital, count, joined, number
+from stickslip.identification import Estimate, RecordFit, TrialComparison
+from stickslip.identification.estimation.halves import difference
+from stickslip.selection.candidates import REFERENCE
+from stickslip.selection.choice import as_good
+from stickslip.selection.design.experiments import Experiment
+from stickslip.selection.identifiable import limit_of, settled_estimates
+from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
+from stickslip.selection.verdict import Wording
+
+__all__ = [
+    "error_text",
+    "error_with_doubt",
+    "first_of",
+    "friction_of",
+    "in_sentence",
+    "outcomes",
+    "plus_minus",
+    "record_wording",
+    "route_text",
+    "with_doubt",
+]
+
+MOST = 3
+"""Items of a list at most."""
+PLAIN = 1e-4
+"""Size below which numbers are written with a power of ten."""
+DIGITS = 6
+"""Digits of a number at most, however sure it is."""
+SEVERAL = 2.0
+"""Error on a second record over the held-out one from which the second is what to expect."""
+NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
+"""How titles begin that are names."""
+
+
+def error_text(
+    value: float, quantity: str, *, turning: bool = False, among: Sequence[float] = ()
+) -> str:
+    """Return a score with its unit, lengths in millimetres; angles if what was measured turns.
+
+    One of several scores has the digits that tell it from the others, four more at most.
+
+    Examples
+    --------
+    >>> error_text(0.00024, "position"), error_text(1.234, "friction")
+    ('0.24 mm', '1.23 N')
+    >>> [error_text(one, "position", among=(1.02e-5, 1.01e-5)) for one in (1.02e-5, 1.01e-5)]
+    ['0.0102 mm', '0.0101 mm']
+    """
+    unit = turned(QUANTITIES[quantity].unit, turning)
+    others = [other for other in among if other != value] if value in among else []
+    for more in range(5):
+        text = _score_text(value, quantity, unit, more)
+        if all(_score_text(other, quantity, unit, more) != text for other in others):
+            return text
+    return _score_text(value, quantity, unit, 0)
+
+
+def error_with_doubt(value: float, doubt: float, quantity: str, *, turning: bool = False) -> str:
+    """Return a score and its standard error to the digits that this allows, with their unit.
+
+    Examples
+    --------
+    >>> error_with_doubt(0.00043, 0.000079, "position"), error_with_doubt(1.234, 0.05, "friction")
+    ('0.43 ± 0.08 mm', '1.23 ± 0.05 N')
+    """
+    factor, unit = _scale_of(value, quantity, turned(QUANTITIES[quantity].unit, turning))
+    text = with_doubt(factor * value, factor * doubt if math.isfinite(doubt) else 0.0)
+    return f"{text} {unit}"
+
+
+def _scale_of(value: float, quantity: str, unit: str) -> tuple[float, str]:
+    """Return factor and unit that a score is shown with, thousandths where it is small."""
+    least = 0.1 if unit.startswith("rad") else 1.0
+    if quantity in {"position", "velocity"} and abs(value) < least:
+        return 1e3, f"m{unit}"
+    return 1.0, unit
+
+
+def _score_text(value: float, quantity: str, unit: str, more: int) -> str:
+    """Return a score with more digits than usual."""
+    factor, unit = _scale_of(value, quantity, unit)
+    value *= factor
+    size = abs(value)
+    digits = 2 if size < 10.0 else 1
+    if size >= 0.1:
+        text = f"{value:.{digits + more}f}"
+    elif more and size >= PLAIN:
+        text = f"{value:#.{digits + more}g}"  # zeros that tell it from others stay
+    else:
+        text = number(value, digits + more)
+    return f"{text} {unit}"
+
+
+def plus_minus(estimate: Estimate) -> str:
+    """Return an estimate with its half width, as in ``158 ± 4 N s/m``."""
+    unit = "" if estimate.quantity.unit == "1" else f" {estimate.quantity.unit}"
+    if not estimate.bounded:
+        return f"{number(estimate.value)}{unit}, not bounded"
+    return with_doubt(estimate.value, 0.5 * (estimate.high - estimate.low)) + unit
+
+
+def with_doubt(value: float, half: float) -> str:
+    """Return a number to the digits that its half width allows, and this; six digits at most.
+
+    Examples
+    --------
+    >>> with_doubt(157.36, 3.94), with_doubt(0.021699, 0.0), with_doubt(52.9447753, 1.4e-14)
+    ('157 ± 4', '0.0217', '52.9448')
+    >>> with_doubt(2.13e-6, 4e-8)
+    '(2.13 ± 0.04) × 10⁻⁶'
+    """
+    if half <= 0.0:
+        return number(value)
+    if half < 0.5 * 10.0**-DIGITS * abs(value):
+        return number(value, DIGITS)  # a doubt below the tolerances of runs says nothing
+    size = max(abs(value), half)
+    if size < PLAIN:
+        power = math.floor(math.log10(size))
+        factor = number(10.0**power).partition(" × ")[2]
+        return f"({with_doubt(value / 10.0**power, half / 10.0**power)}) × {factor}"
+    power = math.floor(math.log10(half))
+    digits = -power + (1 if half / 10.0**power < 1.95 else 0)
+    if digits <= 0:
+        return f"{round(value, digits):.0f} ± {round(half, digits):.0f}"
+    return f"{value:.{digits}f} ± {half:.{digits}f}"
+
+
+def outcomes(
+    candidates: Sequence[RecordCandidate], best: RecordCandidate, *, recommended: bool = True
+) -> list[RecordCandidate]:
+    """Add to each candidate what became of it."""
+    return [replace(c, outcome=_outcome(c, best, recommended=recommended)) for c in candidates]
+
+
+def _outcome(c: RecordCandidate, best: RecordCandidate, *, recommended: bool) -> str:
+    if c.name == best.name:
+        if recommended:
+            return "chosen"
+        return f"closest, not recommended{f': {c.dropped}' if c.dropped else ''}"
+    if c.fit is None:
+        return f"not fitted: {c.dropped}"
+    if c.dropped:
+        return first_of(c.dropped)
+    more = c.parameters - best.parameters
+    if as_good(c, best):
+        if more > 0:
+            return f"{more} more parameter{'s' if more > 1 else ''}, no gain beyond doubt"
+        return "not distinguished"
+    told = _told_apart(c, best)
+    if c.name == REFERENCE:
+        return "reference" if told else "reference, not distinguished"
+    if best.score <= 0.0:  # numbers that a law made, without noise
+        return "non-zero error, while the chosen law fits exactly"
+    return f"{c.score / best.score:.1f} × the error" + ("" if told else ", within doubt")
+
+
+def _told_apart(c: RecordCandidate, best: RecordCandidate) -> bool:
+    """Whether a candidate errs more than the chosen one by more than one paired error."""
+    return not as_good(c, best, share=math.inf)
+
+
+def record_wording(
+    candidates: Sequence[RecordCandidate],
+    best: RecordCandidate,
+    without: RecordCandidate | None,
+    picks: Mapping[str, str],
+    checks: Checks,
+    experiments: Sequence[Experiment],
+    *,
+    scored: str,
+    fault: str = "",
+    on_second: SecondRecord | None = None,
+    trials: TrialComparison | None = None,
+) -> Wording:
+    """Put a selection on records into words.
+
+    Parameters
+    ----------
+    candidates : sequence of RecordCandidate
+        All laws tried, with their outcome.
+    best : RecordCandidate
+        The law that the rule of choice takes, recommended or not.
+    without : RecordCandidate, optional
+        No friction at all.
+    picks : mapping of str to str
+        What other criteria would pick.
+    checks : Checks
+        What was checked of the record.
+    experiments : sequence of Experiment
+        Proposed measurements, the most telling first.
+    scored : str
+        What held-out errors are of.
+    fault : str
+        Why no law explains the record; empty if one does.
+    on_second : SecondRecord, optional
+        What a second record says of the choice.
+    trials : TrialComparison, optional
+        Whether several trials share the best law.
+    """
+    assert best.fit is not None
+    rivals = [
+        c
+        for c in candidates
+        if c.name != best.name and c.fit and not c.dropped and best.name not in c.is_simpler
+    ]
+    equal = [c for c in rivals if as_good(c, best)]
+    verdict = _verdict(best, equal, candidates, fault, on_second, trials)
+    lede = _lede(candidates, best, equal, without, scored, on_second, said=verdict)
+    return Wording(
+        verdict=verdict,
+        lede=lede + _trials_text(trials, verdict),
+        settles=() if fault else _settles(best),
+        cannot_tell=_cannot_tell(best, candidates, picks),
+        measure_next=_measure_next(experiments, candidates, checks, fault, on_second),
+        no_score="",
+    )
+
+
+def _verdict(
+    best: RecordCandidate,
+    equal: Sequence[RecordCandidate],
+    candidates: Sequence[RecordCandidate],
+    fault: str,
+    on_second: SecondRecord | None,
+    trials: TrialComparison | None,
+) -> str:
+    name = friction_of(best.title)
+    if fault:
+        return f"No law explains this record: {fault}."
+    if best.dropped:
+        return f"No candidate passes all checks; {name} comes closest."
+    if on_second is not None and not on_second.holds:
+        other = next(c for c in candidates if c.name == on_second.rival)
+        own, rival = _second_errors(best, on_second)
+        return (
+            f"{capital(name)} is chosen on the first record, but {friction_of(other.title)} has a"
+            f" clearly smaller error on the second ({rival} against {own})."
+        )
+    if trials is not None and not trials.shared:
+        outcome = trials.sentences[0]
+        return f"{capital(name)} predicts best, but {outcome[0].lower()}{outcome[1:]}"
+    if best.fit is not None and best.fit.model_errors:
+        finding = best.fit.model_errors[0].finding
+        return f"{capital(name)} predicts best, but the model does not hold: {finding}"
+    apart = _halves_apart(best.fit) if best.fit else ""
+    if apart:
+        return (
+            f"{capital(name)} predicts best, but halves of the record contradict each other:"
+            f" {apart}."
+        )
+    if best.doubt:
+        return f"Use {name} to predict, but not all of its parameters are identified: {best.doubt}."
+    if equal:
+        return f"Use {name}; {_not_distinguished(equal)}"
+    return f"Use {name}."
+
+
+def _halves_apart(fit: RecordFit) -> str:
+    """Return what halves of the record contradict each other in; empty if in nothing."""
+    return difference([estimate.quantity for estimate in fit.estimates], fit.halves)
+
+
+def _not_distinguished(candidates: Sequence[RecordCandidate]) -> str:
+    """Return that candidates are not distinguished from the chosen one, three at most by name."""
+    names = [in_sentence(c.title) for c in candidates]
+    if len(names) > MOST:
+        names = [*names[: MOST - 1], f"{len(names) - MOST + 1} more"]
+    verb = "are" if len(names) > 1 else "is"
+    return f"{joined(names)} {verb} not distinguished from it by this record."
+
+
+def _trials_text(trials: TrialComparison | None, verdict: str) -> str:
+    """Return whether trials share one law, less what the verdict says of it."""
+    lines = () if trials is None else trials.sentences[: 1 if trials.shared else 2]
+    return "".join(f" {line}" for line in lines if line[1:] not in verdict)
+
+
+def route_text(fit: RecordFit) -> str:
+    """Return how a record was fitted where that is unusual, and why; empty where it is not."""
+    way = "inverse dynamics" if fit.route == "inverse-dynamics" else "shorter simulated segments"
+    return f"Fitted by {way}, because {fit.route_reason}." if fit.route_reason else ""
+
+
+def first_of(objections: str) -> str:
+    """Return the first of several objections, and how many more there are.
+
+    Examples
+    --------
+    >>> first_of("c went to 0"), first_of("a covers 0; b covers 0; c went to 0")
+    ('c went to 0', 'a covers 0, and 2 more objections')
+    """
+    first, *others = objections.split("; ")
+    if not others:
+        return first
+    return f"{first}, and {count(len(others), 'more objection')}"
+
+
+def friction_of(title: str) -> str:
+    """Return the friction of a law as one says it within a sentence.
+
+    Examples
+    --------
+    >>> friction_of("Direction-dependent"), friction_of("Dahl with exponent")
+    ('direction-dependent friction', 'Dahl friction with exponent')
+    """
+    kind, joint, more = in_sentence(title).partition(" with ")
+    noun = "" if kind.endswith("friction") else " friction"
+    return f"{kind}{noun}{joint}{more}"
+
+
+def in_sentence(title: str) -> str:
+    """Return a title as it stands within a sentence; names keep their capital.
+
+    Examples
+    --------
+    >>> in_sentence("Direction-dependent"), in_sentence("Coulomb + viscous")
+    ('direction-dependent', 'Coulomb + viscous')
+    """
+    return title if title.startswith(NAMES) else title[0].lower() + title[1:]
+
+
+def _lede(
+    candidates: Sequence[RecordCandidate],
+    best: RecordCandidate,
+    equal: Sequence[RecordCandidate],
+    without: RecordCandidate | None,
+    scored: str,
+    on_second: SecondRecord | None,
+    *,
+    said: str,
+) -> str:
+    """Return the errors, and what speaks against the choice beside what the verdict `said`."""
+    assert best.fit is not None
+    assert best.validation is not None
+    fit = best.fit
+    told = partial(
+        error_text,
+        quantity=fit.problem.quantity,
+        turning=fit.measurement.turning,
+        among=[c.score for c in candidates if c.name in {best.name, REFERENCE}],
+    )
+    quantity, turning = fit.problem.quantity, fit.measurement.turning
+    held = error_with_doubt(best.score, best.validation.error, quantity, turning=turning)
+    text = f"Held-out error: {held} ({scored})."
+    if on_second is not None:
+        text += f" {_second_text(candidates, best, on_second)}"
+    if best.doubt and best.doubt not in said:
+        text += f" Not all of its parameters are identified: {best.doubt}."
+    if equal and _not_distinguished(equal) not in said:
+        text += f" {capital(_not_distinguished(equal))}"
+    usual = next((c for c in candidates if c.name == REFERENCE), None)
+    if usual is not None and usual.name != best.name and usual.fit:
+        text += (
+            f" Coulomb + viscous friction, the usual choice: {told(usual.score)} on the same blocks"
+            f"{'.' if _told_apart(usual, best) else ', not distinguished by them.'}"
+        )
+    elif without is not None and math.isfinite(without.score):
+        text += f" Without friction: {told(without.score)}."
+    for error in fit.model_errors:
+        text += f" {error.consequence if error.finding in said else error}"
+    route = route_text(fit)
+    text += f" {route}" if route else ""
+    closer = [
+        c
+        for c in candidates
+        if c.dropped and c.fit and best.name not in c.is_simpler and not as_good(best, c)
+    ]
+    if closer and not best.dropped:
+        first = closer[0]
+        text += f" {first.title}: {told(first.score)}, but {first_of(first.dropped)}."
+    return text
+
+
+def _second_text(
+    candidates: Sequence[RecordCandidate], best: RecordCandidate, on_second: SecondRecord
+) -> str:
+    """Return the error on the second record, and whether the choice holds there."""
+    assert best.fit is not None
+    own, other = _second_errors(best, on_second)
+    text = f"On the second record: {own}"
+    if SEVERAL <= on_second.ratio < math.inf:
+        text += (
+            f", {number(on_second.ratio, 2)} times the held-out error; expect errors of this size"
+            " on new records"
+        )
+    text += f"; the choice {on_second.finding} there"
+    rival = next((c for c in candidates if c.name == on_second.rival), None)
+    return text + (f" ({rival.title}: {other})." if rival else ".")
+
+
+def _second_errors(best: RecordCandidate, on_second: SecondRecord) -> tuple[str, str]:
+    """Return the errors of the chosen law and of its closest rival on the second record."""
+    assert best.fit is not None
+    pair = (on_second.error, on_second.rival_error)
+    told = partial(
+        error_text,
+        quantity=best.fit.problem.quantity,
+        turning=best.fit.measurement.turning,
+        among=pair,
+    )
+    own, other = (told(e) if math.isfinite(e) else "a simulation that fails" for e in pair)
+    return own, other
+
+
+def _settles(best: RecordCandidate) -> tuple[str, ...]:
+    assert best.fit is not None
+    fit = best.fit
+    return tuple(
+        f"${e.quantity.symbol}$ = {plus_minus(e)}.{limit_of(fit, e)}"
+        for e in settled_estimates(fit)[:MOST]
+    )
+
+
+def _cannot_tell(
+    best: RecordCandidate, candidates: Sequence[RecordCandidate], picks: Mapping[str, str]
+) -> tuple[str, ...]:
+    assert best.fit is not None
+    others = _other_picks(best, candidates, picks)
+    lines = list(best.fit.sentences)
+    for c in candidates:
+        for line in c.fit.sentences if c.fit and c.dropped and c.name != best.name else ():
+            if "step" in line or "undetermined" in line:
+                lines.append(f"{c.title}: {line}")
+                break
+    lines.append("How friction behaves at speeds, loads and temperatures that were not recorded.")
+    # What else there is to say never crowds out that criteria disagree.
+    return (*lines[: MOST - len(others)], *others)
+
+
+def _other_picks(
+    best: RecordCandidate, candidates: Sequence[RecordCandidate], picks: Mapping[str, str]
+) -> tuple[str, ...]:
+    """Return a sentence where other criteria would pick another law."""
+    titles = {c.name: in_sentence(c.title) for c in candidates}
+    against: dict[str, list[str]] = {}
+    for criterion, name in picks.items():
+        if name and name != best.name:
+            against.setdefault(titles.get(name, name), []).append(criterion)
+    said = [f"{' and '.join(who)} would pick {title}" for title, who in against.items()]
+    return (f"Criteria disagree: {'; '.join(said)}.",) if said else ()
+
+
+def _measure_next(
+    experiments: Sequence[Experiment],
+    candidates: Sequence[RecordCandidate],
+    checks: Checks,
+    fault: str,
+    on_second: SecondRecord | None,
+) -> tuple[str, ...]:
+    titles = {c.name: c.title for c in candidates}
+    warned = [f.sentence for f in checks.findings if f.severity == "warning"]
+    lines = [f"First correct the record: {line}" for line in warned[:1]]
+    if fault:
+        lines.append(
+            "Before any further measurement, check the units, gains and signs of each column, the"
+            " mass, and that all trials are of one machine in one condition."
+        )
+    for one in experiments[:2]:
+        said = ", ".join(
+            f"{titles.get(name, name)} {with_doubt(value, one.doubts.get(name, 0.0))}"
+            for name, value in one.predicted.items()
+        )
+        lines.append(f"{one.what} Predicted {one.observed}: {said}.")
+    if any(f.kind == "drift" for f in checks.findings):
+        lines.append(
+            "Repeat this record after an hour of running, to separate warm-up effects from the"
+            " friction law."
+        )
+    if on_second is not None and SEVERAL <= on_second.ratio < math.inf:
+        lines.append(
+            "Find what differs between the two records (load, temperature, lubrication, gains): the"
+            " law of the first does not carry over to the second."
+        )
+    if not lines and on_second is None:
+        lines.append(
+            "A second record of another motion: given for validation, it tests the choice on data"
+            " that no fit has used."
+        )
+    elif not lines:
+        lines.append("A record at other speeds, loads or temperatures, where the law extrapolates.")
+    return tuple(lines[:MOST])

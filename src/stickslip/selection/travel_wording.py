@@ -1,0 +1,328 @@
+"""The verdict in words: what the travels settle, what they cannot tell, what to measure next.
+
+Symbols stand between dollar signs, which reports typeset.
+"""
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+
+from stickslip.experiments.wording import joined, number
+from stickslip.identification import Estimate
+from stickslip.identification.travels.model import Trial
+from stickslip.quantities import fields_of
+from stickslip.selection.admissibility import doubts
+from stickslip.selection.contradictions import Contradiction
+from stickslip.selection.design.discriminating_settings import Proposal
+from stickslip.selection.limits import limit_text
+from stickslip.selection.verdict import Candidate, Wording, misfit
+
+__all__ = ["estimate_text", "wording"]
+
+ADVICE = {
+    "static_coefficient": (
+        "Pull slowly until the block moves: the force then is $mu_s$ times the load."
+    ),
+    "bristle_stiffness": (
+        "A presliding loop: push to and fro with less than the break-away force and record the"
+        " movement; its slope gives $sigma_0$."
+    ),
+    "bristle_damping": "The same loop at two rates, for $sigma_1$.",
+    "stribeck_velocity": (
+        "A velocity trace of the last centimetre, 240 frames a second or more: friction that rises"
+        " before the stop gives $v_s$."
+    ),
+    "viscous_coefficient": "A velocity trace of one run: its curvature gives $sigma_2$.",
+}
+"""Which measurement pays for a parameter that a travel does not fix, the most telling first."""
+
+
+DOUBT_NAMES = {
+    "rounding range": "rounding of the measurement",
+    "stated interval": "stated interval",
+}
+"""What a given value lies inside or outside of, where it is not an interval of so many per cent."""
+
+
+def wording(
+    trials: Sequence[Trial],
+    candidates: Sequence[Candidate],
+    best: Candidate | None,
+    proposal: Proposal | None,
+    against: Contradiction | None,
+    *,
+    ranked: bool,
+) -> Wording:
+    """Put a selection into words."""
+    explained = [c for c in candidates if not c.dropped]
+    unsettled = _unsettled(explained, best) if ranked else {}
+    if against is not None:
+        verdict, lede = "No law explains these readings.", against.reason
+    elif best is None:
+        verdict, lede = _nothing_fits(candidates)
+    elif ranked:
+        verdict, lede = _ranked(trials, explained, best)
+    else:
+        verdict, lede = _tie(explained, candidates, best)
+    return Wording(
+        verdict=verdict,
+        lede=lede,
+        settles=_settles(trials, best),
+        cannot_tell=_cannot_tell(
+            explained, best, unsettled, max(t.half_width for t in trials), ranked=ranked
+        ),
+        measure_next=(
+            tuple(f"Check: {_lower(line)}" for line in against.check[:3])
+            if against
+            else _measure_next(explained, best, proposal)
+        ),
+        no_score="" if against else _no_score(trials, ranked=ranked),
+    )
+
+
+def estimate_text(estimate: Estimate) -> str:
+    """Return symbol and value of an estimate, such as ``"$mu_k$ = 0.255"``."""
+    unit = "" if estimate.quantity.unit == "1" else f" {estimate.quantity.unit}"
+    return f"${estimate.quantity.symbol}$ = {_three(estimate.value)}{unit}"
+
+
+def _three(value: float) -> str:
+    """Return a number with three digits, zeros kept."""
+    return f"{value:#.3g}".rstrip(".")
+
+
+def _short(value: float) -> str:
+    """Return a number with at most three digits, as people write a setting."""
+    return f"{value:.3g}"
+
+
+def _with_estimates(candidate: Candidate, without: Collection[str] = ()) -> str:
+    found = candidate.fit.estimates if candidate.fit else ()
+    said = [estimate_text(e) for e in found if e.path.rpartition(".")[2] not in without]
+    return f"{candidate.title} friction" + (f" with {' and '.join(said)}" if said else "")
+
+
+def _nothing_fits(candidates: Sequence[Candidate]) -> tuple[str, str]:
+    errors = {c.title: c.given.relative_error for c in candidates}
+    known = {title: abs(error) for title, error in errors.items() if error is not None}
+    if not known:
+        return (
+            "No candidate explains the measurement.",
+            f"{candidates[0].title}: {_why(candidates[0])}",
+        )
+    closest = min(candidates, key=lambda c: known.get(c.title, float("inf")))
+    return (
+        f"No candidate explains the measurement; the closest is {closest.title}.",
+        f"With the values it started from it is {number(100.0 * known[closest.title], 2)} % off:"
+        f" {_why(closest)} Check the rig: mass, stiffness, compression, and whether the body leaves"
+        " the spring.",
+    )
+
+
+def _why(candidate: Candidate) -> str:
+    """Return why a candidate is out, as a sentence."""
+    return candidate.dropped.rstrip(".") + "."
+
+
+def _tie(
+    explained: Sequence[Candidate], candidates: Sequence[Candidate], best: Candidate
+) -> tuple[str, str]:
+    others = len(explained) - 1
+    if len(candidates) == 1:
+        rest = "No other model was tried."
+    elif others == len(candidates) - 1:
+        rest = "So does every other model."
+    elif others:
+        verb = "does" if others == 1 else "do"
+        rest = f"So {verb} {others} of the {len(candidates) - 1} other models."
+    else:
+        rest = "No other model does."
+    force = _mean_force(best)
+    if not others:
+        return (
+            f"{_with_estimates(best)} explains the measurement. {rest}",
+            f"One travel fixes one number: the mean friction force, {_three(force)} N.",
+        )
+    return (
+        f"{_with_estimates(best)} explains the measurement. {rest}",
+        f"One travel fixes one number: the mean friction force, {_three(force)} N. It cannot tell"
+        f" friction models apart. {best.title} is named because it needs the fewest assumptions,"
+        " not because it is closer.",
+    )
+
+
+def _ranked(
+    trials: Sequence[Trial], explained: Sequence[Candidate], best: Candidate
+) -> tuple[str, str]:
+    equals = [c.title for c in explained if c is not best and not c.distinguished]
+    doubt = ""
+    if equals:
+        verb = "is" if len(equals) == 1 else "are"
+        doubt = f"; {joined(equals)} {verb} not distinguished from it by these readings"
+    score, error = best.score or 0.0, best.score_error or 0.0
+    settings = len({trial.setting for trial in trials})
+    return (
+        f"Use {_with_estimates(best, doubts(best))}{doubt}.",
+        f"Each of the {settings} settings was predicted from the others. {best.title} friction has"
+        f" a held-out error of {number(1e3 * score, 2)} mm (root mean square, standard error"
+        f" {number(1e3 * error, 2)} mm).{_fit_quality(best)}{_remarks(explained, best)}",
+    )
+
+
+def _lower(line: str) -> str:
+    return line[:1].lower() + line[1:]
+
+
+def _fit_quality(best: Candidate) -> str:
+    """Say how residuals compare with the uncertainty of the readings."""
+    if best.fit is None:
+        return ""
+    factor, freedom = best.fit.variance
+    if not best.fit.stated:
+        return (
+            " No uncertainty of the readings was stated: it is estimated from the residuals, with"
+            f" {freedom:g} degree{'s' if freedom != 1 else ''} of freedom."
+        )
+    if math.isfinite(freedom):
+        return (
+            f" Residuals are {number(math.sqrt(factor), 2)} times the stated uncertainty: intervals"
+            " are widened accordingly."
+        )
+    return ""
+
+
+def _remarks(explained: Sequence[Candidate], best: Candidate) -> str:
+    """Say of the closest law that is passed over why it is, and of the best what is invented."""
+    said = ""
+    if best.invented:
+        names = _symbols([best], set(best.invented))
+        verb = "was" if len(best.invented) == 1 else "were"
+        said = f" {names} {verb} neither measured, given nor fitted: an ordinary value was assumed."
+    closer = [c for c in explained if c.passed_over and misfit(c) < misfit(best)]
+    if closer:
+        one = min(closer, key=lambda c: (bool(c.invented), misfit(c)))
+        said += f" {one.title} fits these readings more closely, but {one.passed_over}."
+    return said
+
+
+def _unsettled(explained: Sequence[Candidate], best: Candidate | None) -> dict[str, str]:
+    """Return by symbol what is in doubt of a fitted parameter, that of the best law first."""
+    found: dict[str, str] = {}
+    for c in sorted(explained, key=lambda c: c is not best):
+        for name, doubt in doubts(c).items():
+            whose = "" if c is best else f" of {c.title}"
+            found.setdefault(fields_of(type(c.law))[name].symbol, f"{whose}: {doubt}")
+    return found
+
+
+def _mean_force(candidate: Candidate) -> float:
+    """Return work taken by friction over the travel [N]."""
+    seen = candidate.criteria or candidate.given
+    return abs(seen.work_friction / seen.travel) if seen.travel else 0.0
+
+
+def _settles(trials: Sequence[Trial], best: Candidate | None) -> tuple[str, ...]:
+    if best is None or best.fit is None or best.criteria is None:
+        return ()
+    seen = best.criteria
+    lines = []
+    if len(trials) == 1:
+        work, travel = seen.work_friction, abs(seen.travel)
+        lines.append(
+            f"Mean friction over the travel: {_three(work)} J / {_three(travel)} m"
+            f" = {_three(_mean_force(best))} N."
+        )
+    open_ = doubts(best) if len(trials) > 1 else {}
+    settled = [e for e in best.fit.estimates if e.path.rpartition(".")[2] not in open_]
+    stated = [(trial.mechanism, {**trial.shared, **trial.doubts}) for trial in trials]
+    readings = "the readings" if len(trials) > 1 else "the reading"
+    lines += [_range_line(one, best) + limit_text(one, stated, readings) for one in settled]
+    return tuple(lines[:3])
+
+
+def _range_line(estimate: Estimate, best: Candidate) -> str:
+    name = estimate.path.rpartition(".")[2]
+    given = getattr(best.law, name)
+    symbol = f"${estimate.quantity.symbol}$"
+    if not estimate.bounded:
+        return f"{symbol} only to one side: {estimate.reason}."
+    lies = f"{symbol} lies between {estimate.range.replace(' to ', ' and ')}"
+    if best.ordinary:
+        return f"{lies}."
+    inside = estimate.low <= given <= estimate.high
+    doubt = DOUBT_NAMES.get(estimate.interval, f"{estimate.interval} interval")
+    return f"{lies}; the given {_short(given)} is {'inside' if inside else 'outside'} the {doubt}."
+
+
+def _cannot_tell(
+    explained: Sequence[Candidate],
+    best: Candidate | None,
+    unsettled: Mapping[str, str],
+    reading: float,
+    *,
+    ranked: bool,
+) -> tuple[str, ...]:
+    lines = [f"${symbol}${doubt}." for symbol, doubt in unsettled.items()]
+    if not ranked:
+        lines.append("Which friction model is right: no data are left for validation.")
+    others = [value for c in explained if c is best and c.fit for value in c.fit.others]
+    if others:
+        said = " and ".join(_three(value) for value in others)
+        verb = "gives" if len(others) == 1 else "give"
+        lines.insert(0, f"Which value: {said} {verb} the same travel.")
+    lines += _given_lines(explained, reading)
+    return tuple(lines[:3]) or ("How friction behaves at speeds and loads that were not measured.",)
+
+
+def _given_lines(explained: Sequence[Candidate], reading: float) -> list[str]:
+    """Say which parameters taken as given the travel depends on, and on which it does not."""
+    moved: dict[str, float] = {}
+    for c in explained:
+        for name, change in c.influence.items():
+            moved[name] = max(moved.get(name, 0.0), change)
+    idle = _symbols(explained, {name for name, change in moved.items() if change <= reading})
+    busy = _symbols(explained, {name for name, change in moved.items() if change > reading})
+    lines = []
+    if idle:
+        lines.append(f"{idle}: a change of 50 % changes the travel by less than its uncertainty.")
+    if busy:
+        widest = 1e3 * max(moved.values())
+        lines.append(
+            f"{busy}: not fitted. A rise of 50 % changes the travel by up to {_short(widest)} mm,"
+            " for which the fitted level compensates."
+        )
+    return lines
+
+
+def _symbols(explained: Sequence[Candidate], names: set[str]) -> str:
+    found = {
+        name: fields_of(type(c.law))[name].symbol
+        for c in explained
+        for name in fields_of(type(c.law))
+        if name in names and name != "kinetic_coefficient"
+    }
+    return ", ".join(f"${symbol}$" for symbol in dict.fromkeys(found.values()))
+
+
+def _measure_next(
+    explained: Sequence[Candidate], best: Candidate | None, proposal: Proposal | None
+) -> tuple[str, ...]:
+    lines = [] if proposal is None else [proposal.line({c.name: c.title for c in explained})]
+    assumed = {name for c in explained for name in c.assumed}
+    if best is not None and best.score is None:
+        lines += [advice for name, advice in ADVICE.items() if name in assumed]
+    elif proposal is not None and not proposal.settings:
+        rivals = [c for c in explained if c.name in proposal.rivals]
+        wanted = {name for c in rivals for name in c.invented}
+        lines += [advice for name, advice in ADVICE.items() if name in wanted]
+    return tuple(lines[:3])
+
+
+def _no_score(trials: Sequence[Trial], *, ranked: bool) -> str:
+    if ranked:
+        return ""
+    if len(trials) == 1:
+        return "No score and no ranking: one number was measured and one was fitted."
+    return (
+        "No score and no ranking: all trials repeat one setting, so none can be predicted from"
+        " another."
+    )

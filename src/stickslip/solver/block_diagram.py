@@ -1,0 +1,178 @@
+"""A mechanism and its friction as blocks of a diagram, evaluated literally."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import ModuleType
+from typing import NamedTuple, Self
+
+from stickslip.drives import Profile
+from stickslip.formulation import formulate
+from stickslip.friction import (
+    BristleLaw,
+    Coulomb,
+    DirectionalLaw,
+    FrictionLaw,
+    PrintedForm,
+    SetValuedLaw,
+    towards,
+)
+from stickslip.mechanisms import Mechanism
+from stickslip.solver.drive_schedule import gather
+from stickslip.solver.evaluator import Equations
+
+__all__ = ["Diagram", "limits_of"]
+
+
+STAND_IN = Coulomb(kinetic_coefficient=0.0)
+"""The law that a mechanism's own equations are formulated with."""
+
+
+def limits_of(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return what ends runs of a mechanism."""
+    return formulate(mechanism, STAND_IN).limits
+
+
+class Lead(NamedTuple):
+    """A guided coordinate whose profile is a block of the diagram: it gives place and rate."""
+
+    place: int
+    """Index of the coordinate in the state."""
+    rate: int
+    """Index of its rate."""
+    profile: Profile
+    ahead: float
+    """What the run's start adds to the profile's place."""
+    faster: float
+    """What the run's start adds to the profile's rate."""
+
+
+@dataclass(frozen=True)
+class Diagram:
+    """Evaluates forces and rates at a time and a state, as often as asked and nothing else."""
+
+    equations: Equations
+    law: FrictionLaw | PrintedForm
+    bristles: tuple[str, ...]
+    slip: int
+    """Index of the slip velocity in the state."""
+    leads: tuple[Lead, ...]
+
+    @classmethod
+    def build(
+        cls,
+        mechanism: Mechanism,
+        law: FrictionLaw | PrintedForm,
+        t_end: float,
+        y0: Sequence[float],
+    ) -> Self:
+        """Take the mechanism's own equations; any law serves to formulate them."""
+        stand_in = STAND_IN
+        model = formulate(mechanism, stand_in)
+        equations = Equations(model, gather(mechanism, stand_in, model, t_end))
+        bristles = _bristles(law)
+        return cls(equations, law, bristles, equations.module.SLIP, _leads(mechanism, y0))
+
+    @property
+    def module(self) -> ModuleType:
+        """The module of the mechanism's own equations."""
+        return self.equations.module
+
+    def _free(self, t: float, y: Sequence[float], friction: float) -> list[float]:
+        """Return accelerations, normal force, needed friction and power for a friction force."""
+        self.equations.load_at(t)
+        flags = self.equations.flags(t, y)
+        return self.equations("diagram", 0, flags, t, y, given=[friction])
+
+    def _split(self, y: Sequence[float]) -> tuple[float, tuple[float, ...]]:
+        return y[self.slip], tuple(y[self.module.N_STATES :][: len(self.bristles)])
+
+    def led(self, t: float, y: list[float]) -> list[float]:
+        """Return a state whose guided coordinates are where their profiles say.
+
+        Steps would add up what each misses of a phase that ends within it, and the guided
+        coordinate would stray: in a block diagram its motion is a source.
+        """
+        for place, rate, profile, ahead, faster in self.leads:
+            position, speed = profile.at(t)
+            y[place], y[rate] = position + ahead + faster * t, speed + faster
+        return y
+
+    def friction(self, t: float, y: Sequence[float], held: bool) -> tuple[float, float]:
+        """Return friction and normal force; the normal force is that without friction."""
+        *_, normal, needed, _ = self._free(t, y, 0.0)
+        if held:
+            return needed, normal
+        v, z = self._split(y)
+        if isinstance(self.law, PrintedForm):
+            return self.law.force(v, z, normal, needed), normal
+        if isinstance(self.law, BristleLaw):
+            return self.law.force(v, z, normal), normal
+        assert isinstance(self.law, SetValuedLaw | DirectionalLaw)
+        return self.law.force(v, normal), normal
+
+    def holds(self, t: float, y: Sequence[float]) -> bool:
+        """Whether the contact can hold the body, by the law's own rule."""
+        *_, normal, needed, _ = self._free(t, y, 0.0)
+        if isinstance(self.law, PrintedForm):
+            _, z = self._split(y)
+            return self.law.force(0.0, z, normal, needed) == needed
+        if isinstance(self.law, BristleLaw) and not self.law.static_switch:
+            return False
+        level = towards(self.law, 1 if needed > 0.0 else -1).break_away(normal)
+        return bool(abs(needed) <= level)
+
+    def rates(self, t: float, y: Sequence[float], held: bool) -> list[float]:
+        """Return the time derivatives of the state."""
+        friction, normal = self.friction(t, y, held)
+        n = self.module.N_COORDINATES
+        *accelerations, _, _, _ = self._free(t, y, friction)
+        v, z = self._split(y)
+        if held:
+            accelerations[self.slip - n] = 0.0
+        bristle_rates: tuple[float, ...] = (0.0,) * len(z)
+        if z and not held and isinstance(self.law, BristleLaw | PrintedForm):
+            bristle_rates = _bristle_rates(self.law, v, z, normal)
+        return [*y[n : 2 * n], *accelerations, *bristle_rates]
+
+    def sample(self, t: float, y: Sequence[float], held: bool) -> list[float]:
+        """Return time, state, friction force, normal force and mode."""
+        friction, normal = self.friction(t, y, held)
+        v = y[self.slip]
+        return [t, *y, friction, normal, 0.0 if held else float((v > 0) - (v < 0))]
+
+    def energy(self, t: float, y: Sequence[float]) -> float:
+        """Return the mechanical energy [J]."""
+        self.equations.load_at(t)
+        (energy,) = self.equations("energy", 0, self.equations.flags(t, y), t, y)
+        return float(energy)
+
+    def power(self, t: float, row: Sequence[float]) -> tuple[float, float]:
+        """Return the power supplied and that taken by friction [W], for a state and its forces."""
+        friction = row[-3]
+        *_, supplied = self._free(t, row, friction)
+        return supplied, friction * row[self.slip]
+
+
+def _leads(mechanism: Mechanism, y0: Sequence[float]) -> tuple[Lead, ...]:
+    """Return the guided coordinates that a profile tells of, from where the run begins."""
+    drives, n = mechanism.drives(), len(mechanism.coordinates)
+    found = []
+    for name, guide in mechanism.guided().items():
+        profile, place = drives[guide.drive], mechanism.coordinates.index(name)
+        if isinstance(profile, Profile):
+            position, speed = profile.at(0.0)
+            ahead, faster = y0[place] - position, y0[n + place] - speed
+            found.append(Lead(place, n + place, profile, ahead, faster))
+    return tuple(found)
+
+
+def _bristles(law: FrictionLaw | PrintedForm) -> tuple[str, ...]:
+    return law.bristles if isinstance(law, (BristleLaw, PrintedForm)) else ()
+
+
+def _bristle_rates(
+    law: FrictionLaw | PrintedForm, v: float, z: tuple[float, ...], load: float
+) -> tuple[float, ...]:
+    assert isinstance(law, (BristleLaw, PrintedForm))
+    rates: tuple[float, ...] = law.bristle_rates(v, z, load)
+    return rates

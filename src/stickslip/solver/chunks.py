@@ -1,0 +1,203 @@
+"""Runs many rows in chunks: the work of an ensemble, cut so that it fits any executor."""
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.formulation import Model, formulate
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.solver.backend import Runner, runner_of
+from stickslip.solver.drive_schedule import schedule, values_of
+from stickslip.solver.event_driven import EventDriven
+from stickslip.solver.reducers import Output, asked, is_gradient
+from stickslip.solver.run import FIRST_ROWS
+from stickslip.solver.sensitivities import Directions, directions_of
+
+__all__ = ["Chunk", "Job", "run_chunks"]
+
+Array = NDArray[np.float64]
+MOST_ROWS = 4096
+"""Runs in a chunk: some ten milliseconds of work, and memory that does not grow with the whole."""
+MOST_NUMBERS = 1 << 21
+"""Numbers that the drives' tables of a chunk may have."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """What all chunks have in common; can be sent to another process."""
+
+    mechanism: Mechanism
+    law: FrictionLaw
+    y0: tuple[float, ...]
+    t_end: float
+    outputs: Mapping[str, Output]
+    solver: EventDriven
+    count: int
+    """Number of runs."""
+    told: tuple[str, ...]
+    """States that begin where the mechanism says."""
+
+    def gradients(self) -> tuple[str, ...]:
+        """Return the full paths of which sensitivities are wanted."""
+        return tuple(sorted({o.parameter for o in self.outputs.values() if is_gradient(o)}))
+
+    def model(self) -> Model:
+        """Return the equations, with their slopes where they are needed."""
+        return formulate(self.mechanism, self.law, slopes=bool(self.gradients()))
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Some rows of an ensemble, or what came of them."""
+
+    start: int
+    results: Array
+    """(rows, columns)."""
+    statuses: NDArray[np.int8]
+    evidence: Array
+    """(rows, 5): energy error, guard violation, event residual, steps, rejected steps."""
+    gradients: Array
+    """(rows, states, paths): sensitivities at the end."""
+
+
+def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
+    """Run some rows, whose parameters stand in `columns`, an array (rows,) by path."""
+    model = job.model()
+    runner = _runner(job)
+    module, vector = runner.module, runner.flat
+    rows = len(next(iter(columns.values())))
+    driven = {path: column for path, column in columns.items() if path.count(".") > 1}
+    plan = schedule(job.mechanism, driven, rows if driven else 1, job.t_end)
+    kinds, arguments, _ = asked(job.outputs, model, job.t_end, job.count)
+    own = arguments[start : start + rows] if len(arguments) > 1 else arguments
+    along = directions_of(
+        job.mechanism, job.law, job.gradients(), columns, plan.table, job.t_end, job.told
+    )
+    width = len(kinds) // 2
+    results, evidence = runner.zeros(rows * width), runner.zeros(rows * module.EVIDENCE)
+    statuses, gradients = runner.zeros(rows), runner.zeros(rows * along.start.size)
+    call: list[Any] = [
+        rows,
+        vector(np.column_stack(list(columns.values()))),
+        vector(_places(model, module, columns)),
+        _base(job, runner),
+        vector(plan.table),
+        vector(plan.bounds if plan.bounds.size else np.zeros((len(plan.table), 1))),
+        vector(plan.time_scale / 6.0),
+        vector(kinds),
+        vector(own),
+        *_settings(job, runner, along),
+    ]
+    if job.gradients():
+        sensed = [vector(along.start), vector(along.table), vector(along.own), along.quantities]
+        module.enter_batch_sensed(*call, results, statuses, evidence, *sensed, gradients)
+    else:
+        module.enter_batch(*call, results, statuses, evidence)
+    return Chunk(
+        start,
+        np.reshape(results, (rows, width)),
+        np.asarray(statuses, dtype=np.int8),
+        np.reshape(evidence, (rows, -1)),
+        np.reshape(gradients, (rows, *along.start.shape)),
+    )
+
+
+def _settings(job: Job, runner: Runner, along: Directions) -> list[Any]:
+    """Return what the runs of a chunk are made with: end, limits, and room to work in."""
+    module = runner.module
+    whole = runner.whole()
+    whole[module.BOOKS] = 1
+    size = max(module.SIZE, module.sense_size(along.quantities, len(along.own)))
+    return [
+        job.t_end,
+        job.solver.tolerance_for(job.law),
+        int(job.solver.max_steps),
+        runner.zeros(size),
+        whole,
+        runner.zeros(FIRST_ROWS * module.ROW_COLUMNS),
+        runner.zeros(FIRST_ROWS * module.EVENT_COLUMNS),
+    ]
+
+
+def _runner(job: Job) -> Runner:
+    return runner_of(job.model(), compiled=job.solver.tier != "python", ensembles=True)
+
+
+def _places(model: Model, module: ModuleType, columns: Mapping[str, Array]) -> list[float]:
+    """Return where in the vector of a run each column goes."""
+    paths = {path: model.first_parameter + i for i, path in enumerate(model.parameter_paths)}
+    paths |= {f"initial.{state}": module.Y + i for i, state in enumerate(model.states)}
+    return [float(paths[path]) for path in columns]
+
+
+def _base(job: Job, runner: Runner) -> Any:
+    """Return the vector of a run with the numbers that all rows share."""
+    model = job.model()
+    values = values_of(job.mechanism, job.law)
+    numbers = [float(values[path]) for path in model.parameter_paths]
+    base = runner.working(numbers, model.first_parameter)
+    for i, value in enumerate(job.y0, runner.module.Y):
+        base[i] = value
+    return base
+
+
+def _cuts(job: Job, columns: Mapping[str, Array]) -> Iterator[tuple[int, Mapping[str, Array]]]:
+    """Yield first row and columns of each chunk."""
+    pieces = schedule(job.mechanism, {}, 1, job.t_end).table.size + 1
+    rows = max(1, min(MOST_ROWS, MOST_NUMBERS // pieces))
+    for start in range(0, job.count, rows):
+        yield start, {path: column[start : start + rows] for path, column in columns.items()}
+
+
+def run_chunks(
+    job: Job,
+    columns: Mapping[str, Array],
+    executor: Executor | None,
+    keep: Callable[[Chunk], bool],
+) -> None:
+    """Run all rows and hand over each chunk as it comes; `keep` says whether to go on."""
+    if not (executor is None or hasattr(executor, "submit")):
+        raise InputError(f"executor must be a concurrent.futures.Executor, got {executor!r}.")
+    _runner(job)  # compiled here, if it has to be, and not in all threads at once
+    own = ThreadPoolExecutor(os.cpu_count() or 1) if executor is None else None
+    pool = executor or own
+    assert pool is not None
+    cuts = _cuts(job, columns)
+    most = 2 * (os.cpu_count() or 1) + 2
+    pending: set[Future[Chunk]] = set()
+    try:
+        for start, part in cuts:
+            pending.add(pool.submit(run_chunk, job, start, part))
+            while len(pending) >= most:
+                pending, going = _collect(pending, keep)
+                if not going:
+                    return
+        while pending:
+            pending, going = _collect(pending, keep)
+            if not going:
+                return
+    finally:
+        for future in pending:
+            future.cancel()
+        if own is not None:
+            own.shutdown(cancel_futures=True)
+
+
+def _collect(
+    pending: set[Future[Chunk]], keep: Callable[[Chunk], bool]
+) -> tuple[set[Future[Chunk]], bool]:
+    """Wait for the next chunks; return what is still pending, and whether to go on."""
+    done, waiting = wait(pending, return_when=FIRST_COMPLETED)
+    going = True
+    for future in done:
+        chunk = future.result()
+        going = going and keep(chunk)
+    return waiting, going

@@ -1,0 +1,1 @@
+"""Generated modules, compiled by Numba and kept on disk."""

@@ -1,0 +1,116 @@
+"""What is compiled at once: the kernels of a shape, or the equations of a pair."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from stickslip.formulation import Model
+from stickslip.solver.compile.codegen import equations_text, kernels_text
+from stickslip.solver.compile.module_cache import is_kept, keep, locked, module_of
+
+__all__ = ["Part", "parts_of"]
+
+EQUATIONS = "equations"
+RUNS = ("enter_run", "enter_play")
+ENSEMBLES = ("enter_batch",)
+SENSES = ("enter_sense",)
+SENSED_ENSEMBLES = ("enter_batch_sensed",)
+"""Entries of the kernels; one entry calls no other, and each has files of its own."""
+TAKES = {
+    "enter_run": "VWVVfffiVV",
+    "enter_play": "ViVVVVVV",
+    "enter_batch": "iVVVVVVVVffiVWVVVVV",
+    "enter_sense": "ViViVVVViVV",
+    "enter_batch_sensed": "iVVVVVVVVffiVWVVVVVVVViV",
+}
+"""Arguments of the entries: (V)ectors of reals, of (W)holes, and single re(f)als and whole (i)."""
+SECONDS = {EQUATIONS: 1, RUNS[0]: 2, ENSEMBLES[0]: 3, SENSES[0]: 5, SENSED_ENSEMBLES[0]: 9}
+KERNELS = 10
+"""What compiling takes, for a message; kernels have a part that all their entries share."""
+
+_ready: set[tuple[str, str]] = set()
+"""Texts and entries whose machine code is in this process."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """Machine code that is compiled at once and kept in files of its own."""
+
+    title: str
+    """Mechanism and law for whose sake it is compiled."""
+    text: str
+    """Text of its module."""
+    entries: tuple[str, ...]
+    """Functions that are called from outside."""
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether it serves all equations of a shape."""
+        return self.entries != (EQUATIONS,)
+
+    def is_ready(self) -> bool:
+        """Whether it is in this process."""
+        return all((self.text, entry) in _ready for entry in self.entries)
+
+    def is_kept(self) -> bool:
+        """Whether it can be loaded."""
+        return all(is_kept(self.text, entry) for entry in self.entries)
+
+    def seconds(self) -> float:
+        """Return about how long compiling takes."""
+        shared = KERNELS if self.is_shared else 0
+        return shared + sum(SECONDS.get(entry, 0) for entry in self.entries)
+
+    def load(self) -> bool:
+        """Load it, or compile it and keep it; return whether it was compiled."""
+        if self.is_kept():
+            return self._load()
+        with locked(self.text):
+            return self._load()
+
+    def _load(self) -> bool:
+        module = module_of(self.text, compiled=True)
+        compiled = [_compile(module, entry) for entry in self.entries]
+        for entry in self.entries:
+            if not is_kept(self.text, entry):
+                keep(self.text, entry, _files(module, entry))
+            _ready.add((self.text, entry))
+        return any(compiled)
+
+
+def _compile(module: ModuleType, entry: str) -> bool:
+    """Load or compile one function; return whether it was compiled."""
+    function: Any = getattr(module, entry)
+    if entry == EQUATIONS:
+        return not function.cache_hits  # it was compiled when the module was executed
+    signature = _signature(entry)
+    function.compile(signature)
+    return bool(function.stats.cache_misses)
+
+
+def _signature(entry: str) -> tuple[Any, ...]:
+    from numba import types
+
+    kinds = {"V": types.float64[::1], "W": types.int64[::1], "f": types.float64, "i": types.int64}
+    return tuple(kinds[letter] for letter in TAKES[entry])
+
+
+def _files(module: ModuleType, entry: str) -> list[Path]:
+    """Return the files that hold the machine code of a function."""
+    function: Any = getattr(module, entry)
+    cache = function._cache if entry == EQUATIONS else function.stats  # numba has no other way
+    return list(Path(cache.cache_path).glob(f"{module.__name__}.{entry}-*.nb[ic]"))
+
+
+def parts_of(model: Model, *, runs: bool = True, ensembles: bool) -> list[Part]:
+    """Return what single runs of a model need, or ensembles, or both; the equations come last.
+
+    Of a model with slopes, what sensitivities need.
+    """
+    if model.has_slopes:
+        entries = (SENSES if runs else ()) + (SENSED_ENSEMBLES if ensembles else ())
+    else:
+        entries = (RUNS if runs else ()) + (ENSEMBLES if ensembles else ())
+    kernels = Part(model.title, kernels_text(model.shape), entries)
+    return [kernels, Part(model.title, equations_text(model), (EQUATIONS,))]

@@ -1,0 +1,83 @@
+"""Plays a recorded run back at any times."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.formulation import Model
+from stickslip.solver.backend import Runner
+from stickslip.solver.drive_schedule import Inputs
+
+__all__ = ["Playback"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Playback:
+    """The rows of a run: start, end, length, mode, flags, piece, states, dense output."""
+
+    model: Model
+    runner: Runner
+    inputs: Inputs
+    log: Any
+    """The rows one after the other, as the tier keeps them: a list or an array."""
+    rows: Array
+    """The same, a row a step."""
+
+    @classmethod
+    def from_log(
+        cls, model: Model, runner: Runner, inputs: Inputs, log: Sequence[float], count: int
+    ) -> Self:
+        """Take the recorded part of a log."""
+        width = runner.module.ROW_COLUMNS
+        log = log[: count * width]
+        return cls(
+            model, runner, inputs, log, np.array(log, dtype=np.float64).reshape(count, width)
+        )
+
+    @property
+    def module(self) -> ModuleType:
+        """The kernels that recorded the run."""
+        return self.runner.module
+
+    def span(self) -> tuple[float, float]:
+        """Return the first and the last time."""
+        return float(self.rows[0, 0]), float(self.rows[-1, 1])
+
+    def times(self) -> Array:
+        """Return the ends of the steps."""
+        return np.append(self.rows[:, 0], self.rows[-1, 1])
+
+    def played(self, t: Array) -> tuple[Array, Array, NDArray[np.intp]]:
+        """Return states (n, states), forces (n, 2 + channels) and rows (n,) at times."""
+        n, size, wide = self.module.N_STATES, len(t), 2 + len(self.model.channels)
+        states, forces, rows = (self.runner.zeros(size * width) for width in (n, wide, 1))
+        self.module.enter_play(
+            self.log,
+            len(self.rows),
+            self.runner.flat(t),
+            self.runner.flat(self.inputs.table),
+            self.runner.working(self.inputs.p, self.inputs.first),
+            states,
+            forces,
+            rows,
+        )
+        return (
+            np.reshape(states, (size, n)),
+            np.reshape(forces, (size, wide)),
+            np.asarray(rows, dtype=np.intp),
+        )
+
+    def __call__(self, t: Array) -> Mapping[str, Array]:
+        """Return all columns at an array of times."""
+        states, forces, rows = self.played(t)
+        columns: dict[str, Any] = dict(zip(self.model.states, states.T, strict=True))
+        columns |= dict(
+            zip(("friction", "normal_force", *self.model.channels), forces.T, strict=True)
+        )
+        return columns | {"mode": self.rows[rows, 3].astype(np.int8)}

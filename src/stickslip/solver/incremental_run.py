@@ -1,0 +1,115 @@
+"""A run that goes on stretch by stretch, because what drives it is told as late as it begins."""
+
+import math
+from bisect import bisect_left
+from collections.abc import Sequence
+from typing import Any, final
+
+from stickslip.formulation import formulate
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.solver.backend import runner_of
+from stickslip.solver.compile.modules import is_loaded
+from stickslip.solver.drive_schedule import gather
+from stickslip.solver.event_driven import EventDriven, trajectory_of
+from stickslip.solver.initial_states import within_stops
+from stickslip.solver.run import FIRST_ROWS, Record
+from stickslip.trajectory import Trajectory
+
+__all__ = ["Onward"]
+
+
+@final
+class Onward:
+    """A run from time 0 on, of which one drive is told stretch by stretch.
+
+    Nothing is started anew between stretches: mode, events, work and errors go on, and what is
+    recorded is one run with one certificate.
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        law: FrictionLaw,
+        *,
+        drive: str,
+        y0: Sequence[float],
+        t_end: float,
+        solver: EventDriven,
+    ) -> None:
+        """Begin at time 0.
+
+        `drive` is the name of the drive that is told; the mechanism's own one has zeros, with a
+        piece for each stretch.
+        """
+        self.law, self.t_end, self.solver = law, t_end, solver
+        self.model = model = formulate(mechanism, law)
+        compiled = solver.tier == "compiled" or (solver.tier == "auto" and is_loaded(model))
+        self.runner = runner = runner_of(model, compiled=compiled)
+        self.module = module = runner.module
+        inputs = gather(mechanism, law, model, t_end)
+        self._width = 1 + 3 * len(model.drives)
+        self._column = 1 + 3 * model.drives.index(drive)
+        self._starts = inputs.table[:: self._width].tolist()
+        self._row = 0
+        self._table = runner.flat(inputs.table)
+        # what is not told yet may do anything, so no rest is for good
+        self._bounds = runner.vector([math.inf] * max(len(inputs.bounds), 1))
+        self._cap = inputs.time_scale / 6.0
+        self._w, self._whole = runner.working(inputs.p, inputs.first), runner.whole()
+        self._log = runner.zeros(FIRST_ROWS * module.ROW_COLUMNS)
+        self._events = runner.zeros(2 * module.MOST_EVENTS * module.EVENT_COLUMNS)
+        self._whole[module.BOOKS] = 1
+        for i, value in enumerate(within_stops(mechanism, y0), module.Y):
+            self._w[i] = float(value)
+
+    @property
+    def t(self) -> float:
+        """Time that is reached [s]."""
+        return float(self._w[self.module.TIME])
+
+    def state(self) -> list[float]:
+        """Return the states at that time."""
+        first = self.module.Y
+        return [float(x) for x in self._w[first : first + self.module.N_STATES]]
+
+    def advance(self, until: float, value: float, slope: float = 0.0) -> bool:
+        """Run on to a time, the drive beginning with a value; return whether it was reached."""
+        last, now = bisect_left(self._starts, until), self.t
+        for row in range(self._row, last):
+            at = row * self._width + self._column
+            self._table[at] += value + slope * max(self._starts[row] - now, 0.0)
+            self._table[at + 1] += slope
+        self._row = last
+        module = self.module
+        self._make_room()
+        self._log, self._events = module.enter_run(
+            self._w,
+            self._whole,
+            self._table,
+            self._bounds,
+            until,
+            self.solver.tolerance_for(self.law),
+            self._cap,
+            int(self.solver.max_steps),
+            self._log,
+            self._events,
+        )
+        return bool(self.t >= until)
+
+    def _make_room(self) -> None:
+        """See to room for what a stretch begins with; the kernels see to more."""
+        needed = int(self._whole[self.module.EVENTS]) + self.module.MOST_EVENTS
+        needed *= self.module.EVENT_COLUMNS
+        if needed > len(self._events):
+            longer: Any = self.runner.zeros(2 * needed)
+            longer[: len(self._events)] = self._events
+            self._events = longer
+
+    def finished(self, mechanism: Mechanism) -> Trajectory:
+        """Return the run, of the mechanism with the drive that was told."""
+        inputs = gather(mechanism, self.law, self.model, self.t_end)
+        whole = [int(x) for x in self._whole]
+        record = Record(self.runner, self._log, self._events, self._w, whole)
+        tolerance = self.solver.tolerance_for(self.law)
+        return trajectory_of(mechanism, self.law, self.model, inputs, record, tolerance, self.t_end)

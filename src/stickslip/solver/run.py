@@ -1,0 +1,73 @@
+"""Runs a model in one of the two tiers: plain Python at once, or compiled by numba."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from stickslip.formulation import Model, formulate
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
+from stickslip.solver.backend import Runner, runner_of
+from stickslip.solver.compile.modules import is_loaded, load_compiled
+from stickslip.solver.drive_schedule import Inputs
+
+__all__ = ["Record", "Tier", "execute", "prepare"]
+
+Tier: TypeAlias = Literal["auto", "python", "compiled"]
+
+FIRST_ROWS = 64
+"""Rows of steps and of events that a run begins with room for."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """What the kernels wrote down of a run."""
+
+    runner: Runner
+    """What ran it, for what is asked of the run later."""
+    log: Sequence[float]
+    events: Sequence[float]
+    w: Sequence[float]
+    """The vector of the run at its end."""
+    whole: Sequence[int]
+
+
+def execute(
+    model: Model,
+    inputs: Inputs,
+    y0: Sequence[float],
+    *,
+    t_end: float,
+    tolerance: float,
+    limit: int,
+    tier: Tier,
+) -> Record:
+    """Run a model from time 0 to `t_end`."""
+    runner = runner_of(model, compiled=tier == "compiled" or (tier == "auto" and is_loaded(model)))
+    module = runner.module
+    w, whole = runner.working(inputs.p, inputs.first), runner.whole()
+    for i, value in enumerate(y0, module.Y):
+        w[i] = float(value)
+    whole[module.BOOKS] = 1
+    log, events = module.enter_run(
+        w,
+        whole,
+        runner.flat(inputs.table),
+        runner.flat(inputs.bounds if len(inputs.bounds) else [0.0]),
+        t_end,
+        tolerance,
+        inputs.time_scale / 6.0,
+        limit,
+        runner.zeros(FIRST_ROWS * module.ROW_COLUMNS),
+        runner.zeros(FIRST_ROWS * module.EVENT_COLUMNS),
+    )
+    return Record(runner, log, events, w, [int(x) for x in whole])
+
+
+def prepare(mechanism: Mechanism, law: FrictionLaw) -> None:
+    """Compile the equations of a pair, or load the machine code that an earlier process left.
+
+    Afterwards runs of the same equations in this process are compiled ones, whatever their
+    parameters.
+    """
+    load_compiled(formulate(mechanism, law))

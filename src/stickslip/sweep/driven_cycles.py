@@ -1,0 +1,102 @@
+"""What each cycle of the drives brings."""
+
+import math
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from stickslip.mechanisms import Mechanism, slip_names
+from stickslip.mechanisms.drive_period import WHOLE
+from stickslip.trajectory import Trajectory
+
+__all__ = ["DrivenCycle", "cycles_in"]
+
+GRID = 2000
+"""Evenly spaced times of a cycle at which extremes are sought, beside the solver's own."""
+STILL = 1e-6
+"""Share of the ways to and fro below which a travel is rounding, or what is left of a transient."""
+MOST_TIMES = 100_000
+"""Times of all cycles together: of very many cycles each has fewer."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class DrivenCycle:
+    """What the slipping body does in one cycle of the drives."""
+
+    begin: float
+    """When it begins [s]."""
+    period: float
+    """How long it lasts [s]."""
+    travel: float
+    """Last position less the first [m] or [rad]."""
+    back_slip: float
+    """All motion in the negative direction [m] or [rad]."""
+    least_velocity: float
+    """Lowest velocity [m/s] or [rad/s]."""
+    least_normal_force: float
+    """Lowest normal force [N]."""
+
+    @property
+    def mean_velocity(self) -> float:
+        """Travel over duration [m/s] or [rad/s]."""
+        return self.travel / self.period
+
+    @property
+    def moves_on(self) -> bool:
+        """Whether the travel is more than rounding of the ways to and fro."""
+        return abs(self.travel) > STILL * (abs(self.travel) + self.back_slip)
+
+
+def cycles_in(run: Trajectory, mechanism: Mechanism, period: float) -> tuple[DrivenCycle, ...]:
+    """Return what a run does in each whole cycle from its start on.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    mechanism : Mechanism
+        Whose run it is.
+    period : float
+        Length of a cycle [s], such as `cycle_of` returns.
+
+    Returns
+    -------
+    tuple of DrivenCycle
+        In the order of time; none if the run is shorter than a cycle.
+
+    Examples
+    --------
+    >>> import math
+    >>> from stickslip import Coulomb, PendulumCart, Prescribed, ThreePhase, simulate
+    >>> swing = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
+    >>> cart = PendulumCart(
+    ...     cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing)
+    ... )
+    >>> run = simulate(cart, Coulomb(kinetic_coefficient=0.2), t_end=2 * swing.period)
+    >>> [round(one.travel, 7) for one in cycles_in(run, cart, swing.period)]
+    [0.0248596, 0.0634659]
+    """
+    slip, rate = slip_names(mechanism)
+    first, last = run.span
+    count = math.floor((last - first) / period * (1.0 + WHOLE))
+    found = []
+    samples = max(min(GRID, MOST_TIMES // max(count, 1)), 2)
+    for k in range(count):
+        begin, end = first + k * period, min(first + (k + 1) * period, last)
+        # the velocity changes its sign at the solver's own times, so that back-slip is exact
+        own = run.t[(run.t > begin) & (run.t < end)]
+        seen = run.at(np.union1d(np.linspace(begin, end, samples), own))
+        x = seen[slip]
+        found.append(
+            DrivenCycle(
+                begin=begin,
+                period=period,
+                travel=float(x[-1] - x[0]),
+                back_slip=float(np.maximum(-np.diff(x), 0.0).sum()),
+                least_velocity=float(seen[rate].min()),
+                least_normal_force=float(seen["normal_force"].min()),
+            )
+        )
+    return tuple(found)

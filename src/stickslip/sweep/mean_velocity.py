@@ -1,0 +1,239 @@
+"""Mean velocity over grids of parameters."""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.errors import InputError
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism, slip_names
+from stickslip.simulation import check_pair, ensemble
+from stickslip.solver import EventDriven, Mean, Output
+from stickslip.sweep.parameter_grid import (
+    Array,
+    Progress,
+    Tally,
+    axis_of,
+    compiled,
+    counted,
+    cycles_of,
+    near,
+    product,
+    unit_of,
+    whole_run,
+)
+from stickslip.trajectory import Ensemble, Status
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["VelocityMap", "average_velocity"]
+
+TOGETHER = 1.25
+"""Runs whose periods differ by less share an ensemble, and so an end: a quarter of it is lost."""
+STILL = 1e-3
+"""Share of the largest velocity of a map below which a body counts as staying where it is."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class VelocityMap:
+    """Mean velocities over a grid; arrays have one dimension for each of the `axes`."""
+
+    axes: Mapping[str, Array]
+    """What varies, an array for each full path."""
+    units: Mapping[str, str]
+    """SI unit of each path."""
+    unit: str
+    """SI unit of the velocity."""
+    velocity: Array
+    """Mean slip velocity over whole cycles; NaN where a run ended early."""
+    unsettled: Array
+    """How far the second half of these cycles differs from all of them: 0 in a steady motion."""
+    period: Array
+    """Length of a cycle [s]."""
+    status: NDArray[np.object_]
+    """How each run ended, a `Status` each."""
+    certified: NDArray[np.bool_]
+    """Whether each run passed every check of its certificate."""
+
+    def reversals(self) -> Array:
+        """Return where the velocity changes its sign along the only axis, by straight lines.
+
+        Where the body does not move on, its velocity has no sign: between motion one way and the
+        other with such points in between, their middle counts.
+        """
+        if len(self.axes) != 1:
+            raise InputError(f"reversals are those along one axis, this map has {len(self.axes)}.")
+        (values,) = self.axes.values()
+        moving = self.moves()
+        x, v, rows = values[moving], self.velocity[moving], np.flatnonzero(moving)
+        turns = np.flatnonzero(v[1:] * v[:-1] < 0.0)
+        apart = rows[turns + 1] - rows[turns] > 1
+        share = np.where(apart, 0.5, v[turns] / (v[turns] - v[turns + 1]))
+        found: Array = x[turns] + share * (x[turns + 1] - x[turns])
+        return found
+
+    def moves(self) -> NDArray[np.bool_]:
+        """Return where the body moves on: its velocity is not small, and larger than its doubt."""
+        least = STILL * float(np.nanmax(np.abs(self.velocity), initial=0.0))
+        with np.errstate(invalid="ignore"):
+            found: NDArray[np.bool_] = np.abs(self.velocity) > np.maximum(
+                least, 2.0 * self.unsettled
+            )
+        return found
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return a row for each point of the grid."""
+        import pandas as pd
+
+        columns: dict[str, object] = dict(product(self.axes))
+        columns |= {"period": self.period.ravel(), "velocity": self.velocity.ravel()}
+        columns |= {"unsettled": self.unsettled.ravel()}
+        columns["status"] = [status.name for status in self.status.ravel()]
+        return pd.DataFrame(columns | {"certified": self.certified.ravel()})
+
+
+def average_velocity(
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    parameters: Mapping[str, ArrayLike],
+    *,
+    cycles: int = 20,
+    settle: int = 100,
+    period: float | None = None,
+    y0: Mapping[str, float] | Sequence[float] | None = None,
+    solver: EventDriven | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> VelocityMap:
+    """Return the mean slip velocity of a driven mechanism over a grid of parameters.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        What holds it back.
+    parameters : mapping
+        The axes of the grid, an array for each path as in `ensemble`, such as
+        ``"mechanism.drive.drive.frequency"``; all their combinations are run.
+    cycles : int
+        Whole cycles of the drive over which the mean is taken; even, so that they can be halved.
+    settle : int
+        Cycles before them, at least.
+    period : float, optional
+        Length of a cycle [s] in all runs; that of each run's drives if not given.
+    y0 : mapping or sequence, optional
+        Initial states, as in `simulate`.
+    solver, executor
+        As in `ensemble`.
+    progress : callable, optional
+        Called with the number of runs done and of all; if it returns False, no more begin.
+
+    Returns
+    -------
+    VelocityMap
+        Velocities, how settled they are, and how each run ended.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used, or the drives have no cycle.
+
+    Examples
+    --------
+    >>> from stickslip import Capsule, Coulomb, Prescribed, ThreePhase
+    >>> stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
+    >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
+    >>> friction = {"kinetic_coefficient": [0.2, 0.3]}
+    >>> found = average_velocity(capsule, Coulomb(kinetic_coefficient=0.2), friction, settle=2)
+    >>> found.velocity.round(6)
+    array([0.046037, 0.032335])
+    """
+    check_pair(mechanism, law)
+    _check(parameters, cycles, settle)
+    if period is None:
+        whole_run("average_velocity", mechanism, settle + cycles)
+    axes = dict(axis_of(mechanism, law, path, values) for path, values in parameters.items())
+    columns = product(axes)
+    periods = cycles_of(mechanism, columns, period)
+    table, tally = _Table(len(periods)), Tally(len(periods), progress)
+    for rows in near(periods, TOGETHER):
+        if not tally.going:
+            break
+        runs = ensemble(
+            mechanism,
+            law,
+            {path: values[rows] for path, values in columns.items()},
+            t_end=float((settle + cycles) * periods[rows].max()),
+            outputs=_means(slip_names(mechanism)[1], cycles, periods[rows]),
+            y0=y0,
+            solver=compiled(solver),
+            executor=executor,
+            progress=tally.part(),
+        )
+        table.keep(rows, runs)
+    units = {path: unit_of(mechanism, law, path) for path in axes}
+    shape = tuple(map(len, axes.values()))
+    return table.mapped(axes, units, shape, periods, _unit(mechanism))
+
+
+def _check(parameters: object, cycles: int, settle: int) -> None:
+    counted("average_velocity", "settle", settle, 0)
+    if counted("average_velocity", "cycles", cycles, 2) % 2:
+        raise InputError(f"average_velocity: cycles must be even, got {cycles}.")
+    if not isinstance(parameters, Mapping) or not parameters:
+        raise InputError(f"parameters must map at least one path to numbers, got {parameters!r}.")
+
+
+def _means(rate: str, cycles: int, periods: Array) -> dict[str, Output]:
+    return {
+        "all": Mean(rate, last=cycles * periods),
+        "late": Mean(rate, last=cycles // 2 * periods),
+    }
+
+
+def _unit(mechanism: Mechanism) -> str:
+    slip, _ = slip_names(mechanism)
+    return mechanism.units[mechanism.coordinates.index(slip)] + "/s"
+
+
+class _Table:
+    """What came of the runs, a row each."""
+
+    def __init__(self, count: int) -> None:
+        self.velocity = np.full(count, np.nan)
+        self.late = np.full(count, np.nan)
+        self.status: NDArray[np.object_] = np.full(count, Status.CANCELLED, dtype=object)
+        self.certified = np.zeros(count, dtype=np.bool_)
+
+    def keep(self, rows: NDArray[np.intp], runs: Ensemble) -> None:
+        """Keep the runs of an ensemble; those that ended early have no mean motion."""
+        whole = np.array([status.complete for status in runs.status])
+        self.velocity[rows] = np.where(whole, runs["all"], np.nan)
+        self.late[rows] = np.where(whole, runs["late"], np.nan)
+        self.status[rows], self.certified[rows] = runs.status, runs.certified
+
+    def mapped(
+        self,
+        axes: Mapping[str, Array],
+        units: Mapping[str, str],
+        shape: tuple[int, ...],
+        periods: Array,
+        unit: str,
+    ) -> VelocityMap:
+        """Return all of it over the grid."""
+        return VelocityMap(
+            axes=axes,
+            units=units,
+            unit=unit,
+            velocity=self.velocity.reshape(shape),
+            unsettled=np.abs(self.late - self.velocity).reshape(shape),
+            period=periods.reshape(shape),
+            status=self.status.reshape(shape),
+            certified=self.certified.reshape(shape),
+        )
