@@ -503,5 +503,5 @@ def test_a_law_whose_search_was_cut_short_is_not_judged_and_says_so():
         candidates=[dataclasses.replace(verdict.best, validation=short), *verdict.candidates[1:]],
     )
     (line,) = again.missing
-    assert line.startswith("No error on the last third (quadratic-drag): no segment of 4 s lies in")
+    assert line.startswith("No error on the last third (quadratic-drag): no segment of 3 s lies in")
     assert any("cut short" in sentence for sentence in dahl.fit.sentences)
