@@ -1,12 +1,14 @@
 """What ``stickslip select`` prints of a verdict: the laws beside each other, and what is open."""
 
 import math
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple, TypeAlias
 
 from stickslip.cli.console import NONE, plain, show_table, stdout
 from stickslip.cli.inputs import show_estimates, show_open, show_warnings
 from stickslip.cli.trials import show_trials
+from stickslip.experiments import Checks
+from stickslip.identification import Estimate, TrialComparison
 from stickslip.identification.features.features import COMPARED
 from stickslip.report.numbers import interval, length, significant
 from stickslip.selection import (
@@ -22,50 +24,48 @@ from stickslip.selection.record_wording import error_text
 
 __all__ = ["AnyVerdict", "show_verdict"]
 
-AnyVerdict = TravelVerdict | RecordVerdict | FeatureVerdict
+AnyVerdict: TypeAlias = TravelVerdict | RecordVerdict | FeatureVerdict
 SHORT = {"standard_deviation": "deviation"}
 """Heads of columns, which are to fit on a terminal of 80 characters."""
 
 
 class Comparison(NamedTuple):
-    """The laws beside each other."""
+    """The laws beside each other, and what stands above and below."""
 
     heads: Sequence[str]
     rows: Sequence[Sequence[str]]
-    notes: Sequence[str]
+    notes: Sequence[str] = ()
     """Lines below: what became of each law, and why a cell is empty."""
+    checks: Checks | None = None
+    """What is doubtful about the record."""
+    fitted: tuple[str, Sequence[Estimate]] | None = None
+    """The law that is named or closest, with its parameters, where the table does not have them."""
+    trials: TrialComparison | None = None
+    """Whether several trials share one law."""
 
 
 def show_verdict(verdict: AnyVerdict) -> None:
     """Print the verdict, the comparison, the parameters of the law that is named, what is open."""
     words, console = verdict.words, stdout()
-    if not isinstance(verdict, TravelVerdict):
-        show_warnings(verdict.checks)
+    table = COMPARISONS[type(verdict)](verdict)
+    if table.checks:
+        show_warnings(table.checks)
     console.print(f"\n{plain(words.verdict)}", markup=False, style="bold")
     console.print(plain(words.lede), markup=False)
     if words.no_score:
         console.print(words.no_score, markup=False, style="dim")
-    table = _comparison(verdict)
     console.print()
-    whole = () if isinstance(verdict, TravelVerdict) else table.heads
-    show_table("", table.heads, table.rows, whole=whole)
-    if table.notes and not isinstance(verdict, TravelVerdict):
+    show_table("", table.heads, table.rows, whole=table.heads if table.fitted else ())
+    if table.notes:
         console.print()
     for line in table.notes:
         console.print(f"  {plain(line)}", markup=False)
-    if not isinstance(verdict, TravelVerdict) and verdict.closest and verdict.closest.fit:
-        title = verdict.closest.title + ("" if verdict.best else ", closest but not recommended")
+    if table.fitted:
+        title, estimates = table.fitted
         console.print(f"\n{title}", markup=False, style="bold")
-        show_estimates(verdict.closest.fit.estimates)
-    if isinstance(verdict, RecordVerdict):
-        show_trials(verdict.trials)
+        show_estimates(estimates)
+    show_trials(table.trials)
     show_open(words)
-
-
-def _comparison(verdict: AnyVerdict) -> Comparison:
-    if isinstance(verdict, TravelVerdict):
-        return _of_travels(verdict)
-    return _of_records(verdict) if isinstance(verdict, RecordVerdict) else _of_features(verdict)
 
 
 def _of_travels(verdict: TravelVerdict) -> Comparison:
@@ -95,9 +95,17 @@ def _of_records(verdict: RecordVerdict) -> Comparison:
     second = any(candidate.second for candidate in verdict.candidates)
     heads = ["law", "free", "held-out error", "±", "last third"]
     heads += ["second record"] if second else []
-    rows = [_record_row(c, verdict, second=second) for c in verdict.candidates]
     notes = [f"{one.name}: {one.outcome}" for one in verdict.candidates]
-    return Comparison(heads, rows, [*notes, *verdict.missing])
+    closest = verdict.closest
+    title = closest.title + ("" if verdict.best else ", closest but not recommended")
+    return Comparison(
+        heads=heads,
+        rows=[_record_row(c, verdict, second=second) for c in verdict.candidates],
+        notes=[*notes, *verdict.missing],
+        checks=verdict.checks,
+        fitted=(title, closest.fit.estimates) if closest.fit else None,
+        trials=verdict.trials,
+    )
 
 
 def _record_row(candidate: RecordCandidate, verdict: RecordVerdict, *, second: bool) -> list[str]:
@@ -125,7 +133,14 @@ def _of_features(verdict: FeatureVerdict) -> Comparison:
     if verdict.control:
         name = f"{verdict.control.name}, nominal"
         rows.append(_feature_row(verdict.control, name, second=second))
-    return Comparison(heads, rows, [f"{one.name}: {one.outcome}" for one in verdict.candidates])
+    best = verdict.best
+    return Comparison(
+        heads=heads,
+        rows=rows,
+        notes=[f"{one.name}: {one.outcome}" for one in verdict.candidates],
+        checks=verdict.checks,
+        fitted=(best.title, best.fit.estimates) if best and best.fit else None,
+    )
 
 
 def _feature_row(one: FeatureCandidate, name: str, *, second: bool) -> list[str]:
@@ -141,3 +156,10 @@ def _feature_row(one: FeatureCandidate, name: str, *, second: bool) -> list[str]
     ]
     size = math.sqrt(sum(e**2 for e in one.second.values()) / max(len(one.second), 1))
     return cells + ([share(size) if one.second else NONE] if second else [])
+
+
+COMPARISONS: Mapping[type, Callable[[Any], Comparison]] = {
+    TravelVerdict: _of_travels,
+    RecordVerdict: _of_records,
+    FeatureVerdict: _of_features,
+}
