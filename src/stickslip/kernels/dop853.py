@@ -12,7 +12,11 @@ __all__ = ["dop853_dense", "dop853_step"]
 
 
 def dop853_stage(s: int, mode: int, flags: int, t: float, h: float, w: Vector, at: int) -> None:
-    """Evaluate stage `s` from the ones before it, at a state that is written to `at`."""
+    """Evaluate stage `s` from the ones before it, at a state that is written to `at`.
+
+    Reads: Y, STAGES.
+    Writes: `at`, STAGES.
+    """
     n = N_STATES
     row = s * (s - 1) // 2
     for i in range(n):
@@ -27,6 +31,29 @@ def dop853_step(mode: int, flags: int, t: float, h: float, w: Vector, rtol: floa
     """Try a step; return its error over the tolerance.
 
     Stage 12 is the slope at the solution, which is left in Y1.
+
+    Reads: Y, SCALE.
+    Writes: Y1, STAGES.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    h : float
+        Length of the step [s].
+    w : array (SIZE,)
+        Vector of the run.
+    rtol : float
+        Relative tolerance.
+
+    Returns
+    -------
+    float
+        Error over the tolerance: the step is good up to 1.
     """
     n = N_STATES
     field(mode, flags, t, w, Y, STAGES)
@@ -51,7 +78,24 @@ def dop853_step(mode: int, flags: int, t: float, h: float, w: Vector, rtol: floa
 
 
 def dop853_dense(mode: int, flags: int, t: float, h: float, w: Vector) -> None:
-    """Fill the dense output of the step just taken."""
+    """Fill the dense output of the step just taken.
+
+    Reads: Y, Y1, STAGES.
+    Writes: POINT, STAGES, DENSE.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    h : float
+        Length of the step [s].
+    w : array (SIZE,)
+        Vector of the run.
+    """
     n = N_STATES
     w[DENSE] = 0.0
     for i in range(n):
