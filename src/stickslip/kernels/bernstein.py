@@ -39,6 +39,8 @@ def to_bernstein(w: Vector, first: int, d: int) -> None:
     """
     w[ROOM] = 0.0
     w[ROOM + 1] = 1.0
+    # b_i is the sum over j <= i of c_j binomial(i, j) / binomial(d, j): quotients, then sums of
+    # neighbours as in Pascal's triangle
     binomial = 1.0
     for j in range(d + 1):
         w[ROOM + 2 + j] = w[POLYNOMIAL + first + j] / binomial
@@ -144,6 +146,7 @@ def first_fall(w: Vector, degree: int) -> float:
         return NEVER_FALLS
     if w[POLYNOMIAL + first] < 0.0:
         return FALLS_AT_ONCE
+    # on 0 to 1 the other terms cannot outweigh the first one if it is more than their sum
     if 2.0 * w[POLYNOMIAL + first] > total:
         return NEVER_FALLS
     d = degree - first

@@ -73,6 +73,9 @@ def dop853_step(mode: int, flags: int, t: float, h: float, w: Vector, rtol: floa
             share_3 = error_3 / size if size > 0.0 else math.inf
             sum_5 += share_5 * share_5  # a power would raise where this becomes infinite
             sum_3 += share_3 * share_3
+    # Hairer, Norsett and Wanner, section II.10: the square of the estimate of order 5 over that of
+    # order 3 falls as h^8, as the error does; where steps are too long for that, the root leaves
+    # the estimate of order 5 alone.
     total = sum_5 + 0.01 * sum_3
     return 0.0 if total == 0.0 else abs(h) * sum_5 / math.sqrt(total * n)
 
@@ -99,6 +102,8 @@ def dop853_dense(mode: int, flags: int, t: float, h: float, w: Vector) -> None:
     n = N_STATES
     w[DENSE] = 0.0
     for i in range(n):
+        # The first four rows are the cubic of Hermite through both ends and their slopes; four more
+        # from three further stages make it order 7.
         at = DENSE + 1 + i
         first, last = w[STAGES + i], w[STAGES + 12 * n + i]
         change = w[Y1 + i] - w[Y + i]

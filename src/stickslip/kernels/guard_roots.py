@@ -27,7 +27,9 @@ The fields of both directions agree there to rounding, and a body that creeps to
 reverse with every rounding error.
 """
 GOLDEN = 0.6180339887498949
+"""(sqrt(5) - 1) / 2: of two points that cut a bracket so, one does so in the next bracket too."""
 EPSILON_STEP = 2.220446049250313e-16
+"""Unit in the last place of 1; fractions of a step are found to it, or to that of the time."""
 
 
 def guard_values(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
@@ -106,6 +108,8 @@ def dip(
     b = low + GOLDEN * (high - low)
     f_a = guard_at(guard, a, mode, flags, t, h, w)
     f_b = guard_at(guard, b, mode, flags, t, h, w)
+    # 0.618^40 is 4e-9 of the bracket; closer than the root of the rounding, 1.5e-8, values of a
+    # smooth function about its minimum do not differ.
     for _ in range(40):
         if f_a < 0.0:
             return a
@@ -149,7 +153,8 @@ def first_sign(
             return min(first, bisect(guard, low, s / SAMPLES, mode, flags, t, h, w))
         if armed and s > 1:
             earlier = w[at + (s - 2) * N_GUARDS]
-            # a minimum lies near `before`, and it is low enough to matter
+            # A minimum lies near `before`. The parabola through the three values falls below zero
+            # only where 10 before < earlier + value; 4 leaves room for what is no parabola.
             if before <= value and before < earlier and 4.0 * before < earlier + value:
                 low = (s - 2) / SAMPLES
                 x = dip(guard, low, s / SAMPLES, mode, flags, t, h, w)

@@ -33,7 +33,7 @@ def lu_factor(w: Vector, a: int, n: int, pivots: int) -> bool:
             if abs(w[a + i * n + k]) > abs(w[a + best * n + k]):
                 best = i
         w[pivots + k] = best
-        if not abs(w[a + best * n + k]) > 0.0:
+        if not abs(w[a + best * n + k]) > 0.0:  # false for NaN, too
             return False
         if best != k:
             for j in range(n):

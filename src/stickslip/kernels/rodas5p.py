@@ -73,6 +73,8 @@ def rodas_step(mode: int, flags: int, t: float, h: float, w: Vector, rtol: float
     if not rodas_matrix(mode, flags, t, h, w):
         return math.inf
     time_slope(mode, flags, t, w, Y, DRIFT)
+    # Stages are those of Hairer and Wanner, section IV.7: sums of C over h stand for products with
+    # the Jacobian, so that each costs one evaluation and one solution with the same factors.
     for s in range(RODAS_STAGES):
         row = s * (s - 1) // 2
         stage = STAGES + s * n
@@ -130,6 +132,8 @@ def rodas_dense(w: Vector) -> None:
             first += DENSE_RODAS[s] * stage
             second += DENSE_RODAS[8 + s] * stage
             third += DENSE_RODAS[16 + s] * stage
+        # Steinebach's (1 - x) y0 + x (y1 + (1 - x) (k1 + x (k2 + x k3))) in the nested form, where
+        # k2 + x k3 is (k2 + k3) + (1 - x) (-k3).
         w[at] = w[Y + i]
         w[at + n] = w[Y1 + i] - w[Y + i]
         w[at + 2 * n] = first

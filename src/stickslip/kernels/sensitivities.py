@@ -8,7 +8,9 @@ are none: they are NaN.
 
 The vector of the run is longer here: behind SIZE stand the slopes of the field and of the guards
 with respect to all `q` quantities, the directions of the drives' numbers, and `m` columns of
-sensitivities, rows by states, in several places.
+sensitivities, rows by states, in several places. In the lists of slots, SIZE are the slopes of the
+field, ``columns 0`` to ``columns 5`` the places of `columns_at`, `directions` and `guard slopes`
+those of the functions of these names.
 """
 
 import math
@@ -273,6 +275,7 @@ def moments(
             total += w[parameters + k] * w[directions + k * m + c]
         for i in range(n):
             total += w[row + i] * w[now + i * m + c]
+        # implicit function theorem; where the guard only touches zero there is no such derivative
         w[to + c] = -total / rate if rate != 0.0 else 0.0
 
 
@@ -283,6 +286,8 @@ def jump(w: Vector, q: int, m: int) -> None:
     Writes: columns 0.
     """
     now, moment = columns_at(0, q, m), columns_at(4, q, m)
+    # Saltation: a run that meets the event dt later follows the slope before it for that long, and
+    # misses as much of the slope after it.
     for i in range(N_STATES):
         change = w[Y1 + i] - w[VALUES + i]
         for c in range(m):

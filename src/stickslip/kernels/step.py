@@ -70,11 +70,13 @@ def resized(h: float, error: float, stepper: int) -> float:
     if stepper == EXACT:
         if error == 0.0:
             return math.inf
+        # the tail goes with h^SERIES; 1e60 and more, or NaN, is cut to what 1e60 gives
         return h * (0.95 * math.pow(error, -1.0 / SERIES) if error < 1e60 else 1e-3)
     if error == 0.0:
         return 10.0 * h
     if not error < 1e30:
         return 0.1 * h
+    # powers of h with which the estimates fall; 0.9, 0.2 and 10 are those of DOPRI5
     order = 5.0 if stepper == STIFF else 8.0
     return h * min(10.0, max(0.2, 0.9 * math.pow(error, -1.0 / order)))
 
@@ -96,7 +98,7 @@ def accepted_step(
         last = STRETCH * h >= left
         if last:
             h = left
-        elif 2.0 * h > left:
+        elif 2.0 * h > left:  # two equal steps, and no splinter at the end
             h = 0.5 * left
         if not t + h > t:
             whole[STATUS] = STEP_TOO_SMALL
@@ -104,6 +106,7 @@ def accepted_step(
         error = attempt(h, w, whole, rtol)
         proposed = resized(h, error, stepper)
         if error <= 1.0:
+            # a step cut short by the end of a piece says little of the next one
             w[slot] = max(proposed, w[slot]) if last else proposed
             if stepper != STIFF:
                 watch_stiffness(h, w, whole)

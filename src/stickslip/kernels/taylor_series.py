@@ -51,6 +51,8 @@ def series_fill(mode: int, flags: int, t: float, h: float, w: Vector, at: int) -
         w[last + i] = w[at + i]
         w[last + n + i] *= h
         w[POINT + i] = max(abs(w[last + i]), abs(w[last + n + i]))  # largest term yet
+    # Two small terms in a row end the series: one alone may be zero by chance, as each second term
+    # of an oscillation from rest is.
     small = 0
     terms = 1
     while terms < SERIES and small < 2:
@@ -59,6 +61,7 @@ def series_fill(mode: int, flags: int, t: float, h: float, w: Vector, at: int) -
         factor = h / terms
         ended = True
         for i in range(n):
+            # df/dt is constant, so that time enters the second derivative of the state and no other
             total = h * w[DRIFT + i] if terms == 2 else 0.0
             for j in range(n):
                 total += w[MATRIX + i * n + j] * w[last + j]
