@@ -23,7 +23,10 @@ from tools import slots, structure
 ROOMS = (
     "catalogue",
     "control",
+    "digits",
+    "documents",
     "drives",
+    "errors",
     "formulation",
     "friction",
     "kernels",
@@ -166,7 +169,7 @@ def of_kernel(name: str, function: structure.Function) -> Iterator[str]:
 
 def faults(tree: ast.Module, *, kernel: bool = False) -> Iterator[tuple[int, str, str]]:
     """Yield line, name and fault of each public function and class of a module."""
-    public = listed(tree)
+    public = listed(tree) if kernel else set()
     for name, function, arguments in structure.public_functions(tree):
         found = [*of_function(function, arguments, needed=not kernel or name in public)]
         if kernel and name not in slots.equations():
@@ -190,6 +193,10 @@ def of_rooms(rooms: Iterable[str]) -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    found = [*of_rooms(sys.argv[1:] or ROOMS)]
+    rooms = sys.argv[1:] or ROOMS
+    known = {module.partition(".")[2].partition(".")[0] for module in structure.sources()}
+    if not known.issuperset(rooms):
+        raise SystemExit(f"no rooms: {', '.join(sorted({*rooms} - known))}")
+    found = [*of_rooms(rooms)]
     print(*found, sep="\n", end="\n" if found else "")
     raise SystemExit(bool(found))

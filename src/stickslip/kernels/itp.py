@@ -5,8 +5,8 @@ import math
 __all__ = ["itp_limit", "itp_point"]
 
 PUSH = 0.2
-"""The paper's kappa_1 times the first bracket, with kappa_2 = 2: how far the secant's point is moved
-towards the middle, so that a bracket of which one end never moves shrinks too."""
+"""The paper's kappa_1 times the first bracket, with kappa_2 = 2: how far the secant's point is
+moved towards the middle, so that a bracket of which one end never moves shrinks too."""
 
 
 def itp_limit(width: float, epsilon: float) -> int:
