@@ -62,13 +62,39 @@ def power_of(number: Decimal) -> int:
 
 
 def at_place(number: Decimal, place: int) -> Decimal:
-    """Return a number rounded, halves away from zero, to the power of ten `place`."""
+    """Return a number rounded, halves away from zero, to the power of ten `place`.
+
+    Parameters
+    ----------
+    number : Decimal
+        The number.
+    place : int
+        Power of ten of the last digit that is kept.
+
+    Returns
+    -------
+    Decimal
+        The rounded number.
+    """
     # Scaled by hand: `quantize` refuses more digits than the context holds.
     return number.scaleb(-place).to_integral_value(ROUND_HALF_UP).scaleb(place)
 
 
 def plain(number: Decimal, place: int) -> str:
-    """Return the text of a number that is already rounded to the power of ten `place`."""
+    """Return the text of a number that is already rounded to the power of ten `place`.
+
+    Parameters
+    ----------
+    number : Decimal
+        The number, rounded.
+    place : int
+        Power of ten of its last digit; -2 shows two decimals.
+
+    Returns
+    -------
+    str
+        Text with commas between thousands and a true minus sign.
+    """
     text = f"{abs(number):,.{max(-place, 0)}f}"
     return MINUS + text if number < 0 else text
 

@@ -32,7 +32,17 @@ class ParameterError(InputError):
 
 
 class UnknownNameError(InputError, LookupError):
-    """A name that is not known; the message lists the nearest known ones."""
+    """A name that is not known; the message lists the nearest known ones.
+
+    Parameters
+    ----------
+    kind : str
+        What the name stands for, such as ``"law"``.
+    name : str
+        The unknown name.
+    known : iterable of str
+        The known ones.
+    """
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         name, known = str(name), tuple(sorted(known))
@@ -69,6 +79,18 @@ class ConvergenceError(StickslipError, RuntimeError):
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return the known names closest to `name`, ready to print, or an empty string.
+
+    Parameters
+    ----------
+    name : str
+        The unknown name.
+    known : iterable of str
+        The known ones.
+
+    Returns
+    -------
+    str
+        At most two names in quotes, joined by "or".
 
     Examples
     --------

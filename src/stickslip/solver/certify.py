@@ -33,7 +33,7 @@ def passes(evidence: NDArray[np.float64], tolerance: float) -> NDArray[np.bool_]
 
     Parameters
     ----------
-    evidence : array
+    evidence : array (n, 3 or more)
         Energy error, guard violation and event residual of each run, then columns that are ignored.
     tolerance : float
         Relative tolerance of the runs.

@@ -58,7 +58,7 @@ def run_ensemble(
     t_end : float
         Last time of each run [s].
     outputs : sequence of str, mapping of str to Output or None
-        What is kept: outputs by name, or names of states whose value at the end is.
+        What is kept, as in `stickslip.ensemble`.
     solver : EventDriven
         Tolerance, most steps and tier of the runs.
     executor : Executor or None
