@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from stickslip.characterize import PreslidingLoop
 from stickslip.control import ClosedLoop
+from stickslip.display import InPanels
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Fit, TrialComparison
@@ -49,7 +50,8 @@ PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
 """The plot of each kind of result."""
 
 SMALL: Final = (560, 300)
-"""Size of a figure beside a table [CSS px]."""
+SMALL_PANELS: Final = (560, 440)
+"""Sizes of a figure below a table, of one panel and of several [CSS px]."""
 
 
 def plot(result: object, ax: PanelTarget = None) -> Axes | Panels:
@@ -99,4 +101,5 @@ def thumbnail(result: object) -> str:
     def draw(figure: Figure, _narrow: bool) -> None:
         plot(result, figure)
 
-    return standalone_svg(draw, size=SMALL)
+    size = SMALL_PANELS if isinstance(result, InPanels) else SMALL
+    return standalone_svg(draw, size=size)

@@ -22,8 +22,8 @@ Target: TypeAlias = Axes | Figure | SubFigure | None
 PanelTarget: TypeAlias = Axes | Figure | SubFigure | Sequence[Axes] | Panels | None
 """Where a plot of several panels is drawn."""
 
-PER_INCH: Final = 110
-"""CSS pixels per inch of a new figure: the widest ones are 8 inches."""
+PER_INCH: Final = 88
+"""CSS pixels of a page per inch of a new figure: the widest ones are 10 inches."""
 NARROW_BELOW: Final = 500
 """Width of axes [CSS px] below which curves are named inside them."""
 

@@ -211,7 +211,8 @@ def _names(
     bottom, top = axes.get_ylim()
     ordered = sorted(curves, key=lambda name: -look[name].order)
     for name, side in zip(ordered, (1, -1), strict=False):
-        lines = wrapped(f"chosen: {name}".split() if side > 0 else name.split(), WIDTH)
+        chosen = side > 0 and len(curves) > 1
+        lines = wrapped((f"chosen: {name}" if chosen else name).split(), WIDTH)
         text = "\n".join(line.replace(",", "") for line in lines)
         label_at(
             axes, side * 0.03 * (high - low), 0.3 * (bottom if side > 0 else top), text,

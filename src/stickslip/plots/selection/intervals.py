@@ -43,7 +43,9 @@ def draw_intervals(rows: Sequence[Interval], label: str, unit: str) -> Draw:
     """
     values = np.array([row.value for row in rows])
     errors = np.array([row.error for row in rows])
-    factor, shown = (100.0, "%") if unit == "1" else in_mm(np.abs(values) + np.nan_to_num(errors), unit)
+    factor, shown = (
+        (100.0, "%") if unit == "1" else in_mm(np.abs(values) + np.nan_to_num(errors), unit)
+    )
 
     def draw(figure: Figure, _narrow: bool) -> None:
         axes = figure.add_subplot()
