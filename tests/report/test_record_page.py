@@ -24,12 +24,12 @@ from stickslip.identification.estimation.levenberg_marquardt import AGREE
 from stickslip.identification.estimation.model_error import ModelError
 from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.records.settings import RecordSettings
+from stickslip.plots.selection.fit_data import block_edges, panel_of, rows_of, sampled, thinned
 from stickslip.report import Paragraph, Section, numbers, render
 from stickslip.report.core.documents import Origin
 from stickslip.report.core.markup import equation_parts
 from stickslip.report.records.certificate import certificate_section
 from stickslip.report.records.loops import turns_of
-from stickslip.report.records.plot_data import block_edges, panel_of, rows_of, sampled, thinned
 from stickslip.report.records.reproduce import python_lines
 from stickslip.report.records.residuals import _panels, residuals_section
 from stickslip.report.records.summary import law_lines, level_at, levels_at_speed

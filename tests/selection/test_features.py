@@ -87,7 +87,7 @@ def test_laws_that_have_the_same_three_features_are_not_ranked(verdict):
     assert not verdict.ranked
     assert "do not tell it from Stribeck" in verdict.sentence
     assert verdict.words.no_score
-    assert verdict.table()["law"].tolist() == ["coulomb", "stribeck"]
+    assert verdict.to_dataframe()["law"].tolist() == ["coulomb", "stribeck"]
     other = verdict.candidates[1]
     assert "not bounded" in other.doubt
     assert as_good(other.fit, verdict.best.fit)

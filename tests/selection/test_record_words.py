@@ -63,7 +63,7 @@ def test_the_error_on_a_second_record_stands_beside_the_first_in_the_first_parag
     assert on_second.holds
     assert on_second.error == best.second.rms
     assert on_second.ratio == pytest.approx(best.second.rms / best.score)
-    rows = confirmed.table()
+    rows = confirmed.to_dataframe()
     assert rows["second_record"].tolist() == [c.second.rms for c in confirmed.candidates]
     content = json.loads(json_text(document("select", confirmed.to_dict())))
     assert content["second_record"]["holds"] is True

@@ -141,7 +141,7 @@ def test_a_held_out_error_is_that_of_a_fit_to_the_other_segments_alone(record):
 def test_everything_of_a_verdict_is_json(verdict):
     text = json_text(document("select", verdict.to_dict()))  # refuses what JSON has no word for
     assert '"best": "direction-dependent"' in text
-    assert next(iter(verdict.table()["law"])) == "direction-dependent"
+    assert next(iter(verdict.to_dataframe()["law"])) == "direction-dependent"
 
 
 def test_a_record_without_motion_decides_nothing():

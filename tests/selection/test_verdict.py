@@ -129,7 +129,7 @@ def test_a_verdict_and_its_parts_print_as_a_few_lines(verdict):
 
 
 def test_a_table_of_a_verdict_has_a_row_for_each_law(verdict):
-    table = verdict.table()
+    table = verdict.to_dataframe()
     assert list(table.columns) == ["law", "parameters", "range", "travel", "score"]
     assert list(table["law"]) == [candidate.name for candidate in verdict.candidates]
     assert table["score"].tolist() == [candidate.score for candidate in verdict.candidates]

@@ -6,18 +6,22 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Generic, TypeAlias, final
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypeVar, override
 
 from stickslip.digits import NO_BREAK_SPACE, interval, significant, within
+from stickslip.display import OnAxes, Summary
 from stickslip.experiments.estimates import HARD, LawEstimates, Levels, spread_of
 from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["Estimate", "Fit", "Law_co", "estimates_for"]
 
@@ -99,7 +103,7 @@ def _spaced(text: str) -> str:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fit(ABC, Generic[Law_co]):
+class Fit(OnAxes, ABC, Generic[Law_co]):
     """A law whose free parameters make a mechanism behave as measured."""
 
     law: Law_co
@@ -144,8 +148,42 @@ class Fit(ABC, Generic[Law_co]):
     def __repr__(self) -> str:
         return f"<Fit: {self}>"
 
-    def _repr_html_(self) -> str:
-        return f"<p>{html.escape(str(self))}</p>"
+    @final
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the estimates as a pandas DataFrame, a row each.
+
+        Its columns are ``parameter``, ``symbol``, ``unit``, ``value``, ``low``, ``high``,
+        ``interval`` and ``reason``; an end that the data do not bound is infinite.
+        """
+        import pandas as pd
+
+        rows = [{**e.to_dict(), "low": e.low, "high": e.high} for e in self.estimates]
+        columns = ["parameter", "symbol", "unit", "value", "low", "high", "interval", "reason"]
+        return pd.DataFrame(rows, columns=columns)
+
+    @final
+    @override
+    def _summary(self) -> Summary:
+        """Return the law with its estimates, and what the data cannot tell."""
+        rows = [
+            (
+                e.path.rpartition(".")[2].replace("_", " "),
+                e.quantity.symbol,
+                within(e.value, e.low, e.high),
+                "" if e.quantity.unit == "1" else e.quantity.unit,
+                e.range,
+                e.interval,
+            )
+            for e in self.estimates
+        ]
+        head = ("parameter", "symbol", "value", "unit", "range", "interval")
+        return Summary(
+            sentence=str(self).partition("\n")[0], head=head, rows=rows, notes=self._notes()
+        )
+
+    @abstractmethod
+    def _notes(self) -> Sequence[str]:
+        """Return what a notebook says of the fit below its estimates."""
 
     @abstractmethod
     def to_dict(self) -> Mapping[str, Any]:

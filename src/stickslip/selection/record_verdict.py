@@ -132,6 +132,11 @@ class RecordCandidate:
         return self.validation.score if self.validation else math.inf
 
     @property
+    def score_error(self) -> float:
+        """Standard error of the score, not a number without a fit."""
+        return self.validation.error if self.validation else math.nan
+
+    @property
     def law(self) -> FrictionLaw | None:
         """The fitted law."""
         return self.fit.law if self.fit else None
@@ -142,12 +147,12 @@ class RecordCandidate:
         return self.fit.fitted_law if self.fit else None
 
     def to_row(self) -> Mapping[str, Any]:
-        """Return the candidate as a row of `Verdict.table`."""
+        """Return the candidate as a row of `Verdict.to_dataframe`."""
         return {
             "law": self.name,
             "parameters": self.parameters,
             "score": self.score,
-            "score_error": self.validation.error if self.validation else math.nan,
+            "score_error": self.score_error,
             "last_third": self.validation.extrapolation if self.validation else math.nan,
             "second_record": self.second.rms if self.second else math.nan,
             "outcome": self.outcome,
@@ -236,6 +241,11 @@ class RecordVerdict(Verdict):
         return self.measurement.unit(self.quantity)
 
     @property
+    @override
+    def score_unit(self) -> str:
+        return self.unit
+
+    @property
     def missing(self) -> tuple[str, ...]:
         """Why judged candidates lack a number, in sentences; what was not judged says so itself."""
         judged = [c for c in self.candidates if c.validation is not None]
@@ -267,7 +277,7 @@ class RecordVerdict(Verdict):
         )
 
     @override
-    def table(self) -> "pd.DataFrame":
+    def to_dataframe(self) -> "pd.DataFrame":
         import pandas as pd
 
         return pd.DataFrame([candidate.to_row() for candidate in self.candidates])

@@ -6,7 +6,9 @@ from typing import Any, NamedTuple, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import override
 
+from stickslip.display import OnAxes, Summary
 from stickslip.errors import InputError, SimulationError
 from stickslip.experiments import LawEstimates
 from stickslip.friction import FrictionLaw
@@ -37,7 +39,7 @@ class Spread(NamedTuple):
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Band:
+class Band(OnAxes):
     """Runs of one mechanism with draws of a law's parameters."""
 
     draws: Mapping[str, Array]
@@ -52,6 +54,8 @@ class Band:
     """Times (m,) [s]."""
     states: Mapping[str, Array]
     """Lower end, median and upper end (3, m) of the slip coordinate and its rate, by name."""
+    units: Mapping[str, str]
+    """SI unit of each of them."""
     travel: Spread
     """Last position less the first [m] or [rad]."""
     mean_velocity: Spread
@@ -79,6 +83,23 @@ class Band:
         places = np.searchsorted(self.t, np.asarray(t, dtype=np.float64))
         found: Array = self.states[name][:, np.minimum(places, len(self.t) - 1)]
         return found
+
+    @override
+    def _summary(self) -> Summary:
+        unit = next(iter(self.units.values()))
+        rows = [
+            (name, *(f"{value:.4g}" for value in spread), shown)
+            for name, spread, shown in (
+                ("travel", self.travel, unit),
+                ("mean velocity", self.mean_velocity, f"{unit}/s"),
+            )
+        ]
+        lasted = self.count - self.ended_early
+        return Summary(
+            sentence=f"{lasted} of {self.count} runs lasted to their end.",
+            head=("", "2.5 %", "median", "97.5 %", "unit"),
+            rows=rows,
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON."""
@@ -157,6 +178,7 @@ def band_of(
         raise InputError(f"band_of: count must be at least 2, got {count}.")
     draws = estimates.draw(law, count, seed=seed)
     slip, rate = slip_names(mechanism)
+    unit = mechanism.units[mechanism.coordinates.index(slip)]
     period = cycle_or_none(mechanism)
     # with a margin for rounding: the last cycle may end a hair after t_end
     whole = 0 if period is None else int(np.floor(t_end / period * (1.0 + WHOLE)))
@@ -193,6 +215,7 @@ def band_of(
             slip: np.quantile(x, QUANTILES, axis=0),
             rate: np.quantile(v, QUANTILES, axis=0),
         },
+        units=dict(zip((slip, rate), (unit, f"{unit}/s"), strict=True)),
         travel=_spread(travel),
         mean_velocity=_spread(mean),
         period=period,

@@ -23,6 +23,7 @@ __all__ = [
     "compiled",
     "counted",
     "cycles_of",
+    "names_of",
     "near",
     "product",
     "states_of",
@@ -346,3 +347,15 @@ def near(periods: Array, ratio: float) -> Iterator[NDArray[np.intp]]:
         together = periods[order] <= ratio * periods[order[0]]
         yield np.sort(order[together])
         order = order[~together]
+
+
+def names_of(status: NDArray[np.object_]) -> NDArray[np.str_]:
+    """Return the name of each `Status` of an array, in its shape.
+
+    Examples
+    --------
+    >>> from stickslip.trajectory import Status
+    >>> names_of(np.array([[Status.END_TIME, Status.ZENO]])).tolist()
+    [['END_TIME', 'ZENO']]
+    """
+    return np.array([one.name for one in status.ravel()]).reshape(status.shape)

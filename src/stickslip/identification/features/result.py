@@ -1,6 +1,5 @@
 """What a fit to features gives back, and what it says about itself."""
 
-import html
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -138,8 +137,8 @@ class FeatureFit(Fit[Law_co]):
         return f"<FeatureFit: {self.law.title}, rms error {100 * self.score:.1f} %>"
 
     @override
-    def _repr_html_(self) -> str:
-        return "".join(f"<p>{html.escape(line)}</p>" for line in str(self).splitlines())
+    def _notes(self) -> Sequence[str]:
+        return self.sentences
 
     @override
     def to_dict(self) -> Mapping[str, Any]:

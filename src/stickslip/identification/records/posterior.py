@@ -1,6 +1,5 @@
 """Draws from the posterior of a fit, by emcee or dynesty, where one of them is installed."""
 
-import importlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,6 +8,7 @@ from typing import Any, Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.display import require_library
 from stickslip.errors import InputError
 from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.results import Fit
@@ -140,13 +140,7 @@ def sample_posterior(
         raise InputError(f"sampler must be 'emcee' or 'dynesty', got {sampler!r}.")
     target = _Target(fit, watch)
     count = _count(sampler, steps, live_points, len(target.free))
-    try:
-        library = importlib.import_module(sampler)
-    except ImportError:
-        raise InputError(
-            f"{sampler} is not installed: pip install 'stickslip[bayes]', or use"
-            " RecordFit.bootstrap, which needs nothing."
-        ) from None
+    library = require_library(sampler, "bayes", "use RecordFit.bootstrap, which needs nothing")
     draw = _walked if sampler == "emcee" else _nested
     random = np.random.default_rng(seed)
     draws = np.array([target.values(row) for row in draw(library, target, count, random)])

@@ -9,11 +9,11 @@ import numpy as np
 from stickslip.identification import RecordFit
 from stickslip.plots.core.svg import inline_svg
 from stickslip.plots.data.record import Channel, draw_record, record_sizes
+from stickslip.plots.selection.fit_data import speeds_of, thinned
 from stickslip.report import numbers
 from stickslip.report.core.blocks import Block, Figure, KeyValue, KeyValues
 from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Cell, Column, Number, Row, Table
-from stickslip.report.records.plot_data import speeds_of, thinned
 from stickslip.report.records.texts import (
     DOUBT,
     estimate_parts,

@@ -1,13 +1,11 @@
 """The end of the report: what to measure next, parameters, certificate, and how to reproduce it."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from stickslip.experiments.wording import joined
-from stickslip.identification.travels.model import trials_of
 from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.selection.separation import SEPARATION_SIZES, draw_separation
-from stickslip.quantities import fields_of, parameters
+from stickslip.plots.selection.separation import SEPARATION_SIZES, draw_proposal
+from stickslip.quantities import fields_of
 from stickslip.report import numbers
 from stickslip.report.core.blocks import (
     Block,
@@ -77,20 +75,6 @@ def next_section(verdict: TravelVerdict) -> Section | None:
 def _separation_figure(
     verdict: TravelVerdict, proposal: Proposal, unit: str, titles: Mapping[str, str]
 ) -> Figure:
-    names = (proposal.best, *proposal.rivals)
-    rows = [
-        replace(row, predicted={name: row.predicted[name] for name in names})
-        for row in verdict.separations
-    ]
-    path = rows[0].path
-    trials = trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)
-    settings = [
-        next((v for p, _, v in parameters(t.mechanism, "mechanism") if p == path), None)
-        for t in trials
-    ]
-    measured = [
-        (float(s), t.travel) for s, t in zip(settings, trials, strict=True) if s is not None
-    ]
     still = [titles[name] for name in proposal.rivals if name not in proposal.apart]
     caption = f"**Predicted travel** of each law as fitted, against the {proposal.what}."
     if still and proposal.settings:
@@ -99,13 +83,7 @@ def _separation_figure(
     elif still:
         caption += f" They differ by at most {numbers.length(proposal.widest, 2)} at new settings."
     svg = inline_svg(
-        draw_separation(
-            rows,
-            proposal.best,
-            measured,
-            proposed=[row.value for row in proposal.settings],
-            titles=titles,
-        ),
+        draw_proposal(verdict),
         alt=f"Travel predicted by each law against the {proposal.what} in {unit}",
         prefix="separation",
         **SEPARATION_SIZES,
