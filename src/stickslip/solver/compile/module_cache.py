@@ -33,6 +33,9 @@ __all__ = [
 
 MACHINE_CODE = "__pycache__"
 """Folder beside a module where numba keeps what it compiled."""
+LONGEST_WAIT = 600.0
+"""Waiting for another process that compiles a module [s]: kernels take some 20 s of processor time,
+so that one which takes longer is taken to hang."""
 
 
 def cache_directory() -> Path:
@@ -163,19 +166,20 @@ def is_writable() -> bool:
 
 @contextlib.contextmanager
 def locked(text: str) -> Iterator[None]:
-    """Let one process at a time compile a module, where the file system knows locks.
+    """Let one process at a time compile a module, on every operating system.
 
-    The lock is on the file of the module, and dies with its process.
+    The operating system drops the lock when its process ends. Where there is no lock to be had (a
+    read-only folder, a file system without locks), or an owner hangs, the module is compiled twice,
+    which is safe: files are replaced as a whole.
     """
-    path = cache_directory() / f"{name_of(text)}.py"
-    with contextlib.ExitStack() as stack:
-        with contextlib.suppress(ImportError, OSError):  # then it is compiled twice, which is safe
-            import fcntl
+    from filelock import FileLock
 
-            if not path.exists():
-                _write(path, text)
-            file = stack.enter_context(path.open("rb"))
-            fcntl.flock(file, fcntl.LOCK_EX)
+    path = cache_directory() / f"{name_of(text)}.lock"
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            # No fallback to a file that merely exists, which would outlive a dead owner.
+            stack.enter_context(FileLock(path, timeout=LONGEST_WAIT, fallback_to_soft=False))
         yield
 
 
