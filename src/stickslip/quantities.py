@@ -348,14 +348,14 @@ def _vary_member(member: Any, prefix: str, changes: Mapping[str, float | None]) 
     raise UnknownNameError("parameter", next(iter(changes)), [])
 
 
-def full_path(path: str, known: Collection[str]) -> str:
+def full_path(path: str, known: Collection[str], kind: str = "parameter") -> str:
     """Return the full path for a full path, or for a last name that only one of the known has."""
     if path in known:
         return path
     same = [full for full in known if full.rpartition(".")[2] == path]
     if len(same) == 1:
         return same[0]
-    raise UnknownNameError("parameter", path, same or known)
+    raise UnknownNameError(kind, path, same or known)
 
 
 def named(registry: Mapping[str, Any], name: str, kind: str) -> Any:

@@ -79,13 +79,14 @@ def _selected(
     ):
         verdict = select(
             rig.mechanism,
-            found.measurement,
             laws,
-            unknown=found.unknown,
+            found.measurement,
+            vary=found.vary,
+            fixed=found.fixed,
             route=asked.how.route,
             validate=found.validate,
             settings=asked.how.settings(rig),
-            watch=watch,
+            progress=watch,
             executor=executor,
         )
     assert isinstance(verdict, FeatureVerdict)

@@ -92,14 +92,14 @@ def _selected(
     with Watching(names, "Fitting") as watch:
         verdict = select(
             rig.mechanism,
-            found.measurement,
             laws,
-            unknown=found.unknown,
+            found.measurement,
+            vary=found.vary,
+            fixed=found.fixed,
             assumed=rig.assumed,
             validate=found.validate,
             t_end=rig.t_end,
-            watch=watch,
-            compiling=watch.compiling,
+            progress=watch,
         )
     assert isinstance(verdict, TravelVerdict)
     return verdict

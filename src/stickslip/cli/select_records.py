@@ -78,15 +78,16 @@ def _selected(
     ):
         verdict = select(
             rig.mechanism,
-            found.measurement,
             laws,
-            unknown=found.unknown,
+            found.measurement,
+            vary=found.vary,
+            fixed=found.fixed,
             purpose=asked.how.purpose or "simulate",
             horizon=asked.how.horizon,
             route=found.route or asked.how.route,
             validate=found.validate,
             settings=asked.how.settings(rig),
-            watch=watch,
+            progress=watch,
             executor=executor,
         )
     assert isinstance(verdict, RecordVerdict)
