@@ -13,7 +13,7 @@ import typing
 from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
 
-from stickslip.errors import ParameterError, StickslipError, UnknownNameError
+from stickslip.errors import ParameterError, StickslipError, UnknownNameError, nearest
 
 __all__ = [
     "Converted",
@@ -355,7 +355,9 @@ def full_path(path: str, known: Collection[str], kind: str = "parameter") -> str
     same = [full for full in known if full.rpartition(".")[2] == path]
     if len(same) == 1:
         return same[0]
-    raise UnknownNameError(kind, path, same or known)
+    ends = {full.rpartition(".")[2] for full in known}
+    closer = not nearest(path, known) and bool(nearest(path, ends))
+    raise UnknownNameError(kind, path, same or (ends if closer else known))
 
 
 def named(registry: Mapping[str, Any], name: str, kind: str) -> Any:

@@ -211,10 +211,18 @@ def _fixed(
             )
         path = full_path(name.strip(), known, "parameter in --fixed")
         try:
-            found[path] = read_number(value.strip(), known[path])
+            found[path] = read_number(_number(value.strip()), known[path])
         except ParameterError as error:
             raise ParameterError(f"--fixed {path} {error}") from None
     return found
+
+
+def _number(text: str) -> float | str:
+    """Return a number in SI as such, so that only one with a unit is read as a text."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def _route(

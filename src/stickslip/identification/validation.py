@@ -194,7 +194,7 @@ def _varied(
     for name in names:
         if name == LAW:
             found.append(LAW)
-        elif "*" in name or "?" in name:
+        elif any(letter in name for letter in "*?["):
             hits = [path for path in known if covers(name, path)]
             if not hits:
                 raise UnknownNameError("parameter in vary", name, known)

@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias, final
 
 import numpy as np
 
-from stickslip.errors import ConvergenceError, StickslipError
+from stickslip.errors import ConvergenceError, StickslipError, renamed
 from stickslip.experiments import Measurement
 from stickslip.experiments.wording import number, percent
 from stickslip.friction import CoulombViscous
@@ -23,7 +23,7 @@ from stickslip.identification.records.problems import Route, Wanted, prepared
 from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.series.applied_force import driven, drives_itself
 from stickslip.identification.shooting.multiple_shooting import Segment, Shooting
-from stickslip.identification.validation import Parameters, arguments
+from stickslip.identification.validation import Parameters
 from stickslip.mechanisms import Mechanism
 
 __all__ = [
@@ -124,7 +124,7 @@ def to_compare(choice: RouteChoice, fits: Sequence[RecordFit]) -> bool:
     return not fits or min(unexplained_share(fit) for fit in fits) > SUSPECT
 
 
-@arguments
+@renamed
 def choose_route(
     mechanism: Mechanism,
     measurement: Measurement,
