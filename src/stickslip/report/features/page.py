@@ -60,7 +60,7 @@ def feature_document(
     >>> t = np.linspace(0.5, 4.5, 8001)
     >>> run = simulate(block, truth, t_end=4.5).at(t)
     >>> record = Measurement(time=t, spring_force=1000.0 * (4e-3 * t - run["x"]))
-    >>> verdict = select(block, record, [Coulomb])
+    >>> verdict = select(block, [Coulomb], record)
     >>> page = feature_document(verdict, title="Slider", kicker="made up", versions={})
     >>> [section.id for section in page.sections][:3]
     ['verdict', 'force', 'scores']
@@ -102,7 +102,7 @@ def feature_page(
     >>> t = np.linspace(0.5, 4.5, 8001)
     >>> run = simulate(block, truth, t_end=4.5).at(t)
     >>> record = Measurement(time=t, spring_force=1000.0 * (4e-3 * t - run["x"]))
-    >>> verdict = select(block, record, [Coulomb])
+    >>> verdict = select(block, [Coulomb], record)
     >>> feature_page(verdict, title="Slider", kicker="made up", versions={})[:15]
     '<!doctype html>'
     """

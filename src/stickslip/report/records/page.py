@@ -70,7 +70,7 @@ def record_document(
     >>> from stickslip import Axis, Coulomb, Measurement, select
     >>> v = np.linspace(-1.0, 1.0, 80)
     >>> table = Measurement(velocity=v, friction=2.0 * np.sign(v) + 0.01 * np.cos(40.0 * v))
-    >>> verdict = select(Axis(inertia=1.0), table, [Coulomb])
+    >>> verdict = select(Axis(inertia=1.0), [Coulomb], table)
     >>> page = record_document(verdict, title="Table", kicker="80 points", versions={})
     >>> [section.id for section in page.sections][:3]
     ['verdict', 'map', 'scores']
@@ -117,7 +117,7 @@ def record_page(
     >>> from stickslip import Axis, Coulomb, Measurement, select
     >>> v = np.linspace(-1.0, 1.0, 80)
     >>> table = Measurement(velocity=v, friction=2.0 * np.sign(v) + 0.01 * np.cos(40.0 * v))
-    >>> verdict = select(Axis(inertia=1.0), table, [Coulomb])
+    >>> verdict = select(Axis(inertia=1.0), [Coulomb], table)
     >>> record_page(verdict, title="Table", kicker="80 points", versions={})[:15]
     '<!doctype html>'
     """

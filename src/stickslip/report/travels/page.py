@@ -71,7 +71,7 @@ def selection_page(
     >>> from stickslip.experiments import Measurement
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
-    >>> verdict = select(rig, reading, [Coulomb], t_end=1.0)
+    >>> verdict = select(rig, [Coulomb], reading, t_end=1.0)
     >>> page = selection_page(verdict, subject="rig", kicker="One travel", versions={}, digest="")
     >>> page.sections[0].id
     'verdict'
