@@ -206,6 +206,8 @@ class Trajectory:
         ------
         InputError
             If the solver gives no sensitivities, or a name is unknown.
+        UnknownNameError
+            If the run has no state of that name.
 
         Examples
         --------

@@ -24,9 +24,9 @@ from stickslip.identification.estimation.levenberg_marquardt import AGREE
 from stickslip.identification.estimation.model_error import ModelError
 from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.records.settings import RecordSettings
-from stickslip.report import Paragraph, Section, numbers
+from stickslip.report import Paragraph, Section, numbers, render
+from stickslip.report.core.documents import Origin
 from stickslip.report.core.markup import equation_parts
-from stickslip.report.records import record_document, record_page
 from stickslip.report.records.certificate import certificate_section
 from stickslip.report.records.loops import turns_of
 from stickslip.report.records.plot_data import block_edges, panel_of, rows_of, sampled, thinned
@@ -34,6 +34,7 @@ from stickslip.report.records.reproduce import python_lines
 from stickslip.report.records.residuals import _panels, residuals_section
 from stickslip.report.records.summary import law_lines, level_at, levels_at_speed
 from stickslip.report.records.texts import Scale, half_width, rival_of, scale_for, typeset
+from stickslip.report.verdict_page import verdict_page
 from stickslip.selection.candidates import specifications
 from stickslip.selection.record_wording import in_sentence
 
@@ -63,12 +64,12 @@ def tabled():
 def page_of(verdict, **more):
     settings = {
         "title": "An axis",
-        "kicker": "One record of 8 s",
+        "data": "One record of 8 s",
         "commands": ("stickslip select rig.toml --data record.csv",),
         "versions": {"stickslip": "0.1.0"},
         "digest": "sha256:0123abcd",
     }
-    return record_page(verdict, **(settings | more))
+    return render(verdict_page(verdict, Origin(**(settings | more))))
 
 
 def text_of(html):
@@ -185,7 +186,7 @@ def test_every_figure_is_drawn_for_both_widths_and_says_what_it_shows(html):
 
 
 def test_titles_and_data_are_escaped(verdict):
-    html = page_of(verdict, title="<script>alert(1)</script>", kicker="a < b & c", subject="<b>x")
+    html = page_of(verdict, title="<script>alert(1)</script>", data="a < b & c", subject="<b>x")
     assert "<script" not in html
     assert "&lt;script&gt;alert(1)" in html
     assert "a &lt; b &amp; c" in html
@@ -233,10 +234,11 @@ def test_a_dropped_law_keeps_its_score_and_gets_its_rule(verdict):
     assert plain(value) in text
 
 
-def test_own_sections_stand_before_how_to_reproduce(verdict):
+def test_own_sections_stand_before_what_to_measure_next(verdict):
     own = Section(id="own", nav="Own", heading="Own", blocks=(Paragraph(text="Own words."),))
-    page = record_document(verdict, title="x", kicker="y", versions={}, extra=(own,))
-    assert [section.id for section in page.sections][-2:] == ["own", "reproduce"]
+    page = verdict_page(verdict, Origin(title="x", data="y"), extra=(own,))
+    ids = [section.id for section in page.sections]
+    assert ids[ids.index("own") + 1 :] == ["certificate", "next", "reproduce"]
 
 
 def test_the_chosen_law_is_compared_with_the_usual_one_or_the_next_best(verdict):

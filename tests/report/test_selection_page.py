@@ -23,10 +23,11 @@ from stickslip.errors import SimulationError
 from stickslip.experiments import Measurement
 from stickslip.report import Paragraph, Section
 from stickslip.report.core import documents, markup
+from stickslip.report.core.documents import Origin
 from stickslip.report.core.page import render
-from stickslip.report.travels import selection_page
 from stickslip.report.travels.runs import steps_heading
 from stickslip.report.travels.texts import step_text
+from stickslip.report.verdict_page import verdict_page
 from stickslip.selection import compare_fixed_steps
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -89,15 +90,15 @@ class Reader(HTMLParser):
 
 
 def page_of(verdict, **more):
-    return selection_page(
-        verdict,
-        subject="rig.toml",
-        kicker="Spring and block",
+    origin = Origin(
+        title="Spring and block",
+        data="Three travels",
+        file="rig.toml",
         versions={"stickslip": "0.1.0", "Python": "3.11"},
         digest="sha256:0123abcd",
-        reproduce=("stickslip select rig.toml",),
-        **more,
+        commands=("stickslip select rig.toml",),
     )
+    return verdict_page(verdict, origin, **more)
 
 
 def read(page):
@@ -346,4 +347,4 @@ def test_an_interval_without_an_end_is_a_sentence():
 
 
 def test_the_title_is_plain_text(alone):
-    assert markup.plain(page_of(alone).title) == "Friction model selection: rig.toml"
+    assert markup.plain(page_of(alone).title) == "Friction model selection: Spring and block"

@@ -1,6 +1,7 @@
 """A verdict from Python is written as the command writes it."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -70,6 +71,9 @@ def test_the_command_writes_the_same_files_but_for_its_own_name_and_hash(verdict
     own = select(seen.mechanism, ["coulomb", "coulomb-viscous"], seen.measurement)
     write_report(own, tmp_path / "python", title="Slide")
     assert names(tmp_path / "cli") == names(tmp_path / "python") == FILES
+    pages = [(tmp_path / side / "index.html").read_text("utf-8") for side in ("cli", "python")]
+    heads = [re.findall(r"<title>.*?</title>|<section[^>]*>|<h2.*?</h2>", page) for page in pages]
+    assert heads[0] == heads[1]
     law = [(tmp_path / side / "law.toml").read_text("utf-8") for side in ("cli", "python")]
     assert law[0] == law[1]
     both = [

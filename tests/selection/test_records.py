@@ -29,7 +29,9 @@ from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.records import refits
 from stickslip.identification.records.fit import settled
 from stickslip.identification.records.fitting import fit_record
-from stickslip.report.records import record_page
+from stickslip.report import render
+from stickslip.report.core.documents import Origin
+from stickslip.report.verdict_page import verdict_page
 from stickslip.selection.applicability import one_way
 from stickslip.selection.cross_validation import Plan, cross_validate, plan_of
 from stickslip.selection.identifiable import settled_estimates, traded
@@ -469,7 +471,7 @@ def test_the_verdict_on_trials_that_do_not_share_one_law_is_no_plain_use():
     assert "is an average; its intervals do not apply" in verdict.to_dict()["why"]
     assert verdict.trials.shared is False
     assert verdict.to_dict()["trials"]["share_one_law"] is False
-    page = record_page(verdict, title="Trials", kicker="three", versions={})
+    page = render(verdict_page(verdict, Origin(title="Trials", data="three")))
     assert "The trials do not share one law" in page
     assert not any("halves of the record" in line for line in verdict.closest.fit.sentences)
 

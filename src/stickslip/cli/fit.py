@@ -17,7 +17,6 @@ from stickslip.cli.console import (
     stdout,
     write_file,
 )
-from stickslip.cli.feature_fit import show_feature_fit
 from stickslip.cli.inputs import (
     Asked,
     Measured,
@@ -36,11 +35,16 @@ from stickslip.experiments.preconditions import told
 from stickslip.experiments.second_records import refuse_same
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification import FeatureFit, Fit, RecordFit, Score, TravelFit, fit
+from stickslip.identification.features.features import COMPARED
 from stickslip.identification.trials.comparison import compared
-from stickslip.report.numbers import length
+from stickslip.report.numbers import length, significant
+from stickslip.selection.feature_wording import signed_share
 from stickslip.selection.record_wording import error_text, route_text
 
 __all__ = ["run"]
+
+UNITS = {"frequency": "Hz"}
+"""Of features that have one."""
 
 
 def run(
@@ -172,7 +176,7 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
         return
     if isinstance(result, FeatureFit):
         assert not isinstance(second, Score)
-        show_feature_fit(result, second or {})
+        _show_features(result, second or {})
         return
     assert isinstance(result, RecordFit)
     assert not isinstance(second, Mapping)
@@ -208,3 +212,28 @@ def _restarts(agreeing: int, starts: int) -> str:
     if starts == 1:
         return "none, a single start"
     return f"{agreeing} of {starts} starts end at the least residual"
+
+
+def _show_features(fit: FeatureFit, second: Mapping[str, float]) -> None:
+    """Print what the features of a fit are, and what it says."""
+    console = stdout()
+    heads = ["feature of F/N", "first half", "fitted", "second half", "off by"]
+    heads += ["second record off by"] if second else []
+    rows = []
+    for name in COMPARED:
+        cells = [_sized(name, getattr(fit.observed, name)), _sized(name, fit.predicted[name])]
+        cells += ["" if fit.held_out is None else _sized(name, getattr(fit.held_out, name))]
+        cells += [signed_share(fit.held_out_errors[name]) if fit.held_out_errors else ""]
+        cells += [signed_share(second[name])] if second else []
+        rows.append([name.replace("_", " "), *cells])
+    show_table("", heads, rows, whole=heads)
+    if fit.cancelled:
+        note("The search was ended early; this is the best so far.")
+    if fit.sentences:
+        console.print("\nWhat the features say", markup=False, style="bold")
+    for line in fit.sentences:
+        console.print(f"  {plain(line)}", markup=False)
+
+
+def _sized(name: str, value: float) -> str:
+    return f"{significant(value, 3)} {UNITS.get(name, '')}".strip()

@@ -16,7 +16,7 @@ from stickslip.cli.console import (
     write_folder,
 )
 from stickslip.cli.numbers import number_of, range_of
-from stickslip.cli.selected import laws_of
+from stickslip.cli.select import laws_of
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Rig, load_rig
 from stickslip.experiments.measurement import QUANTITIES

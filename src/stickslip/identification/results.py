@@ -110,6 +110,8 @@ class Fit(ABC, Generic[Law_co]):
     """The free parameters."""
     remarks: tuple[str, ...] = ()
     """What is to be known of the mechanism as it is saved, in sentences."""
+    cancelled: bool = False
+    """Whether the search was ended before its end."""
 
     @final
     def to_law(self) -> Law_co:

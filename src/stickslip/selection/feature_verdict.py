@@ -137,6 +137,11 @@ class FeatureVerdict(Verdict):
     speeds: tuple[OtherSpeed, ...] = ()
     """Other speeds of the pull, the most telling first."""
 
+    @property
+    def closest(self) -> FeatureCandidate | None:
+        """What comes closest to the features: the law to use."""
+        return self.best
+
     @override
     def __repr__(self) -> str:
         fitted = sum(candidate.fit is not None for candidate in self.candidates)

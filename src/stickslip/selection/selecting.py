@@ -17,14 +17,15 @@ from stickslip.identification.validation import (
     laws_of,
 )
 from stickslip.mechanisms import Mechanism
+from stickslip.selection.candidates import specifications
 from stickslip.selection.feature_verdict import FeatureVerdict
-from stickslip.selection.features import select_features
+from stickslip.selection.features import feature_laws, select_features
 from stickslip.selection.record_verdict import RecordVerdict
 from stickslip.selection.records import PurposeName, select_records
-from stickslip.selection.travels import select_travels
+from stickslip.selection.travels import PLAIN, select_travels
 from stickslip.selection.verdict import TravelVerdict
 
-__all__ = ["select"]
+__all__ = ["candidate_names", "select"]
 
 
 @arguments
@@ -154,6 +155,27 @@ def select(
         progress=progress,
         executor=executor,
     )
+
+
+def candidate_names(measurement: Measurement, laws: Laws | None = None) -> list[str]:
+    """Return the names of the laws that `select` would compare, as its callbacks call them.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        What was measured.
+    laws : mapping or sequence, optional
+        The candidates, if not those that such a measurement is compared with by default.
+
+    Examples
+    --------
+    >>> candidate_names(Measurement(travel=0.2))
+    ['coulomb', 'viscous', 'coulomb-viscous', 'stribeck', 'dahl', 'lugre']
+    """
+    if measurement.travelled:
+        return [one if isinstance(one, str) else one.name for one in laws or PLAIN]
+    chosen = feature_laws(laws) if by_features(measurement, None) else specifications(laws)
+    return [one.name for one in chosen]
 
 
 def _kinds(

@@ -28,8 +28,11 @@ class Spread(NamedTuple):
     """Median of the runs, and the ends between which 95 % of them lie."""
 
     low: float
+    """Quantile 2.5 % of the runs."""
     median: float
+    """Half of the runs lie below."""
     high: float
+    """Quantile 97.5 % of the runs."""
 
 
 @final
@@ -59,7 +62,20 @@ class Band:
     """Travel of each whole cycle [m] or [rad]."""
 
     def at(self, name: str, t: ArrayLike) -> Array:
-        """Return lower end, median and upper end (3, n) of a state at some of the times `t`."""
+        """Return lower end, median and upper end (3, n) of a state at some of the times `t`.
+
+        Parameters
+        ----------
+        name : str
+            Name of the state.
+        t : array_like (n,)
+            Times [s]; the next of the band's own times is taken, the last one beyond them.
+
+        Returns
+        -------
+        array (3, n)
+            Lower end, median and upper end, in the state's unit.
+        """
         places = np.searchsorted(self.t, np.asarray(t, dtype=np.float64))
         found: Array = self.states[name][:, np.minimum(places, len(self.t) - 1)]
         return found
@@ -109,8 +125,12 @@ def band_of(
         Of the draws.
     times : array_like (n,), optional
         Times [s] at which the band is wanted; 601 even ones are added.
-    y0, solver, progress
-        As in `ensemble`.
+    y0 : mapping or sequence, optional
+        Initial states, as in `ensemble`.
+    solver : EventDriven, optional
+        Tolerances, limits and tier, as in `ensemble`.
+    progress : callable, optional
+        Called with runs done and in all, as in `ensemble`.
 
     Returns
     -------

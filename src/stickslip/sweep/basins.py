@@ -97,8 +97,12 @@ def basins(
         Initial values of the other states.
     period : float, optional
         Length of a cycle [s]; that of the drives if not given.
-    solver, executor, progress
-        As in `ensemble`.
+    solver : EventDriven, optional
+        Tolerances, limits and tier, as in `ensemble`.
+    executor : concurrent.futures.Executor, optional
+        Where chunks of runs are executed, as in `ensemble`.
+    progress : callable, optional
+        Called with runs done and in all, as in `ensemble`.
 
     Returns
     -------

@@ -129,8 +129,10 @@ def average_velocity(
         Length of a cycle [s] in all runs; that of each run's drives if not given.
     y0 : mapping or sequence, optional
         Initial states, as in `simulate`.
-    solver, executor
-        As in `ensemble`.
+    solver : EventDriven, optional
+        Tolerances, limits and tier, as in `ensemble`.
+    executor : concurrent.futures.Executor, optional
+        Where chunks of runs are executed, as in `ensemble`.
     progress : callable, optional
         Called with the number of runs done and of all; if it returns False, no more begin.
 

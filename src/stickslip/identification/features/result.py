@@ -71,8 +71,6 @@ class FeatureFit(Fit[Law_co]):
     """What can be said, in words."""
     correlation: Array
     """Of the estimates (p, p), along what the features tell."""
-    cancelled: bool = False
-    """Whether the search was ended before its end."""
 
     @override
     def law_estimates(self) -> LawEstimates:

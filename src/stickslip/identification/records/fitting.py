@@ -430,6 +430,7 @@ def _finished(
         inference=inference,
         displaced=moved,
         at_bounds=at_bounds,
+        cancelled=found.cancelled,
         sentences=(),
     )
     sentences = (*offset_left_out(ready.start, ready.mechanism, unknowns), *_doubtful(searched))

@@ -1,12 +1,9 @@
 """The end of the report: what to measure next, parameters, certificate, and how to reproduce it."""
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Final
 
 from stickslip.experiments.wording import joined
-from stickslip.friction import SOURCES, FrictionLaw
 from stickslip.identification.travels.model import trials_of
 from stickslip.plots.core.svg import inline_svg
 from stickslip.plots.selection.separation import SEPARATION_SIZES, draw_separation
@@ -14,17 +11,15 @@ from stickslip.quantities import fields_of, parameters
 from stickslip.report import numbers
 from stickslip.report.core.blocks import (
     Block,
-    Caption,
     Code,
     Figure,
     KeyValue,
     KeyValues,
     Math,
-    Reference,
-    References,
 )
 from stickslip.report.core.certificates import evidence
-from stickslip.report.core.documents import Section
+from stickslip.report.core.documents import Origin, Section
+from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.travels.texts import (
     estimate_range,
@@ -36,14 +31,10 @@ from stickslip.selection.design.discriminating_settings import Proposal
 
 __all__ = [
     "certificate_section",
-    "law_references",
     "next_section",
     "parameters_section",
     "reproduce_section",
 ]
-
-AUTHORS: Final = re.compile(r"(?<=[^\W\d_]{3})\. ")
-"""The end of the authors: a full stop after a surname, not after an initial."""
 
 
 def next_section(verdict: TravelVerdict) -> Section | None:
@@ -215,46 +206,7 @@ def _data(verdict: TravelVerdict) -> KeyValue:
     return KeyValue(key="Data", value=text, mark="ok" if distinct > 1 else "warn")
 
 
-def reproduce_section(
-    verdict: TravelVerdict, commands: Sequence[str], versions: Mapping[str, str], digest: str
-) -> Section:
+def reproduce_section(verdict: TravelVerdict, origin: Origin) -> Section:
     """Return the section with commands, versions, hash and references."""
-    blocks: list[Block] = []
-    if commands:
-        blocks.append(Code(text="\n".join(f"$ {command}" for command in commands)))
-    items = [KeyValue(key=name, value=version) for name, version in versions.items()]
-    if digest:
-        items.append(KeyValue(key="Hash of the inputs", value=f"`{digest}`"))
-    if items:
-        blocks.append(KeyValues(items=tuple(items)))
-    blocks.append(References(items=_references(verdict)))
-    blocks.append(Caption(text="What the laws and criteria of this report come from."))
-    return Section(
-        id="reproduce", nav="Reproduce and cite", heading="Reproduce and cite", blocks=tuple(blocks)
-    )
-
-
-def _references(verdict: TravelVerdict) -> tuple[Reference, ...]:
     laws = [candidate.law for candidate in verdict.candidates]
-    return law_references(laws, {"paper": ["criteria"]})
-
-
-def law_references(
-    laws: Iterable[FrictionLaw], first: Mapping[str, Sequence[str]]
-) -> tuple[Reference, ...]:
-    """Return the sources of laws with the laws they are for, after those given by key."""
-    used = {key: list(who) for key, who in first.items()}
-    for law in laws:
-        for key in law.sources:
-            used.setdefault(key, []).append(law.title)
-    return tuple(
-        _reference(SOURCES[key], joined(who)) for key, who in used.items() if key in SOURCES
-    )
-
-
-def _reference(text: str, note: str) -> Reference:
-    """Return a citation in parts: authors, title, where."""
-    parts = AUTHORS.split(text.rstrip("."), maxsplit=1)
-    authors, rest = parts if len(parts) == 2 else ("", text.rstrip("."))
-    title, _, where = rest.partition(". ")
-    return Reference(authors=authors, title=title, where=where, note=note)
+    return reproduce(origin, references=law_references(laws, {"paper": ["criteria"]}))

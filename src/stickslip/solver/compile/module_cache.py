@@ -51,7 +51,20 @@ _LOADING = threading.RLock()
 
 
 def module_of(text: str, *, compiled: bool = False) -> ModuleType:
-    """Return the module of a text, from memory, from its file, or new."""
+    """Return the module of a text, from memory, from its file, or new.
+
+    Parameters
+    ----------
+    text : str
+        Program text.
+    compiled : bool, default False
+        Whether the module is for numba, which keeps machine code beside its file.
+
+    Returns
+    -------
+    ModuleType
+        The module; one object in a process for each text.
+    """
     name = name_of(text)
     with _LOADING:  # a module is known by its name before it is whole
         known = sys.modules.get(name)
@@ -185,6 +198,18 @@ def is_kept(text: str, entry: str) -> bool:
     """Whether the machine code of a function is in files that this kind of processor can load.
 
     It is if an earlier process said so and the files that it named are still there.
+
+    Parameters
+    ----------
+    text : str
+        Program text of the module.
+    entry : str
+        Name of the function.
+
+    Returns
+    -------
+    bool
+        Whether nothing needs to be compiled.
     """
     try:
         lines = _stamp(text, entry).read_text("utf-8").splitlines()
@@ -195,7 +220,17 @@ def is_kept(text: str, entry: str) -> bool:
 
 
 def keep(text: str, entry: str, files: Iterable[Path]) -> None:
-    """Note which files hold the machine code of a function, unless nothing can be noted."""
+    """Note which files hold the machine code of a function, unless nothing can be noted.
+
+    Parameters
+    ----------
+    text : str
+        Program text of the module.
+    entry : str
+        Name of the function.
+    files : iterable of Path
+        Files of its machine code.
+    """
     folder = cache_directory()
     lines = [str(f.relative_to(folder) if f.is_relative_to(folder) else f) for f in files]
     with contextlib.suppress(OSError):
