@@ -13,7 +13,7 @@ import typing
 from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
 
-from stickslip.errors import ParameterError, StickslipError, UnknownNameError
+from stickslip.errors import ParameterError, StickslipError, UnknownNameError, nearest
 
 __all__ = [
     "Converted",
@@ -421,7 +421,7 @@ def _vary_member(member: Any, prefix: str, changes: Mapping[str, float | None]) 
     raise UnknownNameError("parameter", next(iter(changes)), [])
 
 
-def full_path(path: str, known: Collection[str]) -> str:
+def full_path(path: str, known: Collection[str], kind: str = "parameter") -> str:
     """Return the full path for a full path, or for a last name that only one of the known has.
 
     Parameters
@@ -430,6 +430,8 @@ def full_path(path: str, known: Collection[str]) -> str:
         A full path, or its last name.
     known : collection of str
         Full paths.
+    kind : str
+        What the path is of, for the message.
 
     Returns
     -------
@@ -446,7 +448,9 @@ def full_path(path: str, known: Collection[str]) -> str:
     same = [full for full in known if full.rpartition(".")[2] == path]
     if len(same) == 1:
         return same[0]
-    raise UnknownNameError("parameter", path, same or known)
+    ends = {full.rpartition(".")[2] for full in known}
+    closer = not nearest(path, known) and bool(nearest(path, ends))
+    raise UnknownNameError(kind, path, same or (ends if closer else known))
 
 
 def named(registry: Mapping[str, Any], name: str, kind: str) -> Any:

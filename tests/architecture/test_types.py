@@ -70,13 +70,14 @@ reveal_type(result)
 print(result.law.kinetic_coefficient, result.estimates[0].low, result.to_law().name)
 reveal_type(fit(block, law, one).law)
 reveal_type(fit(block, "lugre", one).law)
-found = fit(Axis(inertia=1.0), CoulombViscous, table, route="force-map", unknown="inertia")
+found = fit(Axis(inertia=1.0), CoulombViscous, table, route="force-map",
+            vary=["friction.*", "mechanism.inertia"], fixed={"mechanism.offset": 0})
 print(found.law.viscous_coefficient)
 if isinstance(found, RecordFit):
     reveal_type(found.score(record))
 reveal_type(sample_posterior(found, steps=100))
 
-verdict = select(block, record, [Coulomb, "lugre", Stribeck], purpose="position")
+verdict = select(block, [Coulomb, "lugre", Stribeck], record, purpose="position")
 reveal_type(verdict)
 reveal_type(verdict.sentence)
 if verdict.best is not None:
@@ -179,9 +180,11 @@ fit(block, reading, law)  # !
 fit(block, Coulomb, reading).law.viscous_coefficient  # !
 fit(block, Coulomb, reading, route="shoting")  # !
 fit(block, Coulomb, reading).residuals  # !
-select(block, reading, [Coulomb, SpringBlock])  # !
-select(block, reading, purpose="positon")  # !
-select(block, reading).best.name  # !
+select(block, [Coulomb, SpringBlock], reading)  # !
+select(block, None, reading, purpose="positon")  # !
+select(block, None, reading, unknown=["mass"])  # !
+select(block, reading, [Coulomb])  # !
+select(block, None, reading).best.name  # !
 ensemble(block, law, {"friction.kinetic_coefficient": [0.1, 0.2]})  # !
 ensemble(block, law, {}, t_end=1.0, outputs={"fastest": "v"})  # !
 average_velocity(block, law, [1.0])  # !

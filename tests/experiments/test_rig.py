@@ -632,7 +632,7 @@ def test_the_schema_allows_no_other_keys():
 AXIS = """
 [mechanism]
 type = "axis"
-inertia = { value = "95 kg", unknown = true }
+inertia = { value = "95 kg", vary = true }
 damping = { value = 2.0 }
 """
 IN_FILE = """
@@ -666,11 +666,11 @@ def test_data_stand_beside_the_rig_file_and_are_read_as_it_says(axis):
     assert record.values("force").tolist() == pytest.approx([69.3] * 3, rel=1e-12)
 
 
-def test_a_parameter_marked_as_unknown_keeps_its_value_and_is_listed(axis):
+def test_a_parameter_marked_to_be_fitted_keeps_its_value_and_is_listed(axis):
     rig = axis()
-    assert rig.unknown == ("mechanism.inertia",)
+    assert rig.vary == ("mechanism.inertia",)
     assert (rig.mechanism.inertia, rig.mechanism.damping) == (95.0, 2.0)
-    assert axis(**{"mechanism.inertia": "90 kg"}).unknown == ()
+    assert axis(**{"mechanism.inertia": "90 kg"}).vary == ()
 
 
 def test_a_rig_with_data_needs_no_friction(axis):
@@ -699,7 +699,7 @@ def test_the_schema_knows_data_and_marks():
     reading = {"columns", "units", "gain", "offset", "repair", "hold", "conditions"}
     assert {"file", "files", "validate"} | reading == {*table}
     inertia = schema["$defs"]["Axis"]["properties"]["inertia"]["anyOf"]
-    assert any("unknown" in kind.get("properties", ()) for kind in inertia)
+    assert any("vary" in kind.get("properties", ()) for kind in inertia)
     assert "friction" not in schema["required"]
 
 
@@ -718,8 +718,9 @@ def test_the_schema_knows_data_and_marks():
         (AXIS + IN_FILE + 'hold = "second"\n', "must be 'zero' or 'first'"),
         (AXIS + IN_FILE + "repair = []\n", "must not be an empty list"),
         (AXIS + IN_FILE.replace("columns", "colums"), "Did you mean 'columns'"),
-        (AXIS.replace("unknown = true", "unknown = 1"), "write true or false"),
-        (AXIS.replace("unknown = true", "assumed = true"), "the keys value and unknown"),
+        (AXIS.replace("vary = true", "vary = 1"), "write true or false"),
+        (AXIS.replace("vary = true", "assumed = true"), "the keys value and vary"),
+        (AXIS.replace("vary = true", "unknown = true"), "is now vary: write vary = true"),
     ],
 )
 def test_mistakes_in_data_name_the_rig_file_and_the_key(axis, text, message):

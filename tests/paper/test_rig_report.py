@@ -32,7 +32,7 @@ initial = {{ v = "{v} m/s" }}
 
 def report(rig, laws=("coulomb",)):
     verdict = select(
-        rig.mechanism, rig.measurement, {n: rig.laws[n] for n in laws}, t_end=rig.t_end
+        rig.mechanism, {n: rig.laws[n] for n in laws}, rig.measurement, t_end=rig.t_end
     )
     return page_of(rig, verdict), verdict
 
@@ -62,7 +62,7 @@ def test_a_changed_rig_is_not_mixed_with_the_rig_of_the_paper():
 def test_another_measurement_on_the_bundled_rig_is_not_mixed_with_the_paper():
     rig = load_rig()
     other = load_rig(overrides={"mechanism.mass": "2"}).measurement
-    verdict = select(rig.mechanism, other, {"coulomb": rig.laws["coulomb"]}, t_end=rig.t_end)
+    verdict = select(rig.mechanism, {"coulomb": rig.laws["coulomb"]}, other, t_end=rig.t_end)
     assert "excitation" not in ids(page_of(rig, verdict))
 
 

@@ -22,7 +22,7 @@ def verdict():
     run = simulate(REAL, LAW, t_end=4.5).at(t)
     record = Measurement(time=t, spring_force=1000.0 * (4e-3 * t - run["x"]))
     stated = TowedBlock(mass=0.03, stiffness=1000.0, speed=4e-3, load=0.3)
-    return select(stated, record, [Coulomb, Stribeck], unknown=["mass"])
+    return select(stated, [Coulomb, Stribeck], record, vary=["friction.*", "mechanism.mass"])
 
 
 @pytest.fixture(scope="module")
@@ -48,13 +48,15 @@ def test_the_page_says_the_verdict_and_how_to_get_it_again(verdict, page):
 
 
 def test_a_law_that_cannot_be_fitted_stands_on_the_page_with_the_reason(verdict):
-    found = select(verdict.mechanism, verdict.measurement, [Coulomb, Viscous], unknown=["mass"])
+    found = select(
+        verdict.mechanism, [Coulomb, Viscous], verdict.measurement, vary=["friction.*", "mass"]
+    )
     page = render(verdict_page(found, ORIGIN))
     assert "no level that these features could set" in page
 
 
 def test_a_page_on_a_law_that_misses_the_features_settles_nothing_of_it(verdict):
-    found = select(verdict.mechanism, verdict.measurement, [Coulomb])
+    found = select(verdict.mechanism, [Coulomb], verdict.measurement)
     opening = verdict_page(found, ORIGIN).sections[0]
     (block,) = opening.blocks
     assert "No candidate has the features" in block.verdict

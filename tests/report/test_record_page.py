@@ -86,7 +86,7 @@ def plain(text):
 
 @pytest.fixture(scope="module")
 def verdict():
-    return select(Axis(inertia=2.0), recorded(), VOICES, unknown=["inertia"])
+    return select(Axis(inertia=2.0), VOICES, recorded(), vary=["friction.*", "mechanism.inertia"])
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +96,7 @@ def html(verdict):
 
 @pytest.fixture(scope="module")
 def table_verdict():
-    return select(Axis(inertia=1.0), tabled(), VOICES)
+    return select(Axis(inertia=1.0), VOICES, tabled())
 
 
 @pytest.fixture(scope="module")
@@ -253,7 +253,7 @@ def test_laws_that_differ_by_direction_have_a_line_each():
     noise = 0.02 * np.random.default_rng(2).normal(size=len(v))
     friction = np.where(v > 0, 2.0 + 4.0 * v, -3.0 + 9.0 * v) + noise
     verdict = select(
-        Axis(inertia=1.0), Measurement(velocity=v, friction=friction), [Viscous, DirectionDependent]
+        Axis(inertia=1.0), [Viscous, DirectionDependent], Measurement(velocity=v, friction=friction)
     )
     text = text_of(page_of(verdict))
     assert "Friction grows faster in reverse than forward" in text
@@ -315,7 +315,7 @@ def test_an_interval_without_an_end_is_said_in_words(verdict):
 def judged():
     """A verdict on friction along a motion, with a second record."""
     second = dataclasses.replace(short_friction(9), name="run 2", provenance="simulated again")
-    return select(Axis(inertia=2.0), short_friction(8), [Viscous, CoulombViscous], validate=second)
+    return select(Axis(inertia=2.0), [Viscous, CoulombViscous], short_friction(8), validate=second)
 
 
 def test_a_second_record_has_a_column_of_its_own(judged):
@@ -376,7 +376,7 @@ def short_friction(seed):
 
 
 def test_a_short_record_of_friction_has_a_page_with_its_time():
-    verdict = select(Axis(inertia=2.0), short_friction(3), [Viscous, Coulomb])
+    verdict = select(Axis(inertia=2.0), [Viscous, Coulomb], short_friction(3))
     html = page_of(verdict)
     assert {"verdict", "map", "scores", "residuals", "record"} <= set(sections(html))
     text = text_of(html)
@@ -386,7 +386,7 @@ def test_a_short_record_of_friction_has_a_page_with_its_time():
 
 def test_records_of_several_trials_lie_end_to_end():
     both = Measurement(trials=(short_friction(4), short_friction(5)))
-    verdict = select(Axis(inertia=2.0), both, [Coulomb, CoulombViscous])
+    verdict = select(Axis(inertia=2.0), [Coulomb, CoulombViscous], both)
     edges = block_edges(verdict)
     # two records of 4 s, each from its first to its last sample
     assert edges[-1] - edges[0] == pytest.approx(8.0, abs=1e-9)
@@ -412,7 +412,7 @@ def looped(seed=0):
 
 @pytest.fixture(scope="module")
 def loops():
-    return select(Axis(inertia=1.0), looped(), ["coulomb-viscous", "dahl-exponent"])
+    return select(Axis(inertia=1.0), ["coulomb-viscous", "dahl-exponent"], looped())
 
 
 @pytest.fixture(scope="module")
@@ -443,7 +443,7 @@ def test_a_headline_on_the_friction_map_says_of_which_law_it_is(table_verdict, t
 
 def test_an_axis_that_turns_has_angles_and_torques_in_words_and_figures():
     turned = dataclasses.replace(looped(), turning=True)
-    html = page_of(select(Axis(inertia=1.0), turned, [CoulombViscous, Viscous]))
+    html = page_of(select(Axis(inertia=1.0), [CoulombViscous, Viscous], turned))
     labels = set(
         re.findall(r"(velocity|displacement|position|friction|residual), ([^<]*)</text>", html)
     )
@@ -584,7 +584,7 @@ def test_how_large_a_hidden_step_may_be_is_said():
     v = np.linspace(-0.2, 0.2, 200)
     noise = 0.05 * np.random.default_rng(5).normal(size=len(v))
     flat = Measurement(velocity=v, friction=2.0 * np.sign(v) + 5.0 * v + noise)
-    found = select(Axis(inertia=1.0), flat, ["coulomb-viscous", "stribeck"])
+    found = select(Axis(inertia=1.0), ["coulomb-viscous", "stribeck"], flat)
     text = text_of(page_of(found))
     assert "of Stribeck up to about" in text
     assert "is allowed by this record (95 %, profile likelihood, all else fitted anew)" in text

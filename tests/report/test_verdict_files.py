@@ -29,7 +29,7 @@ FILES = ["index.html", "law.toml", "verdict.json"]
 
 @pytest.fixture(scope="module")
 def verdict():
-    return select(Axis(inertia=1.0), TABLE, [Coulomb, CoulombViscous])
+    return select(Axis(inertia=1.0), [Coulomb, CoulombViscous], TABLE)
 
 
 def names(folder):
@@ -68,7 +68,7 @@ def test_the_command_writes_the_same_files_but_for_its_own_name_and_hash(verdict
         main(["select", str(rig), "--laws", "coulomb,coulomb-viscous", "-o", str(tmp_path / "cli")])
     assert not leaving.value.code
     seen = load_rig(rig)
-    own = select(seen.mechanism, seen.measurement, ["coulomb", "coulomb-viscous"])
+    own = select(seen.mechanism, ["coulomb", "coulomb-viscous"], seen.measurement)
     write_report(own, tmp_path / "python", title="Slide")
     assert names(tmp_path / "cli") == names(tmp_path / "python") == FILES
     pages = [(tmp_path / side / "index.html").read_text("utf-8") for side in ("cli", "python")]
@@ -99,7 +99,7 @@ def test_a_verdict_without_a_law_leaves_none_of_an_earlier_one(verdict, tmp_path
     block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     # farther than a spring pressed by 0.1 m throws a block without friction: no law explains it
     reading = Measurement(travel=5.0, uncertainty=0.005, uncertainty_kind="rounding")
-    nothing = select(block, reading, [Viscous], t_end=1.0)
+    nothing = select(block, [Viscous], reading, t_end=1.0)
     assert nothing.best is None
     write_report(nothing, tmp_path, overwrite=True)
     assert names(tmp_path) == ["index.html", "verdict.json"]

@@ -33,7 +33,7 @@ def table(seed, *, forward=5.0, backward=5.0, level=2.0, noise=0.05, **more):
 
 
 def selected(first, second=None, laws=LAWS):
-    return select(AXIS, first, laws, validate=second, settings=QUICK)
+    return select(AXIS, laws, first, validate=second, settings=QUICK)
 
 
 @pytest.fixture(scope="module")

@@ -50,7 +50,6 @@ UNITS = {"frequency": "Hz"}
 def run(
     path: Path | None,
     name: str | None,
-    free: str | None,
     asked: Asked,
     changes: Sequence[str],
     output: Path | None,
@@ -67,10 +66,9 @@ def run(
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     name = fitted_name(rig, name)
     law = rig.laws.get(name) or law_type(name)
-    found = measured(rig, asked, given=path is not None)
+    found = measured(rig, asked, given=path is not None, law=law)
     checks = _checked(rig, found, asked)
-    wanted = None if free is None else [part.strip() for part in free.split(",")]
-    result = _fitted(rig, law, found, asked, wanted)
+    result = _fitted(rig, law, found, asked)
     second = _second(result, found, asked)
     trials = compared(result) if isinstance(result, RecordFit) else None
     if output is not None:
@@ -107,21 +105,18 @@ def _fitted(
     law: FrictionLaw | type[FrictionLaw],
     found: Measured,
     asked: Asked,
-    free: Sequence[str] | None,
 ) -> Fit:
     """Fit with a bar; Ctrl-C once ends the search in a record."""
-    known = _known(rig, law.name, free)
     if found.travels:
         with Watching([law.name], "Fitting") as bar:
             return fit(
                 rig.mechanism,
                 law,
                 found.measurement,
-                free=free,
-                known=known,
-                unknown=found.unknown,
+                vary=found.vary,
+                fixed=found.fixed,
                 t_end=rig.t_end,
-                watch=lambda runs: bar(law.name, runs),
+                progress=lambda runs: bar(law.name, runs),
             )
     with (
         Interrupts() as interrupts,
@@ -132,26 +127,12 @@ def _fitted(
             rig.mechanism,
             law,
             found.measurement,
-            free=free,
-            known=known,
-            unknown=found.unknown,
+            vary=found.vary,
+            fixed=found.fixed,
             route=found.route or asked.how.route,
             settings=asked.how.settings(rig),
-            watch=lambda rms: watch(law.name, rms),
+            progress=lambda rms: watch(law.name, rms),
         )
-
-
-def _known(rig: Rig, name: str, free: Sequence[str] | None) -> dict[str, float]:
-    """Return what the rig says of parameters that are not free, where it does not say all."""
-    given = rig.given.get(name, {})
-    if name in rig.laws or not given:
-        return {}
-    if free is None:
-        said = ", ".join(f"{field} = {value:g}" for field, value in given.items())
-        note(f"All of {name} is fitted, {said} too; --free names what is looked for beside it.")
-        return {}
-    wanted = {one.rpartition(".")[2] for one in free}
-    return {field: value for field, value in given.items() if field not in wanted}
 
 
 def _second(result: Fit, found: Measured, asked: Asked) -> Score | Mapping[str, float] | None:

@@ -113,9 +113,10 @@ def _selected(
             watch = stack.enter_context(Searching(names, residuals(found), interrupts))
         return select(
             rig.mechanism,
-            found.measurement,
             laws,
-            unknown=found.unknown,
+            found.measurement,
+            vary=found.vary,
+            fixed=found.fixed,
             assumed=rig.assumed,
             purpose=asked.how.purpose or "simulate",
             horizon=asked.how.horizon,
@@ -123,8 +124,7 @@ def _selected(
             validate=found.validate,
             settings=asked.how.settings(rig),
             t_end=rig.t_end,
-            watch=watch,
-            compiling=watch.compiling if isinstance(watch, Watching) else None,
+            progress=watch,
             executor=stack.enter_context(workers(min(jobs, len(names)))),
         )
 

@@ -52,7 +52,7 @@ def verdict_page(
     >>> from stickslip import Coulomb, Measurement, SpringBlock, select
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
-    >>> verdict = select(rig, reading, [Coulomb], t_end=1.0)
+    >>> verdict = select(rig, [Coulomb], reading, t_end=1.0)
     >>> page = verdict_page(verdict, Origin(title="Block", data="one travel"))
     >>> page.title, page.sections[0].id, page.sections[-1].id
     ('Friction model selection: Block', 'verdict', 'reproduce')

@@ -71,7 +71,7 @@ def write_report(
     >>> from stickslip import Coulomb, Measurement, SpringBlock, load_rig, select
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
-    >>> verdict = select(rig, reading, [Coulomb], t_end=1.0)
+    >>> verdict = select(rig, [Coulomb], reading, t_end=1.0)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     page = write_report(verdict, folder, title="Block")
     ...     law = load_rig(page.with_name("law.toml")).laws["coulomb"]
@@ -120,7 +120,7 @@ def write_verdict(
     >>> from stickslip import Coulomb, Measurement, SpringBlock, select
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
-    >>> verdict = select(rig, reading, [Coulomb], t_end=1.0)
+    >>> verdict = select(rig, [Coulomb], reading, t_end=1.0)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_verdict(Path(folder), verdict, {})
     ...     sorted(file.name for file in Path(folder).iterdir())

@@ -198,8 +198,8 @@ def _measure_next(
     free = any(one.path == MASS for one in fit.estimates)
     if not free and features.frequency > FASTER * features.natural_frequency:
         lines.append(
-            'Look for the mass as well: unknown=["mass"], or --unknown mass. The nominal one cannot'
-            " oscillate as fast as was measured."
+            "Fit the mass as well: vary=['friction.*', 'mechanism.mass'], or --vary"
+            " 'friction.*,mass'. The nominal one cannot oscillate as fast as was measured."
         )
     if free:
         lines.append(

@@ -33,7 +33,7 @@ from stickslip.identification.travels.model import (
 from stickslip.identification.travels.propagation import READINGS, covariance_of
 from stickslip.identification.travels.several_travels import expected_fit
 from stickslip.identification.travels.start_values import doubling_slope, required_of
-from stickslip.identification.validation import Laws, check_given, laws_of
+from stickslip.identification.validation import Laws, arguments, check_given, laws_of
 from stickslip.mechanisms import Mechanism
 from stickslip.mechanisms.base import stops_of
 from stickslip.quantities import Quantity, parameters, vary
@@ -86,11 +86,12 @@ MOVES = 0.05
 """Share of the longest travel below which a setting is not worth a run."""
 
 
+@arguments
 def plan(
     mechanism: Mechanism,
     laws: Laws | FrictionLaw | type[FrictionLaw] | str | None = None,
-    *,
     measurement: Measurement | None = None,
+    *,
     doubts: Mapping[str, float] | None = None,
     between: tuple[float, float] | None = None,
     settings: int = 4,

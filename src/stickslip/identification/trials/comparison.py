@@ -25,6 +25,7 @@ from stickslip.identification.trials.condition_lines import ConditionLine, line_
 from stickslip.identification.trials.estimates import TrialEstimates
 from stickslip.identification.trials.homogeneity import Homogeneity, homogeneity, rows_of
 from stickslip.identification.trials.wording import SURE, sentences_of
+from stickslip.identification.validation import arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.solver.compile.messages import notice
@@ -154,17 +155,17 @@ def _plain(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
+@arguments
 def compare_trials(
     mechanism: Mechanism,
     law: FrictionLaw | type[FrictionLaw] | str,
     measurement: Measurement,
     *,
-    free: str | Sequence[str] | None = None,
-    known: Mapping[str, float] | None = None,
-    unknown: str | Sequence[str] = (),
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
     route: RouteName | None = None,
     settings: RecordSettings | None = None,
-    watch: Callable[[float], object] | None = None,
+    progress: Callable[[float], object] | None = None,
 ) -> TrialComparison:
     """Fit one law to all trials and to each alone, and test whether they share it.
 
@@ -174,7 +175,7 @@ def compare_trials(
 
     Parameters
     ----------
-    mechanism, law, measurement, free, known, unknown, route, settings, watch
+    mechanism, law, measurement, vary, fixed, route, settings, progress
         As for `fit`; the measurement has trials.
 
     Returns
@@ -212,12 +213,11 @@ def compare_trials(
         mechanism,
         law,
         measurement,
-        free=free,
-        known=known,
-        unknown=unknown,
+        vary=vary,
+        fixed=fixed,
         route=route,
         settings=settings,
-        watch=watch,
+        progress=progress,
     )
     if not isinstance(joint, RecordFit):
         raise InputError(NOT_ALONE)

@@ -143,7 +143,7 @@ def map_points(fit: RecordFit) -> MapPoints | None:
             ),
         )
     try:
-        found = inverse_dynamics(fit.mechanism, fit.measurement, unknown=())
+        found = inverse_dynamics(fit.mechanism, fit.measurement, vary=())
         load_now = load_of(fit.mechanism)
     except InputError:  # too short, without a position, or of several coordinates
         return None
@@ -183,7 +183,7 @@ def speeds_of(fit: RecordFit, record: Measurement) -> tuple[Array, Array] | None
     if "position" not in record.quantities():
         return None
     try:
-        found = inverse_dynamics(fit.mechanism, record, unknown=())
+        found = inverse_dynamics(fit.mechanism, record, vary=())
     except InputError:  # too short to be filtered
         position = np.asarray(record.values("position"), dtype=float)
         return record.time, np.gradient(position, record.time)

@@ -8,6 +8,7 @@ import stickslip
 from stickslip.errors import UnknownNameError
 from stickslip.friction import FrictionLaw
 from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.validation import LAW
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
 from stickslip.report.core.blocks import KeyValue
@@ -49,7 +50,7 @@ def python_lines(verdict: RecordVerdict) -> str:
     built = _built(verdict.mechanism)
     kind = type(verdict.mechanism).__name__
     names = [*sorted([kind if built else "load_rig", "RecordSettings"]), "select"]
-    parts = [built or 'load_rig("rig.toml").mechanism', "record", *_laws(verdict)]
+    parts = [built or 'load_rig("rig.toml").mechanism', _laws(verdict), "record"]
     parts += _asked(verdict)
     parts.append(f"settings={_settings(verdict.settings)}")
     parts += ["validate=second"] if verdict.second is not None else []
@@ -73,32 +74,32 @@ def _built(mechanism: Mechanism) -> str:
     return f"{type(mechanism).__name__}({', '.join(found)})"
 
 
-def _laws(verdict: RecordVerdict) -> list[str]:
-    """Return the argument with the laws by name; none if these are all that there usually are.
+def _laws(verdict: RecordVerdict) -> str:
+    """Return the argument with the laws by name; None if these are all that there usually are.
 
     Laws whose names say nothing are left to oneself.
     """
     names = [one.name for one in verdict.candidates]
     if {*names} == {one.name for one in specifications(None)}:
-        return []
+        return "None"
     try:
         specifications(names)
     except UnknownNameError:
-        return ["laws"]
+        return "laws"
     said = ", ".join(f'"{name}"' for name in names)
-    return ["\n...      ".join(textwrap.wrap(f"[{said}]", WIDTH, break_on_hyphens=False))]
+    return "\n...      ".join(textwrap.wrap(f"[{said}]", WIDTH, break_on_hyphens=False))
 
 
 def _asked(verdict: RecordVerdict) -> list[str]:
     """Return the arguments on what was looked for and what was scored."""
     fit = verdict.closest.fit
     paths = [e.path for e in fit.estimates] if fit else []
-    unknown = [
-        f'"{path.removeprefix("mechanism.")}"'
+    varied = [
+        f'"{path}"'
         for path in paths
         if path.startswith("mechanism.") and path != "mechanism.offset"
     ]
-    parts = [f"unknown=[{', '.join(unknown)}]"] if unknown else []
+    parts = [f'vary=["{LAW}", {", ".join(varied)}]'] if varied else []
     parts.append(f'purpose="{verdict.purpose.name}"')
     parts += [f"horizon={verdict.plan.horizon!r}"] if verdict.plan.length else []
     return parts + ([f'route="{fit.route}"'] if fit else [])
