@@ -3,10 +3,9 @@
 from collections.abc import Mapping
 
 from stickslip.cli.console import note, plain, show_table, stdout
+from stickslip.formatting import quantity, signed_percent
 from stickslip.identification import FeatureFit
 from stickslip.identification.features.features import COMPARED
-from stickslip.report.numbers import significant
-from stickslip.selection.feature_wording import signed_share
 
 __all__ = ["show_feature_fit"]
 
@@ -23,8 +22,8 @@ def show_feature_fit(fit: FeatureFit, second: Mapping[str, float]) -> None:
     for name in COMPARED:
         cells = [_sized(name, getattr(fit.observed, name)), _sized(name, fit.predicted[name])]
         cells += ["" if fit.held_out is None else _sized(name, getattr(fit.held_out, name))]
-        cells += [signed_share(fit.held_out_errors[name]) if fit.held_out_errors else ""]
-        cells += [signed_share(second[name])] if second else []
+        cells += [signed_percent(fit.held_out_errors[name]) if fit.held_out_errors else ""]
+        cells += [signed_percent(second[name])] if second else []
         rows.append([name.replace("_", " "), *cells])
     show_table("", heads, rows, whole=heads)
     if fit.cancelled:
@@ -36,4 +35,4 @@ def show_feature_fit(fit: FeatureFit, second: Mapping[str, float]) -> None:
 
 
 def _sized(name: str, value: float) -> str:
-    return f"{significant(value, 3)} {UNITS.get(name, '')}".strip()
+    return quantity(value, UNITS.get(name, "1"))

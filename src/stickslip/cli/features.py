@@ -25,12 +25,13 @@ from stickslip.cli.process_pool import workers
 from stickslip.cli.progress import Searching
 from stickslip.cli.selected import deliver, laws_of
 from stickslip.experiments import Rig
+from stickslip.formatting import percent, signed_percent
 from stickslip.friction import FrictionLaw
 from stickslip.identification.features.features import COMPARED
 from stickslip.report.core.versions import versions
 from stickslip.report.features import feature_page
 from stickslip.selection import FeatureCandidate, FeatureVerdict, select
-from stickslip.selection.feature_wording import share, signed_share
+from stickslip.selection.feature_wording import share_parts
 from stickslip.selection.features import feature_laws
 
 __all__ = ["select_on_features"]
@@ -114,7 +115,7 @@ def _show(verdict: FeatureVerdict) -> None:
         console.print(words.no_score, markup=False, style="dim")
     console.print()
     second = any(one.second for one in verdict.candidates)
-    heads = ["law", "free", "held-out", "±", *(SHORT.get(name, name) for name in COMPARED)]
+    heads = ["law", "free", "held-out, %", *(SHORT.get(name, name) for name in COMPARED)]
     heads += ["second"] if second else []
     everyone = [*verdict.candidates, *([verdict.control] if verdict.control else [])]
     rows = [_row(one, second=second, nominal=one is verdict.control) for one in everyone]
@@ -130,14 +131,13 @@ def _show(verdict: FeatureVerdict) -> None:
 
 def _row(one: FeatureCandidate, *, second: bool, nominal: bool) -> list[str]:
     def told(value: float | None) -> str:
-        return NONE if value is None or not math.isfinite(value) else signed_share(value)
+        return NONE if value is None or not math.isfinite(value) else signed_percent(value)
 
     cells = [
         f"{one.name}, nominal" if nominal else one.name,
         str(one.parameters) if one.fit else NONE,
-        share(one.score) if one.fit else NONE,
-        share(one.score_error) if math.isfinite(one.score_error) else NONE,
+        " ".join(share_parts(one)).strip() if one.fit else NONE,
         *(told(one.errors.get(name)) for name in COMPARED),
     ]
     size = math.sqrt(sum(e**2 for e in one.second.values()) / max(len(one.second), 1))
-    return cells + ([share(size) if one.second else NONE] if second else [])
+    return cells + ([percent(size) if one.second else NONE] if second else [])

@@ -34,10 +34,10 @@ from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, load_rig
 from stickslip.experiments.preconditions import told
 from stickslip.experiments.second_records import refuse_same
+from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification import FeatureFit, Fit, RecordFit, Score, TravelFit, fit
 from stickslip.identification.trials.comparison import compared
-from stickslip.report.numbers import length
 from stickslip.selection.record_wording import error_text, route_text
 
 __all__ = ["run"]
@@ -186,7 +186,7 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
     console.print()
     if isinstance(result, TravelFit):
         pairs = zip(result.measured, result.predicted, strict=True)
-        rows = [[plain(length(m)), plain(length(p))] for m, p in pairs]
+        rows = [[plain(quantity(m, "m")), plain(quantity(p, "m"))] for m, p in pairs]
         show_table("", ["measured travel", "predicted"], rows)
         return
     if isinstance(result, FeatureFit):

@@ -24,9 +24,9 @@ from stickslip.cli.select_records import select_on_records
 from stickslip.cli.selected import deliver, laws_of
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig
+from stickslip.formatting import interval, quantity, significant
 from stickslip.friction import FrictionLaw
 from stickslip.paper import rig_report
-from stickslip.report.numbers import interval, length, significant
 from stickslip.selection import Candidate, TravelVerdict, select
 from stickslip.selection.travels import PLAIN
 
@@ -136,7 +136,7 @@ def _row(candidate: Candidate, *, ranked: bool) -> list[str]:
         candidate.title,
         ", ".join(f"{e.quantity.symbol} = {significant(e.value, 3)}" for e in found),
         ", ".join(interval(e.low, e.high) for e in found),
-        plain(length(candidate.criteria.travel)),
+        plain(quantity(candidate.criteria.travel, "m")),
         "yes" if candidate.criteria.velocity_never_negative else "no",
     ]
     score = NONE if candidate.score is None else significant(1e3 * candidate.score, 3)

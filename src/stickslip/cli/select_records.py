@@ -32,7 +32,7 @@ from stickslip.report.core.versions import versions
 from stickslip.report.records import record_page
 from stickslip.selection import RecordCandidate, RecordVerdict, select
 from stickslip.selection.candidates import specifications
-from stickslip.selection.record_wording import error_text
+from stickslip.selection.verdict import score_text
 
 __all__ = ["select_on_records"]
 
@@ -114,8 +114,9 @@ def _show(verdict: RecordVerdict) -> None:
     console.print(plain(words.lede), markup=False)
     console.print()
     second = any(candidate.second for candidate in verdict.candidates)
-    heads = ["law", "free", "held-out error", "±", "last third"]
-    heads += ["second record"] if second else []
+    unit = verdict.scale.unit
+    heads = ["law", "free", f"held-out error, {unit}", f"last third, {unit}"]
+    heads += [f"second record, {unit}"] if second else []
     rows = [_row(c, verdict, second=second) for c in verdict.candidates]
     show_table("", heads, rows, whole=heads)
     console.print()
@@ -134,15 +135,15 @@ def _show(verdict: RecordVerdict) -> None:
 def _row(candidate: RecordCandidate, verdict: RecordVerdict, *, second: bool) -> list[str]:
     def told(value: float | None) -> str:
         known = value is not None and math.isfinite(value)
-        turning = verdict.measurement.turning
-        return error_text(float(value or 0.0), verdict.quantity, turning=turning) if known else NONE
+        return verdict.scale.number(float(value or 0.0)) if known else NONE
 
     seen = candidate.validation
     cells = [
         candidate.name,
         str(candidate.parameters) if candidate.fit else NONE,
-        told(candidate.score),
-        told(seen.error if seen else None),
+        " ".join(score_text(verdict.scale, candidate.score, candidate.score_error)).strip()
+        if candidate.fit
+        else NONE,
         told(seen.extrapolation if seen else None),
     ]
     return cells + ([told(candidate.second.rms if candidate.second else None)] if second else [])

@@ -5,6 +5,7 @@ from functools import partial
 from importlib.metadata import version
 
 from stickslip.experiments import Rig, load_rig
+from stickslip.formatting import fixed, percent
 from stickslip.friction import SOURCES
 from stickslip.paper.audit import PaperAudit, audit
 from stickslip.paper.excitations import PUSH_DURATION
@@ -26,7 +27,6 @@ from stickslip.paper.unpublished import ROUNDING
 from stickslip.report import Code, Fact, Opening, Page, Paragraph, References, Section, render
 from stickslip.report.core import documents
 from stickslip.report.core.versions import versions
-from stickslip.report.numbers import fixed, percent
 from stickslip.report.travels import selection_page
 from stickslip.report.travels.appendix import law_references
 from stickslip.selection import TravelVerdict

@@ -8,7 +8,7 @@ from matplotlib.colors import LinearSegmentedColormap, ListedColormap
 from matplotlib.figure import Figure
 
 from stickslip.errors import InputError
-from stickslip.plots.core.helpers import scale_of
+from stickslip.formatting import scale_of
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import (
     C1,

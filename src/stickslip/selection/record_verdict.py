@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, final
 from typing_extensions import override
 
 from stickslip.experiments import Checks, Measurement
+from stickslip.formatting import Scale
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit, TrialComparison
 from stickslip.identification.estimation.containment import FittedLaw
@@ -17,7 +18,7 @@ from stickslip.identification.records.settings import RecordSettings
 from stickslip.selection.choice import TRUSTED, reduces_to
 from stickslip.selection.cross_validation import CrossValidation, Plan
 from stickslip.selection.design.experiments import Experiment
-from stickslip.selection.verdict import Verdict, plain
+from stickslip.selection.verdict import Verdict, plain, score_scale
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -132,6 +133,11 @@ class RecordCandidate:
         return self.validation.score if self.validation else math.inf
 
     @property
+    def score_error(self) -> float:
+        """Standard error of the score; infinite if there is none."""
+        return self.validation.error if self.validation else math.inf
+
+    @property
     def law(self) -> FrictionLaw | None:
         """The fitted law."""
         return self.fit.law if self.fit else None
@@ -234,6 +240,11 @@ class RecordVerdict(Verdict):
     def unit(self) -> str:
         """SI unit of the scores."""
         return self.measurement.unit(self.quantity)
+
+    @property
+    def scale(self) -> Scale:
+        """The multiple of the unit in which scores are shown: one for terminal, text and page."""
+        return score_scale([c.score for c in self.candidates], self.unit)
 
     @property
     def missing(self) -> tuple[str, ...]:

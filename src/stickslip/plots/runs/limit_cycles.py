@@ -7,8 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stickslip.formatting import scale_of
 from stickslip.plots.core.event_markers import within
-from stickslip.plots.core.helpers import Look, Sizes, dense, looks, scale_of
+from stickslip.plots.core.helpers import Look, Sizes, dense, looks
 from stickslip.plots.core.label_placement import Curve, label_curves
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import MUTED, shade

@@ -6,8 +6,9 @@ from typing import Final
 import numpy as np
 from matplotlib.figure import Figure
 
+from stickslip.formatting import scale_of
 from stickslip.plots.core.event_markers import name_events, name_modes, within
-from stickslip.plots.core.helpers import Sizes, dense, grouped, horizon, looks, scale_of, wrapped
+from stickslip.plots.core.helpers import Sizes, dense, grouped, horizon, looks, wrapped
 from stickslip.plots.core.label_placement import Curve, label_curves, label_ends
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, INK, MUTED, SURFACE, label_at, shade
