@@ -5,7 +5,7 @@ import math
 import pytest
 
 from stickslip import Estimate
-from stickslip.digits import interval
+from stickslip.formatting import interval
 from stickslip.quantities import Quantity
 
 MASS = Quantity("J", "kg")
@@ -31,8 +31,8 @@ def estimate(value, low, high, quantity=MASS):
         (24841.3, 24800.0, 24900.0, "J = 24,840 kg (24,800 to 24,900)"),
         (2.5e9, 2.4e9, 2.6e9, "J = 2.50 × 10⁹ kg (2.40 × 10⁹ to 2.60 × 10⁹)"),
         (2.0, -math.inf, math.inf, "J = 2.00 kg (not bounded)"),
-        (2.0, 1.0, math.inf, "J = 2.00 kg (1.00 or more)"),
-        (-2.0, -math.inf, -1.0, "J = −2.00 kg (−1.00 or less)"),
+        (2.0, 1.0, math.inf, "J = 2.00 kg (at least 1.00)"),
+        (-2.0, -math.inf, -1.0, "J = −2.00 kg (at most −1.00)"),
     ],
 )
 def test_value_and_interval_end_at_the_same_digit(value, low, high, said):

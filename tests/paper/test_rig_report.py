@@ -5,10 +5,10 @@ import re
 import pytest
 
 from stickslip import load_rig, select
+from stickslip.formatting import quantity, unbroken
 from stickslip.paper import beside
 from stickslip.report import render
 from stickslip.report.core.documents import Origin
-from stickslip.report.travels.texts import step_text
 from stickslip.report.verdict_page import verdict_page
 from stickslip.selection.fixed_step_comparison import rounded_step
 
@@ -85,7 +85,7 @@ def test_fixed_steps_follow_the_time_that_the_body_takes_to_stop(tmp_path):
         page, verdict = report(load_rig(path))
         seen[v] = verdict.best.criteria.stop_time
         for parts in (50.0, 500.0):
-            assert step_text(rounded_step(seen[v] / parts)) in page
+            assert unbroken(quantity(rounded_step(seen[v] / parts), "s")) in page
     assert seen[3.0] > 50.0 * seen[0.03]
 
 

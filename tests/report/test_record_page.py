@@ -16,16 +16,18 @@ from stickslip import (
     Sine,
     Viscous,
     fit,
+    formatting,
     select,
     simulate,
 )
+from stickslip.formatting import Scale
 from stickslip.friction import DirectionDependent
 from stickslip.identification.estimation.levenberg_marquardt import AGREE
 from stickslip.identification.estimation.model_error import ModelError
 from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.records.settings import RecordSettings
 from stickslip.plots.selection.fit_data import block_edges, panel_of, rows_of, sampled, thinned
-from stickslip.report import Paragraph, Section, numbers, render
+from stickslip.report import Paragraph, Section, render
 from stickslip.report.core.documents import Origin
 from stickslip.report.core.markup import equation_parts
 from stickslip.report.records.certificate import certificate_section
@@ -33,7 +35,7 @@ from stickslip.report.records.loops import turns_of
 from stickslip.report.records.reproduce import python_lines
 from stickslip.report.records.residuals import _panels, residuals_section
 from stickslip.report.records.summary import law_lines, level_at, levels_at_speed
-from stickslip.report.records.texts import Scale, half_width, rival_of, scale_for, typeset
+from stickslip.report.records.texts import rival_of, typeset
 from stickslip.report.verdict_page import verdict_page
 from stickslip.selection.candidates import specifications
 from stickslip.selection.record_wording import in_sentence
@@ -126,12 +128,12 @@ def test_the_page_says_the_verdict_and_the_law_with_its_numbers(verdict, html):
     assert verdict.sentence in unescape(text)  # quotes are escaped
     level = verdict.best.fit.estimate("kinetic_coefficient")
     viscous = verdict.best.fit.estimate("viscous_coefficient")
-    shown = [numbers.split_estimate(e.value, half_width(e)).value for e in (level, viscous)]
+    shown = [formatting.estimate_text(e.value, e.half_width).value for e in (level, viscous)]
     assert f"{shown[0]} N + {shown[1]} N s/m × |v|" in text
 
 
 def test_every_score_on_the_page_is_that_of_its_candidate(verdict, html):
-    text, scale = text_of(html), scale_for(verdict)
+    text, scale = text_of(html), verdict.scale
     for candidate in [*verdict.candidates, verdict.control]:
         value, doubt = scale.pair(candidate.score, candidate.validation.error)
         assert plain(f"{value} {doubt}") in text
@@ -141,7 +143,7 @@ def test_every_score_on_the_page_is_that_of_its_candidate(verdict, html):
 def test_every_estimate_on_the_page_ends_where_its_interval_does(verdict, html):
     text = text_of(html)
     for estimate in verdict.best.fit.estimates:
-        parts = numbers.split_estimate(estimate.value, half_width(estimate))
+        parts = formatting.estimate_text(estimate.value, estimate.half_width)
         assert plain(f"{parts.value} {parts.doubt}") in text
 
 
@@ -163,7 +165,7 @@ def test_next_measurements_carry_the_predictions_of_each_law(verdict, html):
     text = text_of(html)
     for one in verdict.experiments:
         assert plain(one.what) in text
-        assert plain(numbers.significant(one.separation, 2)) in text
+        assert plain(formatting.number(one.separation, 2)) in text
 
 
 def test_the_page_is_complete_small_and_runs_nothing(html):
@@ -230,7 +232,7 @@ def test_a_dropped_law_keeps_its_score_and_gets_its_rule(verdict):
     one = next(c for c in changed if c.name == name)
     text = text_of(f"<{dropped}")
     assert "covers 0" in text
-    value, _ = scale_for(verdict).pair(one.score, one.validation.error)
+    value, _ = verdict.scale.pair(one.score, one.validation.error)
     assert plain(value) in text
 
 
@@ -259,7 +261,7 @@ def test_laws_that_differ_by_direction_have_a_line_each():
     assert "Friction grows faster in reverse than forward" in text
     law = verdict.best.law
     more = law.backward_viscous_coefficient / law.forward_viscous_coefficient - 1.0
-    assert plain(numbers.signed_percent(more)) in text
+    assert plain(formatting.signed_percent(more)) in text
 
 
 def test_blocks_tile_the_record(verdict):
@@ -322,16 +324,16 @@ def test_a_second_record_has_a_column_of_its_own(judged):
     text = text_of(page_of(judged))
     assert "second record" in text
     for candidate in judged.candidates:
-        assert scale_for(judged).text(candidate.second.rms) in text
+        assert judged.scale.number(candidate.second.rms) in text
 
 
 def test_a_second_record_is_shown_named_and_compared_with_held_out_blocks(judged):
     html = page_of(judged)
-    text, scale = text_of(html), scale_for(judged)
+    text, scale = text_of(html), judged.scale
     assert sections(html).index("second") == sections(html).index("scores") + 1
     assert "The second record (run 2, simulated again) was not used for any fit." in text
     best = judged.best
-    times = plain(numbers.ratio(best.second.rms / best.score))
+    times = plain(formatting.ratio(best.second.rms / best.score))
     assert f"has an error of {plain(scale.with_unit(best.second.rms))} there, and" in text
     assert f"held-out blocks of the first: {times} that." in text
     assert "Predicted and measured on the second record" in text
@@ -394,9 +396,9 @@ def test_records_of_several_trials_lie_end_to_end():
 
 
 def test_a_doubt_is_never_shown_as_nothing():
-    newtons = Scale(1.0, "N", fine=False)
-    assert [plain(part) for part in newtons.pair(0.113, 0.0031)] == ["0.11", "± 0.003"]
-    assert [plain(part) for part in newtons.pair(1.96, 0.006)] == ["1.96", "± 0.01"]
+    newtons = Scale(1.0, "N")
+    assert newtons.estimate(0.113, 0.0031) == "0.113 ± 0.003 N"
+    assert newtons.estimate(1.96, 0.006) == "1.960 ± 0.006 N"
 
 
 def looped(seed=0):
@@ -425,7 +427,7 @@ def test_friction_with_memory_is_drawn_against_displacement(loops, loops_html):
     text = text_of(loops_html)
     assert "friction measured against displacement" in text
     best = loops.closest
-    left = numbers.percent(best.fit.rms / float(np.std(best.fit.problem.measured)))
+    left = formatting.percent(best.fit.rms / float(np.std(best.fit.problem.measured)))
     assert f"Dahl with exponent leaves {plain(left)}" in text
 
 
@@ -566,7 +568,7 @@ def test_no_number_of_a_page_is_written_with_an_e(html, loops_html):
 
 def test_a_level_without_a_load_is_in_newtons_on_the_page(table_verdict, table_html):
     level = table_verdict.best.fit.estimate("kinetic_coefficient")
-    parts = numbers.split_estimate(level.value, half_width(level))
+    parts = formatting.estimate_text(level.value, level.half_width)
     said = plain(f"{parts.value} {parts.doubt}")
     assert f"Kinetic coefficient μk is {said} N." in text_of(table_html)
 
@@ -608,7 +610,7 @@ def test_friction_at_a_speed_is_told_where_its_parameters_trade_off():
     (line,) = levels_at_speed(found)
     value, half = level_at(found, 0.18)  # the median of the speeds
     assert line.startswith("Friction at ")
-    assert plain(numbers.estimate(value, half)) in plain(line)
+    assert plain(formatting.estimate(value, half)) in plain(line)
 
 
 def test_parameters_that_stand_for_themselves_need_no_speed():

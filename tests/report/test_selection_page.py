@@ -21,12 +21,12 @@ from stickslip import (
 )
 from stickslip.errors import SimulationError
 from stickslip.experiments import Measurement
+from stickslip.formatting import quantity
 from stickslip.report import Paragraph, Section
 from stickslip.report.core import documents, markup
 from stickslip.report.core.documents import Origin
 from stickslip.report.core.page import render
 from stickslip.report.travels.runs import steps_heading
-from stickslip.report.travels.texts import step_text
 from stickslip.report.verdict_page import verdict_page
 from stickslip.selection import compare_fixed_steps
 
@@ -288,7 +288,7 @@ def test_a_step_that_bristles_do_not_allow_is_said_and_costs_nothing(stiffness):
     # 2 g / (sigma_0 v) at the largest speed, with the fitted level
     level = verdict.best.fit.law.kinetic_coefficient * 9.81
     limit = 2.0 * level / (stiffness * float(run.at(np.linspace(0.0, 1.0, 4001))["v"].max()))
-    said = step_text(float(f"{limit:.2g}")).replace("\N{NO-BREAK SPACE}", " ")
+    said = quantity(limit, "s", 2)
     assert f"need steps below {said}" in reader.text
     assert "too large for this law" in reader.headings["steps"]
     if stiffness == 1e5:

@@ -20,7 +20,6 @@ from stickslip import (
 from stickslip.selection.design.experiments import design
 from stickslip.selection.design.predictors import Predictor
 from stickslip.selection.next_measurements import reach_of
-from stickslip.selection.record_wording import with_doubt
 
 
 def designed(candidates, *, speed=0.5, force=0.01, length=1e-4, driven=True, **more):
@@ -309,17 +308,3 @@ def test_records_with_zeros_of_their_own_do_not_make_a_longer_stroke():
     )
     fit = SimpleNamespace(measurement=Measurement(trials=trials), mechanism=Axis(inertia=1.0))
     assert reach_of(fit) == (5.0, 5.3)
-
-
-@pytest.mark.parametrize(
-    ("value", "half", "said"),
-    [
-        (52.944775321548619, 1.4e-14, "52.9448"),  # rounding, which is no doubt
-        (52.944775321548619, 1e-4, "52.94478 ± 0.00010"),
-        (1592.3, 4.0, "1592 ± 4"),
-        (0.0, 1e-9, "(0.0 ± 1.0) × 10⁻⁹"),
-        (-2.13e-6, 4e-8, "(-2.13 ± 0.04) × 10⁻⁶"),
-    ],
-)
-def test_a_number_has_as_many_digits_as_its_doubt_and_six_at_most(value, half, said):
-    assert with_doubt(value, half) == said

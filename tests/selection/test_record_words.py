@@ -9,6 +9,7 @@ import pytest
 
 from stickslip import Axis, Coulomb, Measurement, RecordSettings, Viscous, select, write_report
 from stickslip.cli.console import document, json_text
+from stickslip.formatting import Scale
 from stickslip.identification.estimation.halves import Halves
 from stickslip.identification.estimation.model_error import ModelError
 from stickslip.report.records.summary import opening_section
@@ -16,8 +17,9 @@ from stickslip.selection.design.experiments import design
 from stickslip.selection.design.predictors import Predictor
 from stickslip.selection.identifiable import settled_estimates
 from stickslip.selection.record_admissibility import objection
-from stickslip.selection.record_wording import error_with_doubt, first_of, record_wording
+from stickslip.selection.record_wording import first_of, record_wording
 from stickslip.selection.records import _on_second, _verdict
+from stickslip.selection.verdict import score_text
 
 AXIS = Axis(inertia=1.0)
 QUICK = RecordSettings(starts=1)
@@ -56,7 +58,7 @@ def unexplained():
 def test_the_error_on_a_second_record_stands_beside_the_first_in_the_first_paragraph(confirmed):
     assert confirmed.sentence == "Use direction-dependent friction."
     best, on_second = confirmed.best, confirmed.on_second
-    held = error_with_doubt(best.score, best.validation.error, "friction")
+    held = confirmed.scale.estimate(best.score, best.score_error)
     assert confirmed.words.lede.startswith(f"Held-out error: {held} (")
     said = f"On the second record: {best.second.rms:.3f} N; the choice holds there"
     assert said in confirmed.words.lede
@@ -224,9 +226,9 @@ def test_what_is_not_distinguished_is_listed():
 
 
 def test_scores_have_the_digits_that_their_standard_error_allows():
-    assert error_with_doubt(0.00043, 0.000079, "position") == "0.43 ± 0.08 mm"
-    assert error_with_doubt(1.0, math.inf, "friction") == "1 N"
-    assert error_with_doubt(0.2, 0.03, "position", turning=True) == "0.20 ± 0.03 rad"
+    assert score_text(Scale(1e3, "mm"), 0.00043, 0.000079) == ("0.43", "± 0.08")
+    assert score_text(Scale(1.0, "N"), 1.0, math.inf) == ("1", "")
+    assert score_text(Scale(1.0, "rad"), 0.2, 0.03) == ("0.20", "± 0.03")
 
 
 def second_of(candidate, blocks):

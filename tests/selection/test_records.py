@@ -24,7 +24,7 @@ from stickslip import (
 )
 from stickslip.cli.console import document, json_text
 from stickslip.errors import ConvergenceError, InputError
-from stickslip.experiments.wording import quantity
+from stickslip.formatting import Scale, quantity
 from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.records import refits
 from stickslip.identification.records.fit import settled
@@ -37,6 +37,7 @@ from stickslip.selection.cross_validation import Plan, cross_validate, plan_of
 from stickslip.selection.identifiable import settled_estimates, traded
 from stickslip.selection.record_admissibility import objection
 from stickslip.selection.record_wording import (
+    distinct,
     error_text,
     friction_of,
     in_sentence,
@@ -340,13 +341,13 @@ def test_two_candidates_of_one_name_are_refused(record):
 
 
 def test_angles_are_written_in_thousandths_below_a_tenth():
-    assert error_text(0.2, "position", turning=True) == "0.20 rad"
-    assert error_text(0.02, "position", turning=True) == "20.0 mrad"
+    assert error_text(0.2, "position", turning=True) == "0.2 rad"
+    assert error_text(0.02, "position", turning=True) == "20 mrad"
 
 
 def test_scores_are_written_with_their_unit():
     assert error_text(0.00024, "position") == "0.24 mm"
-    assert error_text(2.0, "friction") == "2.00 N"
+    assert error_text(1.234, "friction") == "1.23 N"
 
 
 def table(low=-1.0):
@@ -391,17 +392,13 @@ def test_it_is_said_where_blocks_do_not_tell_the_usual_choice_apart(verdict):
 
 
 def test_scores_that_read_alike_have_the_digits_that_tell_them_apart():
-    pair = (1.021e-5, 0.9962e-5)
-    assert [error_text(one, "position") for one in pair] == ["0.01 mm", "0.01 mm"]
-    told = [error_text(one, "position", among=pair) for one in pair]
-    assert told == ["0.0102 mm", "0.00996 mm"]
-    pair = (1.0001e-5, 0.997e-5)
-    told = [error_text(one, "position", among=pair) for one in pair]
-    assert told == ["0.0100 mm", "0.00997 mm"]
+    millimetres = Scale(1e3, "mm")
+    pair = (1.2341e-3, 1.2344e-3)
+    assert [distinct(millimetres, pair, one) for one in pair] == ["1.2341 mm", "1.2344 mm"]
     # equal scores, and what is no score of these, are written as ever
-    assert error_text(pair[0], "position", among=(pair[0], pair[0])) == "0.01 mm"
-    assert error_text(2e-6, "position", among=pair) == "0.002 mm"
-    assert error_text(1.234, "friction", among=(1.234, 1.2339999999)) == "1.23 N"
+    assert distinct(millimetres, (pair[0], pair[0]), pair[0]) == "1.23 mm"
+    assert distinct(millimetres, pair, 2e-6) == "0.002 mm"
+    assert distinct(Scale(1.0, "N"), (1.234, 1.2339999999), 1.234) == "1.23 N"
 
 
 def test_a_step_that_may_be_none_is_told_with_its_unit():

@@ -111,8 +111,8 @@ def command_line() -> str:
 
 
 def plain(text: str) -> str:
-    """Return a text without the marks and spaces that reports typeset."""
-    return text.replace("$", "").replace("\N{NO-BREAK SPACE}", " ")
+    """Return a text without the marks that reports typeset."""
+    return text.replace("$", "")
 
 
 def overrides(changes: Sequence[str]) -> dict[str, str]:

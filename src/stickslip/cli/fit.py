@@ -33,12 +33,11 @@ from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, load_rig
 from stickslip.experiments.preconditions import told
 from stickslip.experiments.second_records import refuse_same
+from stickslip.formatting import quantity, signed_percent
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification import FeatureFit, Fit, RecordFit, Score, TravelFit, fit
 from stickslip.identification.features.features import COMPARED
 from stickslip.identification.trials.comparison import compared
-from stickslip.report.numbers import length, significant
-from stickslip.selection.feature_wording import signed_share
 from stickslip.selection.record_wording import error_text, route_text
 
 __all__ = ["run"]
@@ -171,7 +170,7 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
     console.print()
     if isinstance(result, TravelFit):
         pairs = zip(result.measured, result.predicted, strict=True)
-        rows = [[plain(length(m)), plain(length(p))] for m, p in pairs]
+        rows = [[plain(quantity(m, "m")), plain(quantity(p, "m"))] for m, p in pairs]
         show_table("", ["measured travel", "predicted"], rows)
         return
     if isinstance(result, FeatureFit):
@@ -223,8 +222,8 @@ def _show_features(fit: FeatureFit, second: Mapping[str, float]) -> None:
     for name in COMPARED:
         cells = [_sized(name, getattr(fit.observed, name)), _sized(name, fit.predicted[name])]
         cells += ["" if fit.held_out is None else _sized(name, getattr(fit.held_out, name))]
-        cells += [signed_share(fit.held_out_errors[name]) if fit.held_out_errors else ""]
-        cells += [signed_share(second[name])] if second else []
+        cells += [signed_percent(fit.held_out_errors[name]) if fit.held_out_errors else ""]
+        cells += [signed_percent(second[name])] if second else []
         rows.append([name.replace("_", " "), *cells])
     show_table("", heads, rows, whole=heads)
     if fit.cancelled:
@@ -236,4 +235,4 @@ def _show_features(fit: FeatureFit, second: Mapping[str, float]) -> None:
 
 
 def _sized(name: str, value: float) -> str:
-    return f"{significant(value, 3)} {UNITS.get(name, '')}".strip()
+    return quantity(value, UNITS.get(name, "1"))

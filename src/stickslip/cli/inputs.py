@@ -15,6 +15,7 @@ from stickslip.experiments.parameter_paths import all_paths
 from stickslip.experiments.readers.reader_options import Reading
 from stickslip.experiments.records import read_data
 from stickslip.experiments.units import read_number
+from stickslip.formatting import percent, unit_text, within
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate, RecordSettings
 from stickslip.identification.features.features import by_features
@@ -22,8 +23,6 @@ from stickslip.identification.records.fitting import route_of
 from stickslip.identification.records.route_choice import RouteChoice, RouteName, choose_route
 from stickslip.identification.validation import LAW, Parameters, covers, law_quantities
 from stickslip.quantities import full_path
-from stickslip.report.numbers import interval, significant
-from stickslip.selection.feature_wording import share
 from stickslip.selection.record_wording import error_text
 from stickslip.selection.records import PurposeName
 from stickslip.selection.verdict import Wording
@@ -264,7 +263,7 @@ def _check_travels(how: How) -> None:
 def residuals(found: Measured) -> Callable[[float], str]:
     """Return what puts residuals into words, with the unit of what predictions are compared to."""
     if found.features:
-        return lambda error: f"features off by {share(error)}"
+        return lambda error: f"features off by {percent(error)}"
     known = found.measurement.quantities()
     quantity = next((name for name in ("position", "velocity") if name in known), "friction")
     if found.route is not None and found.route.route != "shooting":
@@ -285,9 +284,9 @@ def show_estimates(estimates: Sequence[Estimate]) -> None:
         [
             one.path,
             one.quantity.symbol,
-            significant(one.value, 4),
-            "" if one.quantity.unit == "1" else one.quantity.unit,
-            interval(one.low, one.high) if one.bounded else one.range,
+            within(one.value, one.low, one.high),
+            unit_text(one.quantity.unit),
+            one.range,
         ]
         for one in estimates
     ]

@@ -16,9 +16,9 @@ from stickslip.cli.console import (
 from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.progress import Watching
 from stickslip.experiments import load_rig
+from stickslip.formatting import significant
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
 from stickslip.paper.cart import CYCLES
-from stickslip.report.numbers import significant
 
 __all__ = ["run"]
 

@@ -27,10 +27,10 @@ from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, extrapolations
+from stickslip.formatting import residue
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism, slip_names
 from stickslip.mechanisms.drive_period import cycle_or_none
-from stickslip.report.numbers import residue
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
 from stickslip.solver import FixedStep, Solver

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from stickslip.cli.console import plain, show_table, stdout
-from stickslip.digits import interval, significant
 from stickslip.experiments.condition_values import condition_name
+from stickslip.formatting import interval, significant
 from stickslip.identification import TrialComparison
 
 __all__ = ["content_of", "show_trials"]

@@ -8,9 +8,9 @@ from stickslip.cli.console import NONE, plain, show_table, stdout
 from stickslip.cli.inputs import show_estimates, show_open, show_warnings
 from stickslip.cli.trials import show_trials
 from stickslip.experiments import Checks
+from stickslip.formatting import interval, percent, quantity, signed_percent, significant
 from stickslip.identification import Estimate, TrialComparison
 from stickslip.identification.features.features import COMPARED
-from stickslip.report.numbers import interval, length, significant
 from stickslip.selection import (
     Candidate,
     FeatureCandidate,
@@ -19,8 +19,8 @@ from stickslip.selection import (
     RecordVerdict,
     TravelVerdict,
 )
-from stickslip.selection.feature_wording import share, signed_share
-from stickslip.selection.record_wording import error_text
+from stickslip.selection.feature_wording import share_parts
+from stickslip.selection.verdict import score_text
 
 __all__ = ["AnyVerdict", "show_verdict"]
 
@@ -84,7 +84,7 @@ def _travel_row(candidate: Candidate, *, ranked: bool) -> list[str]:
         candidate.title,
         ", ".join(f"{e.quantity.symbol} = {significant(e.value, 3)}" for e in found),
         ", ".join(interval(e.low, e.high) for e in found),
-        plain(length(candidate.criteria.travel)),
+        plain(quantity(candidate.criteria.travel, "m")),
         "yes" if candidate.criteria.velocity_never_negative else "no",
     ]
     score = NONE if candidate.score is None else significant(1e3 * candidate.score, 3)
@@ -93,8 +93,9 @@ def _travel_row(candidate: Candidate, *, ranked: bool) -> list[str]:
 
 def _of_records(verdict: RecordVerdict) -> Comparison:
     second = any(candidate.second for candidate in verdict.candidates)
-    heads = ["law", "free", "held-out error", "±", "last third"]
-    heads += ["second record"] if second else []
+    unit = verdict.scale.unit
+    heads = ["law", "free", f"held-out error, {unit}", f"last third, {unit}"]
+    heads += [f"second record, {unit}"] if second else []
     notes = [f"{one.name}: {one.outcome}" for one in verdict.candidates]
     closest = verdict.closest
     title = closest.title + ("" if verdict.best else ", closest but not recommended")
@@ -109,25 +110,25 @@ def _of_records(verdict: RecordVerdict) -> Comparison:
 
 
 def _record_row(candidate: RecordCandidate, verdict: RecordVerdict, *, second: bool) -> list[str]:
-    def told(value: float | None) -> str:
-        known = value is not None and math.isfinite(value)
-        turning = verdict.measurement.turning
-        return error_text(float(value or 0.0), verdict.quantity, turning=turning) if known else NONE
+    scale = verdict.scale
+
+    def shown(value: float | None) -> str:
+        return NONE if value is None or not math.isfinite(value) else scale.number(value)
 
     seen = candidate.validation
+    score = " ".join(score_text(scale, candidate.score, candidate.score_error)).strip()
     cells = [
         candidate.name,
         str(candidate.parameters) if candidate.fit else NONE,
-        told(candidate.score),
-        told(seen.error if seen else None),
-        told(seen.extrapolation if seen else None),
+        score if candidate.fit else NONE,
+        shown(seen.extrapolation if seen else None),
     ]
-    return cells + ([told(candidate.second.rms if candidate.second else None)] if second else [])
+    return cells + ([shown(candidate.second.rms if candidate.second else None)] if second else [])
 
 
 def _of_features(verdict: FeatureVerdict) -> Comparison:
     second = any(one.second for one in verdict.candidates)
-    heads = ["law", "free", "held-out", "±", *(SHORT.get(name, name) for name in COMPARED)]
+    heads = ["law", "free", "held-out, %", *(SHORT.get(name, name) for name in COMPARED)]
     heads += ["second"] if second else []
     rows = [_feature_row(one, one.name, second=second) for one in verdict.candidates]
     if verdict.control:
@@ -144,18 +145,17 @@ def _of_features(verdict: FeatureVerdict) -> Comparison:
 
 
 def _feature_row(one: FeatureCandidate, name: str, *, second: bool) -> list[str]:
-    def told(value: float | None) -> str:
-        return NONE if value is None or not math.isfinite(value) else signed_share(value)
+    def shown(value: float | None) -> str:
+        return NONE if value is None or not math.isfinite(value) else signed_percent(value)
 
     cells = [
         name,
         str(one.parameters) if one.fit else NONE,
-        share(one.score) if one.fit else NONE,
-        share(one.score_error) if math.isfinite(one.score_error) else NONE,
-        *(told(one.errors.get(feature)) for feature in COMPARED),
+        " ".join(share_parts(one)).strip() if one.fit else NONE,
+        *(shown(one.errors.get(feature)) for feature in COMPARED),
     ]
     size = math.sqrt(sum(e**2 for e in one.second.values()) / max(len(one.second), 1))
-    return cells + ([share(size) if one.second else NONE] if second else [])
+    return cells + ([percent(size) if one.second else NONE] if second else [])
 
 
 COMPARISONS: Mapping[type, Callable[[Any], Comparison]] = {

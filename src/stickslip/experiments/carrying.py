@@ -8,7 +8,7 @@ import numpy as np
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.estimates import LOAD, LawEstimates, Levels, levels_at
 from stickslip.experiments.rig import Rig
-from stickslip.experiments.wording import joined, number, quantity, span
+from stickslip.formatting import joined, number, quantity, span
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_names, static_normal_force
 from stickslip.quantities import fields_of, parameters, vary

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.experiments.wording import number
+from stickslip.formatting import number
 
 __all__ = ["Line", "along"]
 

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
 from stickslip.experiments.checking.data_quality import Finding, check, faults
 from stickslip.experiments.measurement import QUANTITIES, Measurement
-from stickslip.experiments.wording import joined
+from stickslip.formatting import joined
 from stickslip.mechanisms import Mechanism
 
 __all__ = ["refuse_faults", "refuse_lack", "refuse_unused", "told", "with_doubts"]

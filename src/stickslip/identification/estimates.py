@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.experiments.wording import number
+from stickslip.formatting import number
 from stickslip.friction import DirectionalLaw, FrictionLaw
 from stickslip.identification.estimation.jackknife import Inference
 from stickslip.identification.estimation.parameters import Unknown, Unknowns

@@ -12,10 +12,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypeVar, override
 
-from stickslip.digits import NO_BREAK_SPACE, interval, significant, within
 from stickslip.display import OnAxes, Summary
 from stickslip.experiments.estimates import HARD, LawEstimates, Levels, spread_of
 from stickslip.experiments.rigs.rig_writer import rig_toml
+from stickslip.formatting import (
+    EstimateText,
+    estimate_text,
+    interval,
+    number,
+    with_unit,
+    within,
+)
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters
@@ -58,22 +65,35 @@ class Estimate:
         return math.isfinite(self.low) and math.isfinite(self.high)
 
     @property
+    def half_width(self) -> float:
+        """Half the width of the interval; infinite where an end is open."""
+        return 0.5 * (self.high - self.low) if self.bounded else math.inf
+
+    @property
+    def parts(self) -> EstimateText:
+        """Value and half width as two texts without the unit; "not bounded" for an open end."""
+        if self.bounded:
+            return estimate_text(self.value, self.half_width)
+        return EstimateText(number(self.value), "not bounded")
+
+    @property
+    def plus_minus(self) -> str:
+        """Value, half width and unit in words, such as ``158 ± 4 N s/m``."""
+        value, doubt = self.parts
+        if not self.bounded:
+            return f"{with_unit(value, self.quantity.unit)}, {doubt}"
+        return with_unit(f"{value} {doubt}".strip(), self.quantity.unit)
+
+    @property
     def range(self) -> str:
         """The interval in words."""
-        if self.bounded:
-            return _spaced(interval(self.low, self.high))
-        if math.isfinite(self.low):
-            return f"{_spaced(significant(self.low, 3))} or more"
-        if math.isfinite(self.high):
-            return f"{_spaced(significant(self.high, 3))} or less"
-        return "not bounded"
+        return interval(self.low, self.high)
 
     @override
     def __str__(self) -> str:
         """Return symbol, value and interval, such as ``mu_k = 0.255 (0.249 to 0.261)``."""
-        unit = "" if self.quantity.unit == "1" else f" {self.quantity.unit}"
-        value = _spaced(within(self.value, self.low, self.high))
-        return f"{self.quantity.symbol} = {value}{unit} ({self.range})"
+        value = with_unit(within(self.value, self.low, self.high), self.quantity.unit)
+        return f"{self.quantity.symbol} = {value} ({self.range})"
 
     @override
     def __repr__(self) -> str:
@@ -95,11 +115,6 @@ class Estimate:
             "reason": self.reason,
             **({"standard_error_from": dict(self.sources)} if self.sources else {}),
         }
-
-
-def _spaced(text: str) -> str:
-    """Return a number with ordinary spaces, as a terminal and a search want them."""
-    return text.replace(NO_BREAK_SPACE, " ")
 
 
 @dataclass(frozen=True, kw_only=True)

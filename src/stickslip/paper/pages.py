@@ -6,6 +6,7 @@ from importlib.metadata import version
 from typing import NamedTuple
 
 from stickslip.experiments import Rig, load_rig
+from stickslip.formatting import fixed, percent
 from stickslip.friction import SOURCES
 from stickslip.paper.audit import PaperAudit, audit
 from stickslip.paper.excitations import PUSH_DURATION
@@ -29,7 +30,6 @@ from stickslip.report.core import documents
 from stickslip.report.core.documents import SectionMaker
 from stickslip.report.core.reproduce import law_references
 from stickslip.report.core.versions import versions
-from stickslip.report.numbers import fixed, percent
 from stickslip.selection import TravelVerdict
 
 __all__ = ["Beside", "beside", "paper_report"]

@@ -8,9 +8,9 @@ from matplotlib.colors import LinearSegmentedColormap, ListedColormap
 from matplotlib.figure import Figure
 
 from stickslip.errors import InputError
+from stickslip.formatting import scale_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Target, on_axes
-from stickslip.plots.core.helpers import scale_of
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import (
     C1,

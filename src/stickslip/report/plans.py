@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from stickslip.experiments.wording import number
+from stickslip.formatting import number
 from stickslip.report.core.blocks import Block, Code, KeyValue, KeyValues, Note, Paragraph
 from stickslip.report.core.documents import Page, Section
 from stickslip.report.core.tables import Blank, Column, Name, Row, Table

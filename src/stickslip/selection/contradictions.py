@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.experiments.wording import joined, number
+from stickslip.formatting import joined, number
 from stickslip.identification.travels.model import Trial
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.verdict import Candidate, misfit

@@ -4,45 +4,44 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from stickslip.experiments import Checks
+from stickslip.formatting import (
+    EstimateText,
+    Scale,
+    joined,
+    number,
+    percent,
+    quantity,
+    ratio,
+    signed_percent,
+    with_unit,
+)
 from stickslip.identification import FeatureFit, StickSlipFeatures
 from stickslip.identification.features.features import FASTER
 from stickslip.identification.features.scores import as_good, room_of
 from stickslip.selection.feature_verdict import FeatureCandidate, OtherSpeed
-from stickslip.selection.record_wording import plus_minus
-from stickslip.selection.verdict import Wording
+from stickslip.selection.verdict import Wording, score_text
 
-__all__ = ["errors_text", "feature_wording", "outcomes", "share", "signed_share"]
+__all__ = ["errors_text", "feature_wording", "outcomes", "share_parts", "share_text"]
 
 MOST = 3
 """Items of a list at most."""
 CLEAR = 0.05
 """A speed is worth a measurement if laws part there by more than this, and than by drift."""
+PERCENT = Scale(100.0, "%")
+"""What errors of features are shown in."""
 MASS = "mechanism.mass"
 NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
 """How titles begin that are names."""
 
 
-def share(value: float) -> str:
-    """Return a relative error in per cent.
-
-    Examples
-    --------
-    >>> share(0.0571), share(0.186)
-    ('5.7 %', '18.6 %')
-    """
-    return f"{100.0 * value:.1f} %"
+def share_parts(one: FeatureCandidate) -> EstimateText:
+    """Return a held-out error [%] and its standard error, as two texts without the unit."""
+    return score_text(PERCENT, one.score, one.score_error)
 
 
-def signed_share(value: float) -> str:
-    """Return a relative error in per cent with its sign.
-
-    Examples
-    --------
-    >>> signed_share(0.0845), signed_share(-0.187), signed_share(0.00001)
-    ('+8.5 %', '−18.7 %', '0.0 %')
-    """
-    text = f"{100.0 * value:+.1f} %"
-    return "0.0 %" if text[1:] == "0.0 %" else text.replace("-", "−")
+def share_text(one: FeatureCandidate) -> str:
+    """Return a held-out error with its standard error, such as ``6 ± 2 %``."""
+    return with_unit(" ".join(share_parts(one)).strip(), PERCENT.unit)
 
 
 def errors_text(errors: Mapping[str, float]) -> str:
@@ -51,10 +50,11 @@ def errors_text(errors: Mapping[str, float]) -> str:
     Examples
     --------
     >>> errors_text({"frequency": -0.032, "standard_deviation": 0.085})
-    'frequency by -3.2 % and standard deviation by +8.5 %'
+    'frequency by −3.2 % and standard deviation by +8.5 %'
     """
-    parts = [f"{name.replace('_', ' ')} by {100.0 * e:+.1f} %" for name, e in errors.items()]
-    return " and ".join([", ".join(parts[:-1]), parts[-1]]) if len(parts) > 1 else "".join(parts)
+    return joined(
+        [f"{name.replace('_', ' ')} by {signed_percent(e)}" for name, e in errors.items()]
+    )
 
 
 def outcomes(ordered: Sequence[FeatureCandidate]) -> list[FeatureCandidate]:
@@ -71,7 +71,7 @@ def _outcome(one: FeatureCandidate, best: FeatureCandidate) -> str:
         return one.dropped
     if best.fit is not None and as_good(one.fit, best.fit):
         return f"as good within doubt; {one.doubt}" if one.doubt else "as good within doubt"
-    return f"{one.score / best.score:.1f} × the error"
+    return f"{ratio(one.score / best.score)} the error"
 
 
 def feature_wording(
@@ -106,7 +106,7 @@ def _verdict(
         return f"No candidate has the features of this record; {said}."
     mass = next((one for one in fit.estimates if one.path == MASS and one.bounded), None)
     if mass is not None:
-        name += f" with an effective mass of {plus_minus(mass)}"
+        name += f" with an effective mass of {mass.plus_minus}"
     if best.doubt:
         return f"Use {name} to predict; not all of it is known: {best.doubt}."
     if equal:
@@ -115,8 +115,7 @@ def _verdict(
 
 
 def _titles(candidates: Sequence[FeatureCandidate]) -> str:
-    *most, last = [_inline(one.title) for one in candidates]
-    return f"{', '.join(most)} and {last}" if most else last
+    return joined([_inline(one.title) for one in candidates])
 
 
 def _inline(title: str) -> str:
@@ -130,27 +129,26 @@ def _lede(
     best = ordered[0]
     text = (
         f"Fitted to the first half of the record, it is off in the second in"
-        f" {errors_text(fit.held_out_errors)}: {share(best.score)} root mean square, with a"
-        f" standard error of {share(best.score_error)}. The features themselves change by"
-        f" {share(room_of(fit))} between the halves."
+        f" {errors_text(fit.held_out_errors)}: {share_text(best)} root mean square. The features"
+        f" themselves change by {percent(room_of(fit))} between the halves."
     )
     if control is not None and control.fit is not None:
         off = control.fit.held_out_errors.get("frequency", 0.0)
         text += (
-            f" With the nominal mechanism it would be {share(control.score)}, the frequency off by"
-            f" {100.0 * off:+.1f} %."
+            f" With the nominal mechanism it would be {share_text(control)}, the frequency off by"
+            f" {signed_percent(off)}."
         )
     closer = [one for one in ordered[1:] if one.fit and one.dropped and one.score < best.score]
     if closer and not best.dropped:
         first = closer[0]
-        text += f" {first.title} is off by {share(first.score)}, but {first.dropped}."
+        text += f" {first.title} is off by {share_text(first)}, but {first.dropped}."
     return text
 
 
 def _settles(fit: FeatureFit) -> tuple[str, ...]:
     known = [one for one in fit.estimates if one.bounded]
     known.sort(key=lambda one: (one.high - one.low) / max(abs(one.value), 1e-300))
-    return tuple(f"${one.quantity.symbol}$ = {plus_minus(one)}." for one in known[:MOST])
+    return tuple(f"${one.quantity.symbol}$ = {one.plus_minus}." for one in known[:MOST])
 
 
 def _seen(features: StickSlipFeatures) -> tuple[str, ...]:
@@ -158,8 +156,9 @@ def _seen(features: StickSlipFeatures) -> tuple[str, ...]:
     if features.slips > 1:
         return tuple(line for line in features.sentences if "slips," in line)
     return (
-        f"The force has {features.frequency:.3g} Hz, about a mean of {features.mean:.3f} of the"
-        f" load and with a standard deviation of {features.standard_deviation:.3g} of it.",
+        f"The force oscillates at {quantity(features.frequency, 'Hz')} about a mean of"
+        f" {number(features.mean)} of the load, with a standard deviation of"
+        f" {number(features.standard_deviation)} of it.",
     )
 
 
@@ -218,7 +217,7 @@ def _measure_next(
 def _speed_line(told: OtherSpeed, alike: Sequence[FeatureCandidate]) -> str:
     said = "; ".join(f"{one.title} {_motion(told.predicted[one.name])}" for one in alike)
     return (
-        f"Pull at {1e3 * told.speed:.3g} mm/s, where the laws part with the values found here:"
+        f"Pull at {quantity(told.speed, 'm/s')}, where the laws part with the values found here:"
         f" {said}."
     )
 
@@ -228,7 +227,9 @@ def _motion(predicted: Mapping[str, float]) -> str:
     if not predicted["frequency"] > 0.0:
         return "slides steadily"
     spread = predicted["standard_deviation"]
-    return f"has {predicted['frequency']:.3g} Hz and a standard deviation of {spread:.2g}"
+    return (
+        f"has {quantity(predicted['frequency'], 'Hz')} and a standard deviation of {number(spread)}"
+    )
 
 
 def _no_score(ordered: Sequence[FeatureCandidate], equal: Sequence[FeatureCandidate]) -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, final
 
 from typing_extensions import override
 
-from stickslip.experiments.wording import count, joined, number, quantity
+from stickslip.formatting import count, joined, number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate
 from stickslip.mechanisms import Mechanism

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, StickslipError
 from stickslip.experiments import Measurement
-from stickslip.experiments.wording import joined, number, quantity
+from stickslip.formatting import joined, number, quantity
 from stickslip.friction import LAWS, Coulomb, FrictionLaw, law_type
 from stickslip.identification import TravelFit, starting_law
 from stickslip.identification.fitting import fit_trials, payable

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 
-from stickslip.experiments.wording import number, quantity
+from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from stickslip.experiments import Measurement
-from stickslip.experiments.wording import number, percent, quantity
+from stickslip.formatting import number, percent, quantity
 from stickslip.identification.estimates import SEPARABLE, step_intervals
 from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.results import Estimate

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, final
 from typing_extensions import override
 
 from stickslip.experiments import Checks, Measurement
+from stickslip.formatting import Scale
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit, TrialComparison
 from stickslip.identification.estimation.containment import FittedLaw
@@ -17,7 +18,7 @@ from stickslip.identification.records.settings import RecordSettings
 from stickslip.selection.choice import TRUSTED, reduces_to
 from stickslip.selection.cross_validation import CrossValidation, Plan
 from stickslip.selection.design.experiments import Experiment
-from stickslip.selection.verdict import Verdict, plain
+from stickslip.selection.verdict import Verdict, plain, score_scale
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -133,8 +134,8 @@ class RecordCandidate:
 
     @property
     def score_error(self) -> float:
-        """Standard error of the score, not a number without a fit."""
-        return self.validation.error if self.validation else math.nan
+        """Standard error of the score; infinite if there is none."""
+        return self.validation.error if self.validation else math.inf
 
     @property
     def law(self) -> FrictionLaw | None:
@@ -152,7 +153,7 @@ class RecordCandidate:
             "law": self.name,
             "parameters": self.parameters,
             "score": self.score,
-            "score_error": self.score_error,
+            "score_error": self.validation.error if self.validation else math.nan,
             "last_third": self.validation.extrapolation if self.validation else math.nan,
             "second_record": self.second.rms if self.second else math.nan,
             "outcome": self.outcome,
@@ -244,6 +245,11 @@ class RecordVerdict(Verdict):
     @override
     def score_unit(self) -> str:
         return self.unit
+
+    @property
+    def scale(self) -> Scale:
+        """The multiple of the unit in which scores are shown: one for terminal, text and page."""
+        return score_scale([c.score for c in self.candidates], self.unit)
 
     @property
     def missing(self) -> tuple[str, ...]:

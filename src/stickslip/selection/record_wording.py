@@ -5,134 +5,69 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
+from stickslip import formatting
 from stickslip.experiments import QUANTITIES, Checks
 from stickslip.experiments.units import turned
-from stickslip.experiments.wording import capital, count, joined, number
-from stickslip.identification import Estimate, RecordFit, TrialComparison
+from stickslip.formatting import Scale, capital, count, joined, number, ratio, with_unit
+from stickslip.identification import RecordFit, TrialComparison
 from stickslip.identification.estimation.halves import difference
 from stickslip.selection.candidates import REFERENCE
 from stickslip.selection.choice import as_good
 from stickslip.selection.design.experiments import Experiment
 from stickslip.selection.identifiable import limit_of, settled_estimates
 from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
-from stickslip.selection.verdict import Wording
+from stickslip.selection.verdict import Wording, score_scale, score_text
 
 __all__ = [
+    "distinct",
     "error_text",
-    "error_with_doubt",
     "first_of",
     "friction_of",
     "in_sentence",
     "outcomes",
-    "plus_minus",
     "record_wording",
     "route_text",
-    "with_doubt",
 ]
 
 MOST = 3
 """Items of a list at most."""
-PLAIN = 1e-4
-"""Size below which numbers are written with a power of ten."""
-DIGITS = 6
-"""Digits of a number at most, however sure it is."""
 SEVERAL = 2.0
 """Error on a second record over the held-out one from which the second is what to expect."""
 NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
 """How titles begin that are names."""
 
 
-def error_text(
-    value: float, quantity: str, *, turning: bool = False, among: Sequence[float] = ()
-) -> str:
-    """Return a score with its unit, lengths in millimetres; angles if what was measured turns.
-
-    One of several scores has the digits that tell it from the others, four more at most.
+def error_text(value: float, quantity: str, *, turning: bool = False) -> str:
+    """Return a score of one law alone with its unit; angles if what was measured turns.
 
     Examples
     --------
     >>> error_text(0.00024, "position"), error_text(1.234, "friction")
     ('0.24 mm', '1.23 N')
-    >>> [error_text(one, "position", among=(1.02e-5, 1.01e-5)) for one in (1.02e-5, 1.01e-5)]
-    ['0.0102 mm', '0.0101 mm']
     """
-    unit = turned(QUANTITIES[quantity].unit, turning)
+    return formatting.quantity(value, turned(QUANTITIES[quantity].unit, turning))
+
+
+def _scale(candidates: Sequence[RecordCandidate], fit: RecordFit) -> Scale:
+    """Return what scores are shown in, as `RecordVerdict.scale` does."""
+    unit = fit.measurement.unit(fit.problem.quantity)
+    return score_scale([c.score for c in candidates], unit)
+
+
+def distinct(scale: Scale, among: Sequence[float], value: float) -> str:
+    """Return a score; one of several with the digits that tell it from them, seven at most.
+
+    Examples
+    --------
+    >>> [distinct(Scale(1e3, "mm"), (1.234e-3, 1.2341e-3), one) for one in (1.234e-3, 1.2341e-3)]
+    ['1.234 mm', '1.2341 mm']
+    """
     others = [other for other in among if other != value] if value in among else []
-    for more in range(5):
-        text = _score_text(value, quantity, unit, more)
-        if all(_score_text(other, quantity, unit, more) != text for other in others):
+    for digits in range(3, 8):
+        text = scale.quantity(value, digits)
+        if all(scale.quantity(other, digits) != text for other in others):
             return text
-    return _score_text(value, quantity, unit, 0)
-
-
-def error_with_doubt(value: float, doubt: float, quantity: str, *, turning: bool = False) -> str:
-    """Return a score and its standard error to the digits that this allows, with their unit.
-
-    Examples
-    --------
-    >>> error_with_doubt(0.00043, 0.000079, "position"), error_with_doubt(1.234, 0.05, "friction")
-    ('0.43 ± 0.08 mm', '1.23 ± 0.05 N')
-    """
-    factor, unit = _scale_of(value, quantity, turned(QUANTITIES[quantity].unit, turning))
-    text = with_doubt(factor * value, factor * doubt if math.isfinite(doubt) else 0.0)
-    return f"{text} {unit}"
-
-
-def _scale_of(value: float, quantity: str, unit: str) -> tuple[float, str]:
-    """Return factor and unit that a score is shown with, thousandths where it is small."""
-    least = 0.1 if unit.startswith("rad") else 1.0
-    if quantity in {"position", "velocity"} and abs(value) < least:
-        return 1e3, f"m{unit}"
-    return 1.0, unit
-
-
-def _score_text(value: float, quantity: str, unit: str, more: int) -> str:
-    """Return a score with more digits than usual."""
-    factor, unit = _scale_of(value, quantity, unit)
-    value *= factor
-    size = abs(value)
-    digits = 2 if size < 10.0 else 1
-    if size >= 0.1:
-        text = f"{value:.{digits + more}f}"
-    elif more and size >= PLAIN:
-        text = f"{value:#.{digits + more}g}"  # zeros that tell it from others stay
-    else:
-        text = number(value, digits + more)
-    return f"{text} {unit}"
-
-
-def plus_minus(estimate: Estimate) -> str:
-    """Return an estimate with its half width, as in ``158 ± 4 N s/m``."""
-    unit = "" if estimate.quantity.unit == "1" else f" {estimate.quantity.unit}"
-    if not estimate.bounded:
-        return f"{number(estimate.value)}{unit}, not bounded"
-    return with_doubt(estimate.value, 0.5 * (estimate.high - estimate.low)) + unit
-
-
-def with_doubt(value: float, half: float) -> str:
-    """Return a number to the digits that its half width allows, and this; six digits at most.
-
-    Examples
-    --------
-    >>> with_doubt(157.36, 3.94), with_doubt(0.021699, 0.0), with_doubt(52.9447753, 1.4e-14)
-    ('157 ± 4', '0.0217', '52.9448')
-    >>> with_doubt(2.13e-6, 4e-8)
-    '(2.13 ± 0.04) × 10⁻⁶'
-    """
-    if half <= 0.0:
-        return number(value)
-    if half < 0.5 * 10.0**-DIGITS * abs(value):
-        return number(value, DIGITS)  # a doubt below the tolerances of runs says nothing
-    size = max(abs(value), half)
-    if size < PLAIN:
-        power = math.floor(math.log10(size))
-        factor = number(10.0**power).partition(" × ")[2]
-        return f"({with_doubt(value / 10.0**power, half / 10.0**power)}) × {factor}"
-    power = math.floor(math.log10(half))
-    digits = -power + (1 if half / 10.0**power < 1.95 else 0)
-    if digits <= 0:
-        return f"{round(value, digits):.0f} ± {round(half, digits):.0f}"
-    return f"{value:.{digits}f} ± {half:.{digits}f}"
+    return scale.quantity(value)
 
 
 def outcomes(
@@ -161,7 +96,7 @@ def _outcome(c: RecordCandidate, best: RecordCandidate, *, recommended: bool) ->
         return "reference" if told else "reference, not distinguished"
     if best.score <= 0.0:  # numbers that a law made, without noise
         return "non-zero error, while the chosen law fits exactly"
-    return f"{c.score / best.score:.1f} × the error" + ("" if told else ", within doubt")
+    return f"{ratio(c.score / best.score)} the error" + ("" if told else ", within doubt")
 
 
 def _told_apart(c: RecordCandidate, best: RecordCandidate) -> bool:
@@ -241,7 +176,8 @@ def _verdict(
         return f"No candidate passes all checks; {name} comes closest."
     if on_second is not None and not on_second.holds:
         other = next(c for c in candidates if c.name == on_second.rival)
-        own, rival = _second_errors(best, on_second)
+        assert best.fit is not None
+        own, rival = _second_errors(_scale(candidates, best.fit), on_second)
         return (
             f"{capital(name)} is chosen on the first record, but {friction_of(other.title)} has a"
             f" clearly smaller error on the second ({rival} against {own})."
@@ -343,15 +279,12 @@ def _lede(
     assert best.fit is not None
     assert best.validation is not None
     fit = best.fit
+    scale = _scale(candidates, fit)
     told = partial(
-        error_text,
-        quantity=fit.problem.quantity,
-        turning=fit.measurement.turning,
-        among=[c.score for c in candidates if c.name in {best.name, REFERENCE}],
+        distinct, scale, [c.score for c in candidates if c.name in {best.name, REFERENCE}]
     )
-    quantity, turning = fit.problem.quantity, fit.measurement.turning
-    held = error_with_doubt(best.score, best.validation.error, quantity, turning=turning)
-    text = f"Held-out error: {held} ({scored})."
+    held = " ".join(score_text(scale, best.score, best.score_error)).strip()
+    text = f"Held-out error: {with_unit(held, scale.unit)} ({scored})."
     if on_second is not None:
         text += f" {_second_text(candidates, best, on_second)}"
     if best.doubt and best.doubt not in said:
@@ -386,7 +319,7 @@ def _second_text(
 ) -> str:
     """Return the error on the second record, and whether the choice holds there."""
     assert best.fit is not None
-    own, other = _second_errors(best, on_second)
+    own, other = _second_errors(_scale(candidates, best.fit), on_second)
     text = f"On the second record: {own}"
     if SEVERAL <= on_second.ratio < math.inf:
         text += (
@@ -398,16 +331,10 @@ def _second_text(
     return text + (f" ({rival.title}: {other})." if rival else ".")
 
 
-def _second_errors(best: RecordCandidate, on_second: SecondRecord) -> tuple[str, str]:
+def _second_errors(scale: Scale, on_second: SecondRecord) -> tuple[str, str]:
     """Return the errors of the chosen law and of its closest rival on the second record."""
-    assert best.fit is not None
     pair = (on_second.error, on_second.rival_error)
-    told = partial(
-        error_text,
-        quantity=best.fit.problem.quantity,
-        turning=best.fit.measurement.turning,
-        among=pair,
-    )
+    told = partial(distinct, scale, pair)
     own, other = (told(e) if math.isfinite(e) else "a simulation that fails" for e in pair)
     return own, other
 
@@ -416,7 +343,7 @@ def _settles(best: RecordCandidate) -> tuple[str, ...]:
     assert best.fit is not None
     fit = best.fit
     return tuple(
-        f"${e.quantity.symbol}$ = {plus_minus(e)}.{limit_of(fit, e)}"
+        f"${e.quantity.symbol}$ = {e.plus_minus}.{limit_of(fit, e)}"
         for e in settled_estimates(fit)[:MOST]
     )
 
@@ -466,11 +393,9 @@ def _measure_next(
             " mass, and that all trials are of one machine in one condition."
         )
     for one in experiments[:2]:
-        said = ", ".join(
-            f"{titles.get(name, name)} {with_doubt(value, one.doubts.get(name, 0.0))}"
-            for name, value in one.predicted.items()
-        )
-        lines.append(f"{one.what} Predicted {one.observed}: {said}.")
+        observed, readings = one.readings()
+        said = ", ".join(f"{titles.get(name, name)} {text}" for name, text in readings.items())
+        lines.append(f"{one.what} Predicted {observed}: {said}.")
     if any(f.kind == "drift" for f in checks.findings):
         lines.append(
             "Repeat this record after an hour of running, to separate warm-up effects from the"

@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import final
 
-from stickslip.digits import fixed, significant
-from stickslip.experiments.wording import count, joined, number, quantity
+from stickslip.formatting import count, fixed, joined, number, quantity, significant
 from stickslip.quantities import parameters
 from stickslip.selection.design.discriminating_settings import unit_of
 from stickslip.selection.lab_sheet import Plan, Telling

@@ -6,7 +6,7 @@ Symbols stand between dollar signs, which reports typeset.
 import math
 from collections.abc import Collection, Mapping, Sequence
 
-from stickslip.experiments.wording import joined, number
+from stickslip.formatting import joined, number
 from stickslip.identification import Estimate
 from stickslip.identification.travels.model import Trial
 from stickslip.quantities import fields_of

@@ -3,15 +3,16 @@
 import html
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
+from statistics import median_high
 from typing import TYPE_CHECKING, Any, final
 
 from typing_extensions import override
 
 from stickslip.display import OnAxes, Summary, summary_of_table
 from stickslip.experiments import Measurement
-from stickslip.experiments.wording import number
+from stickslip.formatting import EstimateText, Scale, number, scale_of
 from stickslip.friction import FrictionLaw
 from stickslip.identification import TravelFit
 from stickslip.mechanisms import Mechanism
@@ -23,7 +24,45 @@ from stickslip.trajectory import Trajectory
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Candidate", "TravelVerdict", "Verdict", "Wording", "misfit", "plain"]
+__all__ = [
+    "Candidate",
+    "TravelVerdict",
+    "Verdict",
+    "Wording",
+    "misfit",
+    "plain",
+    "score_scale",
+    "score_text",
+]
+
+
+def score_scale(scores: Iterable[float | None], unit: str) -> Scale:
+    """Return the multiple of a unit in which the scores of a verdict are shown, on all its media.
+
+    The median chooses: neither a law that fails nor one that is exact hides the others.
+
+    Examples
+    --------
+    >>> score_scale([1e-15, 0.0002, 0.0003, math.inf], "m")
+    Scale(factor=1000.0, unit='mm')
+    """
+    known = [score for score in scores if score is not None and 0.0 < score < math.inf]
+    return scale_of([median_high(known)] if known else [], unit)
+
+
+def score_text(scale: Scale, score: float | None, error: float | None = None) -> EstimateText:
+    """Return a score and its standard error, without the unit; nothing for what is not known.
+
+    Examples
+    --------
+    >>> score_text(Scale(1e3, "mN"), 0.0195, 0.00073), score_text(Scale(1.0, "N"), math.inf)[0]
+    (EstimateText(value='19.5', doubt='± 0.7'), 'no score')
+    """
+    if score is None or not math.isfinite(score):
+        return EstimateText("no score", "")
+    if error is None or not math.isfinite(error):
+        return EstimateText(scale.number(score), "")
+    return scale.estimate_text(score, error)
 
 
 @dataclass(frozen=True, kw_only=True)

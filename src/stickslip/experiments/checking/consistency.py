@@ -9,7 +9,7 @@ from stickslip.experiments.checking.finding import TURN, Finding, Severity
 from stickslip.experiments.checking.motion import Motion
 from stickslip.experiments.differentiation import smooth
 from stickslip.experiments.measurement import Measurement
-from stickslip.experiments.wording import number, percent
+from stickslip.formatting import number, percent
 
 __all__ = ["friction_sign", "velocity_and_position"]
 

@@ -1,7 +1,6 @@
 """What a measurement can tell and what is wrong with it, before anything is fitted."""
 
 import html
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, final
@@ -24,7 +23,7 @@ from stickslip.experiments.checking import (
 from stickslip.experiments.checking.finding import SEVERITIES, Finding, Severity
 from stickslip.experiments.measurement import Measurement
 from stickslip.experiments.rig import check_record
-from stickslip.experiments.wording import quantity
+from stickslip.formatting import quantity, unbroken
 from stickslip.mechanisms import Mechanism
 
 __all__ = ["Checks", "Finding", "check", "faults"]
@@ -103,7 +102,7 @@ class Checks:
         lines = []
         for finding in self.findings:
             # No line ends between a number and its unit.
-            text = re.sub(r"(?<=\d) (?=[%×A-Za-zµ])", "&nbsp;", html.escape(str(finding)))
+            text = html.escape(unbroken(str(finding)))
             mark = MARKS[finding.severity]
             lines.append(f"<li>{f'<strong>{mark}</strong>' if mark else ''}{text}</li>")
         return f"<ul>{''.join(lines)}</ul>"

@@ -12,7 +12,7 @@ from stickslip.experiments.checking.motion import Motion, motion_of
 from stickslip.experiments.differentiation import acceleration_of
 from stickslip.experiments.measurement import Array, Measurement
 from stickslip.experiments.slicing import between_gaps
-from stickslip.experiments.wording import number, percent
+from stickslip.formatting import number, percent
 from stickslip.mechanisms import MatrixMechanism, Mechanism, stops_of
 from stickslip.quantities import vary
 

@@ -11,7 +11,7 @@ from stickslip.experiments.differentiation import acceleration_of
 from stickslip.experiments.measurement import Measurement
 from stickslip.experiments.readers.unit_conversion import load_stated
 from stickslip.experiments.units import turned
-from stickslip.experiments.wording import number, percent, quantity
+from stickslip.formatting import number, percent, quantity
 from stickslip.mechanisms import Mechanism
 
 __all__ = ["coefficient", "direction"]

@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.experiments.checking.finding import Finding
 from stickslip.experiments.measurement import SAMPLED, Array, Measurement
-from stickslip.experiments.wording import number, percent, quantity
+from stickslip.formatting import number, percent, quantity
 
 __all__ = ["CURE", "Line", "hum", "is_narrow", "lines_of", "words_of"]
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from stickslip.experiments.checking.finding import TURN, Finding, Severity
 from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Array, Measurement
-from stickslip.experiments.wording import count, percent, quantities
+from stickslip.formatting import count, percent, quantities
 
 __all__ = ["alike", "coverage", "settings", "unused"]
 

@@ -18,7 +18,7 @@ from stickslip.experiments.differentiation import (
     velocity_of,
 )
 from stickslip.experiments.measurement import Array, Measurement
-from stickslip.experiments.wording import count, number, percent, quantities, quantity
+from stickslip.formatting import count, number, percent, quantities, quantity
 
 __all__ = ["Motion", "motion_of", "rests", "reversals", "slow", "straight"]
 

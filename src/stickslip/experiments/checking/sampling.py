@@ -8,7 +8,7 @@ import numpy as np
 from stickslip.experiments.checking.finding import Finding
 from stickslip.experiments.differentiation import GAP, interval_of
 from stickslip.experiments.measurement import Array, Measurement
-from stickslip.experiments.wording import count, number, percent, quantity
+from stickslip.formatting import count, number, percent, quantity
 
 __all__ = ["gaps", "length", "sampling", "usual"]
 

@@ -9,7 +9,7 @@ from stickslip.experiments.checking.finding import Finding, Severity
 from stickslip.experiments.checking.motion import Motion
 from stickslip.experiments.differentiation import noise_of, step_of
 from stickslip.experiments.measurement import QUANTITIES, SAMPLED, Array, Measurement
-from stickslip.experiments.wording import number, percent, quantity
+from stickslip.formatting import number, percent, quantity
 
 __all__ = [
     "constant",

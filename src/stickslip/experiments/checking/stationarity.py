@@ -10,7 +10,7 @@ from stickslip.experiments.checking.finding import Finding
 from stickslip.experiments.checking.motion import Motion
 from stickslip.experiments.differentiation import acceleration_of, smooth
 from stickslip.experiments.measurement import Array, Measurement
-from stickslip.experiments.wording import number, percent, quantities
+from stickslip.formatting import number, percent, quantities
 
 __all__ = ["drift", "effective"]
 

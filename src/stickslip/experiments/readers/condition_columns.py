@@ -8,7 +8,7 @@ import pandas as pd
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.readers.table_reader import Frame
-from stickslip.experiments.wording import number
+from stickslip.formatting import number
 
 __all__ = ["TRIAL", "by_trial", "condition_cells", "condition_keys", "conditions_in", "unused_in"]
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.measurement import Array
-from stickslip.experiments.wording import count
+from stickslip.formatting import count
 
 __all__ = ["Repair", "repaired", "repairs"]
 

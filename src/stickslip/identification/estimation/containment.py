@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.experiments.wording import number
+from stickslip.formatting import number
 from stickslip.friction import DirectionalLaw, FrictionLaw, containment_of
 from stickslip.identification.estimation.parameters import Unknown, Unknowns
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from stickslip.experiments.wording import number
+from stickslip.formatting import number
 from stickslip.identification.estimation.jackknife import (
     BLOCKS,
     Inference,

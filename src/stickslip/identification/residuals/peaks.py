@@ -10,7 +10,7 @@ from scipy import signal
 from scipy.ndimage import median_filter
 
 from stickslip.experiments.differentiation import step_of
-from stickslip.experiments.wording import quantity
+from stickslip.formatting import quantity
 from stickslip.identification.estimation.model_error import UNSAID, ModelError
 from stickslip.identification.estimation.parameters import Unknowns
 from stickslip.identification.force_map.data import Stretch

@@ -32,7 +32,7 @@ from scipy import stats
 
 from stickslip.errors import StickslipError
 from stickslip.experiments import Measurement
-from stickslip.experiments.wording import joined, percent
+from stickslip.formatting import joined, percent
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.model_error import UNSAID, ModelError
 from stickslip.identification.estimation.parameters import Unknowns

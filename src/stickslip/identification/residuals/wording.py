@@ -6,7 +6,7 @@ import numpy as np
 
 from stickslip.experiments import Measurement
 from stickslip.experiments.units import turned
-from stickslip.experiments.wording import number, percent, quantities, quantity
+from stickslip.formatting import number, percent, quantities, quantity
 from stickslip.identification.residuals.effects import Effect
 
 __all__ = ["finding_of"]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.experiments.wording import number
+from stickslip.formatting import number
 from stickslip.identification.series.start_values import load_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary

@@ -16,7 +16,7 @@ from stickslip.experiments import Measurement
 from stickslip.experiments.parameter_paths import canonical
 from stickslip.experiments.travels import scale_of
 from stickslip.experiments.units import check_uncertainty
-from stickslip.experiments.wording import quantity
+from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism, Motor
 from stickslip.mechanisms.drive_period import WHOLE, cycle_of, repeats

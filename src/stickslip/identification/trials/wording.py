@@ -8,7 +8,7 @@ import numpy as np
 from scipy import stats
 
 from stickslip.experiments.condition_values import condition_name, condition_unit
-from stickslip.experiments.wording import joined, number
+from stickslip.formatting import joined, number
 from stickslip.identification.trials.condition_lines import ConditionLine
 from stickslip.identification.trials.estimates import TrialEstimates
 from stickslip.identification.trials.homogeneity import Homogeneity

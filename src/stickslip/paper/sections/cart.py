@@ -3,9 +3,17 @@
 import math
 from collections.abc import Sequence
 
+from stickslip.formatting import (
+    fixed,
+    in_words,
+    interval,
+    percent,
+    quantity,
+    significant,
+    with_unit,
+)
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.cart import CYCLES, KINETIC, STEP, CartRun, CartStudy, Share
-from stickslip.paper.sections.common import counted
 from stickslip.plots import animation_html
 from stickslip.plots.core.svg import inline_svg
 from stickslip.plots.runs.limit_cycles import CYCLE_SIZES, draw_cycles
@@ -22,7 +30,6 @@ from stickslip.report import (
     Subheading,
     Table,
 )
-from stickslip.report.numbers import fixed, interval, length, percent, significant, with_unit
 
 __all__ = ["cart_section"]
 
@@ -51,8 +58,8 @@ def cart_section(found: PaperAudit) -> Section:
     printed, exact = study.run("printed-4"), study.run("exact")
     turned = printed.travel * exact.travel < 0.0
     heading = (
-        f"Taken literally, (3) and (4) drive the cart assumed here {length(abs(printed.travel))}"
-        " backwards"
+        "Taken literally, (3) and (4) drive the cart assumed here"
+        f" {quantity(abs(printed.travel), 'm')} backwards"
         if turned
         else "The cart with the printed equations"
     )
@@ -87,7 +94,7 @@ def _setting(study: CartStudy) -> str:
         f" {cart.cart_mass:g} kg, ball {cart.ball_mass:g} kg, rod {cart.length:g} m,"
         f" $mu_k$ = $mu_s$ = {KINETIC:g}; the rod swings from −{angle} to {angle} and"
         f" back with {swing.fast:g}, −{swing.slow:g} and {swing.fast:g} rad/s², in"
-        f" {study.period:.5f} s. {counted(CYCLES).capitalize()} cycles from rest, as printed"
+        f" {study.period:.5f} s. {in_words(CYCLES).capitalize()} cycles from rest, as printed"
         " and corrected, in steps of the paper’s sample time of 10 ms (forward"
         " Euler is our choice) and exactly. The rod follows the same swing in all runs."
     )
@@ -131,8 +138,9 @@ def _same_displacement(study: CartStudy) -> str:
         "The paper concludes that the rule for rest leaves the displacement as it was and removes"
         f" the backward motion. At $mu$ = {KINETIC:g} that is roughly so, as the table above shows."
         f" At the levels of its Table I the old scheme gives {fixed(old.travel, 3)} m and the exact"
-        f" run {fixed(exact.travel, 3)} m, and the cart {slips}: all {length(old.mean_return, 2)}"
-        " of back-slip in a cycle come from the step and the missing rule for rest."
+        f" run {fixed(exact.travel, 3)} m, and the cart {slips}: all"
+        f" {quantity(old.mean_return, 'm', 2)} of back-slip in a cycle come from the step and the"
+        " missing rule for rest."
         if exact.mean_return == 0.0
         else "The old scheme against the exact run at the levels of Table I."
     )
@@ -231,7 +239,7 @@ def _shares_text(study: CartStudy) -> str:
         f" {_speed(free.least_velocity)}, of which the step and the missing rule for rest make up"
         f" {percent(late / free.least_velocity)}; the exact run reaches"
         f" {_speed(exact.least_velocity)}. That remainder is real: this cart slips back"
-        f" {length(exact.mean_return, 2)} a cycle, since the swing pulls it back harder than"
+        f" {quantity(exact.mean_return, 'm', 2)} a cycle, since the swing pulls it back harder than"
         " friction can hold. A criterion on the sign of the velocity cannot tell the two apart."
     )
 
@@ -278,6 +286,6 @@ def _scatter_text(study: CartStudy) -> str:
     return (
         "The shares of the step and of the missing rule for rest vanish with the step; that of the"
         " cart itself stays. The steps fall differently in each cycle: without the stick rule the"
-        f" lowest velocities of the {counted(CYCLES)} cycles are {interval(min(found), max(found))}"
-        " mm/s."
+        f" lowest velocities of the {in_words(CYCLES)} cycles are"
+        f" {interval(min(found), max(found))} mm/s."
     )

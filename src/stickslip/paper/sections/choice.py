@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from stickslip.formatting import fixed, percent, quantity, significant
 from stickslip.friction import FrictionLaw, PrintedForm
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.cart import KINETIC, CartRun, CartStudy
@@ -11,7 +12,6 @@ from stickslip.plots.core.svg import inline_svg
 from stickslip.plots.runs.motion import draw_motion
 from stickslip.quantities import fields_of
 from stickslip.report import Caption, Column, Figure, Name, Paragraph, Row, Section, Table
-from stickslip.report.numbers import fixed, length, percent, significant, with_unit
 
 __all__ = ["choice_section", "largest_pull"]
 
@@ -33,7 +33,7 @@ def choice_section(found: PaperAudit) -> Section:
 
 
 def _heading(study: CartStudy) -> str:
-    travels = {one.key: length(one.travels[-1]) for one in study.choices}
+    travels = {one.key: quantity(one.travels[-1], "m") for one in study.choices}
     if "selected" not in travels:
         return f"{study.run('paper').law.title} friction moves the cart {travels['paper']} a cycle"
     return (
@@ -62,11 +62,10 @@ def _label(one: CartRun) -> str:
 def _parameters(law: FrictionLaw | PrintedForm) -> str:
     """List the parameters that a law has, as symbols with values and units."""
     parts = []
-    for name, quantity in fields_of(type(law)).items():
+    for name, field in fields_of(type(law)).items():
         value = getattr(law, name)
         if value is not None and not isinstance(value, bool):
-            unit = "" if quantity.unit == "1" else quantity.unit
-            parts.append(f"${quantity.symbol}$ {with_unit(significant(value, 3), unit)}")
+            parts.append(f"${field.symbol}$ {quantity(value, field.unit)}")
     return ", ".join(parts)
 
 
@@ -125,7 +124,7 @@ def _return_text(study: CartStudy) -> str:
     """Say whether the cart slips back, and what keeps it from it."""
     back = [one for one in study.choices if one.mean_return > 0.0]
     if back:
-        ways = ", ".join(f"{_label(one)}: {length(one.mean_return, 2)}" for one in back)
+        ways = ", ".join(f"{_label(one)}: {quantity(one.mean_return, 'm', 2)}" for one in back)
         return f"The cart slips back in a cycle: {ways}."
     asked = max(largest_pull(one) for one in study.choices)
     return (

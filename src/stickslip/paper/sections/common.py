@@ -5,7 +5,7 @@ from typing import Literal
 from stickslip.paper.audit import PaperAudit
 from stickslip.report import Axis
 
-__all__ = ["COLOURS", "counted", "travel_axis"]
+__all__ = ["COLOURS", "travel_axis"]
 
 COLOURS: dict[str, Literal["c1", "c2", "c3", "c4"]] = {"A": "c2", "B": "c1", "C": "c3"}
 """Colour of each reading of the rig."""
@@ -13,7 +13,7 @@ COLOURS: dict[str, Literal["c1", "c2", "c3", "c4"]] = {"A": "c2", "B": "c1", "C"
 NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 
 
-def counted(number: int) -> str:
+def in_words(number: int) -> str:
     """Return a small number in words."""
     return NUMBERS[number] if number < len(NUMBERS) else str(number)
 

@@ -1,5 +1,6 @@
 """The printed equations, their defects, and where these act."""
 
+from stickslip.formatting import fixed, in_words, significant, with_unit
 from stickslip.friction import PRINTED_EQUATIONS, PrintedForm, RightEquation
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.misprints import (
@@ -12,7 +13,6 @@ from stickslip.paper.misprints import (
     Consequence,
     Outcome,
 )
-from stickslip.paper.sections.common import counted
 from stickslip.report import (
     Block,
     Caption,
@@ -25,7 +25,6 @@ from stickslip.report import (
     Subheading,
     Table,
 )
-from stickslip.report.numbers import fixed, significant, with_unit
 
 __all__ = ["equation_section", "misprint_section"]
 
@@ -85,7 +84,7 @@ def misprint_section(found: PaperAudit) -> Section:
     coasting = sum(one.differs("coast") for one in found.consequences)
     backward = sum(one.differs("backward") for one in found.consequences)
     heading = (
-        f"{counted(backward).capitalize()} equations err when the body moves backwards, none when"
+        f"{in_words(backward).capitalize()} equations err when the body moves backwards, none when"
         " it coasts forwards"
         if coasting == 0
         else "Where the defects act"

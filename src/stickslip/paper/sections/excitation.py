@@ -2,9 +2,10 @@
 
 from collections.abc import Sequence
 
+from stickslip.formatting import fixed, in_words, interval, residue, signed_percent
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.excitations import Excitation
-from stickslip.paper.sections.common import COLOURS, counted, travel_axis
+from stickslip.paper.sections.common import COLOURS, travel_axis
 from stickslip.paper.unpublished import ROUNDING
 from stickslip.plots.core.svg import inline_svg
 from stickslip.plots.data.rig_sketches import sketch
@@ -23,7 +24,6 @@ from stickslip.report import (
     Section,
     Table,
 )
-from stickslip.report.numbers import fixed, interval, residue, signed_percent
 
 __all__ = ["excitation_section"]
 
@@ -45,7 +45,7 @@ def excitation_section(found: PaperAudit) -> Section:
     return Section(
         id="excitation",
         nav="Three excitations",
-        heading=f"Two readings of the rig and a control, {counted(len(travels))} travels",
+        heading=f"Two readings of the rig and a control, {in_words(len(travels))} travels",
         blocks=(
             Paragraph(text=text),
             _sketches(row.readings),

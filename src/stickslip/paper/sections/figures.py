@@ -1,5 +1,6 @@
 """The paper's figures, drawn again under its captions."""
 
+from stickslip.formatting import residue
 from stickslip.friction import BristleLaw, Stribeck
 from stickslip.paper.audit import PaperAudit, TableRow
 from stickslip.paper.stick_slip import SPEED
@@ -15,7 +16,6 @@ from stickslip.plots.laws.curves import (
 from stickslip.plots.runs.motion import draw_motion
 from stickslip.plots.runs.run import RUN_SIZES, draw_run
 from stickslip.report import Columns, Figure, Paragraph, Section
-from stickslip.report.numbers import residue
 
 __all__ = ["figure_section", "phenomena_section", "schematic_section"]
 

@@ -1,9 +1,9 @@
 """What the paper has right."""
 
+from stickslip.formatting import fixed, percent, quantity, significant, with_unit
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.sections.choice import largest_pull
 from stickslip.report import KeyValue, KeyValues, Section
-from stickslip.report.numbers import fixed, length, percent, significant, with_unit
 
 __all__ = ["merit_section"]
 
@@ -89,4 +89,4 @@ def merit_section(found: PaperAudit) -> Section:
 
 
 def _way(way: float) -> str:
-    return "0 mm" if way == 0.0 else length(way, 2)
+    return "0 mm" if way == 0.0 else quantity(way, "m", 2)

@@ -1,8 +1,8 @@
 """The paper's Table II beside ours, and its criteria applied again."""
 
-from stickslip.experiments.wording import joined
+from stickslip.formatting import fixed, in_words, joined, percent, signed_percent, significant
 from stickslip.paper.audit import PaperAudit, TableRow
-from stickslip.paper.sections.common import counted, travel_axis
+from stickslip.paper.sections.common import travel_axis
 from stickslip.report import (
     Block,
     Caption,
@@ -17,7 +17,6 @@ from stickslip.report import (
     Section,
     Table,
 )
-from stickslip.report.numbers import fixed, percent, signed_percent, significant
 
 __all__ = ["ranking_section", "table_section"]
 
@@ -27,7 +26,7 @@ def table_section(found: PaperAudit) -> Section:
     titles = {row.law.name: row.law.title for row in found.table}
     others = [f"{titles[name]} ({fixed(x, 3)} m)" for name, x in found.viscous_travels.items()]
     text = (
-        f"The same {counted(len(found.table))} models with the coefficients of Table I. What the"
+        f"The same {in_words(len(found.table))} models with the coefficients of Table I. What the"
         f" paper does not print is assumed: {_assumptions(found)}. With the spring released, the"
         " models differ only by what is assumed: with the same viscous part, which (5) and (9) also"
         f" have, {joined(others)} come close to Coulomb + viscous."

@@ -1,12 +1,10 @@
 """What the parameters that the paper does not print would have to be."""
 
-from stickslip.experiments.wording import joined
+from stickslip.formatting import fixed, in_words, joined, significant
 from stickslip.friction import FrictionLaw
 from stickslip.paper.audit import PaperAudit
-from stickslip.paper.sections.common import counted
 from stickslip.paper.unpublished import Requirement
 from stickslip.report import Caption, Column, Name, Paragraph, Row, Section, Table
-from stickslip.report.numbers import fixed, significant
 
 __all__ = ["unpublished_section"]
 
@@ -39,8 +37,8 @@ def unpublished_section(found: PaperAudit) -> Section:
         id="unpublished",
         nav="Unpublished values",
         heading=(
-            f"With Table I kept, unpublished values can give {counted(reached['A'])} of the"
-            f" {counted(total)} travels for the push and {counted(reached['B'])} for the spring"
+            f"With Table I kept, unpublished values can give {in_words(reached['A'])} of the"
+            f" {in_words(total)} travels for the push and {in_words(reached['B'])} for the spring"
         ),
         blocks=(
             Paragraph(

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from stickslip.formatting import scale_of
 from stickslip.mechanisms import Mechanism
 from stickslip.plots.animation.animation_layout import layout, write_legend
 from stickslip.plots.animation.scenes.bounding_boxes import (
@@ -22,7 +23,7 @@ from stickslip.plots.animation.scenes.registry import scene_of
 from stickslip.plots.animation.scenes.renderer import artists_of
 from stickslip.plots.animation.scenes.shapes import Moment, Picture, Scene, Shape
 from stickslip.plots.core.event_markers import within
-from stickslip.plots.core.helpers import dense, scale_of
+from stickslip.plots.core.helpers import dense
 from stickslip.plots.core.theme import C1, INK, MUTED, SLIP_BACK, shade
 from stickslip.trajectory import Trajectory
 

@@ -1,4 +1,4 @@
-"""What the figures of runs share: sizes, dense samples, a fitting end of time, units, colours."""
+"""What the figures of runs share: sizes, dense samples, a fitting end of time, colours."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -20,10 +20,8 @@ __all__ = [
     "dense",
     "grouped",
     "horizon",
-    "in_mm",
     "looks",
     "motion_names",
-    "scale_of",
     "wrapped",
 ]
 
@@ -38,8 +36,6 @@ MOST_STEPS: Final = 20_000
 """Steps of a run up to which jumps are looked for at each."""
 JUMP: Final = 1e-3
 """Share of its largest size by which a force jumps, or more."""
-SMALL: Final = ("m", "m/s", "rad", "rad/s")
-"""Units that are shown in thousandths where they would need leading zeros."""
 
 
 class Sizes(TypedDict):
@@ -190,47 +186,6 @@ def motion_names(run: Trajectory, slip: str | None, rate: str | None) -> tuple[s
     if not rates:
         raise InputError(f"no column of the run is the rate of {slip!r}: give its name as rate.")
     return slip, "v" if "v" in rates else rates[0]
-
-
-def scale_of(values: Array | Sequence[float], unit: str) -> tuple[float, str]:
-    """Return a factor and a unit that save leading zeros: millimetres where metres have them.
-
-    Parameters
-    ----------
-    values : array
-        What is to be shown, SI.
-    unit : str
-        Its SI unit.
-
-    Returns
-    -------
-    tuple of float and str
-        The factor and the unit to show.
-
-    Examples
-    --------
-    >>> scale_of([0.02, -0.05], "m"), scale_of([0.2], "m/s"), scale_of([0.01], "rad")
-    ((1000.0, 'mm'), (1.0, 'm/s'), (1000.0, 'mrad'))
-    """
-    largest = float(np.max(np.abs(values))) if len(values) else 0.0
-    if unit not in SMALL or largest >= 0.1 or largest == 0.0:
-        return 1.0, unit
-    return (1e6, f"µ{unit}") if largest < 1e-4 else (1e3, f"m{unit}")
-
-
-def in_mm(values: Array | Sequence[float], unit: str) -> tuple[float, str]:
-    """Return a factor and a unit as `scale_of` does, millimetres for all that is below a metre.
-
-    Examples
-    --------
-    >>> in_mm([0.2], "m/s"), in_mm([1.5], "m"), in_mm([12.0], "N")
-    ((1000.0, 'mm/s'), (1.0, 'm'), (1.0, 'N'))
-    """
-    largest = float(np.max(np.abs(values))) if len(values) else 0.0
-    factor, shown = scale_of(values, unit)
-    return (1e3, f"m{unit}") if factor == 1.0 and unit in {"m", "m/s"} and 0 < largest < 1 else (
-        factor, shown
-    )  # fmt: skip
 
 
 def grouped(

@@ -11,7 +11,8 @@ from matplotlib.gridspec import GridSpec
 
 from stickslip.experiments import QUANTITIES, Measurement
 from stickslip.experiments.differentiation import GAP, interval_of, velocity_of
-from stickslip.plots.core.helpers import Array, scale_of
+from stickslip.formatting import scale_of
+from stickslip.plots.core.helpers import Array
 from stickslip.plots.core.svg import Draw, Size
 from stickslip.plots.core.theme import C1, DATA, MUTED, SLIP_BACK, STICK, shade
 

@@ -13,13 +13,14 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.experiments.condition_values import condition_name, condition_unit
 from stickslip.experiments.differentiation import velocity_of
+from stickslip.formatting import scale_of
 from stickslip.identification import TrialComparison
 from stickslip.identification.force_map.data import load_along
 from stickslip.identification.trials.condition_lines import ConditionLine
 from stickslip.mechanisms import Mechanism
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
-from stickslip.plots.core.helpers import Sizes, in_mm
+from stickslip.plots.core.helpers import Sizes
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, C3, C4, DATA, INK, MUTED, symbol_label
 from stickslip.plots.laws.curves import characteristic
@@ -175,7 +176,7 @@ def _curves(axes: Axes, comparison: TrialComparison, colours: Sequence[str]) -> 
     records = comparison.fit.measurement.records()
     own = [records[trial.number] for trial in comparison.trials]
     top = max(map(_top, own))
-    factor, unit = in_mm([top], comparison.fit.measurement.unit("velocity"))
+    factor, unit = scale_of([top], comparison.fit.measurement.unit("velocity"))
     for trial, record, colour in zip(comparison.trials, own, colours, strict=True):
         load = _load(comparison.fit.mechanism, record)
         velocity, force = characteristic(trial.law, load, top)

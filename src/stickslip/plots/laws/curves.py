@@ -8,10 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.characterize import PreslidingLoop, presliding_length, presliding_loop
+from stickslip.formatting import scale_of
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, Stribeck, towards
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Target, on_axes
-from stickslip.plots.core.helpers import Array, Sizes, scale_of
+from stickslip.plots.core.helpers import Array, Sizes
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, INK, LINE, MUTED, label_at, symbol_label
 from stickslip.quantities import Quantity

@@ -7,8 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stickslip.formatting import scale_of
 from stickslip.friction import FrictionLaw
-from stickslip.plots.core.helpers import Array, Look, Sizes, in_mm, looks, wrapped
+from stickslip.plots.core.helpers import Array, Look, Sizes, looks, wrapped
 from stickslip.plots.core.label_placement import Curve, label_curves
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C3, C4, DATA, LINE, MUTED, label_at
@@ -90,7 +91,7 @@ def draw_friction_map(
         Draws all speeds, and low speeds beside them where there are points.
     """
     v_max = float(np.max(np.abs(velocity)))
-    factor, unit = in_mm([v_max], units[0])
+    factor, unit = scale_of([v_max], units[0])
     curves = {name: _curve(one, load, 1.05 * v_max, _sides(velocity)) for name, one in laws.items()}
     look = looks(laws, chosen)
     low = low_speed(v_max)

@@ -6,7 +6,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from stickslip.plots.core.helpers import Array, Sizes, in_mm, looks, wrapped
+from stickslip.formatting import scale_of
+from stickslip.plots.core.helpers import Array, Sizes, looks, wrapped
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import DATA, LINE
 
@@ -54,7 +55,7 @@ def draw_loops(loops: Sequence[Loop], *, chosen: str, units: tuple[str, str] = (
     """
     names = sorted(loops[0].predicted, key=lambda name: name != chosen)
     look = looks(names, chosen)
-    factor, unit = in_mm(np.concatenate([one.displacement for one in loops]), units[0])
+    factor, unit = scale_of(np.concatenate([one.displacement for one in loops]), units[0])
 
     def draw(figure: Figure, narrow: bool) -> None:
         shape = (len(names), 1) if narrow else (1, len(names))

@@ -8,9 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.control import ClosedLoop
+from stickslip.formatting import scale_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
-from stickslip.plots.core.helpers import Array, Sizes, coordinate_name, dense, in_mm
+from stickslip.plots.core.helpers import Array, Sizes, coordinate_name, dense
 from stickslip.plots.core.label_placement import Curve, label_curves
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, C3, MUTED, shade
@@ -86,7 +87,7 @@ def _place(
     axes: Axes, seen: Trajectory, state: str, reference: float | Callable[[float], float] | None
 ) -> None:
     """Draw the state, and where it should be."""
-    factor, unit = in_mm(seen[state], seen.units[state])
+    factor, unit = scale_of(seen[state], seen.units[state])
     curves = [Curve(seen.t, factor * seen[state], state, C1)]
     axes.plot(seen.t, curves[0].y, color=C1, zorder=3)
     if reference is not None:

@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.formatting import scale_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Target, on_axes
-from stickslip.plots.core.helpers import scale_of
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2
 from stickslip.quantities import full_path

@@ -7,7 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.plots.core.helpers import Sizes, scale_of
+from stickslip.formatting import scale_of
+from stickslip.plots.core.helpers import Sizes
 from stickslip.plots.core.label_placement import Curve, label_curves
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, MUTED

@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.plots.core.helpers import dense, grouped, horizon, looks, scale_of, wrapped
+from stickslip.formatting import scale_of
+from stickslip.plots.core.helpers import dense, grouped, horizon, looks, wrapped
 from stickslip.plots.core.label_placement import label_ends
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import MUTED

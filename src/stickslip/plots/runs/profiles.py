@@ -6,11 +6,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stickslip.formatting import scale_of
 from stickslip.mechanisms import static_normal_force
 from stickslip.optimisation import Cycle, Optimum, guide_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
-from stickslip.plots.core.helpers import Array, Sizes, scale_of
+from stickslip.plots.core.helpers import Array, Sizes
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, INK, MUTED, label_at
 

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.errors import InputError
+from stickslip.formatting import scale_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels
 from stickslip.plots.core.event_markers import name_events, name_modes, within
@@ -19,7 +20,6 @@ from stickslip.plots.core.helpers import (
     horizon,
     looks,
     motion_names,
-    scale_of,
     wrapped,
 )
 from stickslip.plots.core.label_placement import Curve, label_curves, label_ends

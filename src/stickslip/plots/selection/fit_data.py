@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.formatting import scale_of
 from stickslip.identification import RecordFit
 from stickslip.identification.force_map.problem import ForceMap
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics
 from stickslip.identification.series.start_values import load_of
-from stickslip.plots.core.helpers import in_mm
 from stickslip.plots.selection.residuals import ErrorSeries, ResidualPanel
 from stickslip.selection import RecordCandidate, RecordVerdict
 
@@ -294,7 +294,7 @@ def residual_panels(fit: RecordFit, factor: float) -> dict[str, ResidualPanel]:
     for name, x in against.items():
         if x is None or np.ptp(x) == 0.0:
             continue
-        by, unit = in_mm(x, "s" if name == "time" else fit.measurement.unit(name))
+        by, unit = scale_of(x, "s" if name == "time" else fit.measurement.unit(name))
         panel = panel_of(f"{name}, {unit}", by * x, residual, fit.inference.effective, shown)
         if len(panel.centre):
             found[name] = panel

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from matplotlib.axes import Axes
 
 from stickslip.errors import InputError
+from stickslip.formatting import scale_of
 from stickslip.identification import FeatureFit, Fit, RecordFit, TravelFit
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels
-from stickslip.plots.core.helpers import in_mm
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.laws.friction_map import MAP_SIZES, MapLaw, draw_friction_map
 from stickslip.plots.selection.fit_data import (
@@ -143,7 +143,7 @@ def plot_residuals(fit: RecordFit, ax: PanelTarget = None) -> Panels:
     if not all(map(math.isfinite, fit.residual)):
         raise InputError("the fit leaves residuals that are not finite, which cannot be plotted.")
     unit = fit.measurement.unit(fit.problem.quantity)
-    factor, shown = in_mm(fit.residual, unit)
+    factor, shown = scale_of(fit.residual, unit)
     panels = list(residual_panels(fit, factor).values())
     if not panels:
         raise InputError(

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from stickslip.plots.core.helpers import in_mm
+from stickslip.formatting import scale_of
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, INK, MUTED
 
@@ -44,7 +44,7 @@ def draw_intervals(rows: Sequence[Interval], label: str, unit: str) -> Draw:
     values = np.array([row.value for row in rows])
     errors = np.array([row.error for row in rows])
     factor, shown = (
-        (100.0, "%") if unit == "1" else in_mm(np.abs(values) + np.nan_to_num(errors), unit)
+        (100.0, "%") if unit == "1" else scale_of(np.abs(values) + np.nan_to_num(errors), unit)
     )
 
     def draw(figure: Figure, _narrow: bool) -> None:

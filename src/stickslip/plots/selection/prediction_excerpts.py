@@ -7,7 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.plots.core.helpers import Array, Sizes, in_mm, looks
+from stickslip.formatting import scale_of
+from stickslip.plots.core.helpers import Array, Sizes, looks
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import DATA, LINE, MUTED
 
@@ -56,9 +57,9 @@ def draw_pieces(pieces: Sequence[Piece], quantity: str, unit: str, *, chosen: st
         Draws them.
     """
     look = looks(pieces[0].predicted, chosen)
-    factor, shown = in_mm(np.concatenate([one.measured for one in pieces]), unit)
+    factor, shown = scale_of(np.concatenate([one.measured for one in pieces]), unit)
     gaps = [one.measured - y for one in pieces for y in one.predicted.values()]
-    by, small = in_mm(np.concatenate(gaps), unit)
+    by, small = scale_of(np.concatenate(gaps), unit)
 
     def draw(figure: Figure, narrow: bool) -> None:
         for (above, below), one in zip(_places(figure, len(pieces), narrow), pieces, strict=True):

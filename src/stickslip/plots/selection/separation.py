@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.errors import InputError
+from stickslip.formatting import scale_of
 from stickslip.identification.travels.model import trials_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Target, on_axes
@@ -58,8 +59,9 @@ def draw_separation(
     names.sort(key=lambda name: name != chosen)
     titles = titles or {}
     what = rows[0].path.rpartition(".")[2].replace("_", " ")
-    in_mm = rows[0].unit == "m"
-    settings = np.array([row.value for row in rows]) * (1e3 if in_mm else 1.0)
+    values = np.array([row.value for row in rows])
+    factor, unit = scale_of(values, rows[0].unit)
+    settings = factor * values
     look = looks(names, chosen)
 
     def draw(figure: Figure, narrow: bool) -> None:
@@ -70,14 +72,14 @@ def draw_separation(
             y = paths[name]
             axes.plot(settings, y, color=colour, linestyle=dashes, linewidth=width, zorder=order)
             axes.plot(settings, y, "o", color=colour, markersize=3, zorder=order)
-        axes.set_xlabel(f"{what}, {'mm' if in_mm else rows[0].unit}")
+        axes.set_xlabel(f"{what}, {unit}")
         axes.set_ylabel("travel, m")
         axes.grid(axis="y")
         axes.set_xticks(settings)
         axes.margins(x=0.03)
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-        _where_to_measure(axes, [value * (1e3 if in_mm else 1.0) for value in proposed])
-        shown = [(x * (1e3 if in_mm else 1.0), y) for x, y in measured]
+        _where_to_measure(axes, [factor * value for value in proposed])
+        shown = [(factor * x, y) for x, y in measured]
         _measured(axes, [(x, y) for x, y in shown if settings[0] <= x <= settings[-1]])
         _name_laws(axes, settings, paths, look, titles, narrow)
 

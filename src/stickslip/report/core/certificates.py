@@ -1,7 +1,6 @@
 """The certificate of a run as a list: what was checked, and how well it holds."""
 
-from stickslip.experiments.wording import quantity
-from stickslip.report import numbers
+from stickslip.formatting import quantity, residue
 from stickslip.report.core.blocks import KeyValue
 from stickslip.trajectory import Trajectory
 
@@ -31,7 +30,7 @@ def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
     energy = (
         f"{quantity(book.energy_start + book.work_supplied, 'J', 4)} at the start and from the"
         f" drives; {quantity(book.work_friction, 'J', 4)} taken by friction{stops};"
-        f" {quantity(book.energy_end, 'J', 4)} left. Mismatch {numbers.residue(book.energy_error)}"
+        f" {quantity(book.energy_end, 'J', 4)} left. Mismatch {residue(book.energy_error)}"
     )
     items = [KeyValue(key="Energy", value=energy, mark="ok" if book.certified else "warn")]
     if located:
@@ -41,11 +40,11 @@ def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
             KeyValue(
                 key="Events",
                 value=f"{len(run.events):,} {events} located, each to"
-                f" {numbers.residue(book.event_residual)} of its condition",
+                f" {residue(book.event_residual)} of its condition",
             ),
             KeyValue(
                 key="Sticking and slipping",
-                value=f"largest violation of a condition: {numbers.residue(book.guard_violation)}",
+                value=f"largest violation of a condition: {residue(book.guard_violation)}",
             ),
             KeyValue(
                 key="Drift at rest",

@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 from markupsafe import Markup, escape
 
 from stickslip.errors import InputError
+from stickslip.formatting import unbroken
 
 __all__ = ["equation_parts", "inline", "mathml", "plain", "symbol", "symbol_text"]
 
@@ -31,9 +32,6 @@ _TOKEN: Final = re.compile(
     r"|_\{(?P<sub>[^{}]*)\}"
     r"|(?P<raised>[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)",
     re.DOTALL,
-)
-_UNIT: Final = re.compile(
-    r"(?<=\d) (?=(?:%|±|×|[µmk]?m|m?s|k?N|[km]?J|k?g|k?Hz|[kMG]?Pa|m?rad|K|°C)(?![A-Za-z]))"
 )
 _FUNCTION: Final = re.compile(r"[A-Za-z]{2,}")
 THIN: Final = "0.17em"
@@ -140,7 +138,7 @@ def inline(text: str) -> Markup:
     """
     if isinstance(text, Markup):
         return text
-    text = _UNIT.sub("\N{NO-BREAK SPACE}", text)
+    text = unbroken(text)
     out, end = Markup(), 0
     for match in _TOKEN.finditer(text):
         out += escape(text[end : match.start()]) + _token(match)

@@ -12,6 +12,7 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
 from stickslip.errors import InputError
+from stickslip.formatting import unbroken
 from stickslip.report.core import formulas, markup
 from stickslip.report.core.blocks import Block
 from stickslip.report.core.documents import Page
@@ -115,6 +116,7 @@ def _environment() -> Environment:
         "mathml": markup.mathml,
         "plain": markup.plain,
         "show": _show,
+        "unbroken": unbroken,
     }
     return environment
 

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
-from stickslip.experiments.wording import joined
+from stickslip.formatting import joined
 from stickslip.friction import SOURCES, FrictionLaw
 from stickslip.report.core.blocks import (
     Block,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple, TypeAlias, final
 
 from stickslip.errors import InputError
-from stickslip.report import numbers
+from stickslip.formatting import number
 
 __all__ = ["Axis", "Colour", "Mark", "RowPlot", "Shape", "Tick"]
 
@@ -250,8 +250,7 @@ class RowPlot:
 
 
 def _tick_text(value: float) -> str:
-    text = f"{value:g}"
-    return numbers.residue(value) if "e" in text else text.replace("-", "−")
+    return number(value)
 
 
 def _percent(value: float) -> str:

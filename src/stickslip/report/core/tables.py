@@ -5,6 +5,7 @@ from itertools import pairwise
 from typing import ClassVar, Final, Literal, TypeAlias, final
 
 from stickslip.errors import InputError
+from stickslip.formatting import fixed
 from stickslip.report.core import markup
 from stickslip.report.core.sparklines import Axis, RowPlot
 
@@ -288,7 +289,7 @@ class Correlations:
         str
             Such as "−0.98".
         """
-        return f"{value:+.2f}".replace("-", "−")
+        return ("+" if value >= 0.005 else "") + fixed(value, 2)
 
 
 def _check(column: Column, cell: Cell) -> None:

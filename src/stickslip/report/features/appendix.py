@@ -3,13 +3,12 @@
 from collections.abc import Mapping, Sequence
 from typing import Literal
 
-from stickslip.report import numbers
+from stickslip.formatting import estimate, in_words, number, percent, quantity
 from stickslip.report.core.blocks import KeyValue, KeyValues
 from stickslip.report.core.documents import Origin, Section
 from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Cell, Column, Row, Table
 from stickslip.report.features.texts import typeset_lines
-from stickslip.report.travels.texts import counted, quantity_value
 from stickslip.selection import FeatureVerdict, OtherSpeed
 
 __all__ = ["next_section", "record_section", "reproduce_section"]
@@ -35,7 +34,7 @@ def record_section(verdict: FeatureVerdict) -> Section:
     heading = "The record, and no warning from its checks"
     if warned:
         noun = "warning" if warned == 1 else "warnings"
-        heading = f"The record, and {counted(warned)} {noun} from its features and checks"
+        heading = f"The record, and {in_words(warned)} {noun} from its features and checks"
     block = KeyValues(items=tuple(items))
     return Section(id="record", nav="Record and checks", heading=heading, blocks=(block,))
 
@@ -46,8 +45,8 @@ def _numbers(verdict: FeatureVerdict) -> list[KeyValue]:
         KeyValue(key="Motion", value=seen.regime),
         KeyValue(
             key="Frequency",
-            value=f"{quantity_value(seen.frequency, 'Hz')}, natural"
-            f" {quantity_value(seen.natural_frequency, 'Hz')}",
+            value=f"{quantity(seen.frequency, 'Hz')}, natural"
+            f" {quantity(seen.natural_frequency, 'Hz')}",
         ),
     ]
     if seen.slips > 1:
@@ -55,14 +54,13 @@ def _numbers(verdict: FeatureVerdict) -> list[KeyValue]:
         items += [
             KeyValue(
                 key="Slips",
-                value=f"{seen.slips:,}, {quantity_value(seen.waiting_time, 's')} apart in the"
-                f" median (spread {quantity_value(spread, 's', 2)})",
+                value=f"{seen.slips:,}, {quantity(seen.waiting_time, 's')} apart in the"
+                f" median (spread {quantity(spread, 's', 2)})",
             ),
             KeyValue(
                 key="Break-away",
-                value=f"{numbers.fixed(seen.break_away, 3)} ±"
-                f" {numbers.fixed(float(seen.levels.std()), 3)} of the load, drop"
-                f" {numbers.fixed(seen.drop, 3)}",
+                value=f"{estimate(seen.break_away, float(seen.levels.std()))} of the"
+                f" load, drop {number(seen.drop)}",
             ),
         ]
     return items
@@ -99,16 +97,15 @@ def next_section(verdict: FeatureVerdict) -> Section | None:
 
 
 def _speed(one: OtherSpeed, names: Sequence[str]) -> Row:
-    cells: list[Cell] = [quantity_value(one.speed, "m/s")]
+    cells: list[Cell] = [quantity(one.speed, "m/s")]
     for name in names:
         seen = one.predicted[name]
         cells.append(
-            f"{quantity_value(seen['frequency'], 'Hz')},"
-            f" {numbers.significant(seen['standard_deviation'], 2)}"
+            f"{quantity(seen['frequency'], 'Hz')}, {number(seen['standard_deviation'])}"
             if seen["frequency"] > 0.0
             else "slides steadily"
         )
-    return Row(cells=(*cells, numbers.percent(one.separation)))
+    return Row(cells=(*cells, percent(one.separation)))
 
 
 def reproduce_section(verdict: FeatureVerdict, origin: Origin) -> Section:

@@ -5,6 +5,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.formatting import quantity
 from stickslip.identification import FeatureFit
 from stickslip.identification.features.features import load_of
 from stickslip.plots.core.svg import inline_svg
@@ -12,7 +13,6 @@ from stickslip.plots.runs.spring_force import PULL_SIZES, Excerpt, Half, draw_pu
 from stickslip.plots.selection.fit_data import thinned
 from stickslip.report.core.blocks import Figure
 from stickslip.report.core.documents import Section
-from stickslip.report.travels.texts import quantity_value
 from stickslip.selection import FeatureVerdict
 
 __all__ = ["force_section"]
@@ -49,7 +49,7 @@ def force_section(verdict: FeatureVerdict) -> Section | None:
         prefix="force-figure",
         **PULL_SIZES,
     )
-    shown = quantity_value(float(np.ptp(excerpts[0].time)), "s", 2)
+    shown = quantity(float(np.ptp(excerpts[0].time)), "s", 2)
     caption = (
         "**The force of the spring over the load.** Above: the record, with the mean of each half."
         f" Below: {shown} from the middle of each half (grey) and the fitted limit cycle (blue)."

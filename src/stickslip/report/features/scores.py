@@ -2,10 +2,10 @@
 
 import math
 
+from stickslip.formatting import estimate_text, in_words, number, percent, quantity, signed_percent
 from stickslip.identification import FeatureFit
 from stickslip.identification.features.features import COMPARED
 from stickslip.identification.features.result import QUANTILE
-from stickslip.report import numbers
 from stickslip.report.core.blocks import Block, KeyValue, KeyValues, Math, Paragraph, Subheading
 from stickslip.report.core.documents import Section
 from stickslip.report.core.sparklines import Axis, Colour, Mark, RowPlot
@@ -13,15 +13,12 @@ from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.report.features.texts import (
     UNITS,
     label,
-    said,
-    share_parts,
     symbols_of,
     typeset_lines,
 )
-from stickslip.report.records.texts import estimate_parts, label_of, typeset
-from stickslip.report.travels.texts import counted
+from stickslip.report.records.texts import label_of, typeset
 from stickslip.selection import FeatureCandidate, FeatureVerdict
-from stickslip.selection.feature_wording import signed_share
+from stickslip.selection.feature_wording import share_parts
 
 __all__ = ["parameters_section", "scores_section"]
 
@@ -30,11 +27,11 @@ def scores_section(verdict: FeatureVerdict) -> Section:
     """Return the section that compares all laws."""
     rows = [*verdict.candidates, *([verdict.control] if verdict.control else [])]
     count = len(verdict.candidates)
-    heading = f"{counted(count).capitalize()} candidates, scored on the half no fit has seen"
+    heading = f"{in_words(count).capitalize()} candidates, scored on the half no fit has seen"
     if count == 1:
         heading = "One candidate, scored on the half its fit has not seen"
     elif not verdict.ranked:
-        heading = f"{counted(count).capitalize()} candidates, and no score that tells them apart"
+        heading = f"{in_words(count).capitalize()} candidates, and no score that tells them apart"
     blocks: list[Block] = [Paragraph(text=_how(verdict)), _laws(verdict, rows)]
     fit = verdict.best.fit if verdict.best else None
     if fit is not None:
@@ -46,7 +43,7 @@ def _how(verdict: FeatureVerdict) -> str:
     return (
         "Every law is fitted so that its limit cycle has the frequency, mean and standard deviation"
         " of the first half, and is judged by those of the second. The features themselves change"
-        f" by {numbers.fixed(100.0 * verdict.room, 1)} % between the halves: an error of that size"
+        f" by {percent(verdict.room)} between the halves: an error of that size"
         " is what the record's own drift leaves to any law with fixed parameters."
     )
 
@@ -83,18 +80,18 @@ def _laws(verdict: FeatureVerdict, rows: list[FeatureCandidate]) -> Table:
 
 def _row(verdict: FeatureVerdict, one: FeatureCandidate, *, second: bool) -> Row:
     nominal, chosen = one is verdict.control, one is verdict.best
-    value, doubt = share_parts(one.score, one.score_error)
+    value, doubt = share_parts(one)
     held = one.fit is not None
     cells: list[Cell] = [
         Name(text=one.title, aside="nominal mechanism" if nominal else ""),
         str(one.parameters) if held else "—",
         Number(value=value, doubt=doubt) if held else "no score",
         _plot(one, "c1" if chosen else "c2" if nominal else "muted"),
-        *(signed_share(one.errors[name]) if name in one.errors else "—" for name in COMPARED),
+        *(signed_percent(one.errors[name]) if name in one.errors else "—" for name in COMPARED),
     ]
     if second:
         size = math.sqrt(sum(e**2 for e in one.second.values()) / max(len(one.second), 1))
-        cells.append(numbers.fixed(100.0 * size, 1) if one.second else "—")
+        cells.append(number(100.0 * size, 2) if one.second else "—")
     cells.append(typeset(one.outcome, symbols_of(verdict)))
     return Row(cells=tuple(cells), chosen=chosen, muted=bool(one.dropped))
 
@@ -132,7 +129,7 @@ def _features(fit: FeatureFit) -> Table:
         cells: list[Cell] = [label(name), _observed(fit, i), _sized(name, fit.predicted[name])]
         held = fit.held_out
         cells.append("—" if held is None else _sized(name, getattr(held, name)))
-        cells.append(signed_share(fit.held_out_errors[name]) if held else "—")
+        cells.append(signed_percent(fit.held_out_errors[name]) if held else "—")
         rows.append(Row(cells=tuple(cells)))
     caption = "With 95 % intervals from a block bootstrap of the first half."
     return Table(columns=columns, rows=tuple(rows), caption=caption)
@@ -142,12 +139,12 @@ def _observed(fit: FeatureFit, index: int) -> Number:
     name = COMPARED[index]
     value = float(getattr(fit.observed, name))
     half = QUANTILE * math.sqrt(float(fit.observed.covariance[index, index])) * abs(value)
-    parts = numbers.split_estimate(value, half)
-    return Number(value=parts.value, doubt=parts.doubt, unit=UNITS.get(name, ""))
+    shown, doubt = estimate_text(value, half)
+    return Number(value=shown, doubt=doubt, unit=UNITS.get(name, ""))
 
 
 def _sized(name: str, value: float) -> str:
-    return numbers.with_unit(numbers.significant(value, 3), UNITS.get(name, ""))
+    return quantity(value, UNITS.get(name, "1"))
 
 
 def parameters_section(verdict: FeatureVerdict) -> Section | None:
@@ -170,9 +167,9 @@ def parameters_section(verdict: FeatureVerdict) -> Section | None:
         blocks += [Subheading(text="In words"), KeyValues(items=items)]
     open_ended = sum(not e.bounded for e in fit.estimates)
     heading = (
-        f"The features bound all {counted(len(fit.estimates))} parameters"
+        f"The features bound all {in_words(len(fit.estimates))} parameters"
         if not open_ended
-        else f"{counted(open_ended).capitalize()} of {counted(len(fit.estimates))} parameters not"
+        else f"{in_words(open_ended).capitalize()} of {in_words(len(fit.estimates))} parameters not"
         " bounded by the features"
     )
     return Section(id="parameters", nav="Parameters", heading=heading, blocks=tuple(blocks))
@@ -180,13 +177,13 @@ def parameters_section(verdict: FeatureVerdict) -> Section | None:
 
 def _parameter(verdict: FeatureVerdict, fit: FeatureFit, index: int) -> Row:
     estimate = fit.estimates[index]
-    value, doubt = estimate_parts(estimate)
+    value, doubt = estimate.parts
     unit = "" if estimate.quantity.unit == "1" else estimate.quantity.unit
     room, _, name = estimate.path.partition(".")
     given = getattr(verdict.mechanism, name, None) if room == "mechanism" else None
     cells: tuple[Cell, ...] = (
         Name(text=label_of(estimate), aside="" if estimate.bounded else estimate.reason),
-        Number(value=value, doubt=doubt, unit=unit) if estimate.bounded else said(estimate),
-        "—" if given is None else numbers.with_unit(numbers.significant(given, 3), unit),
+        Number(value=value, doubt=doubt, unit=unit) if estimate.bounded else estimate.plus_minus,
+        "—" if given is None else quantity(given, unit),
     )
     return Row(cells=cells)

@@ -1,14 +1,15 @@
 """The opening: the verdict, the law with its numbers, and what one would quote."""
 
+from stickslip import formatting
+from stickslip.formatting import number, with_unit
 from stickslip.identification import FeatureFit, StickSlipFeatures
 from stickslip.quantities import fields_of
-from stickslip.report import numbers
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import LawLine, Opening, Section
-from stickslip.report.features.texts import said, share_parts, typeset_lines
+from stickslip.report.features.texts import typeset_lines
 from stickslip.report.records.texts import label_of
-from stickslip.report.travels.texts import quantity_value
 from stickslip.selection import FeatureVerdict
+from stickslip.selection.feature_wording import share_parts, share_text
 
 __all__ = ["opening_section"]
 
@@ -34,7 +35,7 @@ def opening_section(verdict: FeatureVerdict, kicker: str, remark: str = "") -> S
 
 def _settles(fit: FeatureFit) -> tuple[str, ...]:
     known = [e for e in fit.estimates if e.bounded]
-    return tuple(f"{label_of(e)} is {said(e)}." for e in known[:3])
+    return tuple(f"{label_of(e)} is {e.plus_minus}." for e in known[:3])
 
 
 def _law_lines(fit: FeatureFit) -> tuple[LawLine, ...]:
@@ -45,13 +46,13 @@ def _law_lines(fit: FeatureFit) -> tuple[LawLine, ...]:
         value, estimate = getattr(fit.law, name), found.get(f"friction.{name}")
         if value is None:
             continue
-        text = f"{quantity_value(value, quantity.unit)}, taken as given"
-        text = said(estimate) if estimate else text
+        text = f"{formatting.quantity(value, quantity.unit)}, taken as given"
+        text = estimate.plus_minus if estimate else text
         lines.append(LawLine(label=name.replace("_", " "), formula=f"${quantity.symbol}$ = {text}"))
     for path, estimate in found.items():
         if path.startswith("mechanism."):
             name = path.rpartition(".")[2].replace("_", " ")
-            formula = f"${estimate.quantity.symbol}$ = {said(estimate)}"
+            formula = f"${estimate.quantity.symbol}$ = {estimate.plus_minus}"
             lines.append(LawLine(label=f"effective {name}", formula=formula))
     return tuple(lines)
 
@@ -60,15 +61,15 @@ def _facts(verdict: FeatureVerdict) -> tuple[Fact, ...]:
     best, control, features = verdict.best, verdict.control, verdict.features
     facts = []
     if best is not None and best.fit is not None:
-        value, doubt = share_parts(best.score, best.score_error)
+        value, doubt = share_parts(best)
         what = (
             "error of frequency, mean and standard deviation in the half no fit has seen, root mean"
             " square, ± 1 standard error"
         )
-        facts.append(Fact(value=value, aside=numbers.with_unit(doubt, "%"), what=what))
+        facts.append(Fact(value=value, aside=with_unit(doubt, "%"), what=what))
     if control is not None and control.fit is not None:
         what = "the same error with the mechanism as stated, nothing of it looked for"
-        facts.append(Fact(value=f"{numbers.fixed(100.0 * control.score, 1)} %", what=what))
+        facts.append(Fact(value=share_text(control), what=what))
     facts.append(_motion(features))
     return tuple(facts[:3])
 
@@ -76,16 +77,16 @@ def _facts(verdict: FeatureVerdict) -> tuple[Fact, ...]:
 def _motion(features: StickSlipFeatures) -> Fact:
     """Return what tells most of the motion: the time between slips, or how fast it swings."""
     if features.slips > 1:
-        spread = quantity_value(float(features.waiting_times.std()), "s", 2)
+        spread = formatting.quantity(float(features.waiting_times.std()), "s", 2)
         what = (
             f"between slips in the median, with the spread of {features.slips:,} of them; they"
-            f" begin at {numbers.fixed(features.break_away, 3)} of the load"
+            f" begin at {number(features.break_away)} of the load"
         )
-        value = quantity_value(features.waiting_time, "s")
+        value = formatting.quantity(features.waiting_time, "s")
         return Fact(value=value, aside=f"± {spread}", what=what)
     ratio = features.frequency / features.natural_frequency
     what = (
         "of the natural frequency √(k/m) of the nominal mass: the force swings at"
-        f" {quantity_value(features.frequency, 'Hz')}"
+        f" {formatting.quantity(features.frequency, 'Hz')}"
     )
-    return Fact(value=numbers.with_unit(numbers.fixed(ratio, 2), "×"), what=what)
+    return Fact(value=formatting.ratio(ratio), what=what)

@@ -1,31 +1,25 @@
 """Towards the end of the report: dropped laws, the record, and what to measure next."""
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import numpy as np
 
+from stickslip.formatting import in_words, number, significant, with_unit
 from stickslip.identification import RecordFit
 from stickslip.plots.core.svg import inline_svg
 from stickslip.plots.data.record import Channel, draw_record, record_sizes
 from stickslip.plots.selection.fit_data import speeds_of, thinned
-from stickslip.report import numbers
 from stickslip.report.core.blocks import Block, Figure, KeyValue, KeyValues
 from stickslip.report.core.documents import Section
-from stickslip.report.core.tables import Cell, Column, Number, Row, Table
+from stickslip.report.core.tables import Column, Number, Row, Table
 from stickslip.report.records.texts import (
-    DOUBT,
-    estimate_parts,
-    scale_for,
     symbols_of,
     typeset,
-    unit_of,
 )
-from stickslip.report.travels.texts import counted
 from stickslip.selection import RecordCandidate, RecordVerdict
 from stickslip.selection.design.experiments import Experiment
-from stickslip.selection.record_wording import with_doubt
+from stickslip.selection.verdict import score_text
 
 __all__ = ["dropped_section", "next_section", "record_section"]
 
@@ -41,12 +35,12 @@ def dropped_section(verdict: RecordVerdict) -> Section | None:
     dropped = [c for c in everyone if c.dropped]
     if not dropped:
         return None
-    scale = scale_for(verdict)
+    scale = verdict.scale
     rows = []
     for c in dropped:
-        value, doubt = scale.pair(c.score, c.validation.error if c.validation else math.inf)
-        score: Cell = Number(value=value, doubt=doubt) if math.isfinite(c.score) else "no score"
+        value, doubt = score_text(scale, c.score, c.score_error)
         symbols = symbols_of([c])
+        score = Number(value=value, doubt=doubt)
         cells = (c.title, score, _said(c, symbols), typeset(c.dropped, symbols))
         rows.append(Row(cells=cells, muted=True))
     columns = (
@@ -55,7 +49,7 @@ def dropped_section(verdict: RecordVerdict) -> Section | None:
         Column(head="what the fit said"),
         Column(head="rule", phone="label", label="rule:"),
     )
-    count = counted(len(dropped)).capitalize()
+    count = in_words(len(dropped)).capitalize()
     noun = "candidate" if len(dropped) == 1 else "candidates"
     return Section(
         id="dropped",
@@ -72,11 +66,11 @@ def _said(c: RecordCandidate, symbols: frozenset[str]) -> str:
     doubtful = [e for e in c.fit.estimates if not e.bounded or e.low <= 0.0 <= e.high]
     parts = []
     for estimate in (doubtful or c.fit.estimates)[:4]:
-        value, doubt = estimate_parts(estimate)
+        value, doubt = estimate.parts
         text = f"{value} {doubt}" if estimate.bounded else value
         side = c.fit.at_bounds.get(estimate.path)
         tail = f", at its {side} bound" if side else "" if estimate.bounded else ", not bounded"
-        shown = numbers.with_unit(text, unit_of(estimate))
+        shown = with_unit(text, estimate.quantity.unit)
         parts.append(f"${estimate.quantity.symbol}$ = {shown}{tail}")
     if not parts:
         return " ".join(typeset(line, symbols) for line in c.fit.sentences) or "nothing was free"
@@ -107,7 +101,7 @@ def record_section(verdict: RecordVerdict) -> Section | None:
     heading = "The record, and no warning from its checks"
     if warned:
         noun = "warning" if warned == 1 else "warnings"
-        heading = f"The record, and {counted(warned)} {noun} from its checks"
+        heading = f"The record, and {in_words(warned)} {noun} from its checks"
     return Section(id="record", nav="Record and checks", heading=heading, blocks=tuple(blocks))
 
 
@@ -173,7 +167,7 @@ def next_section(verdict: RecordVerdict) -> Section | None:
     )
     rows = [_experiment(one, names) for one in verdict.experiments]
     first = verdict.experiments[0]
-    far = numbers.significant(first.separation, 2)
+    far = significant(first.separation, 2)
     heading = f"The most telling next measurement tells the laws apart by {far} times its doubt"
     caption = (
         "What each law predicts as it was fitted, with the mass and the offset fitted with it."
@@ -185,12 +179,6 @@ def next_section(verdict: RecordVerdict) -> Section | None:
 
 
 def _experiment(one: Experiment, names: Sequence[str]) -> Row:
-    what, _, unit = one.observed.rpartition(", ")
-    factor = 1.0
-    if unit == "m" and max(abs(v) for v in one.predicted.values()) < 1.0:
-        factor, unit = 1e3, "mm"
-    cells: list[Cell] = [one.what, f"{what}, {unit}"]
-    for name in names:
-        said = with_doubt(factor * one.predicted[name], factor * one.doubts.get(name, 0.0))
-        cells.append(said.replace(" ± ", DOUBT))
-    return Row(cells=(*cells, numbers.significant(one.separation, 2)))
+    observed, said = one.readings()
+    cells = (one.what, observed, *(said[name] for name in names))
+    return Row(cells=(*cells, number(one.separation, 2)))

@@ -6,15 +6,14 @@ from typing import Final
 
 import numpy as np
 
+from stickslip.formatting import in_words, number, percent, quantity, ratio, residue, significant
 from stickslip.identification import RecordFit
 from stickslip.identification.estimates import SEPARABLE
 from stickslip.identification.estimation.levenberg_marquardt import AGREE
 from stickslip.identification.shooting.multiple_shooting import Shooting
-from stickslip.report import numbers
 from stickslip.report.core.blocks import KeyValue, KeyValues
 from stickslip.report.core.documents import Section
 from stickslip.report.records.scores import picks_text
-from stickslip.report.travels.texts import counted, quantity_value
 from stickslip.selection import RecordVerdict
 
 __all__ = ["certificate_section"]
@@ -37,9 +36,9 @@ def certificate_section(verdict: RecordVerdict) -> Section | None:
     items.append(
         KeyValue(
             key="Held-out blocks",
-            value=f"{verdict.blocks_scored} blocks, {quantity_value(plan.gap, 's', 2)} left out on"
+            value=f"{verdict.blocks_scored} blocks, {quantity(plan.gap, 's', 2)} left out on"
             " both sides,"
-            f" predicted over {quantity_value(plan.horizon, 's', 2)}"
+            f" predicted over {quantity(plan.horizon, 's', 2)}"
             if plan.length
             else f"{verdict.blocks_scored} blocks, rows dealt out in turn",
         )
@@ -60,8 +59,7 @@ def _search(fit: RecordFit) -> list[KeyValue]:
     """Return how the least residual was found."""
     found = fit.found
     starts, agreeing = len(found.costs), found.agreeing
-    text = f"{agreeing} of {starts} starts came to the least residual within {AGREE:.0%}"
-    text = text.replace("%", f"{numbers.NO_BREAK_SPACE}%")
+    text = f"{agreeing} of {starts} starts came to the least residual within {percent(AGREE)}"
     if agreeing < starts:
         text += f"; {_worst(found.costs)}"
     text += "; the search was stopped before its end" if found.cancelled else ""
@@ -82,11 +80,11 @@ def _worst(costs: Sequence[float]) -> str:
     """Return what became of the start that ended farthest from the least residual."""
     failed = sum(not math.isfinite(cost) for cost in costs)
     if failed:
-        return f"from {counted(failed)} nothing could be predicted"
+        return f"from {in_words(failed)} nothing could be predicted"
     times = math.sqrt(max(costs) / max(min(costs), 1e-300))
     if times < TWICE:
-        return f"the worst ended {numbers.percent(times - 1.0)} higher"
-    return f"the worst ended at {numbers.ratio(times)} that residual"
+        return f"the worst ended {percent(times - 1.0)} higher"
+    return f"the worst ended at {ratio(times)} that residual"
 
 
 def _runs(fit: RecordFit) -> list[KeyValue]:
@@ -100,10 +98,10 @@ def _runs(fit: RecordFit) -> list[KeyValue]:
     sure = sum(one.certified for one in known)
     turns = sum(len(run.events) for run in runs)
     rest = sum(b - a for run in runs for a, b in run.stick_spans())
-    energy = numbers.residue(max(one.energy_error for one in known))
+    energy = residue(max(one.energy_error for one in known))
     drift = max(one.stick_drift for one in known)
-    still = f"; drift at rest {numbers.length(drift, 1) if drift else 'exactly 0'}" if rest else ""
-    located = numbers.residue(max(one.event_residual for one in known))
+    still = f"; drift at rest {quantity(drift, 'm', 1) if drift else 'exactly 0'}" if rest else ""
+    located = residue(max(one.event_residual for one in known))
     return [
         KeyValue(
             key="Simulation",
@@ -117,7 +115,7 @@ def _runs(fit: RecordFit) -> list[KeyValue]:
         KeyValue(
             key="Stops and reversals",
             value=f"{turns:,} events, located to {located} of their size;"
-            f" {quantity_value(rest, 's', 2)} at rest{still}",
+            f" {quantity(rest, 's', 2)} at rest{still}",
         ),
     ]
 
@@ -130,17 +128,17 @@ def _information(fit: RecordFit) -> list[KeyValue]:
     lengths = segments[:, 2] - segments[:, 1]
     text = f"{len(segments):,}"
     if all(record.time is not None for record in fit.measurement.records()):
-        text += f" of {quantity_value(float(np.median(lengths)), 's', 2)} each"
+        text += f" of {quantity(float(np.median(lengths)), 's', 2)} each"
     ended = ", ".join(path.rpartition(".")[2].replace("_", " ") for path in fit.at_bounds)
     return [
         KeyValue(key="Segments", value=text),
         KeyValue(
             key="Effective samples",
-            value=f"about {numbers.significant(effective, 2)} of {rows:,} rows compared",
+            value=f"about {significant(effective, 2)} of {rows:,} rows compared",
         ),
         KeyValue(
             key="Condition",
-            value=f"{numbers.significant(condition, 2)}, limit {SEPARABLE:g}",
+            value=f"{significant(condition, 2)}, limit {number(SEPARABLE)}",
             mark="ok" if condition <= SEPARABLE else "warn",
         ),
         KeyValue(

@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from stickslip.formatting import quantity, significant, with_unit
 from stickslip.friction import BristleLaw, DirectionDependent
 from stickslip.identification import RecordFit
 from stickslip.plots.core.svg import inline_svg
@@ -11,11 +12,9 @@ from stickslip.plots.laws.curves import characteristic
 from stickslip.plots.laws.friction_map import MAP_SIZES
 from stickslip.plots.selection.fit_data import MapPoints, map_points, offset_of, sampled
 from stickslip.plots.selection.fits import draw_fitted_map
-from stickslip.report import numbers
 from stickslip.report.core.blocks import Figure
 from stickslip.report.core.documents import Section
-from stickslip.report.records.texts import half_width, rival_of
-from stickslip.report.travels.texts import quantity_value
+from stickslip.report.records.texts import rival_of
 from stickslip.selection import RecordCandidate, RecordVerdict
 from stickslip.selection.record_wording import in_sentence
 
@@ -66,14 +65,14 @@ def _heading(best: RecordCandidate, points: MapPoints) -> str:
     slow = float(force[np.flatnonzero(v > 0.0)[0]])
     fast = float(force[-1])
     unit = fit.measurement.unit("friction")
-    speed = quantity_value(fastest, fit.measurement.unit("velocity"))
+    speed = quantity(fastest, fit.measurement.unit("velocity"))
     by = f"By the {in_sentence(best.title)} law, friction"
     if abs(fast - slow) <= 0.02 * max(abs(fast), abs(slow)):
-        return f"{by} is {quantity_value(fast, unit)} at all speeds"
+        return f"{by} is {quantity(fast, unit)} at all speeds"
     if abs(slow) <= 0.01 * abs(fast):
-        return f"{by} grows from 0 to {quantity_value(fast, unit, 2)} at {speed}"
+        return f"{by} grows from 0 to {quantity(fast, unit, 2)} at {speed}"
     turn = "grows" if fast > slow else "falls"
-    start, end = quantity_value(slow, unit, 2), quantity_value(fast, unit, 2)
+    start, end = quantity(slow, unit, 2), quantity(fast, unit, 2)
     return f"{by} {turn} from {start} near rest to {end} at {speed}"
 
 
@@ -98,7 +97,7 @@ def _viscous_parts_differ(fit: RecordFit) -> bool:
     found = [e for e in fit.estimates if e.path.endswith("ward_viscous_coefficient")]
     if len(found) < 2 or not all(e.bounded for e in found):
         return False
-    return abs(found[0].value - found[1].value) > sum(half_width(e) for e in found)
+    return abs(found[0].value - found[1].value) > sum(e.half_width for e in found)
 
 
 def _caption(points: MapPoints, shown: int, laws: dict[str, RecordFit], chosen: str) -> str:
@@ -121,6 +120,6 @@ def _caption(points: MapPoints, shown: int, laws: dict[str, RecordFit], chosen: 
     if any(isinstance(one.law, BristleLaw) for one in laws.values()):
         text += " Laws with bristles are drawn as in steady sliding; their loops lie around it."
     if points.load_varies:
-        load = numbers.with_unit(numbers.significant(points.load, 3), "N")
+        load = with_unit(significant(points.load, 3), "N")
         text += f" Laws are drawn at the median normal force, {load}."
     return text

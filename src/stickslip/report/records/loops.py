@@ -5,16 +5,14 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.experiments.wording import joined
+from stickslip.formatting import in_words, joined, percent
 from stickslip.identification import RecordFit
 from stickslip.identification.records.fit import Prediction
 from stickslip.plots.core.svg import inline_svg
 from stickslip.plots.laws.hysteresis import Loop, draw_loops, loop_sizes
-from stickslip.report import numbers
 from stickslip.report.core.blocks import Figure
 from stickslip.report.core.documents import Section
 from stickslip.report.records.texts import rival_of
-from stickslip.report.travels.texts import counted
 from stickslip.selection import RecordCandidate, RecordVerdict
 from stickslip.selection.record_wording import in_sentence
 
@@ -122,14 +120,14 @@ def _heading(laws: list[RecordCandidate]) -> str:
         spread = float(np.std(one.fit.problem.measured))
         if spread <= 0.0:
             return "Friction against displacement"
-        said.append(f"{in_sentence(one.title)} leaves {numbers.percent(one.fit.rms / spread)}")
+        said.append(f"{in_sentence(one.title)} leaves {percent(one.fit.rms / spread)}")
     text = ", ".join(said)
     return f"Of the spread of friction along the motion {text}"
 
 
 def _caption(verdict: RecordVerdict, shown: int, count: int) -> str:
     best, rival = verdict.closest, rival_of(verdict)
-    some = "the one" if count == 1 else f"{counted(shown)} of {count:,}"
+    some = "the one" if count == 1 else f"{in_words(shown)} of {count:,}"
     spread = " spread over the record" if 1 < shown < count else ""
     names = [in_sentence(c.title) for c in (best, rival) if c is not None and c.fit]
     text = (

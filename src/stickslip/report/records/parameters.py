@@ -5,23 +5,20 @@ from typing import Final
 
 import numpy as np
 
+from stickslip.formatting import fixed, in_words, percent, ratio, significant, with_unit
 from stickslip.identification import Estimate, RecordFit
 from stickslip.identification.estimates import step_intervals
 from stickslip.identification.profile_likelihood import Allowed, largest_allowed
 from stickslip.identification.records.level_units import reads_as_forces
-from stickslip.report import numbers
 from stickslip.report.core.blocks import Block, Columns, KeyValue, KeyValues, Math, Subheading
 from stickslip.report.core.documents import Section
 from stickslip.report.core.sparklines import Axis, Mark, RowPlot
 from stickslip.report.core.tables import Cell, Column, Correlations, Name, Number, Row, Table
 from stickslip.report.records.texts import (
-    estimate_parts,
     label_of,
     symbols_of,
     typeset,
-    unit_of,
 )
-from stickslip.report.travels.texts import counted
 from stickslip.selection import RecordCandidate, RecordVerdict
 from stickslip.selection.record_wording import in_sentence
 
@@ -58,11 +55,11 @@ def _heading(fit: RecordFit) -> str:
             return "The record bounds the one parameter"
         if count == 2:
             return "The record bounds both parameters"
-        return f"The record bounds all {counted(count)} parameters"
+        return f"The record bounds all {in_words(count)} parameters"
     verb = "is" if len(open_ended) == 1 else "are"
     return (
-        f"{counted(len(open_ended)).capitalize()} of {counted(count)} parameters {verb} not bounded"
-        " by the record"
+        f"{in_words(len(open_ended)).capitalize()} of {in_words(count)} parameters {verb} not"
+        " bounded by the record"
     )
 
 
@@ -86,18 +83,18 @@ def _table(verdict: RecordVerdict, fit: RecordFit) -> Table:
 
 def _row(fit: RecordFit, index: int, halves: tuple[float, float] | None) -> Row:
     estimate = fit.estimates[index]
-    value, doubt = estimate_parts(estimate)
+    value, doubt = estimate.parts
     known = halves is not None and bool(np.all(np.isfinite(halves)))
     pair = "—"
     if halves is not None and known:
         first, second = (_to_digits(one, estimate) for one in halves)
         pair = f"{first} → {second}"
-    aside, unit = "" if estimate.bounded else estimate.reason, unit_of(estimate)
+    aside, unit = "" if estimate.bounded else estimate.reason, estimate.quantity.unit
     cells: tuple[Cell, ...] = (
         Name(text=label_of(estimate), aside=aside),
         Number(value=value, doubt=doubt, unit=unit)
         if estimate.bounded
-        else f"{numbers.with_unit(value, unit)}, {doubt}",
+        else f"{with_unit(value, unit)}, {doubt}",
         _plot(estimate, halves if known else None),
         pair,
         _narrow(fit, index),
@@ -107,10 +104,10 @@ def _row(fit: RecordFit, index: int, halves: tuple[float, float] | None) -> Row:
 
 def _to_digits(value: float, estimate: Estimate) -> str:
     """Return a value to the digits of the estimate."""
-    shown = estimate_parts(estimate)[0]
+    shown = estimate.parts[0]
     if "×" in shown or not estimate.bounded:
-        return numbers.significant(value, 3)
-    return numbers.fixed(value, len(shown.partition(".")[2]))
+        return significant(value, 3)
+    return fixed(value, len(shown.partition(".")[2]))
 
 
 def _narrow(fit: RecordFit, index: int) -> str:
@@ -120,8 +117,8 @@ def _narrow(fit: RecordFit, index: int) -> str:
     if not (math.isfinite(error) and 0.0 < naive < math.inf) or not fit.estimates[index].bounded:
         return "—"
     if error < naive:
-        return f"{numbers.with_unit(numbers.significant(naive / error, 2), '×')} too wide"
-    return numbers.with_unit(numbers.significant(error / naive, 2), "×")
+        return f"{with_unit(significant(naive / error, 2), '×')} too wide"
+    return with_unit(significant(error / naive, 2), "×")
 
 
 def _plot(estimate: Estimate, halves: tuple[float, float] | None) -> RowPlot:
@@ -155,7 +152,7 @@ def _caption(fit: RecordFit) -> str:
     effective, rows = fit.inference.effective, len(fit.residual)
     text = (
         "95 % intervals from leaving out blocks of the record (jackknife, Student t)."
-        f" {rows:,} rows carry about as much as {numbers.significant(effective, 2)} independent"
+        f" {rows:,} rows carry about as much as {significant(effective, 2)} independent"
         " ones; the last column says how many times too narrow an interval is that takes all as"
         " independent."
     )
@@ -177,7 +174,7 @@ def _together(fit: RecordFit) -> tuple[Block, ...]:
     )
     most = float(table[i, j])
     how = "trade off almost one for one" if abs(most) >= STRONG else "move together most"
-    sign = numbers.fixed(most, 2)
+    sign = fixed(most, 2)
     caption = f"Correlation of the estimates. {names[j]} and {names[i]} {how} ({sign})."
     triangle = Correlations(names=names, values=values, caption=caption)
     return (Subheading(text="What moves together"), triangle)
@@ -230,11 +227,11 @@ def _undetermined(fit: RecordFit) -> str:
 def _allowed(one: RecordCandidate, found: Allowed) -> KeyValue:
     assert one.fit is not None
     estimate = one.fit.estimate(found.path)
-    unit = unit_of(estimate)
-    end = numbers.with_unit(numbers.significant(found.value, 2), unit)
+    unit = estimate.quantity.unit
+    end = with_unit(significant(found.value, 2), unit)
     at, cost = found.tried[1], found.costs[1]  # the nearer one to the end
-    tried = numbers.with_unit(numbers.significant(at, 3), unit)
-    rise = numbers.percent(cost - 1.0) + " larger" if cost < TWICE else numbers.ratio(cost)
+    tried = with_unit(significant(at, 3), unit)
+    rise = percent(cost - 1.0) + " larger" if cost < TWICE else ratio(cost)
     return KeyValue(
         key=f"{label_of(estimate)} of {in_sentence(one.title)}",
         value=f"up to about {end} is allowed by this record (95 %, profile likelihood, all else"

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stickslip.experiments.wording import joined
+from stickslip.formatting import joined, number, percent, quantity, significant
 from stickslip.identification import RecordFit
 from stickslip.identification.force_map.problem import ForceMap
 from stickslip.identification.residuals.trends import has_trend, ljung_box, noise_floor
@@ -21,11 +21,9 @@ from stickslip.plots.selection.residuals import (
     draw_residuals,
     residual_sizes,
 )
-from stickslip.report import numbers
 from stickslip.report.core.blocks import Block, Figure
 from stickslip.report.core.documents import Section
-from stickslip.report.records.texts import rival_of, scale_for
-from stickslip.report.travels.texts import quantity_value
+from stickslip.report.records.texts import rival_of
 from stickslip.selection import RecordVerdict
 
 __all__ = ["residuals_section"]
@@ -39,7 +37,7 @@ def residuals_section(verdict: RecordVerdict) -> Section | None:
     best = verdict.closest
     if best.fit is None or not np.all(np.isfinite(best.fit.residual)):
         return None
-    panels, trends = _panels(best.fit, scale_for(verdict).factor)
+    panels, trends = _panels(best.fit, verdict.scale.factor)
     blocks: list[Block] = []
     if panels:
         blocks.append(_residual_figure(verdict, best.fit, panels, trends))
@@ -80,7 +78,7 @@ def _heading(fit: RecordFit, panels: list[str], trends: list[str]) -> str:
     over = _over_noise(fit)
     if over > FLOOR:
         return (
-            f"Residuals of {numbers.significant(over, 2)} times the sensor's noise, without a"
+            f"Residuals of {significant(over, 2)} times the sensor's noise, without a"
             f" trend with {names}"
         )
     return f"No test finds a trend of the residuals with {names}"
@@ -98,7 +96,7 @@ def _residual_figure(
     panels: dict[str, ResidualPanel],
     trends: list[str],
 ) -> Figure:
-    scale = scale_for(verdict)
+    scale = verdict.scale
     svg = inline_svg(
         draw_residuals(list(panels.values()), f"residual, {scale.unit}"),
         alt=f"Residuals of the chosen law against {joined(list(panels))}",
@@ -110,13 +108,13 @@ def _residual_figure(
     )  # fmt: skip
     caption = (
         f"**Residuals** of the fit: measured less predicted {verdict.quantity}{start}. Root mean"
-        f" square {scale.with_unit(fit.rms)}{_share(fit)}."
+        f" square {scale.quantity(fit.rms)}{_share(fit)}."
     )
     rival = rival_of(verdict)
     if rival is not None and rival.fit is not None:
-        caption += f" {rival.title} leaves {scale.with_unit(rival.fit.rms)}."
+        caption += f" {rival.title} leaves {scale.quantity(rival.fit.rms)}."
     caption += (
-        f" Doubts of the means count {numbers.significant(fit.inference.effective, 2)} of"
+        f" Doubts of the means count {significant(fit.inference.effective, 2)} of"
         f" {len(fit.residual):,} rows as independent."
     )
     return Figure(svg=svg, caption=f"{caption} {_tests(fit, trends)}")
@@ -133,7 +131,7 @@ def _tests(fit: RecordFit, trends: list[str]) -> str:
     over = _over_noise(fit)
     if over > FLOOR:
         text += (
-            f" They are {numbers.significant(over, 2)} times what the sensor's noise would leave:"
+            f" They are {significant(over, 2)} times what the sensor's noise would leave:"
             " the law does not explain the record to its noise, because of an unmeasured"
             " disturbance or a model error."
         )
@@ -146,7 +144,7 @@ def _autocorrelation(fit: RecordFit) -> str:
     chance = ljung_box(fit.residual)
     if chance >= 0.05:
         return "They are not autocorrelated (Ljung-Box test)."
-    said = "below 0.001" if chance < 1e-3 else f"{chance:.3f}"
+    said = "below 0.001" if chance < 1e-3 else number(chance, 2)
     return f"They are autocorrelated (Ljung-Box test, probability {said} if they were not)."
 
 
@@ -155,7 +153,7 @@ def _share(fit: RecordFit) -> str:
     if not isinstance(fit.problem, ForceMap):
         return ""
     spread = float(np.std(fit.problem.measured))
-    share = numbers.percent(fit.rms / spread) if spread > 0.0 else ""
+    share = percent(fit.rms / spread) if spread > 0.0 else ""
     return f", {share} of the spread of friction" if share else ""
 
 
@@ -164,7 +162,7 @@ def _error_figure(verdict: RecordVerdict) -> Figure | None:
     best, rival = verdict.closest, rival_of(verdict)
     if best.fit is None or not is_timed(best.fit):
         return None
-    scale, edges = scale_for(verdict), block_edges(verdict)
+    scale, edges = verdict.scale, block_edges(verdict)
     series = {}
     for one in (best, rival):
         found = errors_of(one, verdict.plan.horizon, scale.factor) if one is not None else None
@@ -178,7 +176,7 @@ def _error_figure(verdict: RecordVerdict) -> Figure | None:
         prefix="error-figure",
         **ERROR_SIZES,
     )
-    horizon = quantity_value(verdict.plan.horizon, "s", 2)
+    horizon = quantity(verdict.plan.horizon, "s", 2)
     lead = f"pieces of {horizon}, each from a state of its own"
     if verdict.quantity == "friction":
         lead = "measured less predicted friction"

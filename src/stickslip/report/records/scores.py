@@ -3,17 +3,16 @@
 import math
 from typing import Final
 
-from stickslip.experiments.wording import joined
-from stickslip.report import numbers
+from stickslip.formatting import Scale, in_words, joined, percent, quantity
 from stickslip.report.core.blocks import Paragraph
 from stickslip.report.core.documents import Section
 from stickslip.report.core.sparklines import Axis, Colour, Mark, RowPlot
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
-from stickslip.report.records.texts import Scale, scale_for, symbols_of, typeset
-from stickslip.report.travels.texts import counted, quantity_value
+from stickslip.report.records.texts import symbols_of, typeset
 from stickslip.selection import RecordCandidate, RecordVerdict
 from stickslip.selection.choice import LEVEL, LIKELY, MATERIAL, NEAR
 from stickslip.selection.record_wording import in_sentence
+from stickslip.selection.verdict import score_text
 
 __all__ = ["picks_text", "scores_section"]
 
@@ -32,10 +31,10 @@ def scores_section(verdict: RecordVerdict) -> Section:
     """Return the section that compares all laws."""
     rows = list(verdict.candidates) + ([verdict.control] if verdict.control else [])
     count = len(rows)
-    heading = f"{counted(count).capitalize()} candidates, scored on blocks no fit has seen"
+    heading = f"{in_words(count).capitalize()} candidates, scored on blocks no fit has seen"
     if count == 1:
         heading = "One candidate, scored on blocks its fit has not seen"
-    scale = scale_for(verdict)
+    scale = verdict.scale
     axis = _axis(rows, scale)
     second = any(c.second is not None for c in rows)
     columns = (
@@ -68,20 +67,19 @@ def _row(
     verdict: RecordVerdict, c: RecordCandidate, scale: Scale, *, axis: Axis | None, second: bool
 ) -> Row:
     is_best = c.name == verdict.closest.name
-    error = c.validation.error if c.validation else math.inf
-    value, doubt = scale.pair(c.score, error)
+    value, doubt = score_text(scale, c.score, c.score_error)
     last = c.validation.extrapolation if c.validation else math.nan
     cells: list[Cell] = [
         Name(text=c.title, aside=_aside(verdict, c)),
         str(c.parameters),
-        Number(value=value, doubt=doubt) if math.isfinite(c.score) else "no score",
+        Number(value=value, doubt=doubt),
     ]
     if axis is not None:
-        cells.append(_plot(c, error, scale, "c1" if is_best else _colour(verdict, c)))
+        cells.append(_plot(c, scale, "c1" if is_best else _colour(verdict, c)))
     if verdict.plan.length:
-        cells.append(scale.text(last) if math.isfinite(last) else "—")
+        cells.append(scale.number(last) if math.isfinite(last) else "—")
     if second:
-        cells.append(scale.text(c.second.rms) if c.second else "—")
+        cells.append(score_text(scale, c.second.rms).value if c.second else "—")
     outcome = c.outcome or c.dropped or "how much friction matters"
     cells.append(typeset(outcome, symbols_of([c])))
     chosen = verdict.best is not None and is_best
@@ -101,13 +99,13 @@ def _colour(verdict: RecordVerdict, c: RecordCandidate) -> Colour:
     return "c2" if is_reference else "muted"
 
 
-def _plot(c: RecordCandidate, error: float, scale: Scale, colour: Colour) -> RowPlot:
+def _plot(c: RecordCandidate, scale: Scale, colour: Colour) -> RowPlot:
     if not math.isfinite(c.score):
         return RowPlot(marks=())
     at = scale.factor * c.score
     marks = [Mark(kind="dot", at=at, colour=colour)]
-    if math.isfinite(error):
-        half = scale.factor * error
+    if math.isfinite(c.score_error):
+        half = scale.factor * c.score_error
         low = max(at - half, 0.2 * at)  # a bar has a place on a logarithmic axis
         marks.insert(0, Mark(kind="bar", at=low, to=at + half, colour=colour))
     return RowPlot(marks=tuple(marks))
@@ -138,18 +136,18 @@ def _how(verdict: RecordVerdict) -> str:
             " speeds. Every candidate is fitted to the others and predicts the friction force in"
             " the block."
         )
-    gap = quantity_value(plan.gap, "s", 2) if plan.gap > 0.0 else "nothing"
+    gap = quantity(plan.gap, "s", 2) if plan.gap > 0.0 else "nothing"
     scored = verdict.blocks_scored
     block = "the block" if scored == plan.folds else f"the block, which {scored} of them allow"
     text = (
-        f"The {quantity_value(plan.length, 's')} of record are cut into {plan.folds} blocks, with"
+        f"The {quantity(plan.length, 's')} of record are cut into {plan.folds} blocks, with"
         f" {gap} left out on both sides of each. Every candidate is fitted to the others"
     )
     if verdict.quantity == "friction":
         return f"{text} and predicts the friction force in {block}."
     return (
         f"{text} and predicts the {verdict.quantity} in {block}, in pieces of"
-        f" {quantity_value(plan.horizon, 's', 2)} that start from states of their own."
+        f" {quantity(plan.horizon, 's', 2)} that start from states of their own."
     )
 
 
@@ -160,11 +158,11 @@ def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
     text += (
         "The rule: (1) A law counts only if it is established over every simpler law that it"
         " contains: an F test with the effective sample size is significant at"
-        f" {numbers.percent(LEVEL)}, and held-out blocks agree, or they are undecided and the"
-        f" residual falls by {numbers.percent(MATERIAL)}. (2) Of these laws, the one with the least"
+        f" {percent(LEVEL)}, and held-out blocks agree, or they are undecided and the"
+        f" residual falls by {percent(MATERIAL)}. (2) Of these laws, the one with the least"
         f" AIC is taken if its error is within one paired standard error and"
-        f" {numbers.percent(LIKELY)} of the least. (3) If not, of the laws within one paired"
-        f" standard error and {numbers.percent(NEAR)} of the least, one without an objection, then"
+        f" {percent(LIKELY)} of the least. (3) If not, of the laws within one paired"
+        f" standard error and {percent(NEAR)} of the least, one without an objection, then"
         " the one with the fewest parameters. "
     )
     return " ".join([text + picks_text(verdict), *verdict.missing]).strip()

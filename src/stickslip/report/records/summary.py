@@ -6,8 +6,10 @@ from typing import Final
 
 import numpy as np
 
+from stickslip import formatting
 from stickslip.errors import InputError
 from stickslip.experiments.units import turned
+from stickslip.formatting import number, rounded, signed_percent, significant, with_unit
 from stickslip.friction import (
     Coulomb,
     CoulombViscous,
@@ -19,27 +21,21 @@ from stickslip.friction import (
 from stickslip.identification import Estimate, RecordFit
 from stickslip.plots.selection.fit_data import map_points, offset_of
 from stickslip.quantities import fields_of
-from stickslip.report import numbers
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import LawLine, Opening, Section
 from stickslip.report.records.texts import (
-    estimate_parts,
-    half_width,
     label_of,
     paired,
-    raised,
     rival_of,
-    scale_for,
     symbols_of,
     typeset,
-    unit_of,
 )
-from stickslip.report.travels.texts import quantity_value
 from stickslip.selection import RecordVerdict
 from stickslip.selection.design.predictors import Steady
 from stickslip.selection.identifiable import limit_of, moved_by_errors, settled_estimates, traded
 from stickslip.selection.next_measurements import predictor_of
 from stickslip.selection.record_wording import in_sentence
+from stickslip.selection.verdict import score_text
 
 __all__ = ["law_lines", "level_at", "levels_at_speed", "opening_section"]
 
@@ -71,7 +67,7 @@ def opening_section(verdict: RecordVerdict, kicker: str, remark: str = "") -> Se
 
 
 def _settles(fit: RecordFit) -> tuple[str, ...]:
-    lines = [f"{label_of(e)} is {_said(e)}.{limit_of(fit, e)}" for e in settled_estimates(fit)]
+    lines = [f"{label_of(e)} is {e.plus_minus}.{limit_of(fit, e)}" for e in settled_estimates(fit)]
     return tuple([*lines[:2], *levels_at_speed(fit), *lines[2:]][:3])
 
 
@@ -94,14 +90,14 @@ def levels_at_speed(fit: RecordFit) -> tuple[str, ...]:
         known = len(speeds) >= FEW * len(points.velocity)
         if not known or not any(path.startswith(paths) for path in together):
             continue
-        speed = float(f"{np.median(speeds):.2g}")
+        speed = float(f"{np.median(speeds):.2g}")  # the value itself is a round one
         value, half = level_at(fit, math.copysign(speed, side))
         if not 0.0 < half < abs(value):
             continue
-        at = quantity_value(speed, fit.measurement.unit("velocity"), 2)
+        at = formatting.quantity(speed, fit.measurement.unit("velocity"), 2)
         unit = fit.measurement.unit("friction")
         lines.append(
-            f"Friction{way} at {at} is {numbers.with_unit(numbers.estimate(value, half), unit)}."
+            f"Friction{way} at {at} is {with_unit(formatting.estimate(value, half), unit)}."
         )
     return tuple(lines)
 
@@ -136,15 +132,7 @@ def _known(fit: RecordFit) -> list[Estimate]:
     known = [
         e for e in fit.estimates if e.bounded and "offset" not in e.path and e.path not in moved
     ]
-    return sorted(known, key=lambda e: half_width(e) / max(abs(e.value), 1e-300))
-
-
-def _said(estimate: Estimate) -> str:
-    value, doubt = estimate_parts(estimate)
-    unit = unit_of(estimate)
-    if not estimate.bounded:
-        return f"{numbers.with_unit(value, unit)}, {doubt}"
-    return numbers.with_unit(f"{value} {doubt}".strip(), unit)
+    return sorted(known, key=lambda e: e.half_width / max(abs(e.value), 1e-300))
 
 
 def law_lines(fit: RecordFit, left_out: Collection[str] = ()) -> tuple[LawLine, ...]:
@@ -171,12 +159,12 @@ def law_lines(fit: RecordFit, left_out: Collection[str] = ()) -> tuple[LawLine, 
         ]
     offset = offset_of(fit)
     if offset:
-        text = numbers.with_unit(numbers.significant(offset, 2), fit.measurement.unit("friction"))
+        text = with_unit(number(offset, 2), fit.measurement.unit("friction"))
         lines.append(LawLine(label="constant force", formula=text))
     for estimate in fit.estimates:
         if estimate.path.startswith("mechanism.") and not estimate.path.endswith("offset"):
             name = estimate.path.rpartition(".")[2].replace("_", " ")
-            formula = f"${estimate.quantity.symbol}$ = {_said(estimate)}"
+            formula = f"${estimate.quantity.symbol}$ = {estimate.plus_minus}"
             lines.append(LawLine(label=name, formula=formula))
     return tuple(lines)
 
@@ -185,11 +173,11 @@ def _assigned(fit: RecordFit, name: str, left_out: Collection[str]) -> str:
     quantity = fields_of(type(fit.law))[name]
     found = [e for e in fit.estimates if e.path == f"friction.{name}"]
     if found:
-        return f"${quantity.symbol}$ = {_said(found[0])}"
+        return f"${quantity.symbol}$ = {found[0].plus_minus}"
     if f"friction.{name}" in left_out:
         return f"${quantity.symbol}$ went to 0 and was left out"
     value = getattr(fit.law, name)
-    return f"${quantity.symbol}$ = {quantity_value(value, quantity.unit)}, taken as given"
+    return f"${quantity.symbol}$ = {formatting.quantity(value, quantity.unit)}, taken as given"
 
 
 def _sum(fit: RecordFit, prefix: str, load: float | None) -> str:
@@ -203,13 +191,12 @@ def _sum(fit: RecordFit, prefix: str, load: float | None) -> str:
     level = _digits(fit, f"{prefix}kinetic_coefficient", load or 1.0)
     if level:
         parts.append(
-            numbers.with_unit(level, fit.measurement.unit("friction")) if load else f"{level} × $N$"
+            with_unit(level, fit.measurement.unit("friction")) if load else f"{level} × $N$"
         )
     for name, unit, factor in speed:
         value = _digits(fit, prefix + name, 1.0)
         if value:
-            shown = raised(turned(unit, fit.measurement.turning))
-            parts.append(numbers.with_unit(value, shown) + factor)
+            parts.append(with_unit(value, turned(unit, fit.measurement.turning)) + factor)
     return " + ".join(parts) or "0"
 
 
@@ -219,9 +206,9 @@ def _digits(fit: RecordFit, name: str, factor: float) -> str:
     if not value:
         return ""
     found = [e for e in fit.estimates if e.path == f"friction.{name}" and e.bounded]
-    if found and half_width(found[0]) < abs(value):
-        return estimate_parts(found[0], factor)[0]
-    return numbers.significant(factor * value, 3)
+    if found and found[0].half_width < abs(value):
+        return rounded(factor * value, factor * found[0].half_width)
+    return number(factor * value)
 
 
 def _facts(verdict: RecordVerdict) -> tuple[Fact, ...]:
@@ -238,16 +225,13 @@ def _error(verdict: RecordVerdict) -> Fact | None:
     best = verdict.closest
     if best.validation is None:
         return None
-    scale = scale_for(verdict)
-    value, doubt = scale.pair(best.score, best.validation.error)
+    scale = verdict.scale
+    value, doubt = score_text(scale, best.score, best.score_error)
     what = f"held-out error: {verdict.purpose.scored}"
-    if doubt:
-        return Fact(
-            value=value,
-            aside=numbers.with_unit(doubt, scale.unit),
-            what=f"{what}, ± 1 standard error",
-        )
-    return Fact(value=numbers.with_unit(value, scale.unit), what=what)
+    if not doubt:
+        return Fact(value=with_unit(value, scale.unit), what=what)
+    what += ", ± 1 standard error"
+    return Fact(value=value, aside=with_unit(doubt, scale.unit), what=what)
 
 
 def _second(verdict: RecordVerdict) -> Fact | None:
@@ -256,7 +240,7 @@ def _second(verdict: RecordVerdict) -> Fact | None:
     if on_second is None:
         return None
     return Fact(
-        value=scale_for(verdict).with_unit(on_second.error),
+        value=verdict.scale.quantity(on_second.error),
         what=f"error on the second record, where the choice {on_second.finding}",
     )
 
@@ -268,10 +252,10 @@ def _factor(verdict: RecordVerdict) -> Fact | None:
     apart = paired(other, best)
     doubt = ""
     if apart is not None:
-        size = numbers.fixed(abs(apart), 0 if abs(apart) >= 2 else 1)
+        size = number(abs(apart), 2)
         doubt = f"; the paired difference is {size} standard errors"
     ratio = other.score / best.score
-    shown = numbers.ratio(ratio) if ratio < 100 else f"{float(f'{ratio:.2g}'):,.0f} ×"
+    shown = formatting.ratio(ratio)
     if ratio >= 1.05:
         return Fact(
             value=f"{shown} smaller", what=f"than the error of {in_sentence(other.title)}{doubt}"
@@ -289,17 +273,17 @@ def _telling(verdict: RecordVerdict) -> Fact | None:
     if isinstance(law, DirectionDependent) and not moved_by_errors(fit):
         ahead, back = law.forward_viscous_coefficient, law.backward_viscous_coefficient
         if ahead > 0.0 and back > 0.0:
-            value = numbers.signed_percent(back / ahead - 1.0)
+            value = signed_percent(back / ahead - 1.0)
             more = "more" if back >= ahead else "less"
             return Fact(value=value, what=f"{more} viscous friction in reverse than forward")
     own = [e for e in _known(fit) if e.path.startswith("friction.")]
     if not own:
         return None
-    value, doubt = estimate_parts(own[0])
+    value, doubt = own[0].parts
     halves = verdict.half_estimates.get(own[0].path)
     what = f"{label_of(own[0])}, with its {own[0].interval} interval"
     if halves and np.all(np.isfinite(halves)):
-        first, second = (numbers.significant(x, 3) for x in halves)
+        first, second = (significant(x, 3) for x in halves)
         halves_of = "the trials" if fit.halves and fit.halves.several else "the record"
         what += f"; {first} in the first half of {halves_of}, {second} in the second"
-    return Fact(value=value, aside=numbers.with_unit(doubt, unit_of(own[0])), what=what)
+    return Fact(value=value, aside=with_unit(doubt, own[0].quantity.unit), what=what)

@@ -6,19 +6,18 @@ from typing import Final
 import numpy as np
 
 from stickslip.experiments import Measurement
-from stickslip.experiments.wording import joined
+from stickslip.formatting import Scale, joined, quantity, ratio, with_unit
 from stickslip.identification.records.fit import Prediction
 from stickslip.plots.core.svg import inline_svg
 from stickslip.plots.selection.prediction_excerpts import Piece, draw_pieces, piece_sizes
-from stickslip.report import numbers
 from stickslip.report.core.blocks import Block, Figure, Paragraph
 from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Column, Name, Number, Row, Table
-from stickslip.report.records.texts import Scale, rival_of, scale_for
-from stickslip.report.travels.texts import quantity_value
+from stickslip.report.records.texts import rival_of
 from stickslip.selection import RecordCandidate, RecordVerdict
 from stickslip.selection.record_verdict import SecondRecord
 from stickslip.selection.record_wording import in_sentence
+from stickslip.selection.verdict import score_text
 
 __all__ = ["second_section"]
 
@@ -35,7 +34,7 @@ def second_section(verdict: RecordVerdict) -> Section | None:
         return None
     names = {on_second.rival, getattr(rival_of(verdict), "name", "")}
     laws = [best, *(c for c in verdict.candidates if c.name in names and c.fit and c.second)]
-    scale = scale_for(verdict)
+    scale = verdict.scale
     text = _sentence(record, laws, on_second, scale)
     blocks: list[Block] = [Paragraph(text=text), _table(laws, scale)]
     if all(one.time is not None for one in record.records()):
@@ -51,13 +50,13 @@ def second_section(verdict: RecordVerdict) -> Section | None:
 def _standard(one: RecordCandidate) -> float:
     """Return by how many standard errors the second record is missed by more than blocks are."""
     assert one.second is not None
-    error = one.validation.error if one.validation else math.inf
+    error = one.score_error
     return (one.second.rms - one.score) / error if error > 0.0 else math.inf
 
 
 def _heading(best: RecordCandidate, scale: Scale) -> str:
     assert best.second is not None
-    said = scale.with_unit(best.second.rms)
+    said = scale.quantity(best.second.rms)
     far = _standard(best)
     if far > ALIKE:
         return f"Error on the second record: {said}, larger than the held-out error"
@@ -73,16 +72,15 @@ def _sentence(
     assert best.second is not None
     source = _source(record)
     text = f"The second record{f' ({source})' if source else ''} was not used for any fit."
-    value, doubt = scale.pair(best.score, best.validation.error if best.validation else math.inf)
-    held = numbers.with_unit(f"{value} {doubt}".strip(), scale.unit)
-    times = numbers.ratio(best.second.rms / best.score) if best.score > 0.0 else ""
+    held = with_unit(" ".join(score_text(scale, best.score, best.score_error)).strip(), scale.unit)
+    times = ratio(best.second.rms / best.score) if best.score > 0.0 else ""
     text += (
-        f" {best.title} has an error of {scale.with_unit(best.second.rms)} there, and {held} on"
+        f" {best.title} has an error of {scale.quantity(best.second.rms)} there, and {held} on"
         f" held-out blocks of the first{f': {times} that' if times else ''}."
     )
     for other in laws[1:]:
         assert other.second is not None
-        text += f" {other.title}: {scale.with_unit(other.second.rms)}."
+        text += f" {other.title}: {scale.quantity(other.second.rms)}."
     reasons = {
         "holds": ": no law has a smaller error there beyond doubt",
         "does not hold": ": a law has a smaller error there beyond doubt",
@@ -109,13 +107,13 @@ def _table(laws: list[RecordCandidate], scale: Scale) -> Table:
     rows = []
     for index, one in enumerate(laws):
         assert one.second is not None
-        value, doubt = scale.pair(one.score, one.validation.error if one.validation else math.inf)
+        value, doubt = score_text(scale, one.score, one.score_error)
         known = [size for size in one.second.blocks if math.isfinite(size)]
-        ends = f"{scale.text(min(known))} to {scale.text(max(known))}" if known else "—"
+        ends = f"{scale.number(min(known))} to {scale.number(max(known))}" if known else "—"
         cells = (
             Name(text=one.title),
-            Number(value=value, doubt=doubt) if math.isfinite(one.score) else "no score",
-            scale.text(one.second.rms),
+            Number(value=value, doubt=doubt),
+            scale.number(one.second.rms),
             ends,
         )
         rows.append(Row(cells=cells, chosen=index == 0))
@@ -136,7 +134,7 @@ def _figure(verdict: RecordVerdict, record: Measurement, laws: list[RecordCandid
     )
     start = "the law along the measured motion"
     if verdict.quantity != "friction":
-        start = f"{quantity_value(horizon, 's', 2)} simulated from a fitted state"
+        start = f"{quantity(horizon, 's', 2)} simulated from a fitted state"
     several = len(pieces) > 1
     which = "The piece with the median error and the one with the worst" if several else "All of it"
     names = joined([in_sentence(name) for name in seen])

@@ -1,9 +1,8 @@
 """The end of the report of a run: the law and its doubt, certificate, how to reproduce it."""
 
 from stickslip.experiments.estimates import HARD
-from stickslip.experiments.wording import number
+from stickslip.formatting import interval, number
 from stickslip.quantities import parameters
-from stickslip.report import numbers
 from stickslip.report.core.blocks import (
     Block,
     Caption,
@@ -57,7 +56,7 @@ def _known(about: RunReport, name: str) -> tuple[str, str]:
         return "—", "overridden" if name in known.overridden else "given or assumed"
     if name in known.not_identified:
         return "—", f"not identified: {known.not_identified[name]}"
-    return numbers.interval(*known.intervals[name]), "fitted"
+    return interval(*known.intervals[name]), "fitted"
 
 
 def _drawn(about: RunReport) -> list[Block]:

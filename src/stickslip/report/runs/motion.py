@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stickslip.experiments.wording import capital, count, joined, number, quantity
+from stickslip.formatting import capital, count, joined, number, quantity
 from stickslip.plots import animation_html
 from stickslip.plots.core.helpers import horizon
 from stickslip.plots.core.svg import inline_svg

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import final
 
 from stickslip.experiments import LawEstimates, Rig
-from stickslip.experiments.wording import quantity
+from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import slip_names
 from stickslip.mechanisms.drive_period import cycle_or_none

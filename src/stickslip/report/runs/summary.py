@@ -1,6 +1,6 @@
 """The opening of the report of a run: how it ended, how far the body came."""
 
-from stickslip.experiments.wording import count, quantity, span
+from stickslip.formatting import count, quantity, span
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import Opening, Section
 from stickslip.report.runs.subject import RunReport

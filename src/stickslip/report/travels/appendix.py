@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 
-from stickslip.experiments.wording import joined
+from stickslip import formatting
+from stickslip.formatting import fixed, joined, scale_of, within
 from stickslip.plots.core.svg import inline_svg
 from stickslip.plots.selection.separation import SEPARATION_SIZES, draw_proposal
 from stickslip.quantities import fields_of
-from stickslip.report import numbers
 from stickslip.report.core.blocks import (
     Block,
     Code,
@@ -21,8 +21,6 @@ from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.travels.texts import (
     estimate_range,
-    estimate_value,
-    quantity_value,
 )
 from stickslip.selection import TravelVerdict
 from stickslip.selection.design.discriminating_settings import Proposal
@@ -53,16 +51,15 @@ def next_section(verdict: TravelVerdict) -> Section | None:
     else:
         apart = joined([titles[name] for name in proposal.rivals])
         heading = f"No setting of the {proposal.what} separates {best.title} from {apart} friction"
-    in_mm = rows[0].unit == "m"
-    settings = [f"{row.value * (1e3 if in_mm else 1):g}" for row in rows]
-    unit = "mm" if in_mm else rows[0].unit
+    scale = scale_of([row.value for row in rows], rows[0].unit)
+    settings, unit = [scale.number(row.value, 6) for row in rows], scale.unit
     columns = [Column(head=f"travel predicted, m\n{proposal.what}, {unit}")]
     columns += [Column(head=s, numeric=True, phone="label", label=f"{s} {unit}") for s in settings]
     table = Table(
         columns=tuple(columns),
         rows=tuple(
             Row(
-                cells=(titles[n], *(numbers.fixed(row.predicted[n], 3) for row in rows)),
+                cells=(titles[n], *(fixed(row.predicted[n], 3) for row in rows)),
                 chosen=n == best.name,
             )
             for n in names
@@ -81,7 +78,8 @@ def _separation_figure(
         caption += f" The proposed settings do not separate {joined(still)} from"
         caption += f" {titles[proposal.best]}."
     elif still:
-        caption += f" They differ by at most {numbers.length(proposal.widest, 2)} at new settings."
+        apart = formatting.quantity(proposal.widest, "m", 2)
+        caption += f" They differ by at most {apart} at new settings."
     svg = inline_svg(
         draw_proposal(verdict),
         alt=f"Travel predicted by each law against the {proposal.what} in {unit}",
@@ -105,13 +103,19 @@ def parameters_section(verdict: TravelVerdict) -> Section | None:
         unit = "none" if quantity.unit == "1" else quantity.unit
         if name in estimates:
             estimate = estimates[name]
-            cells = (label, estimate_value(estimate), unit, estimate_range(estimate), "fitted")
+            cells = (
+                label,
+                within(estimate.value, estimate.low, estimate.high),
+                unit,
+                estimate_range(estimate),
+                "fitted",
+            )
         elif value is None:
             cells = (label, "not given", unit, "—", "taken from the level of sliding")
         else:
             how = "fixed form" if quantity.structural else "taken as given"
             how = "assumed, not measured" if name in best.invented else how
-            cells = (label, quantity_value(value, "1"), unit, "—", how)
+            cells = (label, formatting.quantity(value, "1"), unit, "—", how)
         rows.append(Row(cells=cells, chosen=name in estimates))
     kinds = joined(sorted({e.interval for e in estimates.values()}))
     table = Table(
@@ -125,7 +129,7 @@ def parameters_section(verdict: TravelVerdict) -> Section | None:
         rows=tuple(rows),
     )
     said = [
-        f"${e.quantity.symbol}$ = {quantity_value(float(f'{e.value:.3g}'), e.quantity.unit)}"
+        f"${e.quantity.symbol}$ = {formatting.quantity(e.value, e.quantity.unit)}"
         for e in best.fit.estimates
     ]
     fitted = joined(said)
@@ -173,7 +177,7 @@ def certificate_section(verdict: TravelVerdict) -> Section:
 def _data(verdict: TravelVerdict) -> KeyValue:
     records = verdict.measurement.records()
     half = records[0].uncertainty.get("travel")
-    doubt = f"± {numbers.length(half, 1)}" if half else "without a stated uncertainty"
+    doubt = f"± {formatting.quantity(half, 'm', 1)}" if half else "without a stated uncertainty"
     if len(records) == 1:
         kind = {"rounding": "its rounding", "standard": "standard error", "interval": "interval"}
         text = f"one travel, {doubt}"

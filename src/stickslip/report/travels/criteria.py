@@ -2,13 +2,19 @@
 
 from collections.abc import Sequence
 
-from stickslip.experiments.wording import joined
-from stickslip.report import numbers
+from stickslip.formatting import (
+    fixed,
+    in_words,
+    joined,
+    residue,
+    signed_percent,
+    significant,
+    with_unit,
+)
 from stickslip.report.core.blocks import Block, Note, Paragraph, Subheading
 from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Cell, Column, Row, Table
 from stickslip.report.travels.spring_back import elastic_returns
-from stickslip.report.travels.texts import counted
 from stickslip.selection import Candidate, Criteria, TravelVerdict
 
 __all__ = ["criteria_section"]
@@ -62,7 +68,7 @@ def _agreement(
     travel, least, back, put_in, taken, left = shown[0]
     which = "All" if len(fitted) == len(given) > 2 else "The"
     return (
-        f"{which} {counted(len(fitted))} models agree in every column:"
+        f"{which} {in_words(len(fitted))} models agree in every column:"
         f" travel {travel} m, least velocity {least} mm/s, largest return {back} mm; of {put_in} J"
         f" put in, friction takes {taken} J and {left} J is left."
     )
@@ -83,14 +89,14 @@ def _heading(rows: Sequence[tuple[Candidate, Criteria]], springs: Sequence[str])
         return f"{joined(springs)} {verb} the body spring back{rest}"
     if len(failing) == count:
         return "The body moves back, with every model" if count > 1 else "The body moves back"
-    return f"The body moves back with {counted(len(failing))} of {counted(count)} models"
+    return f"The body moves back with {in_words(len(failing))} of {in_words(count)} models"
 
 
 def _note(rows: Sequence[tuple[Candidate, Criteria]], springs: Sequence[str]) -> Note:
     slowest = {
         name: min(seen.least_velocity for c, seen in rows if c.title == name) for name in springs
     }
-    speeds = joined([numbers.with_unit(_mm(v), "mm/s") for v in slowest.values()])
+    speeds = joined([with_unit(_mm(v), "mm/s") for v in slowest.values()])
     verb, its = ("lets", "its") if len(springs) == 1 else ("let", "their")
     return Note(
         title="The criterion “velocity never negative” rejects correct models.",
@@ -131,7 +137,7 @@ def _table(
         error: list[Cell] = []
         if with_error:
             known = seen.relative_error
-            error = ["not measured" if known is None else numbers.signed_percent(known)]
+            error = ["not measured" if known is None else signed_percent(known)]
         travel, least, back, *energies = _cells(seen)
         cells: tuple[Cell, ...] = (
             candidate.title,
@@ -154,26 +160,26 @@ def _table(
 def _cells(seen: Criteria) -> tuple[str, str, str, str, str, str]:
     """Return travel, least velocity, largest return, and work put in, taken and left."""
     return (
-        numbers.fixed(seen.travel, 3),
+        fixed(seen.travel, 3),
         _mm(seen.least_velocity),
         _mm(seen.largest_return),
-        numbers.fixed(seen.work_in, 4),
-        numbers.fixed(seen.work_friction, 4),
+        fixed(seen.work_in, 4),
+        fixed(seen.work_friction, 4),
         _energy(seen.work_left, seen.work_in),
     )
 
 
 def _marked(text: str, passes: bool) -> str:
-    return f"{text}{numbers.NO_BREAK_SPACE}{'✓' if passes else '!'}"
+    return f"{text} {'✓' if passes else '!'}"
 
 
 def _mm(metres: float) -> str:
     """Return metres in millimetres; what is below rounding is 0."""
-    return "0" if abs(metres) < 1e-9 else numbers.significant(1e3 * metres, 2)
+    return "0" if abs(metres) < 1e-9 else significant(1e3 * metres, 2)
 
 
 def _energy(left: float, all_in: float) -> str:
     """Return an energy; 0 below rounding, and a power of ten where it is a remainder."""
     if abs(left) <= 1e-15 * abs(all_in):
         return "0"
-    return numbers.fixed(left, 4) if abs(left) >= 5e-5 * abs(all_in) else numbers.residue(left)
+    return fixed(left, 4) if abs(left) >= 5e-5 * abs(all_in) else residue(left)

@@ -4,24 +4,25 @@ import math
 from itertools import chain
 from typing import Final
 
+from stickslip.formatting import Scale, fixed, in_words, number, quantity, span, with_unit, within
+from stickslip.identification import Estimate
 from stickslip.plots.core.svg import inline_svg
 from stickslip.plots.runs.travel_comparison import TRAVEL_SIZES, draw_travels
-from stickslip.report import numbers
 from stickslip.report.core.blocks import Block, Figure
 from stickslip.report.core.documents import Section
 from stickslip.report.core.sparklines import Axis, Colour, Mark, RowPlot
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.report.travels.texts import (
     assumptions,
-    counted,
     estimate_range,
-    estimate_value,
     largest_difference,
     measured_band,
+    score_scale_of,
     slip_and_rate,
     travels,
 )
 from stickslip.selection import Candidate, TravelVerdict
+from stickslip.selection.verdict import score_text
 
 __all__ = ["models_section"]
 
@@ -43,13 +44,14 @@ def models_section(verdict: TravelVerdict) -> Section:
 
 def _heading(verdict: TravelVerdict) -> str:
     best = verdict.best
-    target = f"{travels(verdict)[0]:.3f} m"
+    target = f"{quantity(travels(verdict)[0], 'm')}"
     if best is None and verdict.closest is not None:
         return f"The closest model, {verdict.closest.title}, does not explain the readings"
     if best is None:
         return "No model reaches the measured travel"
     if verdict.ranked and best.score is not None:
-        return f"{best.title} predicts a travel it has not seen to {_mm(best.score)}"
+        error = score_scale_of(verdict).quantity(best.score)
+        return f"{best.title} predicts a travel it has not seen to {error}"
     others = [c for c in verdict.explained if c is not best]
     gaps = [gap for c in others if (gap := largest_difference(verdict, c)) is not None]
     near = [gap for gap in gaps if gap <= CLOSE * abs(travels(verdict)[0])]
@@ -59,20 +61,16 @@ def _heading(verdict: TravelVerdict) -> str:
     if len(others) == 1:
         who = "the other model stays"
     elif len(near) == len(others):
-        who = f"all {counted(len(others))} other models stay"
+        who = f"all {in_words(len(others))} other models stay"
     else:
         stays = "stays" if len(near) == 1 else "stay"
-        who = f"{counted(len(near))} of the {counted(len(others))} other models {stays}"
+        who = f"{in_words(len(near))} of the {in_words(len(others))} other models {stays}"
     return f"Fitted to {target}, {who} within {bound} mm of {best.title} all the way"
 
 
 def _rounded_up(value: float) -> str:
     place = 10.0 ** math.floor(math.log10(value)) if value > 0 else 1.0
-    return f"{math.ceil(value / place - 1e-9) * place:g}"
-
-
-def _mm(metres: float) -> str:
-    return numbers.with_unit(numbers.score(1e3 * metres), "mm")
+    return number(math.ceil(value / place - 1e-9) * place)
 
 
 def _figure(verdict: TravelVerdict, best: Candidate) -> Figure:
@@ -97,13 +95,13 @@ def _figure(verdict: TravelVerdict, best: Candidate) -> Figure:
 
 
 def _table(verdict: TravelVerdict) -> Table:
-    axis = _axis(verdict)
+    axis, scale = _axis(verdict), score_scale_of(verdict)
     rows = []
     for candidate in verdict.candidates:
         is_best = candidate is verdict.best
         cells = _cells(verdict, candidate)
         if axis is not None:
-            cells[1:1] = _score_cells(candidate, is_best)
+            cells[1:1] = _score_cells(candidate, scale, is_best)
         rows.append(Row(cells=tuple(cells), chosen=is_best, muted=bool(candidate.dropped)))
     return Table(columns=_columns(verdict, axis), rows=tuple(rows), caption=_caption(verdict))
 
@@ -114,10 +112,10 @@ def _columns(verdict: TravelVerdict, axis: Axis | None) -> tuple[Column, ...]:
         (e.interval for c in verdict.explained if c.fit for e in c.fit.estimates), "interval"
     )
     is_range = band is not None and len(travels(verdict)) == 1
-    of = f"range for a travel\nof {band[0]:.3f} to {band[1]:.3f} m" if is_range and band else kind
+    of = f"range for a travel\nof {span(*band, 'm')}" if is_range and band else kind
     title = verdict.best.title if verdict.best else "the first"
     scores = (
-        Column(head="held-out error\nmm", numeric=True),
+        Column(head=f"held-out error\n{score_scale_of(verdict).unit}", numeric=True),
         Column(head="", axis=axis),
     )
     others = (
@@ -140,17 +138,14 @@ def _columns(verdict: TravelVerdict, axis: Axis | None) -> tuple[Column, ...]:
 def _cells(verdict: TravelVerdict, candidate: Candidate) -> list[Cell]:
     name = Name(text=candidate.title)
     if candidate.fit is None or candidate.criteria is None:
-        given = numbers.fixed(candidate.given.travel, 3)
+        given = fixed(candidate.given.travel, 3)
         reason = f"dropped: {candidate.dropped}"
         if verdict.ranked:
             return [name, "no value", reason]
         cells: list[Cell] = [name, "no value", NONE, reason, f"{given} as given"]
         return [*cells, NONE] if verdict.best else cells
     estimates = candidate.fit.estimates
-    values = [
-        f"${e.quantity.symbol}$ = {numbers.with_unit(estimate_value(e), _unit(e.quantity.unit))}"
-        for e in estimates
-    ]
+    values = [f"${e.quantity.symbol}$ = {_value(e)}" for e in estimates]
     assumed = assumptions(candidate)
     if candidate.criteria.stop_time is None:
         assumed += "; still moves at the end"
@@ -162,34 +157,36 @@ def _cells(verdict: TravelVerdict, candidate: Candidate) -> list[Cell]:
     if verdict.ranked:
         return [name, Name(text=fitted, aside=ranges), assumed]
     cells = [name, fitted, ranges or NONE, assumed]
-    cells.append(numbers.fixed(candidate.criteria.travel, 3))
+    cells.append(fixed(candidate.criteria.travel, 3))
     if verdict.best is None:
         return cells
     gap = largest_difference(verdict, candidate)
-    apart = NONE if gap is None or candidate is verdict.best else numbers.score(1e3 * gap)
+    apart = NONE if gap is None or candidate is verdict.best else number(1e3 * gap)
     return [*cells, apart]
 
 
-def _unit(unit: str) -> str:
-    return "" if unit == "1" else unit
+def _value(estimate: Estimate) -> str:
+    value = within(estimate.value, estimate.low, estimate.high)
+    return with_unit(value, estimate.quantity.unit)
 
 
-def _score_cells(candidate: Candidate, is_best: bool) -> list[Cell]:
+def _score_cells(candidate: Candidate, scale: Scale, is_best: bool) -> list[Cell]:
     if candidate.score is None:
         return [Name(text="no score", aside=candidate.unscored), RowPlot(marks=())]
-    score, error = 1e3 * candidate.score, 1e3 * (candidate.score_error or 0.0)
+    score, error = (scale.factor * part for part in (candidate.score, candidate.score_error or 0.0))
     colour: Colour = "c1" if is_best else "muted"
     marks = (
         Mark(kind="bar", at=max(score - error, 0.0), to=score + error, colour=colour),
         Mark(kind="dot", at=score, colour=colour),
     )
-    doubt = "" if candidate.score_error is None else f"± {numbers.score(error)}"
-    return [Number(value=numbers.score(score), doubt=doubt), RowPlot(marks=marks)]
+    value, doubt = score_text(scale, candidate.score, candidate.score_error)
+    return [Number(value=value, doubt=doubt), RowPlot(marks=marks)]
 
 
 def _axis(verdict: TravelVerdict) -> Axis | None:
-    """Return the axis of the scores [mm], logarithmic if they span more than 20 times."""
-    scores = [1e3 * c.score for c in verdict.candidates if c.score is not None]
+    """Return the axis of the scores, logarithmic if they span more than 20 times."""
+    factor = score_scale_of(verdict).factor
+    scores = [factor * c.score for c in verdict.candidates if c.score is not None]
     if not verdict.ranked or not scores or max(scores) <= 0:
         return None
     low, high = max(min(scores), 1e-3 * max(scores)), max(scores)
@@ -198,7 +195,7 @@ def _axis(verdict: TravelVerdict) -> Axis | None:
         powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
         ticks = tuple(10.0**power for power in powers)
         return Axis(low=ticks[0], high=ticks[-1], ticks=ticks, log=True, caption=caption)
-    errors = [1e3 * (c.score_error or 0.0) for c in verdict.candidates if c.score is not None]
+    errors = [factor * (c.score_error or 0.0) for c in verdict.candidates if c.score is not None]
     top = float(
         _rounded_up(
             max(

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.experiments.wording import joined
+from stickslip.formatting import fixed, joined, quantity, significant
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.travels.model import trials_of
 from stickslip.plots.core.svg import inline_svg
@@ -18,11 +18,10 @@ from stickslip.plots.laws.curves import (
 )
 from stickslip.plots.runs.fixed_step_comparison import draw_fixed_steps, fixed_step_sizes
 from stickslip.plots.runs.run import FRICTION_SIZES, RUN_SIZES, draw_friction_velocity, draw_run
-from stickslip.report import numbers
 from stickslip.report.core.blocks import Block, Caption, Figure
 from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Column, Row, Table
-from stickslip.report.travels.texts import slip_and_rate, step_text
+from stickslip.report.travels.texts import slip_and_rate
 from stickslip.selection import FixedStepRow, TravelVerdict, compare_fixed_steps
 from stickslip.selection.fixed_step_comparison import largest_step, rounded_step
 from stickslip.trajectory import Trajectory
@@ -48,7 +47,9 @@ def run_section(verdict: TravelVerdict) -> Section | None:
     if stop is None:
         heading = f"With {best.title} friction the body never quite stops"
     else:
-        heading = f"With {best.title} friction the body stops after {stop:.3f} s, and stays"
+        heading = (
+            f"With {best.title} friction the body stops after {quantity(stop, 's')}, and stays"
+        )
     blocks = (
         Figure(
             svg=inline_svg(
@@ -76,7 +77,7 @@ def _events(run: Trajectory) -> str:
     """Say what happens when, in one sentence."""
     if not run.events:
         return "Nothing switches."
-    said = [f"{event.reason} at {event.t:.3f} s" for event in run.events[:MOST_EVENTS]]
+    said = [f"{event.reason} at {quantity(event.t, 's')}" for event in run.events[:MOST_EVENTS]]
     more = len(run.events) - MOST_EVENTS
     tail = f"; {more} more events" if more > 0 else ""
     return f"Dots are events: {joined(said) if not tail else ', '.join(said)}{tail}."
@@ -114,12 +115,12 @@ def _characteristics(
         **characteristic_sizes(len(laws)),
     )
     bristle = joined(list(_bristle(laws)))
-    others = " The other laws stand pale behind it." if len(laws) > 1 else ""
+    others = " Other laws in grey." if len(laws) > 1 else ""
     steady = f"; for {bristle} the curve is that of steady sliding" if bristle else ""
     return Figure(
         svg=svg,
-        caption=f"**Each law as fitted**, at the load of {load:.3g} N.{others} At rest a contact"
-        f" takes any force between the ends of the upright line{steady}.",
+        caption=f"**Each law as fitted**, at the load of {quantity(load, 'N')}.{others} At rest a"
+        f" contact takes any force between the ends of the upright line{steady}.",
     )
 
 
@@ -155,9 +156,7 @@ def fixed_steps_section(verdict: TravelVerdict) -> Section | None:
     shown = [row for row in rows if row.dt is not None and not row.diverged]
     if shown:
         runs = {
-            f"{step_text(row.dt or 0.0)}, {'stick rule' if row.stick_rule else 'no stick rule'}": (
-                row.run
-            )
+            f"{quantity(row.dt or 0.0, 's')}, {'' if row.stick_rule else 'no '}stick rule": row.run
             for row in reversed(shown)
             if row.dt == shown[0].dt
         }
@@ -172,7 +171,7 @@ def fixed_steps_section(verdict: TravelVerdict) -> Section | None:
         blocks.insert(0, Figure(svg=svg, caption=caption))
     if limit is not None and limit < max(steps):
         text = (
-            f"The bristles of this law need steps below {step_text(float(f'{limit:.2g}'))}: with"
+            f"The bristles of this law need steps below {quantity(limit, 's', 2)}: with"
             " larger ones forward Euler lets their deflection grow."
         )
         blocks.append(Caption(text=text))
@@ -199,7 +198,7 @@ def steps_heading(rows: Sequence[FixedStepRow], limit: float | None = None) -> s
     """
     large = [row.dt for row in rows if row.dt and (row.diverged or row.dt > (limit or math.inf))]
     if large:
-        return f"A fixed step of {step_text(min(large))} is too large for this law"
+        return f"A fixed step of {quantity(min(large), 's')} is too large for this law"
     if not rows:
         return "Fixed steps beside the exact run"
     worst = max(rows, key=lambda row: row.reversals)
@@ -210,11 +209,11 @@ def steps_heading(rows: Sequence[FixedStepRow], limit: float | None = None) -> s
     times = "once" if extra == 1 else f"{extra:,} times"
     rule = "" if worst.stick_rule else " without a stick rule"
     more = " more than the exact run" if exact else ""
-    return f"A fixed step of {step_text(worst.dt)}{rule} reverses the body {times}{more}"
+    return f"A fixed step of {quantity(worst.dt, 's')}{rule} reverses the body {times}{more}"
 
 
 def _travel(travel: float) -> str:
-    return numbers.fixed(travel, 4) if abs(travel) < LOST else numbers.significant(travel, 2)
+    return fixed(travel, 4) if abs(travel) < LOST else significant(travel, 2)
 
 
 def _steps_table(rows: Sequence[FixedStepRow]) -> Table:
@@ -230,20 +229,20 @@ def _steps_table(rows: Sequence[FixedStepRow]) -> Table:
     out = []
     for row in rows:
         if row.diverged and row.dt is not None:
-            when = f"grows beyond all numbers in {1e3 * row.run.span[1]:.3g} ms"
+            when = f"grows beyond all numbers in {quantity(row.run.span[1], 's')}"
             rule = "yes" if row.stick_rule else "no"
-            out.append(Row(cells=(step_text(row.dt), rule, when, "—", "—", "—")))
+            out.append(Row(cells=(quantity(row.dt, "s"), rule, when, "—", "—", "—")))
             continue
         gap = None if exact is None or row.dt is None else row.criteria.travel - exact
         least = row.criteria.least_velocity
         out.append(
             Row(
                 cells=(
-                    "exact, event-driven" if row.dt is None else step_text(row.dt),
+                    "exact, event-driven" if row.dt is None else quantity(row.dt, "s"),
                     "located events" if row.dt is None else "yes" if row.stick_rule else "no",
                     _travel(row.criteria.travel),
-                    "—" if gap is None else numbers.significant(1e3 * gap, 2),
-                    "0" if abs(least) < 1e-9 else numbers.significant(1e3 * least, 2),
+                    "—" if gap is None else significant(1e3 * gap, 2),
+                    "0" if abs(least) < 1e-9 else significant(1e3 * least, 2),
                     f"{row.reversals:,}",
                 ),
                 chosen=row.dt is None,

@@ -1,16 +1,15 @@
 """The opening: the verdict, and the three numbers one would quote."""
 
-from stickslip.report import numbers
+from stickslip.formatting import percent, quantity, signed_percent, with_unit, within
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import Opening, Section
 from stickslip.report.travels.texts import (
     estimate_range,
-    estimate_value,
-    quantity_value,
+    score_scale_of,
     travels,
 )
 from stickslip.selection import Candidate, TravelVerdict
-from stickslip.selection.verdict import misfit
+from stickslip.selection.verdict import misfit, score_text
 
 __all__ = ["opening_section"]
 
@@ -47,14 +46,14 @@ def _estimate(best: Candidate) -> Fact | None:
     if best.fit is None or not best.fit.estimates:
         return None
     estimate = best.fit.estimates[0]
-    unit = "" if estimate.quantity.unit == "1" else estimate.quantity.unit
+    value = within(estimate.value, estimate.low, estimate.high)
     what = f"${estimate.quantity.symbol}$ for {best.title}; the range is the "
     doubt = {
         "rounding range": "rounding of the measurement",
         "stated interval": "interval stated with the measurement",
     }.get(estimate.interval, f"{estimate.interval} interval")
     return Fact(
-        value=numbers.with_unit(estimate_value(estimate), unit),
+        value=with_unit(value, estimate.quantity.unit),
         aside=estimate_range(estimate) if estimate.bounded else "",
         what=what + doubt if estimate.bounded else f"{what}open end: {estimate.reason}",
     )
@@ -66,21 +65,21 @@ def _as_given(best: Candidate) -> Fact | None:
         return None  # nobody gave the values of an ordinary law
     estimate = best.fit.estimates[0]
     name = estimate.path.rpartition(".")[2]
-    given = quantity_value(getattr(best.law, name), estimate.quantity.unit)
+    given = quantity(getattr(best.law, name), estimate.quantity.unit)
     return Fact(
-        value=numbers.percent(abs(error)),
+        value=percent(abs(error)),
         aside="too far" if error > 0 else "too short",
         what=f"error of {best.title} as given, with ${estimate.quantity.symbol}$ = {given}",
     )
 
 
 def _score(verdict: TravelVerdict, best: Candidate) -> Fact:
-    score, error = 1e3 * (best.score or 0.0), best.score_error
-    doubt = "" if error is None else f"± {numbers.score(1e3 * error)}"
+    scale = score_scale_of(verdict)
+    value, doubt = score_text(scale, best.score, best.score_error)
     count = len(verdict.measurement.records())
     return Fact(
-        value=numbers.with_unit(numbers.score(score), "mm"),
-        aside=doubt,
+        value=value if doubt else with_unit(value, scale.unit),
+        aside=with_unit(doubt, scale.unit),
         what=f"held-out error: each of {count} travels predicted from the others, root mean square"
         f"{', ± 1 standard error' if doubt else ''}",
     )
@@ -92,7 +91,7 @@ def _tie(verdict: TravelVerdict) -> Fact:
     count = len(verdict.explained)
     return Fact(
         value=f"{count} of {len(verdict.candidates)} models",
-        what=f"{'reaches' if count == 1 else 'reach'} {travels(verdict)[0]:.3f} m"
+        what=f"{'reaches' if count == 1 else 'reach'} {quantity(travels(verdict)[0], 'm')}"
         f" with {number} left free",
     )
 
@@ -102,7 +101,7 @@ def _facts_of_failure(verdict: TravelVerdict) -> tuple[Fact, ...]:
     if one is not None and one.fit is not None:
         return (
             Fact(
-                value=numbers.with_unit(numbers.score(1e3 * misfit(one)), "mm"),
+                value=quantity(misfit(one), "m"),
                 what=f"root mean square residual of {one.title}, the closest of"
                 f" {len(verdict.candidates)} models",
             ),
@@ -112,11 +111,12 @@ def _facts_of_failure(verdict: TravelVerdict) -> tuple[Fact, ...]:
     facts = [
         Fact(
             value=f"0 of {len(verdict.candidates)} models",
-            what=f"reach {travels(verdict)[0]:.3f} m with any value of the number left free",
+            what=f"reach {quantity(travels(verdict)[0], 'm')} with any value of the number left"
+            " free",
         ),
         Fact(
-            value=numbers.length(closest.given.travel),
-            aside="" if error is None else numbers.signed_percent(error),
+            value=quantity(closest.given.travel, "m"),
+            aside="" if error is None else signed_percent(error),
             what=f"travel of the closest, {closest.title}, with the values given",
         ),
     ]

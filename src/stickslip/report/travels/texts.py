@@ -4,80 +4,29 @@ from typing import Final
 
 import numpy as np
 
+from stickslip.formatting import Scale, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate
 from stickslip.quantities import fields_of
-from stickslip.report import numbers
 from stickslip.selection import Candidate, TravelVerdict
+from stickslip.selection.verdict import score_scale
 
 __all__ = [
     "assumptions",
-    "counted",
     "estimate_range",
-    "estimate_value",
     "largest_difference",
     "measured_band",
-    "quantity_value",
     "slip_and_rate",
-    "step_text",
     "travels",
 ]
 
-WORDS: Final = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
 SAMPLES: Final = 4000
-BELOW: Final = {"m": 1.0, "m/s": 0.1, "rad": 0.1, "rad/s": 0.1}
-"""What is shown in thousandths: values below these."""
-
-
-def counted(count: int) -> str:
-    """Return a small number in words.
-
-    Examples
-    --------
-    >>> counted(5), counted(25)
-    ('five', '25')
-    """
-    return WORDS[count] if 0 <= count < len(WORDS) else str(count)
-
-
-def quantity_value(value: float, unit: str, digits: int = 3) -> str:
-    r"""Return a value with its unit, in millimetres where metres would need leading zeros.
-
-    Examples
-    --------
-    >>> quantity_value(0.05, "m/s", 2), quantity_value(0.25, "1", 2)
-    ('50\xa0mm/s', '0.25')
-    """
-    if 1e-6 <= abs(value) < BELOW.get(unit, 0.0):
-        value, unit = value * 1e3, f"m{unit}"
-    plain = f"{value:.{digits}g}"
-    is_short = "e" not in plain and 0.0 < abs(value) < 1e4
-    text = plain.replace("-", numbers.fixed(-1, 0)[0]) if is_short else _long(value, digits)
-    return numbers.with_unit(text, "" if unit == "1" else unit)
-
-
-def _long(value: float, digits: int) -> str:
-    return numbers.significant(value, digits) if value else "0"
-
-
-def estimate_value(estimate: Estimate) -> str:
-    """Return the value of an estimate, ending where the digits of its interval end."""
-    if not estimate.bounded or estimate.low == estimate.high:
-        return numbers.significant(estimate.value, 3)
-    ends = numbers.interval(estimate.low, estimate.high).split(" to ")
-    decimals = {len(end.partition(".")[2]) for end in ends}
-    # An interval over many powers of ten has no common last digit.
-    if len(decimals) > 1 or any("×" in end for end in ends):
-        return numbers.significant(estimate.value, 2)
-    return numbers.fixed(estimate.value, decimals.pop())
 
 
 def estimate_range(estimate: Estimate) -> str:
     """Return the interval of an estimate, or why it has no end."""
-    if estimate.bounded:
-        return numbers.interval(estimate.low, estimate.high)
-    text = numbers.interval(estimate.low, estimate.high)
-    return f"{text}: {estimate.reason}" if estimate.reason else text
+    text = estimate.range
+    return f"{text}: {estimate.reason}" if estimate.reason and not estimate.bounded else text
 
 
 def assumptions(candidate: Candidate) -> str:
@@ -85,7 +34,7 @@ def assumptions(candidate: Candidate) -> str:
     law: FrictionLaw = candidate.fit.law if candidate.fit else candidate.law
     quantities = fields_of(type(law))
     parts = [
-        f"${quantities[name].symbol}$ {quantity_value(value, quantities[name].unit)}"
+        f"${quantities[name].symbol}$ {quantity(value, quantities[name].unit)}"
         for name in candidate.assumed
         for value in [getattr(law, name)]
         if value  # a viscous part of 0 is the absence of an assumption
@@ -94,19 +43,9 @@ def assumptions(candidate: Candidate) -> str:
     return ", ".join([*parts, *switch]) or "nothing"
 
 
-def step_text(dt: float) -> str:
-    r"""Return a time step with a unit in which it has few zeros.
-
-    Examples
-    --------
-    >>> step_text(0.01), step_text(2e-6), step_text(0.5)
-    ('10\xa0ms', '2\xa0µs', '500\xa0ms')
-    """
-    factor, unit = next(
-        ((factor, unit) for factor, unit in ((1.0, "s"), (1e3, "ms")) if dt * factor >= 0.999),
-        (1e6, "µs"),
-    )
-    return numbers.with_unit(f"{dt * factor:g}", unit)
+def score_scale_of(verdict: TravelVerdict) -> Scale:
+    """Return what held-out errors [m] are shown in."""
+    return score_scale([c.score for c in verdict.candidates], "m")
 
 
 def slip_and_rate(verdict: TravelVerdict) -> tuple[str, str]:

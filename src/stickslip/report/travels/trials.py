@@ -4,12 +4,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from stickslip import formatting
 from stickslip.experiments import QUANTITIES
+from stickslip.formatting import fixed
 from stickslip.quantities import parameters, vary
-from stickslip.report import numbers
 from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Column, Row, Table
-from stickslip.report.travels.texts import quantity_value
 from stickslip.selection import TravelVerdict
 
 __all__ = ["trials_section"]
@@ -40,22 +40,22 @@ def trials_section(verdict: TravelVerdict) -> Section | None:
     ):
         name = record.name or _setting(verdict, record.overrides)
         if record.travelled != "travel":
-            given = quantity_value(reading, QUANTITIES[record.travelled].unit)
+            given = formatting.quantity(reading, QUANTITIES[record.travelled].unit)
             name += f", {record.travelled.replace('_', ' ')} {given}"
         rows.append(
             Row(
                 cells=(
                     name,
-                    numbers.fixed(measured, 3),
-                    numbers.fixed(predicted, 4),
-                    numbers.fixed(1e3 * (measured - predicted), 2),
-                    "not scored" if error is None else numbers.fixed(1e3 * error, 2),
+                    fixed(measured, 3),
+                    fixed(predicted, 4),
+                    fixed(1e3 * (measured - predicted), 2),
+                    "not scored" if error is None else fixed(1e3 * error, 2),
                 )
             )
         )
     table = Table(columns=tuple(columns), rows=tuple(rows))
     worst = max(abs(residual) for residual in best.fit.residuals)
-    heading = f"Largest residual of {best.title} friction: {numbers.length(worst, 2)}"
+    heading = f"Largest residual of {best.title} friction: {formatting.quantity(worst, 'm', 2)}"
     return Section(id="trials", nav="Trials", heading=heading, blocks=(table,))
 
 
@@ -64,9 +64,9 @@ def _setting(verdict: TravelVerdict, overrides: Mapping[str, float]) -> str:
     varied = vary(verdict.mechanism, "mechanism", overrides)
     known = {path: quantity for path, quantity, _ in parameters(varied, "mechanism")}
     parts = [
-        f"${known[path].symbol}$ = {quantity_value(value, known[path].unit)}"
+        f"${known[path].symbol}$ = {formatting.quantity(value, known[path].unit)}"
         if path in known
-        else f"{path} = {value:g}"
+        else f"{path} = {formatting.number(value, 6)}"
         for path, value in overrides.items()
     ]
     return ", ".join(parts) or "as the rig stands"

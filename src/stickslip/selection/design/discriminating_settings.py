@@ -7,7 +7,7 @@ from typing import Any
 
 from stickslip.errors import StickslipError
 from stickslip.experiments.travels import whole_cycles
-from stickslip.experiments.wording import number
+from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.identification.travels.model import TravelModel, Trial
 from stickslip.mechanisms import Mechanism

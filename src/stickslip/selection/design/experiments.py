@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.drives import Sampled, Sine
 from stickslip.errors import InputError, SimulationError
+from stickslip.formatting import scale_of
 from stickslip.friction import towards
 from stickslip.mechanisms import stops_of
 from stickslip.selection.design.predictors import (
@@ -57,6 +58,18 @@ class Experiment:
     """Standard error of each prediction, from that of the candidate's parameters."""
     separation: float
     """Least difference of best and a rival, over the doubt of the reading and both predictions."""
+
+    def readings(self) -> tuple[str, Mapping[str, str]]:
+        """Return what is read off with the unit shown, and by candidate its prediction in words."""
+        what, _, unit = self.observed.rpartition(", ")
+        scale = scale_of(self.predicted.values(), unit)
+        said = {
+            name: " ".join(scale.estimate_text(value, self.doubts[name])).strip()
+            if math.isfinite(self.doubts.get(name, math.inf))
+            else scale.number(value)
+            for name, value in self.predicted.items()
+        }
+        return f"{what}, {scale.unit}", said
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the experiment as plain numbers and strings."""

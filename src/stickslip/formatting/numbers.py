@@ -1,0 +1,489 @@
+"""Numbers as a reader wants them: rounded to what is known, never ``nan`` or ``2.9e-15``.
+
+One rule for each kind of number:
+
+- with an error (`estimate`): the error has one digit, two if it begins with 1, and the value ends
+  where the error ends;
+- between two ends (`interval`, `within`): two digits of the width;
+- without a known error (`number`): three significant digits, without zeros at the end;
+- shares (`percent`): two significant digits; ratios and leftovers likewise two and one.
+
+A true minus, commas in thousands, powers of ten below 0.0001 and from 10,000,000 on. What is not
+finite is said in words.
+"""
+
+import math
+from decimal import ROUND_HALF_UP, Decimal
+from typing import Final, NamedTuple
+
+from stickslip.errors import InputError
+
+__all__ = [
+    "MINUS",
+    "NOT_FINITE",
+    "PLAIN_POWERS",
+    "UNBOUNDED",
+    "EstimateText",
+    "estimate",
+    "estimate_text",
+    "fixed",
+    "interval",
+    "number",
+    "percent",
+    "ratio",
+    "residue",
+    "rounded",
+    "signed",
+    "signed_percent",
+    "significant",
+    "within",
+]
+
+MINUS: Final = "\N{MINUS SIGN}"
+NOT_FINITE: Final = "not finite"
+UNBOUNDED: Final = "unbounded"
+PLAIN_POWERS: Final = range(-4, 7)
+DIGITS_OF_A_FLOAT: Final = 15
+MOST_DIGITS: Final = 6
+"""Digits of a value however small its error: an error below the tolerances of runs says nothing."""
+
+_SUPERSCRIPTS: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+class EstimateText(NamedTuple):
+    """A value and its error as two texts, which a space joins to what `estimate` returns."""
+
+    value: str
+    doubt: str
+
+
+def significant(value: float, digits: int = 3) -> str:
+    """Return a number rounded to some significant digits, zeros at its end kept.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+    digits : int
+        How many digits to keep, at least 1.
+
+    Returns
+    -------
+    str
+        Plain from 0.0001 to 9,999,999 and as a power of ten beyond.
+
+    Raises
+    ------
+    InputError
+        If `digits` is below 1.
+
+    Examples
+    --------
+    >>> significant(0.2, 3), significant(24841, 5), significant(2e9, 2), significant(-3.14159)
+    ('0.200', '24,841', '2.0 × 10⁹', '−3.14')
+    """
+    if digits < 1:
+        raise InputError(f"at least 1 digit must be kept, got {digits!r}.")
+    if not math.isfinite(value):
+        return _not_finite(value)
+    if value == 0:
+        return "0"
+    exact = _decimal(value)
+    shown = _at_place(exact, _power_of(exact) - digits + 1)
+    power = _power_of(shown)
+    if power in PLAIN_POWERS:
+        return _plain(shown, power - digits + 1)
+    return f"{_plain(shown.scaleb(-power), 1 - digits)} × {_ten_to(power)}"
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Return a number rounded to some significant digits, without zeros at its end.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+    digits : int
+        Significant digits at most.
+
+    Returns
+    -------
+    str
+        Plain from 0.0001 to 9,999,999 and as a power of ten beyond.
+
+    Examples
+    --------
+    >>> number(24841.3), number(-0.3), number(2.5e9), number(math.inf)
+    ('24,800', '−0.3', '2.5 × 10⁹', 'unbounded')
+    """
+    text, times, power = significant(value, digits).partition(" × ")
+    if "." in text:
+        text = text.rstrip("0").rstrip(".")
+    return text + times + power
+
+
+def signed(value: float, digits: int = 3) -> str:
+    """Return a number as `number` does, with a sign also if it is positive.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+    digits : int
+        Significant digits at most.
+
+    Returns
+    -------
+    str
+        The number; zero has no sign.
+
+    Examples
+    --------
+    >>> signed(0.25), signed(-0.25), signed(0.0)
+    ('+0.25', '−0.25', '0')
+    """
+    return ("+" if math.isfinite(value) and value > 0 else "") + number(value, digits)
+
+
+def fixed(value: float, decimals: int) -> str:
+    """Return a number with a given number of decimals, for the columns of a table.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+    decimals : int
+        How many digits follow the point.
+
+    Returns
+    -------
+    str
+        The number, or what it is in words if it is not finite.
+
+    Examples
+    --------
+    >>> fixed(1234.567, 1), fixed(-0.001, 2)
+    ('1,234.6', '0.00')
+    """
+    if not math.isfinite(value):
+        return _not_finite(value)
+    if _power_of(_decimal(value)) >= DIGITS_OF_A_FLOAT:
+        return significant(value, 3)
+    return _plain(_at_place(_decimal(value), -decimals), -decimals)
+
+
+def estimate(value: float, half_width: float) -> str:
+    """Return a value with its error, both ending at the same digit.
+
+    The error has one digit, or two if it begins with 1.
+
+    Parameters
+    ----------
+    value : float
+        The estimate.
+    half_width : float
+        Its standard error or half the width of its interval; not negative.
+
+    Returns
+    -------
+    str
+        Such as "158 ± 4". The value alone, with six digits, if the error is below a millionth.
+
+    Raises
+    ------
+    InputError
+        If the half width is negative.
+
+    Examples
+    --------
+    >>> estimate(158.2, 4.1), estimate(231.4, 11.9), estimate(0.0195, 0.00073)
+    ('158 ± 4', '231 ± 12', '0.0195 ± 0.0007')
+    >>> estimate(2.13e-6, 4e-8), estimate(52.9447753, 1.4e-14), estimate(0.25512, math.inf)
+    ('(2.13 ± 0.04) × 10⁻⁶', '52.9448', '0.255 (uncertainty unbounded)')
+    """
+    return " ".join(part for part in estimate_text(value, half_width) if part)
+
+
+def estimate_text(value: float, half_width: float) -> EstimateText:
+    """Return the two parts of `estimate`, for a page that sets them in different sizes.
+
+    Parameters
+    ----------
+    value : float
+        The estimate.
+    half_width : float
+        Its standard error or half the width of its interval; not negative.
+
+    Returns
+    -------
+    EstimateText
+        The two texts; a power of ten, which both have, stands with the second.
+
+    Raises
+    ------
+    InputError
+        If the half width is negative.
+
+    Examples
+    --------
+    >>> estimate_text(21.13, 0.42)
+    EstimateText(value='21.1', doubt='± 0.4')
+    """
+    if half_width < 0:
+        raise InputError(f"a half width is not negative, got {half_width!r}.")
+    if not math.isfinite(value):
+        return EstimateText(_not_finite(value), "")
+    if not math.isfinite(half_width):
+        return EstimateText(number(value), f"(uncertainty {_not_finite(half_width)})")
+    if half_width <= 0.5 * 10.0**-MOST_DIGITS * abs(value):
+        return EstimateText(number(value, MOST_DIGITS), "")
+    shown, error, place, power = _rounded(value, half_width)
+    if power == 0:
+        return EstimateText(_plain(shown, place), f"± {_plain(error, place)}")
+    value_text, error_text = (_plain(part.scaleb(-power), place - power) for part in (shown, error))
+    return EstimateText(f"({value_text}", f"± {error_text}) × {_ten_to(power)}")
+
+
+def rounded(value: float, half_width: float) -> str:
+    """Return a value alone, ending at the digit where `estimate` ends it.
+
+    Parameters
+    ----------
+    value : float
+        The estimate.
+    half_width : float
+        Its standard error or half the width of its interval; not negative.
+
+    Returns
+    -------
+    str
+        The value; three digits of it if the half width is not finite.
+
+    Raises
+    ------
+    InputError
+        If the half width is negative.
+
+    Examples
+    --------
+    >>> rounded(21.13, 0.42), rounded(2.13e-6, 4e-8), rounded(21.13, math.inf)
+    ('21.1', '2.13 × 10⁻⁶', '21.1')
+    """
+    text, doubt = estimate_text(value, half_width)
+    shown, error, power = doubt.partition(") × ")
+    return text.removeprefix("(") + (f" × {power}" if shown and error else "")
+
+
+def interval(low: float, high: float) -> str:
+    """Return a range, its ends rounded to two digits of its width.
+
+    Parameters
+    ----------
+    low, high : float
+        The ends; infinite if that side is open.
+
+    Returns
+    -------
+    str
+        Such as "0.249 to 0.261".
+
+    Raises
+    ------
+    InputError
+        If `low` is above `high`.
+
+    Examples
+    --------
+    >>> interval(0.24871, 0.26113), interval(-math.inf, 0.7), interval(0.0, math.inf)
+    ('0.249 to 0.261', 'at most 0.700', 'at least 0')
+    """
+    if math.isnan(low) or math.isnan(high):
+        return NOT_FINITE
+    if low > high:
+        raise InputError(f"a range has its low end first, got {low!r}, {high!r}.")
+    if math.isinf(high):
+        return f"at least {significant(low)}" if math.isfinite(low) else "not bounded"
+    if math.isinf(low):
+        return f"at most {significant(high)}"
+    if low == high:
+        return f"exactly {number(low, MOST_DIGITS)}"
+    place, digits = _shared(low, high)
+    if digits:
+        return " to ".join(significant(end, digits) for end in (low, high))
+    return " to ".join(_plain(_at_place(_decimal(end), place), place) for end in (low, high))
+
+
+def within(value: float, low: float, high: float) -> str:
+    """Return a value with as many digits as `interval` shows of the range that it lies in.
+
+    Parameters
+    ----------
+    value : float
+        The value.
+    low, high : float
+        The ends of its range; three digits of the value if one of them is infinite.
+
+    Returns
+    -------
+    str
+        Such as "0.255" of 0.249 to 0.261.
+
+    Examples
+    --------
+    >>> within(0.25512, 0.24871, 0.26113), within(4.999965, 4.99985, 5.00008)
+    ('0.255', '4.99997')
+    >>> within(-2.26e-5, -3.33e-4, 2.88e-4), within(5.7312, 5.7312, math.inf)
+    ('−0.00002', '5.73')
+    """
+    if not (math.isfinite(low) and math.isfinite(high) and low < high):
+        return significant(value)
+    place, digits = _shared(low, high)
+    if digits:
+        return significant(value, max(digits, 3))
+    return _plain(_at_place(_decimal(value), place), place)
+
+
+def percent(fraction: float) -> str:
+    """Return a fraction in per cent with two digits.
+
+    Parameters
+    ----------
+    fraction : float
+        The fraction: 0.019 is 1.9 %.
+
+    Returns
+    -------
+    str
+        The percentage with its sign if it is negative.
+
+    Examples
+    --------
+    >>> percent(0.019), percent(0.2306), percent(0.999), percent(12.34), percent(0.05)
+    ('1.9 %', '23 %', '99.9 %', '1,234 %', '5 %')
+    """
+    if not math.isfinite(fraction):
+        return _not_finite(fraction)
+    share = 100 * _decimal(fraction)
+    digits = 2 if abs(fraction) < 0.995 else max(_power_of(share) + 1, 3)
+    return f"{number(float(share), digits)} %"
+
+
+def signed_percent(fraction: float) -> str:
+    """Return a fraction in per cent with two digits and always a sign, except for zero.
+
+    Parameters
+    ----------
+    fraction : float
+        The fraction: -0.23 is −23 %.
+
+    Returns
+    -------
+    str
+        The percentage.
+
+    Examples
+    --------
+    >>> signed_percent(0.0191), signed_percent(-0.23), signed_percent(0.0)
+    ('+1.9 %', '−23 %', '0 %')
+    """
+    plus = "+" if math.isfinite(fraction) and fraction > 0 else ""
+    return plus + percent(fraction)
+
+
+def ratio(value: float) -> str:
+    """Return how many times one thing is another, with two digits.
+
+    Parameters
+    ----------
+    value : float
+        The ratio.
+
+    Returns
+    -------
+    str
+        Such as "3.8 ×".
+
+    Examples
+    --------
+    >>> ratio(3.78), ratio(1.0), ratio(1234.0)
+    ('3.8 ×', '1.0 ×', '1,200 ×')
+    """
+    return f"{significant(value, 2)} ×" if math.isfinite(value) else _not_finite(value)
+
+
+def residue(value: float) -> str:
+    """Return a small leftover, such as an energy mismatch, with one digit.
+
+    Parameters
+    ----------
+    value : float
+        The leftover.
+
+    Returns
+    -------
+    str
+        Such as "3 × 10⁻¹⁵"; a true zero is "exactly 0".
+
+    Examples
+    --------
+    >>> residue(2.9e-15), residue(0.0), residue(0.021)
+    ('3 × 10⁻¹⁵', 'exactly 0', '0.02')
+    """
+    return significant(value, 1) if value != 0 else "exactly 0"
+
+
+def _rounded(value: float, half_width: float) -> tuple[Decimal, Decimal, int, int]:
+    """Return value and error rounded, the place of their last digit, and their power of ten."""
+    exact = _decimal(half_width)
+    place = _power_of(exact)
+    error, finer = _at_place(exact, place), _at_place(exact, place - 1)
+    # 0.96 becomes 1.0, and what begins with 1 has two digits.
+    if _power_of(error) == place and finer.as_tuple().digits[0] == 1:
+        error, place = finer, place - 1
+    shown = _at_place(_decimal(value), place)
+    power = max(part.adjusted() for part in (shown, error) if part)
+    return shown, error, place, 0 if power in PLAIN_POWERS else power
+
+
+def _shared(low: float, high: float) -> tuple[int, int]:
+    """Return the power of ten that both ends are rounded to, or how many digits each has else."""
+    ends = [_decimal(low), _decimal(high)]
+    place = _power_of(ends[1] - ends[0]) - 1
+    place = max(place, _power_of(_decimal(max(abs(low), abs(high)))) - DIGITS_OF_A_FLOAT + 1)
+    lost = any(end and _power_of(end) < place for end in ends)
+    odd = any(end and _power_of(end) not in PLAIN_POWERS for end in ends)
+    if not (lost or odd):
+        return place, 0
+    # One rounding cannot show both ends: over many powers of ten each has its own.
+    digits = min(max(_power_of(max(ends, key=abs)) - place + 1, 2), DIGITS_OF_A_FLOAT)
+    return place, 2 if lost else digits
+
+
+def _decimal(value: float) -> Decimal:
+    """Return the shortest decimal number that reads back as `value`."""
+    return Decimal(repr(float(value)))
+
+
+def _power_of(exact: Decimal) -> int:
+    """Return the power of ten of the first digit, 0 for zero."""
+    return exact.adjusted() if exact else 0
+
+
+def _at_place(exact: Decimal, place: int) -> Decimal:
+    """Return a number rounded, halves away from zero, to the power of ten `place`."""
+    # Scaled by hand: `quantize` refuses more digits than the context holds.
+    return exact.scaleb(-place).to_integral_value(ROUND_HALF_UP).scaleb(place)
+
+
+def _plain(shown: Decimal, place: int) -> str:
+    """Return the text of a number that is already rounded to the power of ten `place`."""
+    text = f"{abs(shown):,.{max(-place, 0)}f}"
+    return MINUS + text if shown < 0 else text
+
+
+def _ten_to(power: int) -> str:
+    return f"10{str(power).translate(_SUPERSCRIPTS)}"
+
+
+def _not_finite(value: float) -> str:
+    return UNBOUNDED if math.isinf(value) else NOT_FINITE

@@ -1,0 +1,140 @@
+"""Words of sentences: lists, counts, and where a page must not end a line."""
+
+import re
+from collections.abc import Sequence
+from typing import Final
+
+__all__ = ["NO_BREAK_SPACE", "capital", "count", "in_words", "joined", "unbroken"]
+
+NO_BREAK_SPACE: Final = "\N{NO-BREAK SPACE}"
+_WORDS: Final = [
+    "no",
+    "one",
+    "two",
+    "three",
+    "four",
+    "five",
+    "six",
+    "seven",
+    "eight",
+    "nine",
+    "ten",
+]
+_UNIT: Final = (
+    r"(?:1/)?(?:(?:[kmµMG]?(?:m|s|N|J|Pa|rad|Hz|W|V|g)|K|°C)(?![A-Za-z])"
+    r"[²³⁴⁻¹]*(?:\^\d)?/?)+(?![A-Za-z\d])"
+)
+_WITHIN: Final = re.compile(
+    rf"(?<=[\d)⁰¹²³⁴⁵⁶⁷⁸⁹])(?: {_UNIT})+"  # a number and its unit
+    r"|(?<=[\d)]) (?=[%±×✓!](?![A-Za-z]))"
+    r"|(?<=[±×]) (?=\d)"
+)
+
+
+def unbroken(text: str) -> str:
+    r"""Return a text whose lines do not end within a number and its unit, as pages want it.
+
+    Parameters
+    ----------
+    text : str
+        Any text with ordinary spaces.
+
+    Returns
+    -------
+    str
+        The same text with no-break spaces within numbers, doubts, powers of ten and units.
+
+    Examples
+    --------
+    >>> unbroken("158 ± 4 N s/m at (2.5 ± 0.2) × 10⁻⁷ m")
+    '158\xa0±\xa04\xa0N\xa0s/m at (2.5\xa0±\xa00.2)\xa0×\xa010⁻⁷\xa0m'
+    >>> unbroken("5 samples in 2 s, in 3 ways")
+    '5 samples in 2\xa0s, in 3 ways'
+    """
+    return _WITHIN.sub(lambda match: match[0].replace(" ", NO_BREAK_SPACE), text)
+
+
+def count(size: int, word: str, many: str = "") -> str:
+    """Return how many of something there are.
+
+    Parameters
+    ----------
+    size : int
+        How many.
+    word, many : str
+        One of them and several; with an s if not given.
+
+    Returns
+    -------
+    str
+        Number and noun.
+
+    Examples
+    --------
+    >>> count(1, "sample"), count(24841, "sample"), count(0, "gap")
+    ('1 sample', '24,841 samples', 'no gaps')
+    """
+    return f"1 {word}" if size == 1 else f"{f'{size:,}' if size else 'no'} {many or word + 's'}"
+
+
+def in_words(size: int) -> str:
+    """Return a small whole number in words.
+
+    Parameters
+    ----------
+    size : int
+        The number.
+
+    Returns
+    -------
+    str
+        A word up to ten, digits beyond.
+
+    Examples
+    --------
+    >>> in_words(5), in_words(25)
+    ('five', '25')
+    """
+    return _WORDS[size] if 0 <= size < len(_WORDS) else f"{size:,}"
+
+
+def joined(parts: Sequence[str]) -> str:
+    """Return a list as it stands in a sentence.
+
+    Parameters
+    ----------
+    parts : sequence of str
+        The items.
+
+    Returns
+    -------
+    str
+        Commas between them, and "and" before the last.
+
+    Examples
+    --------
+    >>> joined(["Dahl", "LuGre", "Stribeck"]), joined(["Dahl"]), joined([])
+    ('Dahl, LuGre and Stribeck', 'Dahl', '')
+    """
+    return f"{', '.join(parts[:-1])} and {parts[-1]}" if len(parts) > 1 else "".join(parts)
+
+
+def capital(text: str) -> str:
+    """Return a text with its first letter in upper case, the others as they are.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+
+    Returns
+    -------
+    str
+        The text as a sentence begins with it.
+
+    Examples
+    --------
+    >>> capital("viscous and LuGre")
+    'Viscous and LuGre'
+    """
+    return text[:1].upper() + text[1:]
