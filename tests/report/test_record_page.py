@@ -135,9 +135,9 @@ def test_the_page_says_the_verdict_and_the_law_with_its_numbers(verdict, html):
 def test_every_score_on_the_page_is_that_of_its_candidate(verdict, html):
     text, scale = text_of(html), verdict.scale
     for candidate in [*verdict.candidates, verdict.control]:
-        value, doubt = scale.pair(candidate.score, candidate.validation.error)
+        value, doubt = scale.estimate_text(candidate.score, candidate.score_error)
         assert plain(f"{value} {doubt}") in text
-        assert scale.text(candidate.validation.extrapolation) in text
+        assert scale.number(candidate.validation.extrapolation) in text
 
 
 def test_every_estimate_on_the_page_ends_where_its_interval_does(verdict, html):
@@ -232,7 +232,7 @@ def test_a_dropped_law_keeps_its_score_and_gets_its_rule(verdict):
     one = next(c for c in changed if c.name == name)
     text = text_of(f"<{dropped}")
     assert "covers 0" in text
-    value, _ = verdict.scale.pair(one.score, one.validation.error)
+    value, _ = verdict.scale.estimate_text(one.score, one.score_error)
     assert plain(value) in text
 
 
@@ -334,7 +334,7 @@ def test_a_second_record_is_shown_named_and_compared_with_held_out_blocks(judged
     assert "The second record (run 2, simulated again) was not used for any fit." in text
     best = judged.best
     times = plain(formatting.ratio(best.second.rms / best.score))
-    assert f"has an error of {plain(scale.with_unit(best.second.rms))} there, and" in text
+    assert f"has an error of {scale.quantity(best.second.rms)} there, and" in text
     assert f"held-out blocks of the first: {times} that." in text
     assert "Predicted and measured on the second record" in text
     assert "The choice holds: no law has a smaller error there beyond doubt." in text
@@ -482,7 +482,7 @@ def test_the_caption_of_the_scores_states_the_rule(html):
     text = text_of(html)
     assert "established over every simpler law that it contains" in text
     assert "least AIC is taken if its error is within one paired standard error and 30 %" in text
-    assert "within one paired standard error and 2.0 % of the least" in text
+    assert "within one paired standard error and 2 % of the least" in text
     assert "the fewest parameters" in text
 
 

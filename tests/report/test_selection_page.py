@@ -181,7 +181,7 @@ def test_the_sections_of_a_tie_stand_in_the_order_of_a_decision(tie_page):
 def test_headings_state_what_was_computed(tie_page):
     headings = tie_page.headings
     assert re.match(
-        r"Fitted to 0\.200 m, four of the five other models stay within \d mm of Coulomb",
+        r"Fitted to 0\.2 m, four of the five other models stay within \d mm of Coulomb",
         headings["models"],
     )
     assert "stops after 0.474 s" in headings["run"]
@@ -226,7 +226,7 @@ def test_the_page_is_the_same_each_time(alone):
 
 def test_one_law_alone_is_not_compared(alone):
     reader = read(page_of(alone))
-    assert reader.headings["models"] == "Coulomb, fitted to 0.200 m"
+    assert reader.headings["models"] == "Coulomb, fitted to 0.2 m"
     assert "next" not in reader.headings
     assert "of 1 models" not in reader.text
 
@@ -239,7 +239,7 @@ def test_a_ranking_shows_scores_and_each_trial(ranked):
     )
     assert "trials" in reader.headings
     assert "held-out error" in reader.text
-    assert "x0 = 150 mm" in reader.text
+    assert "x0 = 0.15 m" in reader.text
     assert "3 travels at 3 settings" in reader.text
 
 

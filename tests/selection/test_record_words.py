@@ -60,7 +60,9 @@ def test_the_error_on_a_second_record_stands_beside_the_first_in_the_first_parag
     best, on_second = confirmed.best, confirmed.on_second
     held = confirmed.scale.estimate(best.score, best.score_error)
     assert confirmed.words.lede.startswith(f"Held-out error: {held} (")
-    said = f"On the second record: {best.second.rms:.3f} N; the choice holds there"
+    said = (
+        f"On the second record: {confirmed.scale.quantity(best.second.rms)}; the choice holds there"
+    )
     assert said in confirmed.words.lede
     assert on_second.holds
     assert on_second.error == best.second.rms
@@ -76,7 +78,8 @@ def test_a_law_that_loses_on_the_second_record_is_not_recommended(overturned):
     assert overturned.best is None
     assert overturned.closest.name == "direction-dependent"
     own, other = (
-        f"{e:.2f} N" for e in (overturned.on_second.error, overturned.on_second.rival_error)
+        overturned.scale.quantity(e)
+        for e in (overturned.on_second.error, overturned.on_second.rival_error)
     )
     assert overturned.sentence == (
         "Direction-dependent friction is chosen on the first record, but Coulomb + viscous friction"

@@ -203,7 +203,7 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
 def _predicted(result: RecordFit, second: Score) -> str:
     """Return how a second record was predicted: where friction is, bristles run through it."""
     if result.route == "shooting":
-        return f"over {second.horizon:.3g} s at a time"
+        return f"over {quantity(second.horizon, 's')} at a time"
     return "along the measured motion"
 
 

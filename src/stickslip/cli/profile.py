@@ -22,6 +22,7 @@ from stickslip.cli.progress import Improving
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Rig
 from stickslip.experiments.units import read_number
+from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation import (
@@ -99,7 +100,7 @@ def _found(rig: Rig, law: FrictionLaw, settings: Settings) -> Optimum:
     interval = dict(_interval(rig.mechanism, law, text) for text in settings.interval)
     with (
         Interrupts() as interrupts,
-        Improving(lambda best: f"{best:.5g} {goal.unit}", interrupts) as watch,
+        Improving(lambda best: f"{number(best, 5)} {goal.unit}", interrupts) as watch,
     ):
         return optimise_profile(
             rig.mechanism,
@@ -164,7 +165,7 @@ def _files(found: Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]
 
 def _show(found: Optimum) -> None:
     console, goal = stdout(), found.goal
-    title = f"\nBest {found.kind} motion: {goal.title} {found.value:.5g} {goal.unit}"
+    title = f"\nBest {found.kind} motion: {goal.title} {number(found.value, 5)} {goal.unit}"
     console.print(title, markup=False, style="bold")
     if len(found.scenarios) > 1:
         console.print(f"Of {found.scenarios.words}", markup=False)
@@ -172,9 +173,9 @@ def _show(found: Optimum) -> None:
     rows = [
         [
             m.name.replace("_", " "),
-            f"{m.reached:.5g}",
-            f"{m.allowed:.5g}",
-            f"{m.margin:.3g}",
+            f"{number(m.reached, 5)}",
+            f"{number(m.allowed, 5)}",
+            f"{number(m.margin)}",
             m.unit,
         ]
         for m in found.margins
@@ -196,7 +197,12 @@ def _compared(name: str, judged: Judged | None, factor: float | None) -> list[st
     if judged is None:
         return [name, "", "", "none keeps the limits"]
     remark = "" if judged.feasible else _broken(judged)
-    return [name, f"{judged.value:.5g}", "" if factor is None else f"{factor:.4g}", remark]
+    return [
+        name,
+        f"{number(judged.value, 5)}",
+        "" if factor is None else f"{number(factor, 4)}",
+        remark,
+    ]
 
 
 def _broken(judged: Judged) -> str:

@@ -27,7 +27,7 @@ from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, extrapolations
-from stickslip.formatting import residue
+from stickslip.formatting import number, residue
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism, slip_names
 from stickslip.mechanisms.drive_period import cycle_or_none
@@ -282,7 +282,7 @@ def _show(ran: Ran, settings: Settings) -> None:
         show_table("", ["t, s", "event", "from", "to"], _event_rows(run.events))
     ends = run.at(run.span)
     final = ", ".join(
-        f"{name} = {ends[name][1] + 0.0:.6g} {run.units[name]}" for name in run.names[:2]
+        f"{name} = {number(ends[name][1] + 0.0, 6)} {run.units[name]}" for name in run.names[:2]
     )
     console.print(f"At {run.span[1]:g} s: {final}", markup=False)
     trust = run.certificate
@@ -332,4 +332,4 @@ def _show_band(band: Band, run: Trajectory, slip: str) -> None:
 
 def _cells(spread: Spread, unit: str) -> list[str]:
     values = (spread.median, spread.low, spread.high)
-    return [*(f"{value + 0.0:.6g}" for value in values), unit]
+    return [*(f"{number(value + 0.0, 6)}" for value in values), unit]

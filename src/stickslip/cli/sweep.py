@@ -19,6 +19,7 @@ from stickslip.cli.law_choice import LawAsked, rig_and_law
 from stickslip.cli.progress import Drawing
 from stickslip.cli.simulate import check_table, start_of, table_bytes
 from stickslip.errors import InputError
+from stickslip.formatting import number
 from stickslip.sweep import VelocityMap, average_velocity
 
 __all__ = ["run"]
@@ -91,14 +92,14 @@ def _show(found: VelocityMap, turns: Sequence[float]) -> None:
             break
         place = np.unravel_index(pick(found.velocity), found.velocity.shape)
         at = [
-            f"{values[i]:.6g} {found.units[name]}"
+            f"{number(values[i], 6)} {found.units[name]}"
             for i, (name, values) in zip(place, found.axes.items(), strict=True)
         ]
-        rows.append([word, f"{found.velocity[place] + 0.0:.6g}", *at])
+        rows.append([word, f"{number(found.velocity[place] + 0.0, 6)}", *at])
     if rows:
         show_table("", ["mean velocity", found.unit, *found.axes], rows)
     for turn in turns:
-        console.print(f"The direction turns at {turn:.6g}.", markup=False)
+        console.print(f"The direction turns at {number(turn, 6)}.", markup=False)
     short = int(np.sum(~np.isfinite(found.velocity)))
     if short:
         console.print(f"{short} of {found.velocity.size} runs ended early.", markup=False)

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.formatting import number
+from stickslip import formatting
+from stickslip.formatting import fixed, number
 from stickslip.friction import DirectionalLaw, FrictionLaw
 from stickslip.identification.estimation.jackknife import Inference
 from stickslip.identification.estimation.parameters import Unknown, Unknowns
@@ -111,8 +112,7 @@ def _bound_reason(item: Unknown, side: str, value: float) -> str:
 
 def with_unit(value: float, item: Unknown, digits: int = 3) -> str:
     """Return a value of an unknown with its unit."""
-    unit = "" if item.quantity.unit == "1" else f" {item.quantity.unit}"
-    return number(value, digits) + unit
+    return formatting.with_unit(number(value, digits), item.quantity.unit)
 
 
 def in_words(path: str) -> str:
@@ -207,7 +207,8 @@ def _together(unknowns: Unknowns, inference: Inference, at_bounds: Mapping[str, 
             if free and np.isfinite(table[i, j]) and abs(table[i, j]) > TOGETHER:
                 lines.append(
                     f"{other.quantity.symbol} and {one.quantity.symbol} trade off"
-                    f" (correlation {table[i, j]:.2f}): their combination is better known than"
+                    f" (correlation {fixed(table[i, j], 2)}): their combination is better known"
+                    " than"
                     " either."
                 )
     return lines

@@ -7,6 +7,7 @@ from typing_extensions import override
 
 from stickslip.drives import Profile
 from stickslip.experiments.rigs.rig_writer import rig_toml
+from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.cycle_metrics import Cycle
@@ -120,11 +121,12 @@ class Optimum:
 
     @override
     def __repr__(self) -> str:
-        head = f"{self.goal.title} {self.value:.6g} {self.goal.unit}"
+        head = f"{self.goal.title} {number(self.value, 6)} {self.goal.unit}"
         if self.factor is not None:
-            head += f", {self.factor:.4g} times the best three-phase motion"
+            head += f", {number(self.factor, 4)} times the best three-phase motion"
         left = ", ".join(
-            f"{m.name} {m.reached:.5g} of {m.allowed:.5g} {m.unit}" for m in self.margins
+            f"{m.name} {number(m.reached, 5)} of {number(m.allowed, 5)} {m.unit}"
+            for m in self.margins
         )
         return f"<{head}\n {self.profile}\n {left}>"
 

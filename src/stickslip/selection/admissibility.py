@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate, TravelFit
 from stickslip.quantities import fields_of, parameters
@@ -47,7 +48,7 @@ def limit_of(law: FrictionLaw, name: str) -> float:
 
 
 def _at(limit: float, estimate: Estimate) -> str:
-    value = "zero" if limit == 0.0 else f"its limit {limit:.3g}"
+    value = "zero" if limit == 0.0 else f"its limit {number(limit)}"
     return f"{value} within its {estimate.interval} interval"
 
 

@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.formatting import joined, number
+from stickslip.formatting import joined, number, quantity
 from stickslip.identification.travels.model import Trial
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.verdict import Candidate, misfit
@@ -79,16 +79,14 @@ def contradiction(
     closest = closest_of(candidates) or closest
     rms = number(1e3 * misfit(closest), 2)
     times = number(misfit(closest) / math.sqrt(float((errors**2).mean())), 2)
-    compared = f"{times} times their standard error" if stated else f"travels of {_mm(size)}"
+    compared = (
+        f"{times} times their standard error" if stated else f"travels of {quantity(size, 'm')}"
+    )
     against = compared if stated else f"for {compared}"
     reason = (
         f"The closest, {closest.title} friction, leaves {rms} mm (root mean square), {against}."
     )
     return Contradiction(reason=reason, check=(*_found(trials, closest), _usual(candidates)))
-
-
-def _mm(metres: float) -> str:
-    return f"{number(1e3 * metres, 3)} mm"
 
 
 def _repeats(
@@ -117,12 +115,15 @@ def _repeats(
     _, i, j = worst
     one, other = sorted((trials[i].travel, trials[j].travel))
     where = setting_of(trials, trials[i])
-    known = f"; the standard error of a reading is {_mm(float(errors[i]))}" if stated else ""
+    known = (
+        f"; the standard error of a reading is {quantity(float(errors[i]), 'm')}" if stated else ""
+    )
     return Contradiction(
-        reason=f"Repeats of one setting{where} contradict each other: {_mm(one)} and"
-        f" {_mm(other)}{known}.",
+        reason=f"Repeats of one setting{where} contradict each other: {quantity(one, 'm')} and"
+        f" {quantity(other, 'm')}{known}.",
         check=(
-            f"Which of the readings {_mm(one)} and {_mm(other)} is wrong: repeat them.",
+            f"Which of the readings {quantity(one, 'm')} and {quantity(other, 'm')} is wrong:"
+            " repeat them.",
             usual,
         ),
     )
@@ -140,22 +141,25 @@ def _found(trials: Sequence[Trial], closest: Candidate) -> tuple[str, ...]:
             for about in (factor, 1.0 / factor):
                 if abs(ratio / about - 1.0) < NEAR_FACTOR:
                     found.append(
-                        f"The unit of {_mm(trial.travel)}{setting_of(trials, trial)}: the other"
-                        f" readings predict {_mm(others)} ({units}?)."
+                        f"The unit of {quantity(trial.travel, 'm')}{setting_of(trials, trial)}:"
+                        " the other"
+                        f" readings predict {quantity(others, 'm')} ({units}?)."
                     )
     for i, j in combinations(range(len(trials)), 2):
         measured, expected = trials[i].travel - trials[j].travel, predicted[i] - predicted[j]
         size = SHARE * max(abs(trials[i].travel), abs(trials[j].travel))
         if measured * expected < 0.0 and min(abs(measured), abs(expected)) > size:
             found.append(
-                f"Whether {_mm(trials[i].travel)}{setting_of(trials, trials[i])} and"
-                f" {_mm(trials[j].travel)}{setting_of(trials, trials[j])} are swapped:"
+                f"Whether {quantity(trials[i].travel, 'm')}{setting_of(trials, trials[i])} and"
+                f" {quantity(trials[j].travel, 'm')}{setting_of(trials, trials[j])} are swapped:"
                 f" {closest.title} friction predicts the opposite order."
             )
     worst = max(range(len(trials)), key=lambda i: abs(trials[i].travel - predicted[i]))
     found.append(
-        f"The reading {_mm(trials[worst].travel)}{setting_of(trials, trials[worst])}, which"
-        f" {closest.title} friction misses by {_mm(abs(trials[worst].travel - predicted[worst]))}."
+        f"The reading {quantity(trials[worst].travel, 'm')}{setting_of(trials, trials[worst])},"
+        " which"
+        f" {closest.title} friction misses by"
+        f" {quantity(abs(trials[worst].travel - predicted[worst]), 'm')}."
     )
     return tuple(found[:2])
 
@@ -184,8 +188,6 @@ def setting_of(trials: Sequence[Trial], trial: Trial) -> str:
     varied = [p for p in own if len({t[p][1] if p in t else None for t in tables}) > 1]
     parts = []
     for path in varied:
-        quantity, value = own[path]
-        short = quantity.unit == "m" and abs(value) < 1.0
-        unit = "mm" if short else "" if quantity.unit == "1" else quantity.unit
-        parts.append(f"${quantity.symbol}$ = {(1e3 if short else 1.0) * value:.4g} {unit}".rstrip())
+        field, value = own[path]
+        parts.append(f"${field.symbol}$ = {quantity(value, field.unit, 4)}")
     return f" at {', '.join(parts)}" if parts else ""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.experiments.differentiation import interval_of
+from stickslip.formatting import quantity
 from stickslip.identification.estimation.problem import Problem
 from stickslip.identification.records.fit import RecordFit, settled
 from stickslip.identification.records.refits import interleaved, positions_of, refitted
@@ -95,7 +96,8 @@ def _check_block(measurement: Measurement, block: float, length: float, folds: i
         return
     count = sum(time.size for time in times)
     raise InputError(
-        f"the record of {length:.3g} s, {count} samples, is too short to be judged on {folds}"
+        f"the record of {quantity(length, 's')}, {count} samples, is too short to be judged on"
+        f" {folds}"
         f" held-out blocks, which need {LEAST} samples each: record longer, or `fit` one law"
         " without judging it."
     )
@@ -119,7 +121,8 @@ def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
             losses.append(_loss(judged, without.values, held))
     if not losses:
         raise InputError(
-            f"the record of {plan.length:.3g} s has nothing left to fit to when a block of it is"
+            f"the record of {quantity(plan.length, 's')} has nothing left to fit to when a block"
+            " of it is"
             " held out: record longer, record several decays if nothing drives it, or `fit` one law"
             " without judging it."
         )

@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Measurement
+from stickslip.formatting import ratio, signed_percent
 from stickslip.friction import Coulomb, FrictionLaw, LuGre, Stribeck
 from stickslip.identification import (
     FeatureFit,
@@ -106,7 +107,7 @@ def _beside(control: FeatureCandidate, best: FeatureCandidate) -> FeatureCandida
     """Add to the control how much worse it is."""
     if control.fit is None:
         return replace(control, outcome=control.dropped)
-    return replace(control, outcome=f"{control.score / best.score:.1f} × the error")
+    return replace(control, outcome=f"{ratio(control.score / best.score)} the error")
 
 
 def _verdict(
@@ -180,7 +181,7 @@ def _judged(candidate: FeatureCandidate, validate: Measurement | None) -> Featur
 def _missed(fit: FeatureFit) -> str:
     """Return which features of the half that it was fitted to a law does not reach."""
     missed = [
-        f"{name.replace('_', ' ')} by {100 * error:+.1f} %"
+        f"{name.replace('_', ' ')} by {signed_percent(error)}"
         for name, error in fit.errors.items()
         if not abs(error) <= MISSED
     ]

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
+from stickslip.formatting import percent, quantity
 from stickslip.identification import Estimate
 from stickslip.identification.travels.propagation import READINGS
 from stickslip.mechanisms import Mechanism
@@ -52,11 +53,8 @@ def _known_to(path: str, stated: Sequence[tuple[Mechanism, Mapping[str, float]]]
         known = {p: (value, q.unit) for p, q, value in parameters(mechanism, "mechanism")}
         if path in doubts:
             pairs.add((doubts[path], *known[path]))
-    shares = {f"{100.0 * doubt / abs(value):.2g} %" for doubt, value, _ in pairs if value}
+    shares = {percent(doubt / abs(value)) for doubt, value, _ in pairs if value}
     if len(shares) == 1:
         return f" ({shares.pop()})"
-    sizes = {
-        f"{1e3 * doubt:.2g} mm" if unit == "m" else f"{doubt:.2g} {unit}"
-        for doubt, _, unit in pairs
-    }
+    sizes = {quantity(doubt, unit, 2) for doubt, _, unit in pairs}
     return f" ({sizes.pop()})" if len(sizes) == 1 else ""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, final
 from typing_extensions import override
 
 from stickslip.experiments import Checks, Measurement
-from stickslip.formatting import Scale
+from stickslip.formatting import Scale, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit, TrialComparison
 from stickslip.identification.estimation.containment import FittedLaw
@@ -260,7 +260,8 @@ class RecordVerdict(Verdict):
         why = "a table has no order in time"
         if self.plan.length:
             why = (
-                f"no segment of {self.plan.horizon:.2g} s lies in the last third, or what comes"
+                f"no segment of {quantity(self.plan.horizon, 's', 2)} lies in the last third, or"
+                " what comes"
                 " before tells too little: the record is too short"
             )
         found = [f"No error on the last third ({', '.join(ahead)}): {why}."] if ahead else []

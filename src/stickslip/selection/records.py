@@ -561,8 +561,8 @@ def _scored(best: RecordCandidate, plan: Plan) -> str:
     """Return what is scored, in words; a block that leaves nothing to fit to is not."""
     assert best.fit is not None
     assert best.validation is not None
-    count, quantity = len(best.validation.losses), best.fit.problem.quantity
+    count, scored = len(best.validation.losses), best.fit.problem.quantity
     blocks = f"{count} held-out block{'s' if count > 1 else ''}, root mean square"
-    if quantity == "friction":
+    if scored == "friction":
         return f"friction on {blocks}"
-    return f"{quantity} over {plan.horizon:.2g} s on {blocks}"
+    return f"{scored} over {quantity(plan.horizon, 's', 2)} on {blocks}"

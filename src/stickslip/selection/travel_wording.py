@@ -6,7 +6,7 @@ Symbols stand between dollar signs, which reports typeset.
 import math
 from collections.abc import Collection, Mapping, Sequence
 
-from stickslip.formatting import joined, number
+from stickslip.formatting import joined, number, quantity, with_unit, within
 from stickslip.identification import Estimate
 from stickslip.identification.travels.model import Trial
 from stickslip.quantities import fields_of
@@ -81,18 +81,8 @@ def wording(
 
 def estimate_text(estimate: Estimate) -> str:
     """Return symbol and value of an estimate, such as ``"$mu_k$ = 0.255"``."""
-    unit = "" if estimate.quantity.unit == "1" else f" {estimate.quantity.unit}"
-    return f"${estimate.quantity.symbol}$ = {_three(estimate.value)}{unit}"
-
-
-def _three(value: float) -> str:
-    """Return a number with three digits, zeros kept."""
-    return f"{value:#.3g}".rstrip(".")
-
-
-def _short(value: float) -> str:
-    """Return a number with at most three digits, as people write a setting."""
-    return f"{value:.3g}"
+    value = within(estimate.value, estimate.low, estimate.high)
+    return f"${estimate.quantity.symbol}$ = {with_unit(value, estimate.quantity.unit)}"
 
 
 def _with_estimates(candidate: Candidate, without: Collection[str] = ()) -> str:
@@ -140,11 +130,12 @@ def _tie(
     if not others:
         return (
             f"{_with_estimates(best)} explains the measurement. {rest}",
-            f"One travel fixes one number: the mean friction force, {_three(force)} N.",
+            f"One travel fixes one number: the mean friction force, {quantity(force, 'N')}.",
         )
     return (
         f"{_with_estimates(best)} explains the measurement. {rest}",
-        f"One travel fixes one number: the mean friction force, {_three(force)} N. It cannot tell"
+        f"One travel fixes one number: the mean friction force, {quantity(force, 'N')}. It"
+        " cannot tell"
         f" friction models apart. {best.title} is named because it needs the fewest assumptions,"
         " not because it is closer.",
     )
@@ -228,8 +219,8 @@ def _settles(trials: Sequence[Trial], best: Candidate | None) -> tuple[str, ...]
     if len(trials) == 1:
         work, travel = seen.work_friction, abs(seen.travel)
         lines.append(
-            f"Mean friction over the travel: {_three(work)} J / {_three(travel)} m"
-            f" = {_three(_mean_force(best))} N."
+            f"Mean friction over the travel: {quantity(work, 'J')} / {quantity(travel, 'm')}"
+            f" = {quantity(_mean_force(best), 'N')}."
         )
     open_ = doubts(best) if len(trials) > 1 else {}
     settled = [e for e in best.fit.estimates if e.path.rpartition(".")[2] not in open_]
@@ -250,7 +241,7 @@ def _range_line(estimate: Estimate, best: Candidate) -> str:
         return f"{lies}."
     inside = estimate.low <= given <= estimate.high
     doubt = DOUBT_NAMES.get(estimate.interval, f"{estimate.interval} interval")
-    return f"{lies}; the given {_short(given)} is {'inside' if inside else 'outside'} the {doubt}."
+    return f"{lies}; the given {number(given)} is {'inside' if inside else 'outside'} the {doubt}."
 
 
 def _cannot_tell(
@@ -266,7 +257,7 @@ def _cannot_tell(
         lines.append("Which friction model is right: no data are left for validation.")
     others = [value for c in explained if c is best and c.fit for value in c.fit.others]
     if others:
-        said = " and ".join(_three(value) for value in others)
+        said = " and ".join(number(value) for value in others)
         verb = "gives" if len(others) == 1 else "give"
         lines.insert(0, f"Which value: {said} {verb} the same travel.")
     lines += _given_lines(explained, reading)
@@ -287,7 +278,7 @@ def _given_lines(explained: Sequence[Candidate], reading: float) -> list[str]:
     if busy:
         widest = 1e3 * max(moved.values())
         lines.append(
-            f"{busy}: not fitted. A rise of 50 % changes the travel by up to {_short(widest)} mm,"
+            f"{busy}: not fitted. A rise of 50 % changes the travel by up to {number(widest)} mm,"
             " for which the fitted level compensates."
         )
     return lines

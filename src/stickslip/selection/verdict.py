@@ -146,7 +146,7 @@ class Candidate:
         found = self.fit.estimates if self.fit else ()
         return {
             "law": self.name,
-            "parameters": ", ".join(f"{e.quantity.symbol} = {e.value:.3g}" for e in found),
+            "parameters": ", ".join(f"{e.quantity.symbol} = {number(e.value)}" for e in found),
             "range": ", ".join(estimate.range for estimate in found),
             "travel": self.criteria.travel if self.criteria else None,
             "score": self.score,

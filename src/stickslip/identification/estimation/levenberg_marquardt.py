@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip import formatting
 from stickslip.errors import ConvergenceError
 from stickslip.identification.estimation.parameters import Unknowns
 from stickslip.identification.estimation.problem import Linearised, Searchable
@@ -127,7 +128,7 @@ def search(
     if not ends:
         raise ConvergenceError(
             f"the record cannot be predicted from any of {len(race.ends)} starts near"
-            f" {', '.join(f'{i.path} = {i.start:.3g}' for i in problem.unknowns.items)}."
+            f" {', '.join(f'{i.path} = {formatting.number(i.start)}' for i in problem.unknowns.items)}."
         )
     best = min(ends, key=lambda end: end.cost)
     rows = len(best.residual)

@@ -13,6 +13,7 @@ from typing_extensions import override
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.experiments.measurement import TRAVELS
+from stickslip.formatting import estimate, interval, number, percent, quantity, within
 from stickslip.identification.series.frequencies import frequency_of, refuse_without_cycles
 from stickslip.identification.series.slip_detection import Slips, slips_of
 from stickslip.mechanisms import Mechanism, TowedBlock
@@ -116,8 +117,8 @@ class StickSlipFeatures:
     def __str__(self) -> str:
         """Return the numbers in a line, then the sentences."""
         head = (
-            f"{self.regime}: {self.frequency:.3g} Hz, mean F/N {self.mean:.3f},"
-            f" standard deviation {self.standard_deviation:.3g}"
+            f"{self.regime}: {quantity(self.frequency, 'Hz')}, mean F/N {number(self.mean)},"
+            f" standard deviation {number(self.standard_deviation)}"
         )
         return "\n".join([head, *self.sentences])
 
@@ -291,7 +292,7 @@ def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
     if count < 100 or step * natural > 0.25:
         raise InputError(
             f"features of stick-slip need at least 100 samples and 4 in a natural period of"
-            f" {1.0 / natural:.3g} s, got {count} samples {step:.3g} s apart."
+            f" {quantity(1.0 / natural, 's')}, got {count} samples {quantity(step, 's')} apart."
         )
     return step, np.interp(time[0] + step * np.arange(count), time, force)
 
@@ -331,27 +332,30 @@ def _sentences(found: StickSlipFeatures) -> tuple[str, ...]:
     if ratio > FASTER and found.regime == "inertial oscillation":
         low, high = ratio * math.exp(-2.0 * error), ratio * math.exp(2.0 * error)
         said.append(
-            f"The observed frequency is {ratio:.2f} ({low:.2f} to {high:.2f}) times"
+            f"The observed frequency is {within(ratio, low, high)} ({interval(low, high)}) times"
             " sqrt(k/m)/(2 pi) of the nominal mass: a rigid body of that mass cannot oscillate so"
-            f" fast; an effective mass of {1.0 / ratio**2:.2f} times the nominal one could."
+            f" fast; an effective mass of {number(1.0 / ratio**2, 2)} times the nominal one could."
         )
     if found.slips > 1:
         spread = found.waiting_times.std() / found.waiting_times.mean()
         said.append(
-            f"{found.slips} slips, {found.waiting_time:.3g} s apart in the median; break-away at"
-            f" {found.break_away:.3f} +- {found.levels.std():.3f}, median drop {found.drop:.3f},"
-            f" slope between slips {found.slope_ratio:.2f} k V."
+            f"{found.slips} slips, {quantity(found.waiting_time, 's')} apart in the median;"
+            " break-away at"
+            f" {estimate(found.break_away, float(found.levels.std()))}, median drop"
+            f" {number(found.drop)},"
+            f" slope between slips {number(found.slope_ratio, 2)} k V."
         )
         if spread > 0.2:
             said.append(
-                f"Waiting times scatter by {100 * spread:.0f} %: a law with fixed parameters has"
+                f"Waiting times scatter by {percent(spread)}: a law with fixed parameters has"
                 " one waiting time, and cannot explain their spread."
             )
     if found.drifts:
         first, second = found.halves
-        thirds = ", ".join(f"{value:.3f}" for value in found.thirds)
+        thirds = ", ".join(number(value) for value in found.thirds)
         said.append(
-            f"The record drifts: the mean F/N is {first:.3f} in the first half and {second:.3f} in"
+            f"The record drifts: the mean F/N is {number(first)} in the first half and"
+            f" {number(second)} in"
             f" the second ({thirds} in thirds). Features of all of it mix different states."
         )
     return tuple(said)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Measurement
+from stickslip.formatting import percent
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.levenberg_marquardt import Counter, Watch, improve
 from stickslip.identification.estimation.problem import Linearised
@@ -253,7 +254,7 @@ def _told_apart(fits: Sequence[FeatureFit]) -> tuple[FeatureFit, ...]:
     said = (
         f"{', '.join(one.law.title for one in alike)} are not told apart: their held-out errors"
         " differ by less than the features change between the parts of the record"
-        f" ({100 * room_of(fits[0]):.1f} %)."
+        f" ({percent(room_of(fits[0]))})."
     )
     return tuple(
         replace(one, sentences=(*one.sentences, said)) if one in alike else one for one in fits

@@ -11,6 +11,7 @@ from typing_extensions import override
 
 from stickslip.experiments import Measurement
 from stickslip.experiments.estimates import LawEstimates, levels_at
+from stickslip.formatting import number, percent, signed_percent
 from stickslip.identification.estimation.parameters import Unknowns
 from stickslip.identification.estimation.problem import Linearised
 from stickslip.identification.features.features import (
@@ -126,7 +127,7 @@ class FeatureFit(Fit[Law_co]):
         numbers = ", ".join(map(str, self.estimates))
         where = "held-out" if self.held_out_errors else "fitted"
         errors = ", ".join(
-            f"{name.replace('_', ' ')} {100 * error:+.1f} %"
+            f"{name.replace('_', ' ')} {signed_percent(error)}"
             for name, error in (self.held_out_errors or self.errors).items()
         )
         head = f"{self.law.title} fitted to features: {numbers}; {where} errors: {errors}"
@@ -134,7 +135,7 @@ class FeatureFit(Fit[Law_co]):
 
     @override
     def __repr__(self) -> str:
-        return f"<FeatureFit: {self.law.title}, rms error {100 * self.score:.1f} %>"
+        return f"<FeatureFit: {self.law.title}, rms error {percent(self.score)}>"
 
     @override
     def _notes(self) -> Sequence[str]:
@@ -215,15 +216,16 @@ def sentences_of(
     said = [line.replace(WHOLE, PART) if held else line for line in observed.sentences]
     if held is not None and abs(held.mean / observed.mean - 1.0) > DRIFTS:
         said.append(
-            f"The record drifts: the mean F/N is {observed.mean:.3f} in the part that was fitted"
-            f" and {held.mean:.3f} in the part held out, and no fixed parameters give both."
+            f"The record drifts: the mean F/N is {number(observed.mean)} in the part that was"
+            " fitted"
+            f" and {number(held.mean)} in the part held out, and no fixed parameters give both."
         )
     reasons = {e.reason for e in estimates if e.reason}
     for reason in sorted(reasons):
         symbols = ", ".join(e.quantity.symbol for e in estimates if e.reason == reason)
         said.append(f"Frequency, mean and standard deviation do not tell {symbols}: {reason}.")
     missed = [
-        f"{name.replace('_', ' ')} by {100 * error:+.1f} %"
+        f"{name.replace('_', ' ')} by {signed_percent(error)}"
         for name, error in errors.items()
         if abs(error) > MISSED
     ]

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError, SimulationError
+from stickslip.formatting import number
 from stickslip.quantities import Parametrised, Quantity
 
 __all__ = ["Evolution", "RateState", "SliderHistory", "logarithms", "simulate_velocity_steps"]
@@ -136,7 +137,8 @@ class SliderHistory:
     @override
     def __repr__(self) -> str:
         low, high = self.coefficient.min(), self.coefficient.max()
-        return f"<SliderHistory {len(self.time)} times, coefficient {low:.4g} to {high:.4g}>"
+        ends = f"{number(low, 4)} to {number(high, 4)}"
+        return f"<SliderHistory {len(self.time)} times, coefficient {ends}>"
 
 
 def simulate_velocity_steps(

@@ -10,6 +10,7 @@ from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.formatting import number, quantity
 from stickslip.identification.estimation.parameters import Unknown, Unknowns
 from stickslip.identification.estimation.problem import Linearised, Problem
 from stickslip.identification.rate_state.law import Evolution, RateState, logarithms
@@ -113,13 +114,14 @@ def record_of(measurement: Measurement) -> Record:
     if not len(path.steps):
         raise InputError(
             "a rate-and-state fit needs a step of the speed of the load point, and"
-            f" Measurement.pull moves at {path.speeds[0]:.3g} m/s throughout: a and b say how"
+            f" Measurement.pull moves at {quantity(path.speeds[0], 'm/s')} throughout: a and b"
+            " say how"
             " friction changes with speed."
         )
     if path.speeds[0] <= 0.0 or np.any(path.speeds < -0.01 * path.speeds.max()):
         raise InputError(
             "a rate-and-state fit needs a load point that moves forwards at first and never back,"
-            f" got speeds from {path.speeds.min():.3g} to {path.speeds.max():.3g} m/s."
+            f" got speeds from {number(path.speeds.min())} to {quantity(path.speeds.max(), 'm/s')}."
         )
     coefficient = np.asarray(measurement.values("friction")) / load
     return Record(time=time, coefficient=coefficient, pull=pull, path=path)

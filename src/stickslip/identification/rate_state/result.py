@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.formatting import estimate, fixed, joined, number, quantities, quantity, signed
 from stickslip.identification.estimation.levenberg_marquardt import Found
 from stickslip.identification.estimation.problem import Linearised
 from stickslip.identification.estimation.sandwich import sandwich
@@ -111,13 +112,13 @@ class RateStateFit:
         numbers = "; ".join(str(estimate) for estimate in self.estimates)
         head = (
             f"rate and state ({self.law.evolution}) fitted to {len(self.time)} samples:"
-            f" {numbers}; rms error {self.rmse:.2g}"
+            f" {numbers}; rms error {number(self.rmse, 2)}"
         )
         return "\n".join([head, *self.sentences])
 
     @override
     def __repr__(self) -> str:
-        return f"<RateStateFit: {self.rate}, rms error {self.rmse:.2g}>"
+        return f"<RateStateFit: {self.rate}, rms error {number(self.rmse, 2)}>"
 
     def _repr_html_(self) -> str:
         return "".join(f"<p>{html.escape(line)}</p>" for line in str(self).splitlines())
@@ -265,16 +266,18 @@ def _sentences(
     *,
     separable: bool,
 ) -> tuple[str, ...]:
-    speeds = ", ".join(f"{1e6 * speed:.3g}" for speed in slider.record.path.speeds)
-    said = [f"The load point moves at {speeds} um/s.", _about_rate(estimates[-1])]
+    speeds = joined(quantities(slider.record.path.speeds.tolist(), "m/s"))
+    said = [f"The load point moves at {speeds}.", _about_rate(estimates[-1])]
     if separable:
         said.append(
-            f"a and b are told apart (correlation {correlation:.2f}): friction changes at once, and"
-            f" settles over {1e6 * found.best.values[2]:.3g} um."
+            f"a and b are told apart (correlation {fixed(correlation, 2)}): friction changes at"
+            " once, and"
+            f" settles over {quantity(found.best.values[2], 'm')}."
         )
     else:
         said.append(
-            f"a and b are not separable on this record (correlation {correlation:.2f}): only a - b"
+            f"a and b are not separable on this record (correlation {fixed(correlation, 2)}):"
+            " only a - b"
             " is known."
         )
     if estimates[2].reason:
@@ -282,7 +285,8 @@ def _sentences(
     if len(found.best.values) > 5:
         drift = found.best.values[5] * 1e-3
         said.append(
-            f"Friction drifts by {drift:+.2g} per mm of the load point beside the law; a - b and a"
+            f"Friction drifts by {signed(drift, 2)} per mm of the load point beside the law; a -"
+            " b and a"
             " drift trade against each other."
         )
     said += _about_windows(windows)
@@ -299,7 +303,7 @@ def _about_rate(rate: Estimate) -> str:
         sign = "friction grows with speed, and steady sliding is stable"
     elif rate.high < 0.0:
         sign = "friction falls with speed, and soft springs make it slide by fits and starts"
-    return f"a - b = {rate.value:.4f} ({rate.low:.4f} to {rate.high:.4f}, {rate.interval}): {sign}."
+    return f"{rate}, {rate.interval}: {sign}."
 
 
 def _about_windows(windows: Sequence[Window]) -> list[str]:
@@ -313,7 +317,7 @@ def _about_windows(windows: Sequence[Window]) -> list[str]:
     ]
     if not any(apart):
         return []
-    told = ", ".join(f"{w.rate:.4f} with {1e6 * w.after:.3g} um" for w in windows)
+    told = ", ".join(f"{estimate(w.rate, w.error)} with {quantity(w.after, 'm')}" for w in windows)
     return [
         f"a - b depends on how much is used after the last step: {told}. The law does not describe"
         " the whole record; the interval holds for the part used."

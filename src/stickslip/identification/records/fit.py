@@ -15,6 +15,7 @@ from stickslip.experiments import QUANTITIES, Measurement
 from stickslip.experiments.estimates import LawEstimates, levels_at
 from stickslip.experiments.preconditions import refuse_lack, refuse_unused
 from stickslip.experiments.units import turned
+from stickslip.formatting import quantity
 from stickslip.identification.estimation.containment import FittedLaw
 from stickslip.identification.estimation.halves import Halves
 from stickslip.identification.estimation.jackknife import Displaced, Inference, bootstrap
@@ -73,8 +74,8 @@ class Score:
     def __str__(self) -> str:
         """Return the error and what it is of, in one line."""
         return (
-            f"{self.rms:.3g} {self.unit} ({self.quantity}, {len(self.blocks)} segments of"
-            f" {self.horizon:.3g} s)"
+            f"{quantity(self.rms, self.unit)} ({self.quantity}, {len(self.blocks)} segments of"
+            f" {quantity(self.horizon, 's')})"
         )
 
 
@@ -170,7 +171,7 @@ class RecordFit(Fit[Law_co]):
         unit = self.measurement.unit(self.problem.quantity)
         return (
             f"{self.law.title} fitted to {self.problem.quantity}:"
-            f" {', '.join(map(str, self.estimates))}; residual {self.rms:.3g} {unit}"
+            f" {', '.join(map(str, self.estimates))}; residual {quantity(self.rms, unit)}"
             f"{''.join(f'. {one.finding}' for one in self.model_errors).removesuffix('.')}"
         )
 

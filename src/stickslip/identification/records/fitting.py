@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.experiments.preconditions import refuse_unused
+from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw, laws
 from stickslip.identification.estimates import (
     bounds_met,
@@ -390,7 +391,7 @@ def _lengthened(
         except ConvergenceError as error:
             raise ConvergenceError(
                 f"segments of {settings.segment:g} s of this free decay do not tell enough to"
-                f" predict {length:.3g} s: {error} Give longer segments."
+                f" predict {quantity(length, 's')}: {error} Give longer segments."
             ) from None
         ready = replace(ready, problem=problem, length=length)
         found = replace(again, evaluations=found.evaluations + again.evaluations)

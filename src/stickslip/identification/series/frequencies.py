@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments.checking.mains import CURE, Line, is_narrow, lines_of, words_of
+from stickslip.formatting import quantity
 from stickslip.identification.series.slip_detection import cycles_of, peak_of, spectra_of
 
 __all__ = ["Frequency", "frequency_of", "refuse_without_cycles"]
@@ -90,7 +91,7 @@ def frequency_of(
     if _hum(force, step, top):
         raise InputError(
             f"the force shows no stick-slip but mains hum: no slips stand out, the spectrum has"
-            f" most power by octave at {top:.4g} Hz, and a line at"
+            f" most power by octave at {quantity(top, 'Hz', 4)}, and a line at"
             f" {words_of(_hum(force, step, top))} is narrow. {CURE}. A motion of the block at this"
             " very frequency could not be told from hum: record it at another speed."
         )
@@ -131,16 +132,19 @@ def _refuse_contradiction(
     lines = _hum(force, step, top)
     if not contradict and not lines:
         return
-    found = f"{count} slips are {1.0 / rate:.3g} s apart in the mean, which is {rate:.3g} Hz"
+    found = (
+        f"{count} slips are {quantity(1.0 / rate, 's')} apart in the mean, which is"
+        f" {quantity(rate, 'Hz')}"
+    )
     if lines:
         said = f"the force has mains hum at {words_of(lines)}, but {found}"
         cure = f"{CURE}."
     else:
         said = (
             "spectrum and slips contradict each other: the spectrum has most power by octave at"
-            f" {top:.3g} Hz, but {found}"
+            f" {quantity(top, 'Hz')}, but {found}"
         )
-        cure = f"Find what moves the force at {top:.3g} Hz, or remove it with a "
+        cure = f"Find what moves the force at {quantity(top, 'Hz')}, or remove it with a "
         cure += "notch filter." if apart > 0.0 else "high pass filter below the rate of the slips."
     raise InputError(f"{said}: the features would be those of two motions. {cure}")
 
@@ -164,8 +168,9 @@ def refuse_without_cycles(force: Array, step: float, top: float) -> None:
     rate = (len(cycles) - 1) / (step * float(np.ptp(cycles))) if len(cycles) > FEWEST else 0.0
     if rate == 0.0 or abs(math.log(top / rate)) > AGREE:
         said = f"but it passes through {len(cycles)} cycles"
-        said += f", which are {rate:.3g} Hz" if rate else " only"
+        said += f", which are {quantity(rate, 'Hz')}" if rate else " only"
         raise InputError(
             f"the force shows no stick-slip: fewer than four slips stand out. Its spectrum has most"
-            f" power by octave at {top:.3g} Hz, {said}. Record for longer or with less noise."
+            f" power by octave at {quantity(top, 'Hz')}, {said}. Record for longer or with less"
+            " noise."
         )

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.formatting import quantity
 from stickslip.identification.estimation.parameters import Unknown
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics, mass_of
 from stickslip.mechanisms import Mechanism
@@ -41,7 +42,8 @@ def inertia_of(
         value = mass_of(mechanism)  # the motion was slow: it says little of the mass
     if value <= 0.0:
         raise InputError(
-            f"inverse dynamics finds {value:.3g} kg for {path}: is the sign of the force right"
+            f"inverse dynamics finds {quantity(value, 'kg')} for {path}: is the sign of the"
+            " force right"
             " (gain -1), and does the motion accelerate?"
         )
     return Unknown(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError, renamed
 from stickslip.experiments import Measurement
 from stickslip.experiments.slicing import between_gaps
+from stickslip.formatting import quantity
 from stickslip.identification.estimation.directions import Directions
 from stickslip.identification.series.applied_force import applied_force
 from stickslip.identification.validation import LAW, names_of
@@ -258,7 +259,7 @@ def check_even(time: Array) -> float:
     if longest > UNEVEN * dt:
         raise InputError(
             "inverse dynamics, which start values come from, needs even times: the mean step is"
-            f" {dt:.3g} s and the longest {longest:.3g} s. Resample the record."
+            f" {quantity(dt, 's')} and the longest {quantity(longest, 's')}. Resample the record."
         )
     return dt
 

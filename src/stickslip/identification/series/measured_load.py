@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.formatting import number
+from stickslip.formatting import number, quantity
 from stickslip.identification.series.start_values import load_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
@@ -107,22 +107,24 @@ def _loaded(mechanism: Mechanism, record: Measurement) -> Measurement:
     low, high = float(values.min()), float(values.max())
     if low != high:
         raise InputError(
-            f"the load of {label} changes from {low:.4g} N to {high:.4g} N, and simulated segments"
+            f"the load of {label} changes from {quantity(low, 'N', 4)} to"
+            f" {quantity(high, 'N', 4)}, and simulated segments"
             ' take one load: fit with route="inverse-dynamics", or "force-map" where friction was'
             " measured, or leave the load out."
         )
     if low <= 0.0:
-        raise InputError(f"the load of {label} must be above 0 N, got {low:.4g} N.")
+        raise InputError(f"the load of {label} must be above 0 N, got {quantity(low, 'N', 4)}.")
     kind = type(mechanism).__name__
     if "load" not in mechanism.__dataclass_fields__:
         raise InputError(
-            f"the load of {label} was measured, {low:.4g} N, and that of {kind} follows from its"
+            f"the load of {label} was measured, {quantity(low, 'N', 4)}, and that of {kind}"
+            " follows from its"
             " own parameters: leave the load out, or use a mechanism with a load, such as Axis."
         )
     if record.overrides.get(PATH, low) != low:
         raise InputError(
-            f"the load of {label} is given twice: {low:.4g} N measured, and"
-            f" {record.overrides[PATH]:.4g} N in overrides. Leave one out."
+            f"the load of {label} is given twice: {quantity(low, 'N', 4)} measured, and"
+            f" {quantity(record.overrides[PATH], 'N', 4)} in overrides. Leave one out."
         )
     return replace(
         record,

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import Unknown, Unknowns
 from stickslip.identification.series.applied_force import driven
@@ -123,7 +124,7 @@ def _check_signs(found: InverseDynamics, *, driven: bool) -> None:
     """
     if found.inertial_share > -REVERSED and not (found["level"] < 0.0 and found["viscous"] < 0.0):
         return
-    said = ", ".join(f"{n} {v:.3g}" for n, v in zip(found.names, found.values, strict=True))
+    said = ", ".join(f"{n} {number(v)}" for n, v in zip(found.names, found.values, strict=True))
     if not driven:
         raise InputError(
             "nothing drives this motion, and friction alone cannot make it: linear regression gives"

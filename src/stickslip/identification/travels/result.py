@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.experiments.estimates import LawEstimates, levels_at
+from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification.results import Fit, Law_co, estimates_for
 from stickslip.identification.travels.model import Trial
@@ -113,10 +114,10 @@ class TravelFit(Fit[Law_co]):
     def __str__(self) -> str:
         """Return the law, its estimates and how far off it is, in one line."""
         count = len(self.measured)
-        worst = 1e3 * max(abs(residual) for residual in self.residuals)
+        worst = max(abs(residual) for residual in self.residuals)
         return (
             f"{self.law.title} fitted to {count} travel{'s' if count > 1 else ''}:"
-            f" {', '.join(map(str, self.estimates))}; largest residual {worst:.2g} mm"
+            f" {', '.join(map(str, self.estimates))}; largest residual {quantity(worst, 'm', 2)}"
         )
 
     @override

@@ -27,8 +27,8 @@ STEP = 1e-4
 def fit_one(model: TravelModel, trial: Trial) -> TravelFit:
     """Find the value of the one free parameter that gives the travel, and those at its ends."""
     (path,) = model.free
-    known = {name: (quantity, value) for name, quantity, value in parameters(model.law, "friction")}
-    quantity, start = known[path]
+    known = {name: (field, value) for name, field, value in parameters(model.law, "friction")}
+    field, start = known[path]
     low, high = room_for(model.law, path.rpartition(".")[2])
 
     def miss(travel: float) -> Callable[[float], float]:
@@ -38,8 +38,9 @@ def fit_one(model: TravelModel, trial: Trial) -> TravelFit:
     if not found:
         room = f"above {low:g}" if math.isinf(high) else f"between {low:g} and {high:g}"
         said = (
-            f"no value of {path} ({quantity.symbol}) {room} makes the travel"
-            f" {trial.travel:g} m; with {start:g} it is {model.travel(trial, [start]):.4g} m."
+            f"no value of {path} ({field.symbol}) {room} makes the travel"
+            f" {trial.travel:g} m; with {start:g} it is"
+            f" {quantity(model.travel(trial, [start]), 'm', 4)}."
         )
         try:
             model.check_rest([trial], [start], standard_errors([trial])[0])

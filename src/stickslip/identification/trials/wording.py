@@ -8,11 +8,10 @@ import numpy as np
 from scipy import stats
 
 from stickslip.experiments.condition_values import condition_name, condition_unit
-from stickslip.formatting import joined, number
+from stickslip.formatting import joined, number, with_unit
 from stickslip.identification.trials.condition_lines import ConditionLine
 from stickslip.identification.trials.estimates import TrialEstimates
 from stickslip.identification.trials.homogeneity import Homogeneity
-from stickslip.quantities import Quantity
 
 __all__ = ["SURE", "sentences_of"]
 
@@ -67,7 +66,7 @@ def _outcome(
 ) -> str:
     if math.isnan(test.p):
         return "Whether the trials share one law cannot be tested: they do not tell enough."
-    p = f"p < {LEAST_P:g}" if test.p < LEAST_P else f"p = {test.p:.2g}"
+    p = f"p < {LEAST_P:g}" if test.p < LEAST_P else f"p = {number(test.p, 2)}"
     if not test.p < SURE:
         return f"The trials share one law as far as they can tell ({p})."
     said = [_change(line) for line in clear] or _groups(trials) or _range(trials)
@@ -78,7 +77,7 @@ def _outcome(
 def _change(line: ConditionLine) -> str:
     """Return how a parameter changes with a condition: "mu_k rises from 2 N at 20 degC to ..."."""
     verb = "rises" if line.slope > 0.0 else "falls"
-    first, last = (_with_unit(value, line.quantity) for value in line.values)
+    first, last = (with_unit(number(value), line.quantity.unit) for value in line.values)
     at, to = (_at(line.condition, value) for value in line.ends)
     return f"{line.quantity.symbol} {verb} from {first} at {at} to {last} at {to}"
 
@@ -86,10 +85,6 @@ def _change(line: ConditionLine) -> str:
 def _at(condition: str, value: float) -> str:
     unit = condition_unit(condition)
     return f"{number(value)} {unit}" if unit else f"{condition_name(condition)} {number(value)}"
-
-
-def _with_unit(value: float, quantity: Quantity) -> str:
-    return number(value) if quantity.unit == "1" else f"{number(value)} {quantity.unit}"
 
 
 def _slope(line: ConditionLine, *, confirmed: bool) -> str:
@@ -124,7 +119,9 @@ def _groups(trials: Sequence[TrialEstimates]) -> list[str]:
             p = _differs(list(means.values()))
             if p < SURE:
                 quantity = one.quantity
-                parts = [f"{_with_unit(m[0], quantity)} for {w!r}" for w, m in means.items()]
+                parts = [
+                    f"{with_unit(number(m[0]), quantity.unit)} for {w!r}" for w, m in means.items()
+                ]
                 name = condition_name(condition)
                 found.append((p, f"{quantity.symbol} by {name} is {joined(parts)}"))
     return [text for _, text in sorted(found)[:MOST]]
@@ -174,8 +171,8 @@ def _range(trials: Sequence[TrialEstimates]) -> list[str]:
         apart = (high - low) / math.hypot(least.errors[i], most.errors[i])
         if apart > best[0]:
             text = (
-                f"{one.quantity.symbol} goes from {_with_unit(low, one.quantity)} in {least.name}"
-                f" to {_with_unit(high, one.quantity)} in {most.name}"
+                f"{one.quantity.symbol} goes from {with_unit(number(low), one.quantity.unit)} in {least.name}"
+                f" to {with_unit(number(high), one.quantity.unit)} in {most.name}"
             )
             best = (apart, text)
     named = any(trial.conditions for trial in trials)

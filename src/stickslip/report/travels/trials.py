@@ -6,7 +6,7 @@ import numpy as np
 
 from stickslip import formatting
 from stickslip.experiments import QUANTITIES
-from stickslip.formatting import fixed
+from stickslip.formatting import Scale, fixed, scale_of
 from stickslip.quantities import parameters, vary
 from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Column, Row, Table
@@ -59,12 +59,18 @@ def trials_section(verdict: TravelVerdict) -> Section | None:
     return Section(id="trials", nav="Trials", heading=heading, blocks=(table,))
 
 
+def _scale(verdict: TravelVerdict, path: str, unit: str) -> Scale:
+    """Return what the settings of a parameter are shown in: one unit for all trials."""
+    trials = verdict.measurement.records()
+    return scale_of([trial.overrides.get(path, 0.0) for trial in trials], unit)
+
+
 def _setting(verdict: TravelVerdict, overrides: Mapping[str, float]) -> str:
     """Return what was different in a trial, in words."""
     varied = vary(verdict.mechanism, "mechanism", overrides)
     known = {path: quantity for path, quantity, _ in parameters(varied, "mechanism")}
     parts = [
-        f"${known[path].symbol}$ = {formatting.quantity(value, known[path].unit)}"
+        f"${known[path].symbol}$ = {_scale(verdict, path, known[path].unit).quantity(value)}"
         if path in known
         else f"{path} = {formatting.number(value, 6)}"
         for path, value in overrides.items()

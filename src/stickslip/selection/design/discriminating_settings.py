@@ -7,7 +7,7 @@ from typing import Any
 
 from stickslip.errors import StickslipError
 from stickslip.experiments.travels import whole_cycles
-from stickslip.formatting import number
+from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification.travels.model import TravelModel, Trial
 from stickslip.mechanisms import Mechanism
@@ -139,15 +139,15 @@ class Proposal:
             ends = f"from {first} to {last}" if len(self.tried) > 1 else f"such as {first}"
             return (
                 f"No setting of {symbol} {ends} would separate {titles[self.best]} from {names}:"
-                f" they differ by at most {number(1e3 * self.widest, 2)} mm."
+                f" they differ by at most {quantity(self.widest, 'm', 2)}."
             )
         one, other = (
-            " and ".join(f"{row.predicted[name]:#.3g}".rstrip(".") for row in self.settings)
+            " and ".join(quantity(row.predicted[name], "m") for row in self.settings)
             for name in (self.best, self.rival)
         )
         return (
             f"Set {symbol} to {' and '.join(row.text for row in self.settings)}, three runs each."
-            f" {titles[self.best]} predicts {one} m, {titles[self.rival]} {other} m."
+            f" {titles[self.best]} predicts {one}, {titles[self.rival]} {other}."
         )
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.drives import Sampled, Sine
 from stickslip.errors import InputError, SimulationError
-from stickslip.formatting import scale_of
+from stickslip.formatting import number, scale_of
 from stickslip.friction import towards
 from stickslip.mechanisms import stops_of
 from stickslip.selection.design.predictors import (
@@ -382,7 +382,8 @@ def _presliding(
         _Plan(
             kind="presliding",
             what=(
-                f"A {terms.force} of {share * level:.3g} {terms.force_unit} to and fro at 0.5 Hz,"
+                f"A {terms.force} of {number(share * level)} {terms.force_unit} to and fro at"
+                " 0.5 Hz,"
                 " below break-away, for a minute."
             ),
             observed=f"movement from peak to peak, {terms.length_unit}",

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from stickslip.characterize import presliding_length
 from stickslip.drives import Drive
 from stickslip.errors import InputError, SimulationError
+from stickslip.formatting import quantity
 from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw
 from stickslip.identification.shooting.segments import with_drive
 from stickslip.mechanisms import Mechanism
@@ -119,7 +120,8 @@ class Steady:
             needed = SETTLED * presliding_length(law, candidate.load)
             if needed > self.distance:
                 raise InputError(
-                    f"bristles settle within {needed:.3g} m, the stroke has {self.distance:.3g} m."
+                    f"bristles settle within {quantity(needed, 'm')}, the stroke has"
+                    f" {quantity(self.distance, 'm')}."
                 )
         force = _after_long_sliding(candidate.law, self.velocity, candidate.load)
         if self.driven:
