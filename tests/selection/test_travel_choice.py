@@ -280,3 +280,18 @@ def test_assumed_values_are_fitted_where_no_law_explains_the_travels_without():
     assert found.best.name == "stribeck"
     # exact travels of the law itself: what is left is the tolerance of the search
     assert found.best.fit.estimate("stribeck_velocity").value == pytest.approx(0.3, rel=1e-3)
+
+
+def test_a_law_that_explains_the_readings_alone_does_so_beside_laws_that_do_not():
+    # Coulomb friction leaves 18 mm of one reading; with a viscous part 2.7 mm are left of all
+    read = {0.06: 0.164, 0.08: 0.265, 0.10: 0.396}
+    trials = tuple(
+        Measurement(travel=x, uncertainty=1e-3, overrides={"mechanism.compression": c})
+        for c, x in read.items()
+    )
+    rig = SpringBlock(mass=0.82, stiffness=145.0, compression=0.06)
+    alone = select(rig, ["coulomb-viscous"], Measurement(trials=trials))
+    beside = select(rig, ["coulomb", "coulomb-viscous"], Measurement(trials=trials))
+    assert alone.best is not None
+    assert beside.best is not None
+    assert alone.best.name == beside.best.name == "coulomb-viscous"

@@ -256,6 +256,12 @@ def _ranked(
     if best is None:
         return scored, None, None
     against = contradiction(trials, best, scored)
+    if against is not None:
+        # a law that explains the readings alone explains them beside others too
+        tested = [c for c in scored if c.fit is not None and c.fit.freedom > 0]
+        explaining = [c for c in tested if contradiction(trials, c, [c]) is None]
+        if better := chosen(explaining):
+            best, against = better, None
     if against is None:
         marked = mark_passed_over(scored, best)
     else:  # where no law is named, none is passed over for it
