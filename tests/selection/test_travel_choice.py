@@ -153,8 +153,8 @@ def test_swapped_readings_are_explained_by_no_law():
     records[3] = dataclasses.replace(other, overrides=one.overrides)
     said = contradicted(select(RIG, PLAIN, Measurement(trials=tuple(records))))
     assert "swapped" in said
-    assert "x_0 = 80 mm" in said
-    assert "x_0 = 130 mm" in said
+    assert "x_0 = 0.08 m" in said
+    assert "x_0 = 0.13 m" in said
 
 
 @pytest.mark.parametrize("stated", [True, False])
@@ -167,7 +167,7 @@ def test_a_reading_in_another_unit_is_explained_by_no_law(stated):
     # no law is passed over in favour of one that is not taken either
     assert all(c.passed_over == "" for c in verdict.candidates)
     assert verdict.to_dict()["closest"] == verdict.closest.name
-    assert "x_0 = 100 mm" in said
+    assert "x_0 = 0.1 m" in said
 
 
 def test_repeats_that_contradict_each_other_are_explained_by_no_law():
@@ -176,8 +176,8 @@ def test_repeats_that_contradict_each_other_are_explained_by_no_law():
     verdict = select(RIG, PLAIN, Measurement(trials=(*records, again)))
     said = contradicted(verdict)
     assert "contradict each other" in said
-    assert "130 mm" in said
-    assert "210 mm" in said
+    assert "0.13 m" in said
+    assert "0.21 m" in said
 
 
 def test_repeats_of_one_setting_alone_are_contradicted_too():

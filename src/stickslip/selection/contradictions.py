@@ -77,15 +77,13 @@ def contradiction(
     if not stated and left <= SHARE * size:
         return None
     closest = closest_of(candidates) or closest
-    rms = number(1e3 * misfit(closest), 2)
+    rms = quantity(misfit(closest), "m", 2)
     times = number(misfit(closest) / math.sqrt(float((errors**2).mean())), 2)
     compared = (
         f"{times} times their standard error" if stated else f"travels of {quantity(size, 'm')}"
     )
     against = compared if stated else f"for {compared}"
-    reason = (
-        f"The closest, {closest.title} friction, leaves {rms} mm (root mean square), {against}."
-    )
+    reason = f"The closest, {closest.title} friction, leaves {rms} (root mean square), {against}."
     return Contradiction(reason=reason, check=(*_found(trials, closest), _usual(candidates)))
 
 
