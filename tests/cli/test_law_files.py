@@ -378,3 +378,16 @@ def test_a_level_at_rest_that_nobody_gave_is_said_to_be_taken_equal(walk):
     write("law.toml", block, given, KNOWN)
     code, _, err = walk("simulate", CART, "--law", "law.toml", "--t-end", PERIOD)
     assert (code, said in err) == (0, False)
+
+
+def test_a_verdict_is_no_law_and_the_file_beside_it_is_named(walk):
+    code, _, err = walk("simulate", CART, "--law", "stickslip-report/verdict.json")
+    assert code == 2
+    assert "--law stickslip-report/law.toml" in err
+
+
+def test_a_page_that_is_there_is_kept_and_the_option_for_another_folder_named(walk):
+    assert walk("simulate", CART, "--t-end", 0.1, "--report")[0] == 0
+    code, _, err = walk("simulate", CART, "--t-end", 0.1, "--report")
+    assert code == 2
+    assert "give --force to replace it, or another --report-to FOLDER" in err
