@@ -23,7 +23,7 @@ from tools import slots, structure
 ROOMS = (
     "catalogue",
     "control",
-    "digits",
+    "formatting",
     "documents",
     "drives",
     "errors",

@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.formatting import joined, number, quantity
+from stickslip.formatting import joined, number, quantity, scale_of
 from stickslip.identification.travels.model import Trial
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.verdict import Candidate, misfit
@@ -189,5 +189,6 @@ def setting_of(trials: Sequence[Trial], trial: Trial) -> str:
     parts = []
     for path in varied:
         field, value = own[path]
-        parts.append(f"${field.symbol}$ = {quantity(value, field.unit, 4)}")
+        scale = scale_of([table[path][1] or 0.0 for table in tables if path in table], field.unit)
+        parts.append(f"${field.symbol}$ = {scale.quantity(value, 4)}")
     return f" at {', '.join(parts)}" if parts else ""

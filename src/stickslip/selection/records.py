@@ -11,6 +11,7 @@ from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Measurement, check
 from stickslip.experiments.preconditions import refuse_lack, refuse_unused, told, with_doubts
 from stickslip.experiments.second_records import refuse_same
+from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit
 from stickslip.identification.estimation.containment import FittedLaw

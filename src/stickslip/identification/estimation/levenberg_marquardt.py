@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip import formatting
 from stickslip.errors import ConvergenceError
+from stickslip.formatting import number
 from stickslip.identification.estimation.parameters import Unknowns
 from stickslip.identification.estimation.problem import Linearised, Searchable
 
@@ -128,7 +128,7 @@ def search(
     if not ends:
         raise ConvergenceError(
             f"the record cannot be predicted from any of {len(race.ends)} starts near"
-            f" {', '.join(f'{i.path} = {formatting.number(i.start)}' for i in problem.unknowns.items)}."
+            f" {', '.join(f'{i.path} = {number(i.start)}' for i in problem.unknowns.items)}."
         )
     best = min(ends, key=lambda end: end.cost)
     rows = len(best.residual)
@@ -201,19 +201,19 @@ class _Race:
         random = np.random.default_rng(self.seed)
         unknowns = self.problem.unknowns
         count = max(self.starts, 1 + len(self.tried))
-        for number in range(count):
+        for start in range(count):
             if not self.cancelled:
                 self.ends.append(None)
-                self._go(number, _start(unknowns, number, self.tried, random), EARLY)
+                self._go(start, _start(unknowns, start, self.tried, random), EARLY)
         limit = HOPELESS * min(self.costs)
         goal = 0.0
-        for number in sorted(range(len(self.ends)), key=lambda number: self.costs[number]):
-            end = self.ends[number]
+        for start in sorted(range(len(self.ends)), key=self.costs.__getitem__):
+            end = self.ends[start]
             if self.hopeless or not end or end.cost > limit:
                 break
-            self._go(number, end.values, ROUNDS, goal)
+            self._go(start, end.values, ROUNDS, goal)
             # ends of five rounds are on their way: only where one has arrived can others agree
-            goal = min(self.costs[number], goal or math.inf)
+            goal = min(self.costs[start], goal or math.inf)
             self.hopeless = goal > 0.0 and self._far_above_rival()
         while self.starts > 1 and not self.hopeless and not self.cancelled:
             number = len(self.ends)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from stickslip import formatting
 from stickslip.errors import ConvergenceError
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.root_search import NEAR, positive_root, positive_roots
@@ -40,7 +41,7 @@ def fit_one(model: TravelModel, trial: Trial) -> TravelFit:
         said = (
             f"no value of {path} ({field.symbol}) {room} makes the travel"
             f" {trial.travel:g} m; with {start:g} it is"
-            f" {quantity(model.travel(trial, [start]), 'm', 4)}."
+            f" {formatting.quantity(model.travel(trial, [start]), 'm', 4)}."
         )
         try:
             model.check_rest([trial], [start], standard_errors([trial])[0])
@@ -62,7 +63,7 @@ def fit_one(model: TravelModel, trial: Trial) -> TravelFit:
         positive_root(miss(trial.travel + side * spread), best, low=low, high=high, reach=NEAR)
         for side in (-1.0, 1.0)
     ]
-    one = _estimate(path, quantity, best, ends if spread else [], kind)
+    one = _estimate(path, field, best, ends if spread else [], kind)
     return TravelFit(
         law=model.with_values([best]),
         mechanism=trial.mechanism,

@@ -171,7 +171,8 @@ def _range(trials: Sequence[TrialEstimates]) -> list[str]:
         apart = (high - low) / math.hypot(least.errors[i], most.errors[i])
         if apart > best[0]:
             text = (
-                f"{one.quantity.symbol} goes from {with_unit(number(low), one.quantity.unit)} in {least.name}"
+                f"{one.quantity.symbol} goes from {with_unit(number(low), one.quantity.unit)} in"
+                f" {least.name}"
                 f" to {with_unit(number(high), one.quantity.unit)} in {most.name}"
             )
             best = (apart, text)
