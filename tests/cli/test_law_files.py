@@ -361,3 +361,33 @@ def test_a_sweep_and_an_animation_take_the_same_file(walk):
     vary = ("--vary", "mechanism.pendulum.profile.slow=25:30:2", "--cycles", 2, "--settle", 2)
     code, out, _ = walk("sweep", CART, *options, *vary)
     assert (code, json.loads(out)["law"]) == (0, "coulomb-viscous")
+
+
+def test_a_level_at_rest_that_nobody_gave_is_said_to_be_taken_equal(walk):
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    write("law.toml", block, LAW, KNOWN)
+    said = "mu_s was neither measured nor given: it is taken equal to mu_k"
+    code, _, err = walk("simulate", CART, "--law", "law.toml", "--t-end", PERIOD, "--report")
+    assert code == 0
+    assert said in err
+    page = Path("stickslip-run/index.html").read_text()
+    assert "Static coefficient" in page
+    assert "assumed, not measured" in page
+    assert "By how much static friction exceeds sliding friction" in page
+    given = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.3)
+    write("law.toml", block, given, KNOWN)
+    code, _, err = walk("simulate", CART, "--law", "law.toml", "--t-end", PERIOD)
+    assert (code, said in err) == (0, False)
+
+
+def test_a_verdict_is_no_law_and_the_file_beside_it_is_named(walk):
+    code, _, err = walk("simulate", CART, "--law", "stickslip-report/verdict.json")
+    assert code == 2
+    assert "--law stickslip-report/law.toml" in err
+
+
+def test_a_page_that_is_there_is_kept_and_the_option_for_another_folder_named(walk):
+    assert walk("simulate", CART, "--t-end", 0.1, "--report")[0] == 0
+    code, _, err = walk("simulate", CART, "--t-end", 0.1, "--report")
+    assert code == 2
+    assert "give --force to replace it, or another --report-to FOLDER" in err

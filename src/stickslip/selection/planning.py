@@ -50,7 +50,7 @@ from stickslip.selection.preparing import how_to, otherwise
 from stickslip.selection.travel_wording import ADVICE
 from stickslip.simulation import simulate
 
-__all__ = ["plan"]
+__all__ = ["plan", "setting_of"]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -153,11 +153,6 @@ def plan(
         READING.check("plan", "uncertainty", uncertainty)
     done = _done(mechanism, measurement, t_end)
     knob = _knob(mechanism, done)
-    if driven_on(mechanism):
-        raise InputError(
-            f"{type(mechanism).__name__} does not come to rest under a drive that goes on as long"
-            " as the run lasts, so there is no travel to plan."
-        )
     ends, source = _range(mechanism, knob, done, between)
     candidates = _candidates(mechanism, laws, t_end)
     error = _error(uncertainty, done)
@@ -325,6 +320,23 @@ class _Contrast:
         )
 
 
+def setting_of(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -> str:
+    """Return the path of what `plan` sets to get other travels.
+
+    Raises
+    ------
+    InputError
+        If no travel can be planned for the mechanism.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> setting_of(SpringBlock(mass=1.0, stiffness=100.0, compression=0.1), None, 10.0)
+    'mechanism.compression'
+    """
+    return _knob(mechanism, _done(mechanism, measurement, t_end))
+
+
 def _done(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -> tuple[Trial, ...]:
     """Return the trials of what was measured before."""
     if measurement is None:
@@ -337,6 +349,13 @@ def _done(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -
 
 def _knob(mechanism: Mechanism, done: Sequence[Trial]) -> str:
     """Return the path of what is set to get other travels."""
+    if driven_on(mechanism):
+        raise InputError(
+            f"{type(mechanism).__name__} does not come to rest under a drive that goes on as long"
+            " as the run lasts, so there is no travel to plan. Give what is measured of it, its"
+            " position in time or its travel per cycle, to select as [data]: see the how-to on a"
+            " cart that drives itself (docs/howto/fit-cart.md)."
+        )
     knob = knob_of(mechanism, done)
     contacts = mechanism.contacts()
     if knob is None or len(contacts) != 1:

@@ -1,6 +1,6 @@
 """The end of the report of a run: the law and its doubt, certificate, how to reproduce it."""
 
-from stickslip.experiments.estimates import HARD
+from stickslip.experiments.estimates import HARD, equated
 from stickslip.formatting import interval, number
 from stickslip.quantities import parameters
 from stickslip.report.core.blocks import (
@@ -29,6 +29,9 @@ def law_section(about: RunReport) -> Section:
         label = f"{name.replace('_', ' ').capitalize()} ${one.symbol}$"
         unit = "none" if one.unit == "1" else one.unit
         rows.append(Row(cells=(label, number(value, 4), unit, span, how)))
+    for name, (own, other) in equated(law).items():
+        label = f"{name.replace('_', ' ').capitalize()} ${own}$"
+        rows.append(Row(cells=(label, f"${other}$", "none", "—", "assumed, not measured")))
     kind = "95 %" if about.estimates is None else about.estimates.interval
     columns = (
         Column(head="parameter"),
