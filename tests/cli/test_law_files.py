@@ -391,3 +391,26 @@ def test_a_page_that_is_there_is_kept_and_the_option_for_another_folder_named(wa
     code, _, err = walk("simulate", CART, "--t-end", 0.1, "--report")
     assert code == 2
     assert "give --force to replace it, or another --report-to FOLDER" in err
+
+
+def test_a_mass_in_the_wrong_unit_shows_in_the_coefficient(walk):
+    slip = BLOCK.replace("0.82 kg", "0.82 g")
+    for name, text, far in (("slip", slip, True), ("right", BLOCK, False)):
+        trials = "".join(TRIAL.format(compression=c, travel=t) for c, t in TRAVELS)
+        Path(f"{name}.toml").write_text(text + trials)
+        for command in (("select", "--laws", "coulomb", "-o", name), ("fit", "--law", "coulomb")):
+            code, out, err = walk(command[0], f"{name}.toml", *command[1:])
+            said = " ".join(f"{out} {err}".split())
+            assert code == 0
+            assert ("is far above what dry contacts have (below about 2)" in said) is far
+
+
+def test_what_was_read_stands_beside_the_travel(walk):
+    per_cycle = '[[trial]]\ntravel_per_cycle = "63.5 mm"\nuncertainty = "0.5 mm"\n'
+    text = CART.read_text() + per_cycle
+    Path("cart.toml").write_text(text)
+    for command in (("select", "--laws", "coulomb", "-o", "out"), ("fit", "--law", "coulomb")):
+        code, out, err = walk(command[0], "cart.toml", *command[1:])
+        assert code == 0, err
+        assert "travel per cycle" in " ".join(out.split())
+        assert "63.5 mm" in out
