@@ -18,11 +18,13 @@ from stickslip import (
     SpringBlock,
     ThreePhase,
     load_rig,
+    select,
     simulate,
 )
 from stickslip.cli import main
 from stickslip.cli.console import plain
 from stickslip.cli.simulate import _event_rows
+from stickslip.cli.verdict_tables import show_verdict
 from stickslip.experiments import LawEstimates, carried, extrapolations
 from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.trajectory import Event
@@ -391,3 +393,29 @@ def test_a_page_that_is_there_is_kept_and_the_option_for_another_folder_named(wa
     code, _, err = walk("simulate", CART, "--t-end", 0.1, "--report")
     assert code == 2
     assert "give --force to replace it, or another --report-to FOLDER" in err
+
+
+def test_a_mass_in_the_wrong_unit_shows_in_the_coefficient(walk):
+    slip = BLOCK.replace("0.82 kg", "0.82 g")
+    for name, text, far in (("slip", slip, True), ("right", BLOCK, False)):
+        trials = "".join(TRIAL.format(compression=c, travel=t) for c, t in TRAVELS)
+        Path(f"{name}.toml").write_text(text + trials)
+        for command in (("select", "--laws", "coulomb", "-o", name), ("fit", "--law", "coulomb")):
+            code, out, err = walk(command[0], f"{name}.toml", *command[1:])
+            said = " ".join(f"{out} {err}".split())
+            assert code == 0
+            assert ("is far above what dry contacts have (below about 2)" in said) is far
+
+
+def test_what_was_read_stands_beside_the_travel(walk, capsys):
+    per_cycle = '[[trial]]\ntravel_per_cycle = "63.5 mm"\nuncertainty = "0.5 mm"\n'
+    Path("cart.toml").write_text(CART.read_text() + per_cycle)
+    rig = load_rig("cart.toml")
+    show_verdict(select(rig.mechanism, "coulomb", rig.measurement, t_end=rig.t_end))
+    selected = capsys.readouterr().out
+    assert "travel per cycle" in selected
+    assert "63.5 mm" in selected
+    code, fitted, err = walk("fit", "cart.toml", "--law", "coulomb")
+    assert code == 0, err
+    assert "measured travel per cycle" in fitted
+    assert "63.5 mm" in fitted

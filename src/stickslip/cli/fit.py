@@ -37,6 +37,8 @@ from stickslip.formatting import quantity, signed_percent
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification import FeatureFit, Fit, RecordFit, Score, TravelFit, fit
 from stickslip.identification.features.features import COMPARED
+from stickslip.identification.results import far_above_dry
+from stickslip.identification.travels.model import quantities_read
 from stickslip.identification.trials.comparison import compared
 from stickslip.selection.record_wording import error_text, route_text
 
@@ -168,10 +170,15 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
     console.print(f"\n{result.law.title} friction", markup=False, style="bold")
     show_estimates(result.estimates)
     console.print()
+    for line in far_above_dry(result):
+        console.print(f"! {plain(line)}\n", markup=False, style="yellow")
     if isinstance(result, TravelFit):
-        pairs = zip(result.measured, result.predicted, strict=True)
-        rows = [[plain(quantity(m, "m")), plain(quantity(p, "m"))] for m, p in pairs]
-        show_table("", ["measured travel", "predicted"], rows)
+        rows, read = [], quantities_read(result.trials)
+        for trial, *pair in zip(result.trials, result.measured, result.predicted, strict=True):
+            rows.append([plain(quantity(travel, "m")) for travel in pair])
+            rows[-1] += [plain(trial.as_read(travel)) for travel in pair] if read else []
+        heads = ["measured travel", "predicted"]
+        show_table("", [*heads, f"measured {read}", "predicted"] if read else heads, rows)
         return
     if isinstance(result, FeatureFit):
         assert not isinstance(second, Score)
@@ -179,9 +186,9 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
         return
     assert isinstance(result, RecordFit)
     assert not isinstance(second, Mapping)
-    quantity, found = result.problem.quantity, result.found
-    said = partial(error_text, quantity=quantity, turning=result.measurement.turning)
-    console.print(f"Residual of {quantity}: {said(result.rms)}", markup=False)
+    scored, found = result.problem.quantity, result.found
+    said = partial(error_text, quantity=scored, turning=result.measurement.turning)
+    console.print(f"Residual of {scored}: {said(result.rms)}", markup=False)
     if second is not None:
         console.print(
             f"On the second record: {said(second.rms)}, {_predicted(result, second)}", markup=False

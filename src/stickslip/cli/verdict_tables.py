@@ -11,6 +11,7 @@ from stickslip.experiments import Checks
 from stickslip.formatting import interval, percent, quantity, signed_percent, significant
 from stickslip.identification import Estimate, TrialComparison
 from stickslip.identification.features.features import COMPARED
+from stickslip.identification.travels.model import Trial, quantities_read, trials_of
 from stickslip.selection import (
     Candidate,
     FeatureCandidate,
@@ -69,22 +70,29 @@ def show_verdict(verdict: AnyVerdict) -> None:
 
 
 def _of_travels(verdict: TravelVerdict) -> Comparison:
-    heads = ["law", "fitted", "range", "travel", "velocity never < 0"]
+    trials = trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)
+    read = quantities_read(trials)
+    heads = ["law", "fitted", "range", "travel", *([read] if read else []), "velocity never < 0"]
     heads += ["held-out error, mm"] if verdict.ranked else []
     everyone = verdict.candidates
     notes = [f"{c.title}: {c.unscored}" for c in everyone if verdict.ranked and c.unscored]
-    return Comparison(heads, [_travel_row(c, ranked=verdict.ranked) for c in everyone], notes)
+    first = trials[0] if read else None
+    rows = [_travel_row(c, first, ranked=verdict.ranked) for c in everyone]
+    return Comparison(heads, rows, notes)
 
 
-def _travel_row(candidate: Candidate, *, ranked: bool) -> list[str]:
+def _travel_row(candidate: Candidate, first: Trial | None, *, ranked: bool) -> list[str]:
+    """Return a row; with the first trial, where other quantities than travels were read."""
     if candidate.fit is None or candidate.criteria is None:
-        return [candidate.title, "no value fits", *[NONE] * (3 + ranked)]
+        rest = 3 + (first is not None) + ranked
+        return [candidate.title, "no value fits", *[NONE] * rest]
     found = candidate.fit.estimates
     cells = [
         candidate.title,
         ", ".join(f"{e.quantity.symbol} = {significant(e.value, 3)}" for e in found),
         ", ".join(interval(e.low, e.high) for e in found),
         plain(quantity(candidate.criteria.travel, "m")),
+        *([] if first is None else [plain(first.as_read(candidate.criteria.travel))]),
         "yes" if candidate.criteria.velocity_never_negative else "no",
     ]
     score = NONE if candidate.score is None else significant(1e3 * candidate.score, 3)

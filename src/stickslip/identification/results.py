@@ -13,12 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypeVar, override
 
 from stickslip.display import OnAxes, Summary
-from stickslip.experiments.estimates import HARD, LawEstimates, Levels, spread_of
+from stickslip.experiments.estimates import HARD, LawEstimates, Levels, levels_at, spread_of
 from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.formatting import (
     EstimateText,
     estimate_text,
     interval,
+    joined,
     number,
     with_unit,
     within,
@@ -30,7 +31,7 @@ from stickslip.quantities import Quantity, full_path, parameters
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Estimate", "Fit", "Law_co", "estimates_for"]
+__all__ = ["Estimate", "Fit", "Law_co", "estimates_for", "far_above_dry"]
 
 Array: TypeAlias = NDArray[np.float64]
 Law_co = TypeVar("Law_co", bound=FrictionLaw, default=FrictionLaw, covariant=True)
@@ -206,6 +207,35 @@ class Fit(OnAxes, ABC, Generic[Law_co]):
 
 
 FRICTION = "friction."
+DRY = 2.0
+"""Coefficient of friction above which hardly any dry contact lies."""
+
+
+def far_above_dry(fit: Fit) -> tuple[str, ...]:
+    """Return that a fitted coefficient of friction is larger than dry contacts have, if it is.
+
+    Examples
+    --------
+    >>> import stickslip
+    >>> rig = stickslip.SpringBlock(mass=0.82e-3, stiffness=145.0, compression=0.06)  # 0.82 g
+    >>> far_above_dry(stickslip.fit(rig, "coulomb", stickslip.Measurement(travel=0.105)))
+    ('$mu_k$ = 309 is far above what dry contacts have (below about 2): check ...',)
+    """
+    if levels_at(fit.mechanism) != "per load":
+        return ()
+    found = [
+        e
+        for e in fit.estimates
+        if e.path.startswith(FRICTION) and e.quantity.symbol.startswith("mu_") and e.value > DRY
+    ]
+    if not found:
+        return ()
+    said = joined([f"${e.quantity.symbol}$ = {number(e.value)}" for e in found])
+    are = "is" if len(found) == 1 else "are"
+    return (
+        f"{said} {are} far above what dry contacts have (below about {number(DRY)}): check the"
+        " units of mass, stiffness and travels or forces.",
+    )
 
 
 def estimates_for(

@@ -18,6 +18,7 @@ from stickslip.formatting import (
 from stickslip.identification import FeatureFit, StickSlipFeatures
 from stickslip.identification.features.features import FASTER
 from stickslip.identification.features.scores import as_good, room_of
+from stickslip.identification.results import far_above_dry
 from stickslip.selection.feature_verdict import FeatureCandidate, OtherSpeed
 from stickslip.selection.verdict import Wording, score_text
 
@@ -165,7 +166,7 @@ def _seen(features: StickSlipFeatures) -> tuple[str, ...]:
 def _cannot_tell(
     fit: FeatureFit, equal: Sequence[FeatureCandidate], features: StickSlipFeatures
 ) -> tuple[str, ...]:
-    lines = []
+    lines = [*far_above_dry(fit)]
     if equal:
         lines.append(
             f"Which law: {_titles(equal)} can have the same frequency, mean and standard deviation."

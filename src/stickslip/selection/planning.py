@@ -42,6 +42,7 @@ from stickslip.selection.design.discriminating_settings import (
     Separation,
     knob_of,
     predictions,
+    rounded_setting,
     unit_of,
     words_of,
 )
@@ -538,8 +539,8 @@ def _settings(
     mechanism: Mechanism, path: str, ends: tuple[float, float], count: int
 ) -> list[float]:
     """Return equidistant settings, to three digits of the unit in which they are read."""
-    _, factor = unit_of({p: q.unit for p, q, _ in parameters(mechanism, "mechanism")}[path])
-    return [float(f"{factor * one:.3g}") / factor for one in np.linspace(*ends, count)]
+    unit = {p: q.unit for p, q, _ in parameters(mechanism, "mechanism")}[path]
+    return [rounded_setting(one, unit) for one in np.linspace(*ends, count)]
 
 
 def _stopping(
