@@ -4,8 +4,11 @@ import dataclasses
 import hashlib
 import json
 import math
+import tomllib
+from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
+from typing import final
 
 import pytest
 
@@ -790,3 +793,20 @@ def test_a_unit_of_neither_kind_is_refused(tmp_path):
     file.write_text(CAPSULE.format(amplitude="10 kg", limit="30 N"))
     with pytest.raises(InputError, match=r"amplitude \(theta_m\) must be in m .* '10 kg'"):
         load_rig(file)
+
+
+@pytest.mark.parametrize(
+    "title", ["Friction of a µ-stage, 20 °C", 'a "quote" and a \\', "1\n2\x7f\x00"]
+)
+def test_any_title_is_written_so_that_it_is_read_again(read, title):
+    assert read(rig_toml(SpringBlock(mass=1.0), NO_FRICTION, title=title)).title == title
+
+
+def test_a_law_whose_name_is_no_bare_key_is_written_so_that_it_is_read_again():
+    @final
+    @dataclass(frozen=True, kw_only=True)
+    class Named(Coulomb):
+        name = "my law, 2nd"
+
+    written = rig_toml(SpringBlock(mass=1.0), Named(kinetic_coefficient=0.5))
+    assert tomllib.loads(written)["friction"]["my law, 2nd"]["kinetic_coefficient"] == 0.5
