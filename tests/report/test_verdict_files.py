@@ -9,13 +9,17 @@ import pytest
 import stickslip
 from stickslip import (
     Axis,
+    Capsule,
     Coulomb,
     CoulombViscous,
     Measurement,
     SpringBlock,
+    Square,
+    Torque,
     Viscous,
     load_rig,
     select,
+    simulate,
     write_report,
 )
 from stickslip.cli import main
@@ -109,3 +113,14 @@ def test_only_verdicts_are_reported(tmp_path):
     with pytest.raises(InputError, match="a report is of a verdict of `select`, got dict"):
         write_report({}, tmp_path / "none")
     assert not (tmp_path / "none").exists()
+
+
+def test_travels_per_cycle_have_a_page(tmp_path):
+    push = Torque(drive=Square(high=6.0, low=-1.0, period=0.4, duty=0.3))
+    capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, stiffness=80.0, damping=0.8, drive=push)
+    law = Coulomb(kinetic_coefficient=0.18)
+    way = float(simulate(capsule, law, t_end=4.0).at(4.0)["x"][0])
+    reading = Measurement(travel_per_cycle=way / 10.0, uncertainty=5e-4)
+    verdict = select(capsule, ["coulomb"], reading, t_end=4.0)
+    page = write_report(verdict, tmp_path, title="Capsule").read_text(encoding="utf-8")
+    assert page.startswith("<!doctype html>")

@@ -21,6 +21,7 @@ from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.travels.texts import (
     estimate_range,
+    measured_band,
 )
 from stickslip.selection import TravelVerdict
 from stickslip.selection.design.discriminating_settings import Proposal
@@ -176,7 +177,8 @@ def certificate_section(verdict: TravelVerdict) -> Section:
 
 def _data(verdict: TravelVerdict) -> KeyValue:
     records = verdict.measurement.records()
-    half = records[0].uncertainty.get("travel")
+    band = measured_band(verdict)
+    half = 0.5 * (band[1] - band[0]) if band else 0.0
     doubt = f"± {formatting.quantity(half, 'm', 1)}" if half else "without a stated uncertainty"
     if len(records) == 1:
         kind = {"rounding": "its rounding", "standard": "standard error", "interval": "interval"}
