@@ -195,9 +195,9 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
         return
     assert isinstance(result, RecordFit)
     assert not isinstance(second, Mapping)
-    quantity, found = result.problem.quantity, result.found
-    said = partial(error_text, quantity=quantity, turning=result.measurement.turning)
-    console.print(f"Residual of {quantity}: {said(result.rms)}", markup=False)
+    compared, found = result.problem.quantity, result.found
+    said = partial(error_text, quantity=compared, turning=result.measurement.turning)
+    console.print(f"Residual of {compared}: {said(result.rms)}", markup=False)
     if second is not None:
         console.print(
             f"On the second record: {said(second.rms)}, {_predicted(result, second)}", markup=False
