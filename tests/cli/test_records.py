@@ -186,7 +186,7 @@ def test_a_fitted_law_is_a_rig_file_that_simulate_takes(run, tmp_path):
 def test_fit_takes_travels_too(run):
     code, out, _ = run("fit", "--law", "coulomb", "-o", "law.toml")
     assert code == 0
-    assert "0.2548" in out  # k x0^2 / (2 m g s) of the bundled rig
+    assert "0.255" in out  # k x0^2 / (2 m g s) of the bundled rig
     assert run("simulate", "law.toml", "--law", "coulomb")[0] == 0
 
 

@@ -539,7 +539,7 @@ def test_checks_become_plain_json_and_html():
     assert [f["sentence"] for f in content["findings"]] == list(CLEAN.sentences)
     page = Checks(findings=CLEAN.findings)._repr_html_()
     assert page.count("<li>") == len(CLEAN.findings)
-    assert "1&nbsp;kHz" in page
+    assert "1\xa0kHz" in page
     assert "1 kHz" in str(CLEAN)
 
 

@@ -43,8 +43,7 @@ def inertia_of(
     if value <= 0.0:
         raise InputError(
             f"inverse dynamics finds {quantity(value, 'kg')} for {path}: is the sign of the"
-            " force right"
-            " (gain -1), and does the motion accelerate?"
+            " force right (gain -1), and does the motion accelerate?"
         )
     return Unknown(
         path=path,
