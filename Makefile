@@ -18,7 +18,7 @@ export REQUIRE_DATA ?= 1
 endif
 
 # Tests, examples and pages share their machine code, so that nothing is compiled twice.
-unit docs slow: export STICKSLIP_CACHE ?= $(or $(TMPDIR),/tmp)/stickslip-tests
+unit docs slow: export STICKSLIP_CACHE ?= $(or $(TMPDIR),/tmp)/stickslip/tests
 
 .DEFAULT_GOAL := help
 .PHONY: help select test stubs lint types architecture unit docs bench golden slow fuzz format clean

@@ -11,8 +11,11 @@ import pytest
 from hypothesis import settings
 
 os.environ.setdefault("MPLBACKEND", "Agg")
-# generated modules of the tests stay out of the user's cache, and are shared by its processes
-os.environ.setdefault("STICKSLIP_CACHE", str(Path(tempfile.gettempdir()) / "stickslip-tests"))
+# Generated modules of the tests stay out of the user's cache, and are shared by its processes.
+# Hypothesis looks for constants in all modules but those in a folder of this name: of hundreds of
+# generated ones that takes half a minute.
+CACHE = Path(tempfile.gettempdir()) / "stickslip" / "tests"
+os.environ.setdefault("STICKSLIP_CACHE", str(CACHE))
 
 settings.register_profile("dev", deadline=None)
 settings.register_profile("ci", deadline=None, derandomize=True)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from stickslip import load_rig
 from stickslip.cli import main
 
 ROOT = Path(__file__).parents[2]
@@ -95,6 +96,7 @@ def test_the_same_way_leads_from_three_travels_of_an_own_block_to_a_cart(
         with pytest.raises(SystemExit) as left:
             main(shlex.split(line.removeprefix("stickslip ")))
         assert not left.value.code, line
+    assert load_rig("own-report/law.toml").estimates.covariance_of
     for page in ("own-report", "stickslip-run"):
         text = (tmp_path / page / "index.html").read_text(encoding="utf-8")
         assert "This section could not be made" not in text
