@@ -36,11 +36,13 @@ test: $(DEV) ## run every check but the slow tests
 stubs: $(DEV) ## write the stubs of packages that load their names lazily
 	$(BIN)/python tools/stubs.py
 
-lint: $(DEV) ## formatting and lint rules
+lint: $(DEV) ## formatting, lint rules and sections of docstrings
 	$(call heading,ruff format --check)
 	$(BIN)/ruff format --check .
 	$(call heading,ruff check)
 	$(BIN)/ruff check .
+	$(call heading,docstrings)
+	$(BIN)/python -m tools.docstrings
 
 types: $(DEV) ## static types
 	$(call heading,mypy)

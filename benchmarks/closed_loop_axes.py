@@ -157,9 +157,9 @@ def judge(seed: int, number: int, *, candidates: Sequence[str], route: str) -> d
         began = time.perf_counter()
         verdict = select(
             Axis(inertia=1.5 * rig.axis.inertia),
-            measurement,
             candidates,
-            unknown=("inertia",),
+            measurement,
+            vary=["friction.*", "mechanism.inertia"],
             route=None if route == CHOSEN else route,
         )
         row["seconds"] = time.perf_counter() - began

@@ -308,7 +308,7 @@ def judge(name: str, seed: int, route: str) -> dict[str, Any]:
             Axis(inertia=given),
             type(law),
             measurement,
-            unknown=() if math.isfinite(fault.mass) else ("inertia",),
+            vary=["friction.*", *(() if math.isfinite(fault.mass) else ("mechanism.inertia",))],
             route=route,
             settings=RecordSettings(starts=2),
         )
@@ -348,11 +348,12 @@ def clean(number: int, seed: int, route: str) -> dict[str, Any]:
         assert truth in TRUTHS
         rig = draw(random, truth)
         law, axis, (measurement, _) = rig.law, rig.axis, record(rig, random)
-    free = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
+    plain = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
+    free = plain if truth == "dahl" else ("friction.*",)
     try:
         found = fit(
-            Axis(inertia=1.0), type(law), measurement, unknown=("inertia",), route=route,
-            free=free if truth == "dahl" else None, settings=RecordSettings(starts=2),
+            Axis(inertia=1.0), type(law), measurement, vary=[*free, "mechanism.inertia"],
+            route=route, settings=RecordSettings(starts=2),
         )  # fmt: skip
     except StickslipError as error:
         return row | {"refused": str(error), "said": [], "sentences": []}

@@ -90,7 +90,7 @@ from stickslip import load_rig, select
 from stickslip.report import write_report
 
 rig = load_rig("block.toml")
-verdict = select(rig.mechanism, rig.measurement, ["coulomb", "viscous"])
+verdict = select(rig.mechanism, ["coulomb", "viscous"], rig.measurement)
 print(verdict)
 write_report(verdict, "python-report")
 '''
@@ -107,7 +107,7 @@ title = "EMPS axis"
 
 [mechanism]
 type = "axis"
-inertia = { value = "100 kg", unknown = true }
+inertia = { value = "100 kg", vary = true }
 
 [data]
 file = "train.parquet"
@@ -210,7 +210,7 @@ title = "Slider on paper"
 
 [mechanism]
 type = "towed-block"
-mass = { value = "30.7 g", unknown = true }
+mass = { value = "30.7 g", vary = true }
 stiffness = "1002 N/m"
 speed = "4.3 mm/s"
 
@@ -369,7 +369,7 @@ title = "Axis under control"
 
 [mechanism]
 type = "axis"
-inertia = {{ value = {inertia:.3g}, unknown = true }}
+inertia = {{ value = {inertia:.3g}, vary = true }}
 
 [data]
 file = "axis.csv"

@@ -2,7 +2,8 @@
 
 Mass, Coulomb and viscous friction and a constant force, from the same start values: segments of
 1 s each from its own state where a peer can do that, the same rows. First compiles and imports are
-apart. lmfit integrates a smoothed sign with scipy; mujoco.sysid rolls out a slide joint.
+apart. lmfit integrates a smoothed sign with scipy; mujoco.sysid rolls out a slide joint. Neither
+comes with an extra: ``pip install lmfit 'mujoco[sysid]'``; one that is missing is left out.
 """
 
 import argparse

@@ -92,7 +92,9 @@ def emps_stribeck() -> Iterator[Row]:
 
 
 def emps_selection() -> Iterator[Row]:
-    verdict = select(AXIS, dataset("emps").measurement(), unknown=("inertia",))
+    verdict = select(
+        AXIS, None, dataset("emps").measurement(), vary=["friction.*", "mechanism.inertia"]
+    )
     assert isinstance(verdict, RecordVerdict)
     picked = verdict.best.name if verdict.best else "none"
     yield Row(
@@ -206,12 +208,12 @@ def _slider(file: str) -> tuple[Measurement, TowedBlock]:
 
 def slider() -> Iterator[Row]:
     record, block = _slider("k1002_v4300")
-    free = fit_features(block, Coulomb, record)
+    free = fit_features(block, Coulomb, record, vary=["friction.*", "mechanism.mass"])
     for name, bar in (("frequency", 5.0), ("mean", 6.0), ("standard_deviation", 10.0)):
         error = 100.0 * free.held_out_errors[name]
         what = f"{name.replace('_', ' ')} of the second half, mass free"
         yield _below("slider", what, bar, error, "%", 2)
-    nominal = fit_features(block, Coulomb, record, unknown=())
+    nominal = fit_features(block, Coulomb, record, vary=["friction.*"])
     warned = any("effective mass" in sentence for sentence in nominal.sentences)
     yield Row(
         record="slider",

@@ -128,8 +128,7 @@ def fitted(
         Axis(inertia=1.0),
         law,
         measurement,
-        unknown=("inertia",),
-        free=FREE.get(law.name),
+        vary=[*FREE.get(law.name, ["friction.*"]), "mechanism.inertia"],
         route=route,
         settings=RecordSettings(starts=starts),
     )
@@ -148,9 +147,9 @@ def regrets(
     """Return what was picked, and the errors of all candidates on each fresh record."""
     verdict = select(
         Axis(inertia=1.0),
-        measurement,
         candidates,
-        unknown=("inertia",),
+        measurement,
+        vary=["friction.*", "mechanism.inertia"],
         route=route,
         settings=RecordSettings(starts=starts),
     )

@@ -177,7 +177,7 @@ def judge(
     try:
         measurement = readings(rig, random)
         began = time.perf_counter()
-        verdict = select(rig.block, measurement, candidates, t_end=T_END)
+        verdict = select(rig.block, candidates, measurement, t_end=T_END)
     except StickslipError as error:
         return row | {"failed": str(error), "seconds": time.perf_counter() - began}
     seconds = time.perf_counter() - began

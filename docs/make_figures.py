@@ -49,7 +49,7 @@ def card(name: str, draw: Draw, size: Size, title: str) -> None:
 def separation() -> None:
     """Six laws that agree on the one travel that was measured."""
     rig = load_rig()
-    verdict = select(rig.mechanism, rig.measurement, rig.laws, t_end=rig.t_end)
+    verdict = select(rig.mechanism, rig.laws, rig.measurement, t_end=rig.t_end)
     draw = draw_separation(
         verdict.separations,
         "coulomb",

@@ -1,6 +1,11 @@
+import functools
 import os
+import pickle
+import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -33,3 +38,30 @@ def sections_raise() -> None:
     from stickslip.report.core import documents
 
     documents.CAUGHT = ()
+
+
+PARTS_OF_THE_AUDIT = ("requirements", "step_travels", "consequences", "bristle_rows")
+"""What takes long of the audit of the paper, which many commands on the bundled rig make."""
+
+
+@pytest.fixture(autouse=True, scope="session")
+def parts_of_the_audit_are_made_once() -> None:
+    """Keep what follows from the paper's numbers alone, for all pages of a session."""
+    from stickslip.paper import audit
+
+    module = sys.modules[audit.__module__]
+    for name in PARTS_OF_THE_AUDIT:
+        setattr(module, name, _remembered(getattr(module, name)))
+
+
+def _remembered(function: Callable[..., Any]) -> Callable[..., Any]:
+    made: dict[bytes, Any] = {}
+
+    @functools.wraps(function)
+    def call(*arguments: Any, **settings: Any) -> Any:
+        key = pickle.dumps((arguments, settings))
+        if key not in made:
+            made[key] = function(*arguments, **settings)
+        return made[key]
+
+    return call

@@ -100,31 +100,41 @@ def importers(trees: dict[str, ast.Module], known: dict[str, Path]) -> dict[str,
     return found
 
 
-def public_functions(tree: ast.Module) -> Iterator[tuple[int, str]]:
-    """Yield the number of arguments and the docstring of each public function and method."""
-    bodies = [(tree.body, False)]
+def arguments(function: Function, *, is_method: bool) -> list[str]:
+    """Return the names of the arguments of a function, without the first one of a method."""
+    a = function.args
+    named = [*a.posonlyargs, *a.args][is_method:]
+    rest = [*([a.vararg] if a.vararg else []), *a.kwonlyargs, *([a.kwarg] if a.kwarg else [])]
+    return [one.arg for one in (*named, *rest)]
+
+
+def public_functions(tree: ast.Module) -> Iterator[tuple[str, Function, list[str]]]:
+    """Yield the name, the definition and the arguments of each public function and method."""
+    bodies = [(tree.body, "")]
     bodies += [
-        (node.body, True)
+        (node.body, f"{node.name}.")
         for node in tree.body
         if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
     ]
-    for body, is_class in bodies:
+    for body, owner in bodies:
         for node in body:
             if not isinstance(node, Function) or node.name.startswith("_"):
                 continue
             marks = {ast.unparse(mark).rpartition(".")[2] for mark in node.decorator_list}
             if marks & {"override", "overload", "property", "cached_property", "setter"}:
                 continue  # documented where they are declared, or attributes
-            a = node.args
-            count = len(a.posonlyargs) + len(a.args) + len(a.kwonlyargs)
-            count += (a.vararg is not None) + (a.kwarg is not None)
-            count -= is_class and "staticmethod" not in marks
-            yield count, ast.get_docstring(node) or ""
+            is_method = bool(owner) and "staticmethod" not in marks
+            yield f"{owner}{node.name}", node, arguments(node, is_method=is_method)
 
 
 def share_documented(trees: Sequence[ast.Module], least: int) -> str:
     """Return how many public functions with so many arguments have a section Parameters."""
-    texts = [text for tree in trees for n, text in public_functions(tree) if n >= least]
+    texts = [
+        ast.get_docstring(function) or ""
+        for tree in trees
+        for _, function, names in public_functions(tree)
+        if len(names) >= least
+    ]
     told = sum("Parameters\n----" in text for text in texts)
     return f"{told} of {len(texts)} ({told / len(texts):.0%})"
 

@@ -17,6 +17,18 @@ SCHEMA_VERSION = 1
 def document(kind: str, content: Mapping[str, Any]) -> dict[str, Any]:
     """Return a JSON document of a kind, with the version of its form.
 
+    Parameters
+    ----------
+    kind : str
+        What the document holds, part of its ``schema``.
+    content : mapping of str to object
+        What it says; NaN and infinity become null.
+
+    Returns
+    -------
+    dict of str to object
+        Schema, version of the package, and the content.
+
     Examples
     --------
     >>> document("fit", {"rms": math.nan})["rms"] is None
@@ -34,7 +46,20 @@ def json_text(content: Mapping[str, Any]) -> str:
 
 
 def write_folder(folder: Path, files: Mapping[str, str | bytes]) -> None:
-    """Write files into a folder; each appears whole, and all were made before the first."""
+    """Write files into a folder; each appears whole, and all were made before the first.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder; made if it is not there.
+    files : mapping of str to str or bytes
+        Content by name; texts are written in UTF-8.
+
+    Raises
+    ------
+    InputError
+        If something cannot be written.
+    """
     made: dict[Path, Path] = {}
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -51,7 +76,20 @@ def write_folder(folder: Path, files: Mapping[str, str | bytes]) -> None:
 
 
 def write_file(path: Path, content: bytes) -> None:
-    """Write a file so that it appears whole or not at all."""
+    """Write a file so that it appears whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        The file; its folder is made if it is not there.
+    content : bytes
+        What it holds.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         temporary = _beside(path, content)

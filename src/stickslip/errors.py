@@ -1,7 +1,9 @@
 """The exceptions of stickslip: each is ours and also the built-in a caller would expect."""
 
 import difflib
-from collections.abc import Iterable
+import functools
+from collections.abc import Callable, Iterable
+from typing import ParamSpec, TypeVar
 
 from typing_extensions import override
 
@@ -11,12 +13,17 @@ __all__ = [
     "ConvergenceError",
     "InputError",
     "ParameterError",
+    "RenamedError",
     "SimulationError",
     "StickslipError",
     "TracingError",
     "UnknownNameError",
     "nearest",
+    "renamed",
 ]
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
 class StickslipError(Exception):
@@ -32,7 +39,17 @@ class ParameterError(InputError):
 
 
 class UnknownNameError(InputError, LookupError):
-    """A name that is not known; the message lists the nearest known ones."""
+    """A name that is not known; the message lists the nearest known ones.
+
+    Parameters
+    ----------
+    kind : str
+        What the name stands for, such as ``"law"``.
+    name : str
+        The unknown name.
+    known : iterable of str
+        The known ones.
+    """
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         name, known = str(name), tuple(sorted(known))
@@ -45,6 +62,10 @@ class UnknownNameError(InputError, LookupError):
     def __reduce__(self) -> tuple[type["UnknownNameError"], tuple[str, str, tuple[str, ...]]]:
         """Rebuild from what it was made of, so that it crosses processes."""
         return type(self), (self.kind, self.name, self.known)
+
+
+class RenamedError(InputError, TypeError):
+    """An argument has the name or the place that it had once; the message gives the new one."""
 
 
 class TracingError(StickslipError, TypeError):
@@ -70,9 +91,53 @@ class ConvergenceError(StickslipError, RuntimeError):
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return the known names closest to `name`, ready to print, or an empty string.
 
+    Parameters
+    ----------
+    name : str
+        The unknown name.
+    known : iterable of str
+        The known ones.
+
+    Returns
+    -------
+    str
+        At most two names in quotes, joined by "or".
+
     Examples
     --------
     >>> nearest("frction", ["friction", "mechanism"])
     "'friction'"
     """
     return " or ".join(repr(word) for word in difflib.get_close_matches(name, list(known), n=2))
+
+
+RENAMED = {
+    "unknown": "`unknown` is now `vary`: vary=['friction.*', 'mechanism.inertia']",
+    "free": "`free` is now `vary`: vary=['kinetic_coefficient']; what is not named is held",
+    "known": "`known` is now `fixed`: fixed={'viscous_coefficient': 0.4}",
+    "watch": "`watch` is now `progress`, called with the same values",
+    "compiling": "`compiling` is now `progress`, called with 'compiling: ...' and the share done",
+}
+"""What was an argument's name once, and what it is now."""
+
+
+def renamed(verb: Callable[P, R]) -> Callable[P, R]:
+    """Make a function refuse arguments by the names that they had once, and say the new ones.
+
+    Examples
+    --------
+    >>> @renamed
+    ... def fit(*, progress=None): ...
+    >>> fit(watch=print)
+    Traceback (most recent call last):
+    stickslip.errors.RenamedError: fit: `watch` is now `progress`, called with the same values.
+    """
+
+    @functools.wraps(verb)
+    def call(*args: P.args, **kwargs: P.kwargs) -> R:
+        for name in kwargs:
+            if name in RENAMED:
+                raise RenamedError(f"{verb.__name__}: {RENAMED[name]}.")
+        return verb(*args, **kwargs)
+
+    return call

@@ -21,6 +21,12 @@ def attach(
     homes : mapping of str to str
         By public name, the module of the package that defines it.
 
+    Returns
+    -------
+    (callable, callable)
+        ``__getattr__``, which raises `AttributeError` for names that are not listed, and
+        ``__dir__``.
+
     Examples
     --------
     >>> load, names = attach("stickslip", {"Coulomb": "friction", "simulate": "simulation"})

@@ -94,6 +94,18 @@ def power(base: Scalar, exponent: Scalar) -> Scalar:
     Stages of a solver overshoot v = 0 by a little; a fractional power and its derivatives would be
     NaN there, and are 0 instead.
 
+    Parameters
+    ----------
+    base : float or array
+        The base.
+    exponent : float or array
+        The exponent.
+
+    Returns
+    -------
+    float or array
+        The power.
+
     Examples
     --------
     >>> power(4.0, 0.5), power(-1e-9, 0.5)
@@ -126,6 +138,11 @@ def where(condition: Any, yes: Scalar, no: Scalar, events: tuple[str, str] | Non
     events : (str, str), optional
         What to call the switch in the events of a run, when it comes true and when it ceases to
         hold. Without names it stays inside.
+
+    Returns
+    -------
+    float or array
+        The branch that the condition chooses, entry by entry for arrays.
 
     Examples
     --------

@@ -13,7 +13,7 @@ import typing
 from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
 
-from stickslip.errors import ParameterError, StickslipError, UnknownNameError
+from stickslip.errors import ParameterError, StickslipError, UnknownNameError, nearest
 
 __all__ = [
     "Converted",
@@ -133,7 +133,27 @@ class Quantity:
         return text or "a finite number" + unit
 
     def check(self, owner: str, name: str, value: object) -> float:
-        """Return `value` as a float, or raise `ParameterError` that says how to mend it."""
+        """Return `value` as a float, or raise `ParameterError` that says how to mend it.
+
+        Parameters
+        ----------
+        owner : str
+            Class or function that asks, for the error.
+        name : str
+            Name of the parameter, for the error.
+        value : object
+            What was given.
+
+        Returns
+        -------
+        float
+            The value, in the unit of the quantity.
+
+        Raises
+        ------
+        ParameterError
+            If the value is no finite number in the allowed range.
+        """
         label = f"{owner}.{name} ({self.symbol})"
         if isinstance(value, bool) or not isinstance(value, numbers.Real):
             raise ParameterError(f"{label} must be a number, {self.range}, got {value!r}.")
@@ -219,6 +239,18 @@ def fields_of(cls: type) -> Mapping[str, Quantity]:
 def parameters(root: Parametrised, prefix: str) -> Iterator[tuple[str, Quantity, float]]:
     """Yield path, quantity and value of each parameter that stands in the equations.
 
+    Parameters
+    ----------
+    root : Parametrised
+        The object at the root of the paths.
+    prefix : str
+        First part of the paths, such as ``"friction"``.
+
+    Yields
+    ------
+    (str, Quantity, float) (str, Quantity, float)
+        Path, quantity and value [SI] of a parameter.
+
     Examples
     --------
     >>> from stickslip import Coulomb
@@ -244,7 +276,20 @@ def parameters(root: Parametrised, prefix: str) -> Iterator[tuple[str, Quantity,
 
 
 def unchecked(kind: type[T], **values: Any) -> T:
-    """Make an object from values that were checked elsewhere, or that are symbols of tracing."""
+    """Make an object from values that were checked elsewhere, or that are symbols of tracing.
+
+    Parameters
+    ----------
+    kind : type
+        Class of the object, whose constructor is not run.
+    **values : object
+        Attributes by name.
+
+    Returns
+    -------
+    instance of kind
+        The object.
+    """
     made = object.__new__(kind)
     for name, value in values.items():
         object.__setattr__(made, name, value)
@@ -255,6 +300,20 @@ def shadow(root: T, prefix: str, symbol: Callable[[str], Any]) -> T:
     """Copy `root` with each parameter of the equations replaced by `symbol(path)`, unchecked.
 
     This is how equations written for numbers are traced: the same methods run on symbols.
+
+    Parameters
+    ----------
+    root : T
+        The object at the root of the paths.
+    prefix : str
+        First part of the paths.
+    symbol : callable
+        Called with the path of each parameter; returns what takes its place.
+
+    Returns
+    -------
+    same type as root
+        The copy.
     """
     values = {}
     quantities = fields_of(type(root))
@@ -310,6 +369,20 @@ def _structure_of(value: Any) -> Any:
 def vary(root: T, prefix: str, changes: Mapping[str, float | None]) -> T:
     """Return `root` with the parameters at the given full paths changed, checked as ever.
 
+    Parameters
+    ----------
+    root : T
+        The object at the root of the paths.
+    prefix : str
+        First part of the paths.
+    changes : mapping of str to float or None
+        New values [SI] by full path.
+
+    Returns
+    -------
+    same type as root
+        The changed copy.
+
     Raises
     ------
     UnknownNameError
@@ -348,18 +421,60 @@ def _vary_member(member: Any, prefix: str, changes: Mapping[str, float | None]) 
     raise UnknownNameError("parameter", next(iter(changes)), [])
 
 
-def full_path(path: str, known: Collection[str]) -> str:
-    """Return the full path for a full path, or for a last name that only one of the known has."""
+def full_path(path: str, known: Collection[str], kind: str = "parameter") -> str:
+    """Return the full path for a full path, or for a last name that only one of the known has.
+
+    Parameters
+    ----------
+    path : str
+        A full path, or its last name.
+    known : collection of str
+        Full paths.
+    kind : str
+        What the path is of, for the message.
+
+    Returns
+    -------
+    str
+        The full path.
+
+    Raises
+    ------
+    UnknownNameError
+        If no path, or more than one, has that last name.
+    """
     if path in known:
         return path
     same = [full for full in known if full.rpartition(".")[2] == path]
     if len(same) == 1:
         return same[0]
-    raise UnknownNameError("parameter", path, same or known)
+    ends = {full.rpartition(".")[2] for full in known}
+    closer = not nearest(path, known) and bool(nearest(path, ends))
+    raise UnknownNameError(kind, path, same or (ends if closer else known))
 
 
 def named(registry: Mapping[str, Any], name: str, kind: str) -> Any:
-    """Look a name up, or say which known names are nearest."""
+    """Look a name up, or say which known names are nearest.
+
+    Parameters
+    ----------
+    registry : mapping of str to object
+        What is known, by name.
+    name : str
+        Name to look up.
+    kind : str
+        What such a name stands for, such as ``"law"``, for the error.
+
+    Returns
+    -------
+    object
+        What the registry has under the name.
+
+    Raises
+    ------
+    UnknownNameError
+        If the name is not in the registry.
+    """
     if name not in registry:
         raise UnknownNameError(kind, name, registry)
     return registry[name]
@@ -367,6 +482,20 @@ def named(registry: Mapping[str, Any], name: str, kind: str) -> Any:
 
 def gathered(ours: Mapping[str, type[T]], group: str, base: type[T]) -> Mapping[str, type[T]]:
     """Return our classes by name, and those that installed packages register in a group.
+
+    Parameters
+    ----------
+    ours : mapping of str to type
+        Classes of the package by name.
+    group : str
+        Name of the group of entry points.
+    base : type
+        Class that they are derived from.
+
+    Returns
+    -------
+    mapping of str to type
+        Classes by name; cannot be written to.
 
     Raises
     ------

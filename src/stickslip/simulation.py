@@ -218,7 +218,20 @@ def _numbers(run: Trajectory) -> str:
 
 
 def check_pair(mechanism: object, law: object) -> None:
-    """Refuse what is no mechanism or no law."""
+    """Refuse what is no mechanism or no law.
+
+    Parameters
+    ----------
+    mechanism : object
+        What was given as mechanism.
+    law : object
+        What was given as law.
+
+    Raises
+    ------
+    InputError
+        If one of them is of another kind.
+    """
     if not isinstance(mechanism, Mechanism):
         raise InputError(f"mechanism must be a Mechanism such as SpringBlock, got {mechanism!r}.")
     if not isinstance(law, (FrictionLaw, PrintedForm)):
@@ -240,7 +253,31 @@ def initial_state(
     law: FrictionLaw | PrintedForm,
     y0: Mapping[str, float] | Sequence[float] | None,
 ) -> list[float]:
-    """Return the initial state in order, checked."""
+    """Return the initial state in order, checked.
+
+    Parameters
+    ----------
+    owner : str
+        Function that asks, for the error.
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw or PrintedForm
+        Friction of its contact.
+    y0 : mapping of str to float, sequence of float or None
+        Values [SI] of some states by name, or of all in order; where the mechanism begins if None.
+
+    Returns
+    -------
+    list of float (coordinates + rates + bristles,)
+        Values [SI] of all states.
+
+    Raises
+    ------
+    UnknownNameError
+        If a name is no state.
+    InputError
+        If `y0` is no mapping or sequence, or has the wrong length.
+    """
     bristles = law.bristles if isinstance(law, (BristleLaw, PrintedForm)) else ()
     names = (*mechanism.coordinates, *mechanism.rates, *bristles)
     if y0 is None:

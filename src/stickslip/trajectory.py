@@ -7,6 +7,9 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from typing_extensions import override
+
+from stickslip.display import InPanels, OnAxes, Summary, require_library
 from stickslip.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -108,7 +111,7 @@ class Certificate:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Trajectory:
+class Trajectory(InPanels):
     """A run: an array for each state, defined at any time between its start and its end.
 
     Examples
@@ -206,6 +209,8 @@ class Trajectory:
         ------
         InputError
             If the solver gives no sensitivities, or a name is unknown.
+        UnknownNameError
+            If the run has no state of that name.
 
         Examples
         --------
@@ -254,32 +259,37 @@ class Trajectory:
         return pd.DataFrame({"t": self.t, **{name: self[name] for name in self.names}}) + 0
 
     def to_xarray(self) -> "xr.Dataset":
-        """Return the columns as an xarray Dataset over time, with units."""
+        """Return the columns as an xarray Dataset over time, with units.
+
+        Raises
+        ------
+        InputError
+            If xarray is not installed.
+        """
+        require_library("xarray", "xarray", "use to_dataframe")
         import xarray as xr
 
         columns = {
             name: ("t", self[name], {"units": self.units.get(name, "1")}) for name in self.names
         }
-        return xr.Dataset(
-            columns, {"t": ("t", self.t, {"units": "s"})}, {"status": self.status.value}
-        )
+        times = {"t": ("t", self.t, {"units": "s"})}
+        return xr.Dataset(columns, times, {"status": self.status.value})
 
-    def _repr_html_(self) -> str:
-        rows: Sequence[tuple[str, str]] = (
-            ("status", self.status.value),
+    @override
+    def _summary(self) -> Summary:
+        rows = (
             ("time", f"{self.span[0]:g} to {self.span[1]:g} s"),
             ("columns", ", ".join(self.names)),
-            ("events", str(len(self.events))),
+            ("events", len(self.events)),
             ("energy error", f"{self.certificate.energy_error:.1e}"),
             ("certified", "yes" if self.certificate.certified else "no"),
-            *(("near a limit", text) for text in self.certificate.warnings),
         )
-        cells = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in rows)
-        return f"<table>{cells}</table>"
+        notes = (*self.certificate.problems, *self.certificate.warnings)
+        return Summary(sentence=self.status.value, rows=rows, notes=notes)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Ensemble:
+class Ensemble(OnAxes):
     """Many runs of one mechanism with one law: outputs, status and certificate, a row a run.
 
     Examples
@@ -336,10 +346,34 @@ class Ensemble:
         columns["status"] = [status.name for status in self.status]
         return pd.DataFrame(columns | {"certified": self.certified})
 
-    def _repr_html_(self) -> str:
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the same as an xarray Dataset over the runs.
+
+        Parameters are coordinates; an output with several numbers has a dimension of its own,
+        ``"way_index"`` for ``"way"``.
+
+        Raises
+        ------
+        InputError
+            If xarray is not installed.
+        """
+        require_library("xarray", "xarray", "use to_dataframe")
+        import xarray as xr
+
+        columns: dict[str, Any] = {
+            name: (("run",) if values.ndim == 1 else ("run", f"{name}_index"), values)
+            for name, values in self.outputs.items()
+        }
+        columns["status"] = ("run", [status.name for status in self.status])
+        columns["certified"] = ("run", self.certified)
+        coordinates = {path: ("run", values) for path, values in self.parameters.items()}
+        return xr.Dataset(columns, coordinates)
+
+    @override
+    def _summary(self) -> Summary:
         counts = {s: int((self.status == s).sum()) for s in Status}
         rows = [("runs", str(len(self))), ("outputs", ", ".join(self.outputs))]
         rows += [(status.value, str(count)) for status, count in counts.items() if count]
         rows.append(("certified", str(int(self.certified.sum()))))
-        cells = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in rows)
-        return f"<table>{cells}</table>"
+        complete = sum(count for status, count in counts.items() if status.complete)
+        return Summary(sentence=f"{complete} of {len(self)} runs lasted to their end.", rows=rows)

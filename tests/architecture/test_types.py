@@ -43,7 +43,7 @@ from stickslip import (
     TowedBlock, TravelVerdict, TwoMassAxis, average_velocity, closed_loop, ensemble, fit, load_rig,
     load_measurement, sample_posterior, select, simulate,
 )
-from stickslip.plots import draw_run, save
+from stickslip.plots import draw_run, plot_run, plot_separation, save
 
 block = SpringBlock(mass=1, stiffness=100.0, drive=Pulse(level=10.0, duration=0.1))
 law = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
@@ -70,13 +70,14 @@ reveal_type(result)
 print(result.law.kinetic_coefficient, result.estimates[0].low, result.to_law().name)
 reveal_type(fit(block, law, one).law)
 reveal_type(fit(block, "lugre", one).law)
-found = fit(Axis(inertia=1.0), CoulombViscous, table, route="force-map", unknown="inertia")
+found = fit(Axis(inertia=1.0), CoulombViscous, table, route="force-map",
+            vary=["friction.*", "mechanism.inertia"], fixed={"mechanism.offset": 0})
 print(found.law.viscous_coefficient)
 if isinstance(found, RecordFit):
     reveal_type(found.score(record))
 reveal_type(sample_posterior(found, steps=100))
 
-verdict = select(block, record, [Coulomb, "lugre", Stribeck], purpose="position")
+verdict = select(block, [Coulomb, "lugre", Stribeck], record, purpose="position")
 reveal_type(verdict)
 reveal_type(verdict.sentence)
 if verdict.best is not None:
@@ -97,6 +98,16 @@ reveal_type(average_velocity(capsule, law, {"mechanism.inner_mass": [0.1, 0.2]})
 reveal_type(closed_loop(block, law, PID(proportional=1.0), period=0.001, t_end=1.0))
 reveal_type(st.LAWS["coulomb"])
 reveal_type(st.__version__)
+reveal_type(run.plot())
+reveal_type(result.plot())
+reveal_type(verdict.plot())
+reveal_type(runs.plot())
+reveal_type(plot_run(run, run.plot(), normal_force=True))
+reveal_type(result.to_dataframe())
+reveal_type(verdict.to_dataframe())
+reveal_type(runs.to_xarray())
+if isinstance(verdict, TravelVerdict):
+    plot_separation(verdict, verdict.plot()).set_title("next")
 reveal_type(draw_run(run))
 """
 REVEALED = (
@@ -124,12 +135,21 @@ REVEALED = (
     "ClosedLoop",
     "type[FrictionLaw]",
     "str",
+    "ndarray[tuple[Any, ...], dtype[object_]]",
+    "Axes",
+    "Axes",
+    "Axes",
+    "ndarray[tuple[Any, ...], dtype[object_]]",
+    "DataFrame",
+    "DataFrame",
+    "Dataset",
 )
 
 MISTAKES = """
 from stickslip import *
 from stickslip import Coloumb  # !
 import stickslip
+import stickslip.plots
 
 block = SpringBlock(mass=1.0)
 law = Coulomb(kinetic_coefficient=0.25)
@@ -160,15 +180,21 @@ fit(block, reading, law)  # !
 fit(block, Coulomb, reading).law.viscous_coefficient  # !
 fit(block, Coulomb, reading, route="shoting")  # !
 fit(block, Coulomb, reading).residuals  # !
-select(block, reading, [Coulomb, SpringBlock])  # !
-select(block, reading, purpose="positon")  # !
-select(block, reading).best.name  # !
+select(block, [Coulomb, SpringBlock], reading)  # !
+select(block, None, reading, purpose="positon")  # !
+select(block, None, reading, unknown=["mass"])  # !
+select(block, reading, [Coulomb])  # !
+select(block, None, reading).best.name  # !
 ensemble(block, law, {"friction.kinetic_coefficient": [0.1, 0.2]})  # !
 ensemble(block, law, {}, t_end=1.0, outputs={"fastest": "v"})  # !
 average_velocity(block, law, [1.0])  # !
 closed_loop(block, law, 3.0, period=0.001, t_end=1.0)  # !
 optimise_profile(block, law, limits=Limits(), goal="beauty")  # !
 animate(simulate(block, law, t_end=1.0), law, "a.gif")  # !
+simulate(block, law, t_end=1.0).plot("axes")  # !
+simulate(block, law, t_end=1.0).plot().set_title("panels")  # !
+fit(block, Coulomb, reading).plot(color="red")  # !
+stickslip.plots.plot_run(law)  # !
 y: int = load_rig()  # !
 stickslip.simulte  # !
 stickslip.__version__ + 1  # !

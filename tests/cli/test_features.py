@@ -13,7 +13,7 @@ title = "Slider"
 subject = "made up"
 [mechanism]
 type = "towed-block"
-mass = { value = "30 g", unknown = true }
+mass = { value = "30 g", vary = true }
 stiffness = "1000 N/m"
 speed = "4 mm/s"
 load = "0.3 N"
@@ -38,7 +38,7 @@ def run(capsys, monkeypatch, tmp_path, table):
     monkeypatch.chdir(tmp_path)
     np.savetxt(tmp_path / "pull.csv", table, delimiter=",", header="t,F", comments="")
     (tmp_path / "slider.toml").write_text(RIG)
-    held = RIG.replace('{ value = "30 g", unknown = true }', '"30 g"')
+    held = RIG.replace('{ value = "30 g", vary = true }', '"30 g"')
     (tmp_path / "held.toml").write_text(held)
 
     def call(*arguments):

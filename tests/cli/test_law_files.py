@@ -18,11 +18,13 @@ from stickslip import (
     SpringBlock,
     ThreePhase,
     load_rig,
+    select,
     simulate,
 )
 from stickslip.cli import main
 from stickslip.cli.console import plain
 from stickslip.cli.simulate import _event_rows
+from stickslip.cli.verdict_tables import show_verdict
 from stickslip.experiments import LawEstimates, carried, extrapolations
 from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.trajectory import Event
@@ -361,3 +363,59 @@ def test_a_sweep_and_an_animation_take_the_same_file(walk):
     vary = ("--vary", "mechanism.pendulum.profile.slow=25:30:2", "--cycles", 2, "--settle", 2)
     code, out, _ = walk("sweep", CART, *options, *vary)
     assert (code, json.loads(out)["law"]) == (0, "coulomb-viscous")
+
+
+def test_a_level_at_rest_that_nobody_gave_is_said_to_be_taken_equal(walk):
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    write("law.toml", block, LAW, KNOWN)
+    said = "mu_s was neither measured nor given: it is taken equal to mu_k"
+    code, _, err = walk("simulate", CART, "--law", "law.toml", "--t-end", PERIOD, "--report")
+    assert code == 0
+    assert said in err
+    page = Path("stickslip-run/index.html").read_text()
+    assert "Static coefficient" in page
+    assert "assumed, not measured" in page
+    assert "By how much static friction exceeds sliding friction" in page
+    given = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.3)
+    write("law.toml", block, given, KNOWN)
+    code, _, err = walk("simulate", CART, "--law", "law.toml", "--t-end", PERIOD)
+    assert (code, said in err) == (0, False)
+
+
+def test_a_verdict_is_no_law_and_the_file_beside_it_is_named(walk):
+    code, _, err = walk("simulate", CART, "--law", "stickslip-report/verdict.json")
+    assert code == 2
+    assert "--law stickslip-report/law.toml" in err
+
+
+def test_a_page_that_is_there_is_kept_and_the_option_for_another_folder_named(walk):
+    assert walk("simulate", CART, "--t-end", 0.1, "--report")[0] == 0
+    code, _, err = walk("simulate", CART, "--t-end", 0.1, "--report")
+    assert code == 2
+    assert "give --force to replace it, or another --report-to FOLDER" in err
+
+
+def test_a_mass_in_the_wrong_unit_shows_in_the_coefficient(walk):
+    slip = BLOCK.replace("0.82 kg", "0.82 g")
+    for name, text, far in (("slip", slip, True), ("right", BLOCK, False)):
+        trials = "".join(TRIAL.format(compression=c, travel=t) for c, t in TRAVELS)
+        Path(f"{name}.toml").write_text(text + trials)
+        for command in (("select", "--laws", "coulomb", "-o", name), ("fit", "--law", "coulomb")):
+            code, out, err = walk(command[0], f"{name}.toml", *command[1:])
+            said = " ".join(f"{out} {err}".split())
+            assert code == 0
+            assert ("is far above what dry contacts have (below about 2)" in said) is far
+
+
+def test_what_was_read_stands_beside_the_travel(walk, capsys):
+    per_cycle = '[[trial]]\ntravel_per_cycle = "63.5 mm"\nuncertainty = "0.5 mm"\n'
+    Path("cart.toml").write_text(CART.read_text() + per_cycle)
+    rig = load_rig("cart.toml")
+    show_verdict(select(rig.mechanism, "coulomb", rig.measurement, t_end=rig.t_end))
+    selected = capsys.readouterr().out
+    assert "travel per cycle" in selected
+    assert "63.5 mm" in selected
+    code, fitted, err = walk("fit", "cart.toml", "--law", "coulomb")
+    assert code == 0, err
+    assert "measured travel per cycle" in fitted
+    assert "63.5 mm" in fitted

@@ -2,6 +2,7 @@
 
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -178,3 +179,15 @@ def test_settings_of_trials_give_the_range(run, folder):
     assert "Set the compression to 40, 80 and 120 mm" in text
     assert "The settings span the compression of the trials and of the rig, 40 to 120 mm." in text
     assert "Another range is given by --between" in text
+
+
+def test_a_cart_is_refused_before_anything_runs_and_pointed_to_what_is_for_it(run, folder):
+    cart = (Path(__file__).parents[2] / "docs/howto/files/pendulum-cart.toml").read_text()
+    (folder / "cart.toml").write_text(cart)
+    travelled = '\n[[trial]]\ntravel_per_cycle = "48 mm"\n'
+    (folder / "measured.toml").write_text(cart + travelled)
+    said = [run("plan", name) for name in ("cart.toml", "measured.toml")]
+    assert {code for code, _, _ in said} == {2}
+    assert "Simulating" not in said[0][2]
+    assert "docs/howto/fit-cart.md" in said[0][2]
+    assert said[0] == said[1]

@@ -102,8 +102,8 @@ def test_options_of_records_are_refused_for_travels(run, command, option):
         ("known.toml", "--route", "inverse-dynamics"),
     ],
 )
-def test_what_the_rig_gives_is_known_where_it_is_not_free(run, rig):
-    code, out, err = run("fit", *rig, "--free", "kinetic_coefficient", *ONCE, "--json")
+def test_what_the_rig_gives_is_held_where_it_is_not_varied(run, rig):
+    code, out, err = run("fit", *rig, "--vary", "kinetic_coefficient", *ONCE, "--json")
     assert code == 0, err
     found = {e["parameter"]: e["value"] for e in json.loads(out)["estimates"]}
     assert "friction.viscous_coefficient" not in found
@@ -114,7 +114,7 @@ def test_what_the_rig_gives_is_known_where_it_is_not_free(run, rig):
 def test_a_value_that_is_fitted_all_the_same_is_said(run):
     code, _, err = run("fit", "known.toml", *ONCE)
     assert code == 0
-    assert "All of coulomb-viscous is fitted, viscous_coefficient = 30 too; --free names" in err
+    assert "All of coulomb-viscous is fitted, viscous_coefficient = 30 too; --vary names" in err
 
 
 def test_a_saved_fit_is_fitted_again_by_the_law_it_names(run, tmp_path):
@@ -126,9 +126,9 @@ def test_a_saved_fit_is_fitted_again_by_the_law_it_names(run, tmp_path):
 
 
 def test_what_nobody_gives_is_still_asked_for(run):
-    code, _, err = run("fit", "axis.toml", "--free", "kinetic_coefficient", *ONCE)
+    code, _, err = run("fit", "axis.toml", "--vary", "kinetic_coefficient", *ONCE)
     assert code == 2
-    assert "viscous_coefficient (sigma_2) is neither free nor known" in err
+    assert "viscous_coefficient (sigma_2) is neither varied nor fixed" in err
 
 
 def test_fitting_and_judging_are_told_line_by_line_where_no_bar_is_seen(run):
@@ -194,7 +194,7 @@ def pushed(run):
 
 def test_the_bar_has_the_unit_of_the_route_that_is_taken_and_its_reason_is_said(run, pushed):
     rig = load_rig(pushed)
-    asked = Asked(data=(), reading=Reading(), validate=None, unknown=(), how=How())
+    asked = Asked(data=(), reading=Reading(), validate=None, vary=(), fixed=(), how=How())
     assert residuals(measured(rig, asked, given=True))(1.0) == "1.00 N"
     _, out, _ = run("fit", pushed, "--law", "coulomb-viscous", *ONCE)
     assert "Fitted by inverse dynamics, because Coulomb + viscous friction leaves" in " ".join(

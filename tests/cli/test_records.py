@@ -51,7 +51,7 @@ def run(capsys, monkeypatch, tmp_path, write):
     write()
     (tmp_path / "bare.toml").write_text(RIG.format(inertia=5.0))
     (tmp_path / "axis.toml").write_text(
-        RIG.format(inertia='{ value = "5 kg", unknown = true }') + DATA
+        RIG.format(inertia='{ value = "5 kg", vary = true }') + DATA
     )
 
     def call(*arguments):
@@ -208,7 +208,7 @@ def test_the_digest_of_the_inputs_is_that_of_the_data_too(run, write, axis_recor
 def test_only_the_parameters_named_are_free(run):
     own = "friction.coulomb-viscous"
     known = ("--set", f"{own}.kinetic_coefficient=10", "--set", f"{own}.viscous_coefficient=20")
-    free = ("--free", "viscous_coefficient", "--starts", "1", "--json")
+    free = ("--vary", "viscous_coefficient", "--starts", "1", "--json")
     _, out, _ = run("fit", "axis.toml", *known, *free)
     paths = [one["parameter"] for one in json.loads(out)["estimates"]]
     assert "friction.viscous_coefficient" in paths
@@ -224,7 +224,7 @@ BAD = [
     (("select", "axis.toml", "--laws", "dahl-exponents"), "Did you mean 'dahl-exponent'"),
     (("select", "axis.toml", "--purpose", "control"), "simulate, position, compensate"),
     (("select", "axis.toml", "--route", "shoot"), "Did you mean 'shooting'"),
-    (("select", "axis.toml", "--unknown", "inertias"), "inertia"),
+    (("select", "axis.toml", "--vary", "friction.*,inertias"), "Did you mean 'inertia'"),
     (("select", "axis.toml", "--horizon", "0"), "above 0 s"),
     (("select", "axis.toml", "--segment", "-1"), "above 0 s"),
     (("select", "axis.toml", "--hold", "second"), "--hold must be zero or first"),
@@ -233,8 +233,16 @@ BAD = [
     (("select", "--purpose", "position"), "--purpose is for records"),
     (("select", "--validate", "axis.csv", *COLUMNS), "give more trials instead"),
     (("fit", "axis.toml", "--law", "coulom"), "Did you mean 'coulomb'"),
-    (("fit", "axis.toml", "--free", "stiffness"), "stiffness"),
-    (("fit", "axis.toml", "--free", "viscous_coefficient"), "neither free nor known"),
+    (("fit", "axis.toml", "--vary", "stifness"), "Did you mean 'stiffness'"),
+    (("fit", "axis.toml", "--vary", "viscous_coefficient"), "neither varied nor fixed"),
+    (("select", "axis.toml", "--vary", "inertia"), "vary must contain 'friction.*'"),
+    (("fit", "axis.toml", "--fixed", "inertia"), "--fixed takes NAME=VALUE"),
+    (("fit", "axis.toml", "--fixed", "inertia=5 m"), "--fixed mechanism.inertia"),
+    (("fit", "axis.toml", "--fixed", "inertias=5"), "Did you mean 'inertia'"),
+    (("fit", "axis.toml", "--fixed", "inertia=-5"), "above 0"),
+    (("fit", "axis.toml", "--free", "kinetic_coefficient"), "--free is now --vary"),
+    (("fit", "axis.toml", "--unknown", "inertia"), "--unknown is now --vary"),
+    (("select", "axis.toml", "--unknown", "inertia"), "--unknown is now --vary"),
     (("select", "--jobs", "2"), "--jobs is for records"),
     (("fit", "axis.toml", "-o", "law.json"), "takes a .toml file"),
     (("fit", "--segment", "1"), "--segment is for records"),

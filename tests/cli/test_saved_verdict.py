@@ -70,7 +70,7 @@ def test_a_page_that_is_cancelled_leaves_the_verdict_and_says_where(rig, monkeyp
     def cancelled(*_arguments, **_settings):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(command, "rig_report", cancelled)
+    monkeypatch.setattr(command, "verdict_page", cancelled)
     result = run("select", "rig.toml", "--laws", "coulomb")
     assert result.exit_code == 130
     assert "The verdict is in stickslip-report/verdict.json." in " ".join(result.stderr.split())
@@ -81,7 +81,7 @@ def test_a_page_that_fails_costs_neither_the_verdict_nor_the_law(rig, monkeypatc
     def failing(*_arguments, **_settings):
         raise ValueError("no ink")
 
-    monkeypatch.setattr(command, "rig_report", failing)
+    monkeypatch.setattr(command, "verdict_page", failing)
     folder = rig.parent / "stickslip-report"
     folder.mkdir()
     (folder / "index.html").write_text("an earlier page")

@@ -27,7 +27,7 @@ COMMANDS = [
     if kind == "console"
     for part in re.findall(r"^\$ stickslip (.*)\n((?:(?!\$ ).*\n)*)", text, re.MULTILINE)
 ]
-CHAIN = next(text for kind, text in BLOCKS if kind == "sh" and text.startswith("stickslip "))
+CHAIN, OWN = (text for kind, text in BLOCKS if kind == "sh" and text.startswith("stickslip "))
 
 
 def words(text: str) -> list[list[str]]:
@@ -84,6 +84,20 @@ def test_the_chain_leads_from_a_selection_to_the_page_of_a_cart(
     page = (tmp_path / "stickslip-run" / "index.html").read_text(encoding="utf-8")
     assert f"The body moves {said[1]}" in page.replace("\N{NO-BREAK SPACE}", " ")
     assert "This section could not be made" not in page
+
+
+def test_the_same_way_leads_from_three_travels_of_an_own_block_to_a_cart(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "docs").symlink_to(ROOT / "docs")
+    for line in OWN.splitlines():
+        with pytest.raises(SystemExit) as left:
+            main(shlex.split(line.removeprefix("stickslip ")))
+        assert not left.value.code, line
+    for page in ("own-report", "stickslip-run"):
+        text = (tmp_path / page / "index.html").read_text(encoding="utf-8")
+        assert "This section could not be made" not in text
 
 
 @pytest.mark.parametrize("target", sorted(set(LINK.findall(README))))

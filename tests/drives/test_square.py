@@ -22,6 +22,8 @@ from stickslip import (
 )
 
 G = 9.81
+PLAIN = EventDriven(tier="python")
+"""For a few short runs of an ensemble: no other test has their shape, which would be compiled."""
 
 
 def test_a_linear_oscillator_answers_a_square_wave_as_its_fourier_series_says():
@@ -140,7 +142,7 @@ def test_runs_of_an_ensemble_have_their_own_periods_and_duties():
     capsule = Capsule(**CAPSULE, drive=Torque(drive=wave))
     law = Coulomb(kinetic_coefficient=MU)
     paths = {"mechanism.drive.drive.period": periods, "mechanism.drive.drive.duty": duties}
-    found = ensemble(capsule, law, paths, t_end=2.0)
+    found = ensemble(capsule, law, paths, t_end=2.0, solver=PLAIN)
     for row, (period, duty) in enumerate(zip(periods, duties, strict=True)):
         own = Torque(drive=replace(wave, period=float(period), duty=float(duty)))
         run = simulate(replace(capsule, drive=own), law, t_end=2.0)
@@ -150,7 +152,7 @@ def test_runs_of_an_ensemble_have_their_own_periods_and_duties():
 def test_maps_of_mean_velocity_know_the_cycle_of_a_square_wave():
     found = average_velocity(
         driven(), Coulomb(kinetic_coefficient=MU),
-        {"mechanism.drive.drive.period": [0.4, 0.5]}, cycles=4, settle=2,
+        {"mechanism.drive.drive.period": [0.4, 0.5]}, cycles=4, settle=2, solver=PLAIN,
     )  # fmt: skip
     np.testing.assert_allclose(found.velocity, [kicked(F1, D, 0.4) / 0.4, kicked(F1, D, T) / T])
 

@@ -97,6 +97,11 @@ def test_a_table_that_cannot_be_used_is_refused_with_the_file_and_the_cure(read,
     assert said in str(error.value)
 
 
+def test_a_largest_speed_of_zero_is_written(read):
+    known = dataclasses.replace(KNOWN, largest_speed=0.0)
+    assert read(rig_toml(BLOCK, LAW, estimates=known)).estimates == known
+
+
 def test_a_law_that_the_file_does_not_have_is_refused(read):
     with pytest.raises(InputError, match=r"estimates\.law"):
         read(HEAD.replace('law = "coulomb"', 'law = "dahl"'))

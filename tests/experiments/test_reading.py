@@ -1,5 +1,8 @@
 """Files that are not plain tables: MATLAB, several at once, disordered, or no tables at all."""
 
+import io
+import struct
+
 import h5py
 import numpy as np
 import pytest
@@ -7,6 +10,7 @@ from scipy.io import savemat
 
 from stickslip import check, load_measurement
 from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments.readers.mat5_validator import check_structure
 
 TIME = np.arange(100) / 100
 POSITION = np.sin(TIME)
@@ -127,6 +131,30 @@ def test_a_mat_file_whose_bytes_have_shifted_is_refused(folder):
         # whatever is inserted moves the end of a variable away from where its size says
         with pytest.raises(InputError, match=r"data\.mat: "):
             load_measurement("data.mat")
+
+
+TAG = struct.pack("<II", 1, 0) + struct.pack("<HH", 16, 4)
+"""An empty name, and the tag of a text of four bytes behind it."""
+
+
+@pytest.mark.parametrize(
+    ("whole", "damaged", "reason"),
+    [
+        # complex numbers without an imaginary part; 6 is the class of doubles
+        (struct.pack("<II", 6, 0), struct.pack("<II", 6 + 0x800, 0), "no values"),
+        # a name that takes the place of the text
+        (TAG, struct.pack("<II", 1, 1) + struct.pack("<HH", 16, 4), "no characters"),
+        # a type of text that there is not
+        (TAG, struct.pack("<II", 1, 0) + struct.pack("<HH", 89, 4), "no characters"),
+    ],
+)
+def test_a_mat_file_with_which_scipy_ends_the_process_is_refused(whole, damaged, reason):
+    file = io.BytesIO()
+    savemat(file, {"s": {"time": TIME, "note": "text"}})
+    check_structure(file.getvalue())
+    assert whole in file.getvalue()
+    with pytest.raises(ValueError, match=reason):
+        check_structure(file.getvalue().replace(whole, damaged))
 
 
 @pytest.mark.parametrize("order", ["<", ">"])

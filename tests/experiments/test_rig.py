@@ -4,8 +4,11 @@ import dataclasses
 import hashlib
 import json
 import math
+import tomllib
+from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
+from typing import final
 
 import pytest
 
@@ -632,7 +635,7 @@ def test_the_schema_allows_no_other_keys():
 AXIS = """
 [mechanism]
 type = "axis"
-inertia = { value = "95 kg", unknown = true }
+inertia = { value = "95 kg", vary = true }
 damping = { value = 2.0 }
 """
 IN_FILE = """
@@ -666,11 +669,11 @@ def test_data_stand_beside_the_rig_file_and_are_read_as_it_says(axis):
     assert record.values("force").tolist() == pytest.approx([69.3] * 3, rel=1e-12)
 
 
-def test_a_parameter_marked_as_unknown_keeps_its_value_and_is_listed(axis):
+def test_a_parameter_marked_to_be_fitted_keeps_its_value_and_is_listed(axis):
     rig = axis()
-    assert rig.unknown == ("mechanism.inertia",)
+    assert rig.vary == ("mechanism.inertia",)
     assert (rig.mechanism.inertia, rig.mechanism.damping) == (95.0, 2.0)
-    assert axis(**{"mechanism.inertia": "90 kg"}).unknown == ()
+    assert axis(**{"mechanism.inertia": "90 kg"}).vary == ()
 
 
 def test_a_rig_with_data_needs_no_friction(axis):
@@ -699,7 +702,7 @@ def test_the_schema_knows_data_and_marks():
     reading = {"columns", "units", "gain", "offset", "repair", "hold", "conditions"}
     assert {"file", "files", "validate"} | reading == {*table}
     inertia = schema["$defs"]["Axis"]["properties"]["inertia"]["anyOf"]
-    assert any("unknown" in kind.get("properties", ()) for kind in inertia)
+    assert any("vary" in kind.get("properties", ()) for kind in inertia)
     assert "friction" not in schema["required"]
 
 
@@ -718,8 +721,9 @@ def test_the_schema_knows_data_and_marks():
         (AXIS + IN_FILE + 'hold = "second"\n', "must be 'zero' or 'first'"),
         (AXIS + IN_FILE + "repair = []\n", "must not be an empty list"),
         (AXIS + IN_FILE.replace("columns", "colums"), "Did you mean 'columns'"),
-        (AXIS.replace("unknown = true", "unknown = 1"), "write true or false"),
-        (AXIS.replace("unknown = true", "assumed = true"), "the keys value and unknown"),
+        (AXIS.replace("vary = true", "vary = 1"), "write true or false"),
+        (AXIS.replace("vary = true", "assumed = true"), "the keys value and vary"),
+        (AXIS.replace("vary = true", "unknown = true"), "is now vary: write vary = true"),
     ],
 )
 def test_mistakes_in_data_name_the_rig_file_and_the_key(axis, text, message):
@@ -789,3 +793,20 @@ def test_a_unit_of_neither_kind_is_refused(tmp_path):
     file.write_text(CAPSULE.format(amplitude="10 kg", limit="30 N"))
     with pytest.raises(InputError, match=r"amplitude \(theta_m\) must be in m .* '10 kg'"):
         load_rig(file)
+
+
+@pytest.mark.parametrize(
+    "title", ["Friction of a µ-stage, 20 °C", 'a "quote" and a \\', "1\n2\x7f\x00"]
+)
+def test_any_title_is_written_so_that_it_is_read_again(read, title):
+    assert read(rig_toml(SpringBlock(mass=1.0), NO_FRICTION, title=title)).title == title
+
+
+def test_a_law_whose_name_is_no_bare_key_is_written_so_that_it_is_read_again():
+    @final
+    @dataclass(frozen=True, kw_only=True)
+    class Named(Coulomb):
+        name = "my law, 2nd"
+
+    written = rig_toml(SpringBlock(mass=1.0), Named(kinetic_coefficient=0.5))
+    assert tomllib.loads(written)["friction"]["my law, 2nd"]["kinetic_coefficient"] == 0.5

@@ -15,7 +15,7 @@ SAME = "the second record is the one that is fitted"
 def test_select_refuses_its_own_record_whatever_it_is_called():
     again = Measurement(velocity=V, friction=2.0 * np.sign(V), name="another name")
     with pytest.raises(InputError, match=f"{SAME} .'another name'."):
-        select(Axis(inertia=1.0), TABLE, [Coulomb], validate=again)
+        select(Axis(inertia=1.0), [Coulomb], TABLE, validate=again)
 
 
 def test_a_trial_that_was_fitted_is_found_among_others():

@@ -315,4 +315,6 @@ def test_times_in_milliseconds_that_pass_for_seconds_are_doubted(write):
     rows = [f"{1000 * t},{s},{s}" for t, s in zip(TIME, WAY, strict=True)]
     file = write("t,x,y\n" + "\n".join(rows) + "\n", "track.csv")
     (found,) = check(load_measurement(file, columns=PLANE)).of("units")
-    assert str(found).endswith("are times really in seconds?")
+    assert str(found).endswith(
+        "are times really in seconds? If they are in milliseconds, give --unit time=ms."
+    )

@@ -17,7 +17,6 @@ from stickslip.report import Page, Paragraph, Section, Table
 from stickslip.report.core.blocks import Fact, Facts
 from stickslip.report.core.page import render
 from stickslip.report.core.tables import Column, Number, Row
-from stickslip.report.records import record_page
 from stickslip.selection.verdict import score_text
 
 units = st.sampled_from([*PREFIXES, "1", "N s/m", "N s^2/m^2", "kg m^2", "m/s^2", "1/m"])
@@ -102,7 +101,10 @@ def test_one_verdict_has_one_held_out_error(capsys):
     """The fault: "0.02 N, standard error 0.00073 N" in one place, "0.0195 ± 0.0007 N" elsewhere."""
     import numpy as np
 
-    from stickslip.cli.select_records import _show
+    from stickslip.cli.verdict_tables import show_verdict
+    from stickslip.report import render
+    from stickslip.report.core.documents import Origin
+    from stickslip.report.verdict_page import verdict_page
 
     speed = np.linspace(-0.3, 0.3, 120)
     noise = 0.02 * np.random.default_rng(1).normal(size=len(speed))
@@ -114,12 +116,12 @@ def test_one_verdict_has_one_held_out_error(capsys):
     told = verdict.scale.estimate(best.score, best.score_error)
     number = told.removesuffix(f" {verdict.scale.unit}")
     assert "±" in told
-    page = seen_on(record_page(verdict, title="Axis", kicker="", subject="axis.toml", versions={}))
+    page = seen_on(render(verdict_page(verdict, Origin(title="Axis", data="", file="axis.toml"))))
     assert page.count(number) >= 3  # first paragraph, fact, table
     assert f"Held-out error: {told}" in page
     assert f"Held-out error: {told}" in str(json.loads(json_text(verdict.to_dict())))
     capsys.readouterr()
-    _show(verdict)
+    show_verdict(verdict)
     terminal = " ".join(capsys.readouterr().out.split())
     assert f"Held-out error: {told}" in terminal
     assert terminal.count(number) == 2  # first paragraph, table

@@ -35,23 +35,23 @@ MAP = Measurement(velocity=SPEED, friction=3.0 * np.sign(SPEED) + 0.01 * np.cos(
 def test_what_is_no_mechanism_or_no_measurement_is_said_to_be_so(
     verb, mechanism, measurement, words
 ):
-    given = ("coulomb", measurement) if verb is fit else (measurement, ["coulomb"])
+    given = ("coulomb", measurement) if verb is fit else (["coulomb"], measurement)
     with pytest.raises(InputError, match=f"^{verb.__name__} {words}"):
         verb(mechanism, *given)
 
 
 def test_a_single_name_needs_no_list_around_it():
-    with pytest.raises(InputError, match=r"tells nothing of inertia:"):
-        fit(AXIS, "coulomb", MAP, unknown="inertia")
-    with pytest.raises(InputError, match=r"tells nothing of inertia:"):
-        select(AXIS, MAP, ["coulomb"], unknown="inertia")
-    free = fit(AXIS, "coulomb-viscous", MAP, free="kinetic_coefficient")
+    with pytest.raises(InputError, match=r"tells nothing of mechanism\.inertia:"):
+        fit(AXIS, "coulomb", MAP, vary=["friction.*", "mechanism.inertia"])
+    with pytest.raises(InputError, match=r"tells nothing of mechanism\.inertia:"):
+        select(AXIS, ["coulomb"], MAP, vary=["friction.*", "mechanism.inertia"])
+    free = fit(AXIS, "coulomb-viscous", MAP, vary="kinetic_coefficient")
     paths = [one.path for one in free.estimates if one.path.startswith("friction.")]
     assert paths == ["friction.kinetic_coefficient"]
 
 
 @pytest.mark.parametrize("law", ["coulomb", Coulomb, Coulomb(kinetic_coefficient=2.0)])
 def test_a_single_law_may_be_selected_from(law):
-    assert [one.name for one in select(AXIS, MAP, law).candidates] == ["coulomb"]
+    assert [one.name for one in select(AXIS, law, MAP).candidates] == ["coulomb"]
     with pytest.raises(UnknownNameError, match="unknown friction law 'coulom'"):
-        select(AXIS, MAP, "coulom")
+        select(AXIS, "coulom", MAP)

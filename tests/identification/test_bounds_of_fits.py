@@ -33,7 +33,12 @@ def cut(motion, first, count):
 def test_a_short_record_of_one_direction_is_explained_to_its_noise(motion, first, count):
     # regression of so few noisy accelerations finds a level below 0, and a mass that is half or
     # a third: a search that stays near them ends with the level at its upper bound
-    found = fit(Axis(inertia=4.0), CoulombViscous, cut(motion, first, count), unknown=["inertia"])
+    found = fit(
+        Axis(inertia=4.0),
+        CoulombViscous,
+        cut(motion, first, count),
+        vary=["friction.*", "mechanism.inertia"],
+    )
     assert found.at_bounds == {}
     # 59 residuals have their deviation to 9 %: three times that
     assert found.rms < 1.3 * NOISE
@@ -78,7 +83,12 @@ def test_bounds_of_what_turns_are_named_as_torques():
 
 def test_an_interval_of_many_times_the_value_is_none_and_its_size_is_the_reason(motion):
     # at rest and then forwards: the level and the constant force are one number
-    found = fit(Axis(inertia=4.0), CoulombViscous, cut(motion, 0, 100), unknown=["inertia"])
+    found = fit(
+        Axis(inertia=4.0),
+        CoulombViscous,
+        cut(motion, 0, 100),
+        vary=["friction.*", "mechanism.inertia"],
+    )
     level = found.estimate("kinetic_coefficient")
     half = found.inference.half_widths[0]
     assert half > 10.0 * level.value, "the premise: its doubt is many times its value"
@@ -92,7 +102,7 @@ def test_an_interval_of_many_times_the_value_is_none_and_its_size_is_the_reason(
 def test_a_mass_is_found_outside_bounds_about_a_poor_start(motion, monkeypatch):
     t, x, force = motion
     record = Measurement(time=t, position=x, force=force)
-    wanted = {"unknown": ["inertia"], "route": "inverse-dynamics"}
+    wanted = {"vary": ["friction.*", "mechanism.inertia"], "route": "inverse-dynamics"}
     usual = fit(Axis(inertia=5.0), CoulombViscous, record, **wanted).mechanism.inertia
     regressed = inertia.inverse_dynamics(Axis(inertia=5.0), record, robust=True)
     off = regressed.values.copy()

@@ -72,5 +72,6 @@ def test_a_selection_passes_on_how_far_compiling_is(monkeypatch):
     monkeypatch.setattr(
         travels, "compile_for", lambda trials, laws, *, progress: progress(1, 2, "a pair")
     )
-    select(RIG, ONE, [Coulomb], compiling=lambda *news: told.append(news))
-    assert told == [(1, 2, "a pair")]
+    select(RIG, [Coulomb], ONE, progress=lambda *news: told.append(news))
+    assert told[0] == ("compiling: a pair", 0.5)
+    assert {name for name, _ in told[1:]} == {"coulomb"}

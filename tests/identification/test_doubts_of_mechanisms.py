@@ -239,10 +239,10 @@ def test_laws_are_compared_by_the_scatter_where_readings_state_nothing(doubts, m
 
 def test_the_verdict_says_what_limits_the_interval():
     reading = Measurement(travel=0.2, uncertainty=0.001, doubts={K: 2.0})
-    verdict = select(BLOCK, reading, [Coulomb])
+    verdict = select(BLOCK, [Coulomb], reading)
     said = " ".join(verdict.words.settles)
     assert "The stiffness (2 %) limits it more than the reading does." in said
-    better = select(BLOCK, replace(reading, doubts={K: 0.1}), [Coulomb])
+    better = select(BLOCK, [Coulomb], replace(reading, doubts={K: 0.1}))
     said = " ".join(better.words.settles)
     assert "The reading limits it more than the stiffness (0.1 %) does." in said
 
@@ -250,15 +250,15 @@ def test_the_verdict_says_what_limits_the_interval():
 def test_the_verdict_names_a_setting_by_hand_in_millimetres():
     s = [mu_of(100.0, 1.0, x, 0.25) for x in (0.06, 0.08, 0.1)]
     reading = travels([0.06, 0.08, 0.1], s, error=0.0005, doubts={X: 0.001})
-    said = " ".join(select(BLOCK, reading, [Coulomb]).words.settles)
+    said = " ".join(select(BLOCK, [Coulomb], reading).words.settles)
     assert "The compression (1 mm) limits it more than the readings do." in said
 
 
 def test_repeats_that_were_set_anew_do_not_contradict_each_other():
     settings, s = [0.06, 0.1, 0.1], [0.0734, 0.1960, 0.2110]
     reading = travels(settings, s, error=0.0003)
-    assert select(BLOCK, reading, [Coulomb]).best is None
-    assert select(BLOCK, replace(reading, doubts={X: 0.002}), [Coulomb]).best is not None
+    assert select(BLOCK, [Coulomb], reading).best is None
+    assert select(BLOCK, [Coulomb], replace(reading, doubts={X: 0.002})).best is not None
 
 
 RIG = """
@@ -297,7 +297,7 @@ def test_a_rig_file_states_them(tmp_path):
         ('"2 %"', '"2 kg"', r"\(u_k\) must be in N/m"),
         ('"2 %"', "0", r"\(u_k\) must be above 0 N/m"),
         ('"2 %"', '"-1 %"', r"\(u_k\) must be above 0"),
-        ('"2 %" }', '"2 %", unknown = true }', "unknown = true and an uncertainty"),
+        ('"2 %" }', '"2 %", vary = true }', "vary = true and an uncertainty"),
         ("uncertainty = 0.0005", "uncertainy = 0.0005", "keys value and unknown or uncertainty"),
         ('value = "60 mm", ', "", "compression.uncertainty"),
     ],

@@ -90,7 +90,11 @@ def test_naive_intervals_are_several_times_too_narrow(emps):
 
 def test_selection_picks_the_law_with_levels_of_each_direction(emps):
     verdict = select(
-        AXIS, emps, [CoulombViscous, DirectionDependent], unknown=("inertia",), settings=ONE
+        AXIS,
+        [CoulombViscous, DirectionDependent],
+        emps,
+        vary=["friction.*", "mechanism.inertia"],
+        settings=ONE,
     )
     assert verdict.best.name == "direction-dependent"
     scores = {candidate.name: candidate.score for candidate in verdict.candidates}

@@ -93,7 +93,7 @@ def test_a_law_whose_exponent_is_whole_at_the_start_is_fitted_with_its_exponent(
     start = Dahl(kinetic_coefficient=3.0, bristle_stiffness=2400.0, viscous_coefficient=2.0)
     free = ("kinetic_coefficient", "bristle_stiffness", "exponent", "viscous_coefficient")
     settings = RecordSettings(starts=1)
-    found = fit(Axis(inertia=3.0), start, record, free=free, route="shooting", settings=settings)
+    found = fit(Axis(inertia=3.0), start, record, vary=free, route="shooting", settings=settings)
     # the first deflections of segments are guessed, and the true ones are not quite those
     assert found.law.bristle_stiffness == pytest.approx(800.0, rel=0.05)
     assert found.law.exponent == pytest.approx(1.0, abs=0.1)

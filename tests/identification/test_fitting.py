@@ -96,17 +96,17 @@ def test_a_travel_that_no_value_can_give_is_said_so():
     far = Measurement(travel=0.20, uncertainty=0.005, overrides={"mechanism.mass": 1.0})
     law = CoulombViscous(kinetic_coefficient=0.4, viscous_coefficient=0.5)
     with pytest.raises(ConvergenceError, match=r"viscous_coefficient.*travel 0\.2 m"):
-        fit(RIG, law, far, free=["viscous_coefficient"])
+        fit(RIG, law, far, vary=["viscous_coefficient"])
 
 
 def test_more_parameters_than_travels_are_refused():
     with pytest.raises(InputError, match=r"1 travel\(s\) cannot fix 2"):
-        fit(RIG, CoulombViscous, READING, free=["kinetic_coefficient", "viscous_coefficient"])
+        fit(RIG, CoulombViscous, READING, vary=["kinetic_coefficient", "viscous_coefficient"])
 
 
 def test_an_unknown_parameter_names_the_nearest_known_one():
     with pytest.raises(UnknownNameError, match=r"friction\.kinetic_coefficient"):
-        fit(RIG, Coulomb, READING, free=["kinetic_coeficient"])
+        fit(RIG, Coulomb, READING, vary=["kinetic_coeficient"])
 
 
 def test_a_record_of_two_samples_is_refused():
@@ -117,7 +117,7 @@ def test_a_record_of_two_samples_is_refused():
 
 def test_progress_counts_the_runs():
     seen = []
-    result = fit(RIG, Coulomb, READING, watch=seen.append)
+    result = fit(RIG, Coulomb, READING, progress=seen.append)
     assert seen == list(range(1, result.runs + 1))
 
 

@@ -43,13 +43,12 @@ def record_of(*, load=1.0, mass=J, noise=0.0):
     )
 
 
-def derived(mechanism, law, record, *, unknown=("inertia",), settings=JOINED, free=None):
+def derived(mechanism, law, record, *, unknown=("inertia",), settings=JOINED, free=("friction.*",)):
     return fit(
         mechanism,
         law,
         record,
-        unknown=unknown,
-        free=free,
+        vary=[*free, *unknown],
         route="inverse-dynamics",
         settings=settings,
     )
@@ -252,7 +251,7 @@ PLAIN = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
 BRISTLES = Dahl(kinetic_coefficient=LEVEL, bristle_stiffness=LEVEL / 8e-5, viscous_coefficient=30.0)
 
 
-def held_out(record, kind, free=None):
+def held_out(record, kind, free=("friction.*",)):
     found = derived(Axis(inertia=J), kind, record, unknown=(), settings=HELD, free=free)
     return found, cross_validate(found, plan_of(found, horizon=1.0))
 

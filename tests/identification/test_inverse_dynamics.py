@@ -50,7 +50,7 @@ def test_each_direction_has_parameters_of_its_own():
 
 
 def test_a_known_mass_is_taken_off():
-    found = inverse_dynamics(Axis(inertia=J), record_of(), unknown=())
+    found = inverse_dynamics(Axis(inertia=J), record_of(), vary=())
     assert "inertia" not in found.names
     assert found["level"] == pytest.approx(F_C, rel=1e-3)
     v, friction = found.velocity, found.friction
@@ -101,8 +101,8 @@ def test_slip_in_one_direction_shares_level_and_offset_evenly():
 
 
 def test_standard_deviations_are_those_of_independent_errors():
-    found = inverse_dynamics(Axis(inertia=J), record_of(noise=0.5), unknown=(), offset=False)
-    again = inverse_dynamics(Axis(inertia=J), record_of(noise=0.5), unknown=(), offset=False)
+    found = inverse_dynamics(Axis(inertia=J), record_of(noise=0.5), vary=(), offset=False)
+    again = inverse_dynamics(Axis(inertia=J), record_of(noise=0.5), vary=(), offset=False)
     np.testing.assert_array_equal(found.deviations, again.deviations)
     assert found.names == ("viscous", "level")
     n = len(found.residual)

@@ -57,9 +57,9 @@ def record(mechanism, length, rate, noise, *, law=TRUTH, y0=None, first=0.0, see
     return Measurement(time=t, position=x)
 
 
-def fitted(mechanism, measurement, **options):
-    free = ["kinetic_coefficient", "static_coefficient"]
-    return fit(mechanism, Coulomb, measurement, free=free, **options)
+def fitted(mechanism, measurement, *others, **options):
+    names = ["kinetic_coefficient", "static_coefficient", *others]
+    return fit(mechanism, Coulomb, measurement, vary=names, **options)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -133,7 +133,7 @@ def test_a_number_of_the_drive_may_be_looked_for_too():
     mechanism, length, rate, noise = CASES["kicks"]
     seen = record(mechanism, length, rate, noise)
     wrong = replace(mechanism, drive=Torque(drive=replace(KICKS, high=5.0)))
-    found = fitted(wrong, seen, unknown=["high"])
+    found = fitted(wrong, seen, "high")
     assert found.estimate("high").low <= 6.0 <= found.estimate("high").high
     assert found.law.kinetic_coefficient == pytest.approx(0.18, abs=0.005)
 

@@ -85,7 +85,7 @@ def test_a_watcher_hears_of_predictions_and_ends_drawing_with_what_there_is(line
         heard.append(runs)
         return len(heard) < 60
 
-    found = sample_posterior(linear, sampler=sampler, seed=1, watch=watch)
+    found = sample_posterior(linear, sampler=sampler, seed=1, progress=watch)
     assert found.cancelled
     assert len(heard) == 60
     assert heard == sorted(heard)
@@ -93,7 +93,7 @@ def test_a_watcher_hears_of_predictions_and_ends_drawing_with_what_there_is(line
     assert len(found.draws) > 60
     assert np.all(np.isfinite(found.draws))
     # whoever only looks on ends nothing
-    looked_on = sample_posterior(linear, sampler=sampler, seed=1, watch=lambda runs: None)
+    looked_on = sample_posterior(linear, sampler=sampler, seed=1, progress=lambda runs: None)
     assert not looked_on.cancelled
     assert looked_on.runs > found.runs
 

@@ -175,7 +175,7 @@ def test_a_record_without_a_load_point_is_refused():
 
 
 def test_a_stopped_search_says_so():
-    found = fit_rate_state(record(law(), noise=3e-4), drift="none", watch=lambda _: False)
+    found = fit_rate_state(record(law(), noise=3e-4), drift="none", progress=lambda _: False)
     assert found.sentences[-1] == "The search was stopped before its end."
 
 

@@ -78,7 +78,7 @@ def test_fit_and_select_refuse_the_same_records(parts, words):
     record = wrong(parts)[words]
     for verb in (
         lambda: fit(AXIS, CoulombViscous, record),
-        lambda: select(AXIS, record, [Coulomb]),
+        lambda: select(AXIS, [Coulomb], record),
     ):
         with pytest.raises(InputError, match=words):
             verb()
@@ -106,7 +106,7 @@ def test_a_motion_that_nothing_drives_is_not_blamed_on_the_sign_of_a_force():
 def test_a_record_that_a_later_stage_refuses_brings_what_its_check_warns_of(parts):
     cut = Measurement(**{**parts, "position": np.clip(parts["position"], -0.02, 0.05)})
     with pytest.raises(InputError, match="acts against the motion") as caught:
-        fit(AXIS, CoulombViscous, cut, unknown=["inertia"], settings=QUICK)
+        fit(AXIS, CoulombViscous, cut, vary=["friction.*", "mechanism.inertia"], settings=QUICK)
     assert "The check of the record warns: " in str(caught.value)
     assert "the range of the sensor ends there" in str(caught.value)
 
@@ -126,14 +126,20 @@ def test_a_slow_record_is_not_refused_because_its_inertia_comes_out_negative():
         axis,
         CoulombViscous,
         record,
-        unknown=["inertia"],
+        vary=["friction.*", "mechanism.inertia"],
         route="inverse-dynamics",
         settings=QUICK,
     )
     assert found.law.kinetic_coefficient == pytest.approx(30.0, rel=0.01)
     reversed_force = Measurement(time=time, position=position, force=-force)
     with pytest.raises(InputError, match="acts against the motion"):
-        fit(axis, CoulombViscous, reversed_force, unknown=["inertia"], settings=QUICK)
+        fit(
+            axis,
+            CoulombViscous,
+            reversed_force,
+            vary=["friction.*", "mechanism.inertia"],
+            settings=QUICK,
+        )
 
 
 # --- settings without effect
@@ -173,7 +179,7 @@ def test_a_horizon_that_is_no_length_of_time_is_refused(found, horizon):
     with pytest.raises(ParameterError, match="horizon must be a finite time above 0 s"):
         found.score(horizon=horizon)
     with pytest.raises(ParameterError, match="horizon must be a finite time above 0 s"):
-        select(AXIS, found.measurement, [Coulomb], horizon=horizon)
+        select(AXIS, [Coulomb], found.measurement, horizon=horizon)
 
 
 # --- a second record
@@ -184,7 +190,7 @@ def test_a_second_record_must_have_what_the_first_has(parts, found):
     with pytest.raises(InputError, match=r"has no force \(u\) \[N\]"):
         found.score(bare)
     with pytest.raises(InputError, match=r"the second record has no force"):
-        select(AXIS, found.measurement, [Coulomb], validate=bare)
+        select(AXIS, [Coulomb], found.measurement, validate=bare)
     speed = np.gradient(parts["position"], TIME)
     with pytest.raises(InputError, match=r"has no position \(x\) \[m\]"):
         found.score(Measurement(time=TIME, velocity=speed, force=parts["force"]))

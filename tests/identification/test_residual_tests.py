@@ -14,7 +14,7 @@ QUICK = RecordSettings(starts=1)
 
 def fitted(measurement, route="inverse-dynamics"):
     return fit(
-        Axis(inertia=1.0), CoulombViscous, measurement, unknown=["inertia"], route=route,
+        Axis(inertia=1.0), CoulombViscous, measurement, vary=["friction.*", "inertia"], route=route,
         settings=QUICK,
     )  # fmt: skip
 
@@ -86,8 +86,8 @@ def test_a_force_that_is_not_held_between_samples_is_named_as_a_setting():
     assert 'either hold should be "first"' in error.finding
     joined = replace(QUICK, hold="first")
     right = fit(
-        Axis(inertia=1.0), CoulombViscous, record, unknown=["inertia"], route="inverse-dynamics",
-        settings=joined,
+        Axis(inertia=1.0), CoulombViscous, record, vary=["friction.*", "mechanism.inertia"],
+        route="inverse-dynamics", settings=joined,
     )  # fmt: skip
     assert right.model_errors == ()
 
@@ -108,8 +108,8 @@ def test_a_record_of_another_quantity_is_not_tested():
 @pytest.fixture(scope="module")
 def late():
     return select(
-        Axis(inertia=1.0), faulty("sensor-delay"), ["coulomb", "coulomb-viscous"],
-        unknown=["inertia"], route="inverse-dynamics", settings=QUICK,
+        Axis(inertia=1.0), ["coulomb", "coulomb-viscous"], faulty("sensor-delay"),
+        vary=["friction.*", "mechanism.inertia"], route="inverse-dynamics", settings=QUICK,
     )  # fmt: skip
 
 

@@ -80,11 +80,11 @@ def test_restarts_of_a_free_decay_are_those_of_its_last_and_longest_segments():
 def test_a_free_decay_that_is_stopped_in_longer_segments_says_so():
     rig, _, record = decay()
     seen: list[float] = []
-    whole = fit(rig, CoulombViscous, record, settings=QUICK, watch=seen.append)
+    whole = fit(rig, CoulombViscous, record, settings=QUICK, progress=seen.append)
     assert not whole.found.cancelled
     assert whole.found.evaluations == len(seen)
     left = iter(range(len(seen) - 2, -1, -1))  # stops one evaluation before the end
-    cut = fit(rig, CoulombViscous, record, settings=QUICK, watch=lambda _: next(left) > 0)
+    cut = fit(rig, CoulombViscous, record, settings=QUICK, progress=lambda _: next(left) > 0)
     assert cut.found.cancelled
     assert cut.to_dict()["cancelled"]
 
@@ -175,5 +175,10 @@ def test_measured_friction_tells_no_inertia():
     table = Measurement(
         velocity=np.linspace(-1.0, 1.0, 40), friction=np.sign(np.linspace(-1, 1, 40))
     )
-    with pytest.raises(InputError, match="tells nothing of inertia: leave out"):
-        fit(Axis(inertia=1.0, load=5.0), CoulombViscous, table, unknown=["inertia"])
+    with pytest.raises(InputError, match=r"tells nothing of mechanism\.inertia: vary"):
+        fit(
+            Axis(inertia=1.0, load=5.0),
+            CoulombViscous,
+            table,
+            vary=["friction.*", "mechanism.inertia"],
+        )

@@ -68,13 +68,13 @@ def lugre_record():
 
 
 def test_the_route_of_a_slow_closed_loop_is_inverse_dynamics(lugre_record):
-    chosen = choose_route(Axis(inertia=4.0), lugre_record, unknown=("inertia",))
+    chosen = choose_route(Axis(inertia=4.0), lugre_record, vary=["friction.*", "mechanism.inertia"])
     assert chosen.route == "inverse-dynamics"
     assert "unexplained" in chosen.reason or "contradict" in chosen.reason
 
 
 def test_all_eight_parameters_of_lugre_are_found_from_no_start_values(lugre_record):
-    found = fit(Axis(inertia=4.0), LuGre, lugre_record, unknown=("inertia",))
+    found = fit(Axis(inertia=4.0), LuGre, lugre_record, vary=["friction.*", "mechanism.inertia"])
     assert found.route == "inverse-dynamics"
     truth = {f"friction.{name}": getattr(LUGRE, name) for name in LuGre.fit_order}
     truth |= {"mechanism.offset": 1.0, "mechanism.inertia": 3.0}
@@ -110,7 +110,7 @@ def test_an_exponent_outside_the_order_of_fits_is_fitted_where_it_is_named():
     friction = law.force(v, 1.0) + 0.05 * np.random.default_rng(2).normal(size=2001)
     table = Measurement(velocity=v, friction=friction)
     free = [*Stribeck.fit_order, "exponent"]
-    found = fit(Axis(inertia=1.0), Stribeck, table, free=free)
+    found = fit(Axis(inertia=1.0), Stribeck, table, vary=free)
     # noise of .05 N on a surplus of 8 N over a hundred rows
     assert found.estimate("exponent").value == pytest.approx(1.0, abs=0.1)
 
@@ -150,7 +150,11 @@ def test_positions_that_rest_between_steps_of_an_encoder_have_the_noise_of_round
     coarse = 2e-5 * np.round(np.asarray(record.values("position")) / 2e-5)
     still = Measurement(time=record.time, position=coarse, force=record.force)
     found = fit(
-        Axis(inertia=3.0), CoulombViscous, still, route="inverse-dynamics", unknown=("inertia",)
+        Axis(inertia=3.0),
+        CoulombViscous,
+        still,
+        route="inverse-dynamics",
+        vary=["friction.*", "mechanism.inertia"],
     )
     assert found.estimate("kinetic_coefficient").value == pytest.approx(18.0, rel=0.3)
 
@@ -160,7 +164,7 @@ def test_a_law_with_fixed_parameters_is_not_measured_against_laws_that_it_cannot
     table = Measurement(velocity=v, friction=2.0 + 6.0 * v)
     fixed = {"static_coefficient": 9.0, "stribeck_velocity": 0.1, "viscous_coefficient": 1.0}
     found = fit(
-        Axis(inertia=1.0), Stribeck, table, free=["kinetic_coefficient"], known=fixed
+        Axis(inertia=1.0), Stribeck, table, vary=["kinetic_coefficient"], fixed=fixed
     )  # Coulomb + viscous friction would leave nothing
     assert found.search_failure == ""
     plain = fit(Axis(inertia=1.0), Stribeck, table)

@@ -173,7 +173,7 @@ def test_values_that_no_law_can_have_are_infinitely_wrong(record):
 def test_parameters_that_are_not_free_stay_as_they_were_given(record):
     law = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=8.0)
     found = fit(
-        RIG, law, record, free=["kinetic_coefficient"],
+        RIG, law, record, vary=["kinetic_coefficient"],
         settings=RecordSettings(resolution=200, starts=1),
     )  # fmt: skip
     assert found.law.viscous_coefficient == 8.0
@@ -239,7 +239,7 @@ def dwelling(seed, *, noise=1e-5, end=16.0):
 
 def test_an_axis_that_dwells_under_stiction_is_fitted_and_predicted_to_its_noise():
     settings = RecordSettings(resolution=200, starts=1)
-    found = fit(Axis(inertia=1.0), CoulombViscous, dwelling(1), unknown=("inertia",),
+    found = fit(Axis(inertia=1.0), CoulombViscous, dwelling(1), vary=["friction.*", "inertia"],
                 settings=settings)  # fmt: skip
     assert found.rms == pytest.approx(1e-5, rel=0.05)
     for horizon in (0.5, 1.0, 2.0):

@@ -232,7 +232,7 @@ def test_the_report_shows_what_was_read():
     from stickslip.report.travels.trials import trials_section
 
     speeds = {0.3: way(0.3, END) / END, 0.4: way(0.4, END) / END}
-    verdict = select(CAPSULE, readings("mean_velocity", speeds, 1e-3), [Coulomb], t_end=END)
+    verdict = select(CAPSULE, [Coulomb], readings("mean_velocity", speeds, 1e-3), t_end=END)
     (table,) = trials_section(verdict).blocks
     assert "mean velocity" in str(table.rows[0].cells[0])
 
@@ -292,7 +292,7 @@ def test_select_drops_a_law_that_does_not_come_to_rest_and_says_why():
             for x, s in ways.items()
         )
     )
-    verdict = select(SLOPE, measured, [Coulomb, Viscous], t_end=5.0)
+    verdict = select(SLOPE, [Coulomb, Viscous], measured, t_end=5.0)
     coulomb, viscous = sorted(verdict.candidates, key=lambda one: one.name)
     assert verdict.best.name == "coulomb"
     assert not coulomb.dropped

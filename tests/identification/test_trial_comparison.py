@@ -102,7 +102,7 @@ def test_each_trial_has_its_own_estimates_with_intervals():
         level = one.estimates[0]
         assert level.low < 5.0 + 0.01 * temperature < level.high
         assert one.law.kinetic_coefficient == level.value
-    table = found.table()
+    table = found.to_dataframe()
     assert table["temperature [degC]"].tolist() == [20.0, 40.0, 60.0]
     assert {"mu_k", "mu_k low", "mu_k high", "sigma_2", "residual"} <= set(table.columns)
     plain = json.loads(json.dumps(found.to_dict()))

@@ -226,7 +226,7 @@ def test_halves_of_a_record_do_not_contradict_each_other_for_a_mass_that_is_off(
 
 def test_the_verdict_says_whether_the_record_or_the_mechanism_limits_an_interval():
     record = replace(rubbed(), doubts={N: 0.4})
-    verdict = select(AXIS, record, [Coulomb, CoulombViscous])
+    verdict = select(AXIS, [Coulomb, CoulombViscous], record)
     said = next(line for line in verdict.words.settles if "mu_k" in line)
     assert said.endswith("The load (2 %) limits it more than the record does.")
 

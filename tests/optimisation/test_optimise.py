@@ -88,7 +88,7 @@ def test_an_interrupted_search_goes_on_to_the_same_result(cart, law, cart_limits
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        optimise_profile(cart, law, **ask, state=state, watch=killed)
+        optimise_profile(cart, law, **ask, state=state, progress=killed)
     kept = json.loads(state.read_text())["searches"]
     assert 0 < len(kept["seven-step"]) < len(kept["three-phase"]) + 2
     resumed = optimise_profile(cart, law, **ask, state=state)
@@ -100,7 +100,7 @@ def test_ending_a_search_keeps_the_best_so_far(cart, law, cart_limits):
         amplitude=0.3, fast=50.0, slow=35.0, top_rate=4.0,
     )))  # fmt: skip
     found = optimise_profile(
-        start, law, limits=cart_limits, kind="seven-step", watch=lambda *_: False
+        start, law, limits=cart_limits, kind="seven-step", progress=lambda *_: False
     )
     assert found.cancelled
     assert found.best.feasible

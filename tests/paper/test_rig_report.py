@@ -6,7 +6,10 @@ import pytest
 
 from stickslip import load_rig, select
 from stickslip.formatting import quantity, unbroken
-from stickslip.paper import rig_report
+from stickslip.paper import beside
+from stickslip.report import render
+from stickslip.report.core.documents import Origin
+from stickslip.report.verdict_page import verdict_page
 from stickslip.selection.fixed_step_comparison import rounded_step
 
 TEXT = """
@@ -29,9 +32,15 @@ initial = {{ v = "{v} m/s" }}
 
 def report(rig, laws=("coulomb",)):
     verdict = select(
-        rig.mechanism, rig.measurement, {n: rig.laws[n] for n in laws}, t_end=rig.t_end
+        rig.mechanism, {n: rig.laws[n] for n in laws}, rig.measurement, t_end=rig.t_end
     )
-    return rig_report(rig, verdict), verdict
+    return page_of(rig, verdict), verdict
+
+
+def page_of(rig, verdict):
+    remark, lead, extra = beside(rig, verdict)
+    origin = Origin(title=rig.title, data=rig.subject)
+    return render(verdict_page(verdict, origin, remark=remark, lead=lead, extra=extra))
 
 
 def ids(page):
@@ -53,8 +62,8 @@ def test_a_changed_rig_is_not_mixed_with_the_rig_of_the_paper():
 def test_another_measurement_on_the_bundled_rig_is_not_mixed_with_the_paper():
     rig = load_rig()
     other = load_rig(overrides={"mechanism.mass": "2"}).measurement
-    verdict = select(rig.mechanism, other, {"coulomb": rig.laws["coulomb"]}, t_end=rig.t_end)
-    assert "excitation" not in ids(rig_report(rig, verdict))
+    verdict = select(rig.mechanism, {"coulomb": rig.laws["coulomb"]}, other, t_end=rig.t_end)
+    assert "excitation" not in ids(page_of(rig, verdict))
 
 
 @pytest.mark.parametrize(("v", "compression", "travel"), [(3, 0.1, 1.8), (0, -0.1, -0.2)])

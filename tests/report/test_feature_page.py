@@ -5,11 +5,15 @@ import pytest
 
 from stickslip import Coulomb, Measurement, Stribeck, TowedBlock, Viscous, select, simulate
 from stickslip.plots.runs.spring_force import Excerpt
-from stickslip.report.features import feature_document, feature_page
+from stickslip.report import render
+from stickslip.report.core.documents import Origin
 from stickslip.report.features.force import CYCLES, _excerpt
+from stickslip.report.verdict_page import verdict_page
 
 LAW = Coulomb(kinetic_coefficient=0.28, static_coefficient=0.32)
 REAL = TowedBlock(mass=0.021, stiffness=1000.0, speed=4e-3, load=0.3)
+
+ORIGIN = Origin(title="Slider", data="made up")
 
 
 @pytest.fixture(scope="module")
@@ -18,23 +22,19 @@ def verdict():
     run = simulate(REAL, LAW, t_end=4.5).at(t)
     record = Measurement(time=t, spring_force=1000.0 * (4e-3 * t - run["x"]))
     stated = TowedBlock(mass=0.03, stiffness=1000.0, speed=4e-3, load=0.3)
-    return select(stated, record, [Coulomb, Stribeck], unknown=["mass"])
+    return select(stated, [Coulomb, Stribeck], record, vary=["friction.*", "mechanism.mass"])
 
 
 @pytest.fixture(scope="module")
 def page(verdict):
-    return feature_page(
-        verdict,
-        title="Slider",
-        kicker="made up",
-        versions={"stickslip": "1.0"},
-        commands=["stickslip select slider.toml"],
-        digest="abc",
+    origin = Origin(
+        title="Slider", data="made up", commands=("stickslip select slider.toml",), digest="abc"
     )
+    return render(verdict_page(verdict, origin))
 
 
 def test_sections_stand_in_the_order_in_which_a_reader_decides(verdict):
-    document = feature_document(verdict, title="Slider", kicker="made up", versions={})
+    document = verdict_page(verdict, ORIGIN)
     wanted = ["verdict", "force", "scores", "parameters", "record", "next", "reproduce"]
     assert [section.id for section in document.sections] == wanted
 
@@ -48,14 +48,16 @@ def test_the_page_says_the_verdict_and_how_to_get_it_again(verdict, page):
 
 
 def test_a_law_that_cannot_be_fitted_stands_on_the_page_with_the_reason(verdict):
-    found = select(verdict.mechanism, verdict.measurement, [Coulomb, Viscous], unknown=["mass"])
-    page = feature_page(found, title="Slider", kicker="made up", versions={})
+    found = select(
+        verdict.mechanism, [Coulomb, Viscous], verdict.measurement, vary=["friction.*", "mass"]
+    )
+    page = render(verdict_page(found, ORIGIN))
     assert "no level that these features could set" in page
 
 
 def test_a_page_on_a_law_that_misses_the_features_settles_nothing_of_it(verdict):
-    found = select(verdict.mechanism, verdict.measurement, [Coulomb])
-    opening = feature_document(found, title="Slider", kicker="made up", versions={}).sections[0]
+    found = select(verdict.mechanism, [Coulomb], verdict.measurement)
+    opening = verdict_page(found, ORIGIN).sections[0]
     (block,) = opening.blocks
     assert "No candidate has the features" in block.verdict
     assert not any("mu" in line for line in block.settles)

@@ -26,16 +26,17 @@ from stickslip.identification.estimation.levenberg_marquardt import AGREE
 from stickslip.identification.estimation.model_error import ModelError
 from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.records.settings import RecordSettings
-from stickslip.report import Paragraph, Section
+from stickslip.plots.selection.fit_data import block_edges, panel_of, rows_of, sampled, thinned
+from stickslip.report import Paragraph, Section, render
+from stickslip.report.core.documents import Origin
 from stickslip.report.core.markup import equation_parts
-from stickslip.report.records import record_document, record_page
 from stickslip.report.records.certificate import certificate_section
 from stickslip.report.records.loops import turns_of
-from stickslip.report.records.plot_data import block_edges, panel_of, rows_of, sampled, thinned
 from stickslip.report.records.reproduce import python_lines
 from stickslip.report.records.residuals import _panels, residuals_section
 from stickslip.report.records.summary import law_lines, level_at, levels_at_speed
 from stickslip.report.records.texts import rival_of, typeset
+from stickslip.report.verdict_page import verdict_page
 from stickslip.selection.candidates import specifications
 from stickslip.selection.record_wording import in_sentence
 
@@ -65,12 +66,12 @@ def tabled():
 def page_of(verdict, **more):
     settings = {
         "title": "An axis",
-        "kicker": "One record of 8 s",
+        "data": "One record of 8 s",
         "commands": ("stickslip select rig.toml --data record.csv",),
         "versions": {"stickslip": "0.1.0"},
         "digest": "sha256:0123abcd",
     }
-    return record_page(verdict, **(settings | more))
+    return render(verdict_page(verdict, Origin(**(settings | more))))
 
 
 def text_of(html):
@@ -87,7 +88,7 @@ def plain(text):
 
 @pytest.fixture(scope="module")
 def verdict():
-    return select(Axis(inertia=2.0), recorded(), VOICES, unknown=["inertia"])
+    return select(Axis(inertia=2.0), VOICES, recorded(), vary=["friction.*", "mechanism.inertia"])
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +98,7 @@ def html(verdict):
 
 @pytest.fixture(scope="module")
 def table_verdict():
-    return select(Axis(inertia=1.0), tabled(), VOICES)
+    return select(Axis(inertia=1.0), VOICES, tabled())
 
 
 @pytest.fixture(scope="module")
@@ -187,7 +188,7 @@ def test_every_figure_is_drawn_for_both_widths_and_says_what_it_shows(html):
 
 
 def test_titles_and_data_are_escaped(verdict):
-    html = page_of(verdict, title="<script>alert(1)</script>", kicker="a < b & c", subject="<b>x")
+    html = page_of(verdict, title="<script>alert(1)</script>", data="a < b & c", subject="<b>x")
     assert "<script" not in html
     assert "&lt;script&gt;alert(1)" in html
     assert "a &lt; b &amp; c" in html
@@ -235,10 +236,11 @@ def test_a_dropped_law_keeps_its_score_and_gets_its_rule(verdict):
     assert plain(value) in text
 
 
-def test_own_sections_stand_before_how_to_reproduce(verdict):
+def test_own_sections_stand_before_what_to_measure_next(verdict):
     own = Section(id="own", nav="Own", heading="Own", blocks=(Paragraph(text="Own words."),))
-    page = record_document(verdict, title="x", kicker="y", versions={}, extra=(own,))
-    assert [section.id for section in page.sections][-2:] == ["own", "reproduce"]
+    page = verdict_page(verdict, Origin(title="x", data="y"), extra=(own,))
+    ids = [section.id for section in page.sections]
+    assert ids[ids.index("own") + 1 :] == ["certificate", "next", "reproduce"]
 
 
 def test_the_chosen_law_is_compared_with_the_usual_one_or_the_next_best(verdict):
@@ -253,7 +255,7 @@ def test_laws_that_differ_by_direction_have_a_line_each():
     noise = 0.02 * np.random.default_rng(2).normal(size=len(v))
     friction = np.where(v > 0, 2.0 + 4.0 * v, -3.0 + 9.0 * v) + noise
     verdict = select(
-        Axis(inertia=1.0), Measurement(velocity=v, friction=friction), [Viscous, DirectionDependent]
+        Axis(inertia=1.0), [Viscous, DirectionDependent], Measurement(velocity=v, friction=friction)
     )
     text = text_of(page_of(verdict))
     assert "Friction grows faster in reverse than forward" in text
@@ -315,7 +317,7 @@ def test_an_interval_without_an_end_is_said_in_words(verdict):
 def judged():
     """A verdict on friction along a motion, with a second record."""
     second = dataclasses.replace(short_friction(9), name="run 2", provenance="simulated again")
-    return select(Axis(inertia=2.0), short_friction(8), [Viscous, CoulombViscous], validate=second)
+    return select(Axis(inertia=2.0), [Viscous, CoulombViscous], short_friction(8), validate=second)
 
 
 def test_a_second_record_has_a_column_of_its_own(judged):
@@ -376,7 +378,7 @@ def short_friction(seed):
 
 
 def test_a_short_record_of_friction_has_a_page_with_its_time():
-    verdict = select(Axis(inertia=2.0), short_friction(3), [Viscous, Coulomb])
+    verdict = select(Axis(inertia=2.0), [Viscous, Coulomb], short_friction(3))
     html = page_of(verdict)
     assert {"verdict", "map", "scores", "residuals", "record"} <= set(sections(html))
     text = text_of(html)
@@ -386,7 +388,7 @@ def test_a_short_record_of_friction_has_a_page_with_its_time():
 
 def test_records_of_several_trials_lie_end_to_end():
     both = Measurement(trials=(short_friction(4), short_friction(5)))
-    verdict = select(Axis(inertia=2.0), both, [Coulomb, CoulombViscous])
+    verdict = select(Axis(inertia=2.0), [Coulomb, CoulombViscous], both)
     edges = block_edges(verdict)
     # two records of 4 s, each from its first to its last sample
     assert edges[-1] - edges[0] == pytest.approx(8.0, abs=1e-9)
@@ -412,7 +414,7 @@ def looped(seed=0):
 
 @pytest.fixture(scope="module")
 def loops():
-    return select(Axis(inertia=1.0), looped(), ["coulomb-viscous", "dahl-exponent"])
+    return select(Axis(inertia=1.0), ["coulomb-viscous", "dahl-exponent"], looped())
 
 
 @pytest.fixture(scope="module")
@@ -443,7 +445,7 @@ def test_a_headline_on_the_friction_map_says_of_which_law_it_is(table_verdict, t
 
 def test_an_axis_that_turns_has_angles_and_torques_in_words_and_figures():
     turned = dataclasses.replace(looped(), turning=True)
-    html = page_of(select(Axis(inertia=1.0), turned, [CoulombViscous, Viscous]))
+    html = page_of(select(Axis(inertia=1.0), [CoulombViscous, Viscous], turned))
     labels = set(
         re.findall(r"(velocity|displacement|position|friction|residual), ([^<]*)</text>", html)
     )
@@ -584,7 +586,7 @@ def test_how_large_a_hidden_step_may_be_is_said():
     v = np.linspace(-0.2, 0.2, 200)
     noise = 0.05 * np.random.default_rng(5).normal(size=len(v))
     flat = Measurement(velocity=v, friction=2.0 * np.sign(v) + 5.0 * v + noise)
-    found = select(Axis(inertia=1.0), flat, ["coulomb-viscous", "stribeck"])
+    found = select(Axis(inertia=1.0), ["coulomb-viscous", "stribeck"], flat)
     text = text_of(page_of(found))
     assert "of Stribeck up to about" in text
     assert "is allowed by this record (95 %, profile likelihood, all else fitted anew)" in text

@@ -160,3 +160,13 @@ def test_a_section_that_fails_is_one_line(monkeypatch):
     said = texts(run_page(about(BLOCK, COULOMB, 1.0)))
     assert "This section could not be made. ZeroDivisionError: no motion." in said
     assert "The run is certified" in said
+
+
+@pytest.mark.parametrize(
+    ("law", "sticks"), [(Viscous(viscous_coefficient=0.5), False), (STRIBECK, True)]
+)
+def test_captions_speak_of_sticking_where_the_body_sticks(law, sticks):
+    run = simulate(CART, law, t_end=2.0)
+    assert bool(run.stick_spans()) is sticks
+    text = run_page(RunReport(rig=Rig(mechanism=CART), law=law, run=run))
+    assert ("the body sticks" in text, "where it sticks" in text) == (sticks, sticks)

@@ -24,9 +24,10 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import quantity
 from stickslip.report import Paragraph, Section
 from stickslip.report.core import documents, markup
+from stickslip.report.core.documents import Origin
 from stickslip.report.core.page import render
-from stickslip.report.travels import selection_page
 from stickslip.report.travels.runs import steps_heading
+from stickslip.report.verdict_page import verdict_page
 from stickslip.selection import compare_fixed_steps
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -89,15 +90,15 @@ class Reader(HTMLParser):
 
 
 def page_of(verdict, **more):
-    return selection_page(
-        verdict,
-        subject="rig.toml",
-        kicker="Spring and block",
+    origin = Origin(
+        title="Spring and block",
+        data="Three travels",
+        file="rig.toml",
         versions={"stickslip": "0.1.0", "Python": "3.11"},
         digest="sha256:0123abcd",
-        reproduce=("stickslip select rig.toml",),
-        **more,
+        commands=("stickslip select rig.toml",),
     )
+    return verdict_page(verdict, origin, **more)
 
 
 def read(page):
@@ -128,7 +129,7 @@ def three_trials():
 
 @pytest.fixture(scope="module")
 def tie():
-    return select(RIG, READING, SIX, t_end=1.5)
+    return select(RIG, SIX, READING, t_end=1.5)
 
 
 @pytest.fixture(scope="module")
@@ -138,20 +139,20 @@ def tie_page(tie):
 
 @pytest.fixture(scope="module")
 def alone():
-    return select(RIG, READING, [Coulomb], t_end=1.5)
+    return select(RIG, [Coulomb], READING, t_end=1.5)
 
 
 @pytest.fixture(scope="module")
 def ranked():
-    return select(RIG, three_trials(), [Coulomb, Viscous, CoulombViscous], t_end=4.0)
+    return select(RIG, [Coulomb, Viscous, CoulombViscous], three_trials(), t_end=4.0)
 
 
 @pytest.fixture(scope="module")
 def failed():
     return select(
         RIG,
-        Measurement(travel=5.0, uncertainty=0.05, uncertainty_kind="rounding"),
         [Coulomb, CoulombViscous],
+        Measurement(travel=5.0, uncertainty=0.05, uncertainty_kind="rounding"),
         t_end=1.5,
     )
 
@@ -281,7 +282,7 @@ def test_only_reversals_beyond_those_of_the_exact_run_are_counted(alone):
 def test_a_step_that_bristles_do_not_allow_is_said_and_costs_nothing(stiffness):
     law = Dahl.from_forces(load=9.81, kinetic_force=2.5, bristle_stiffness=stiffness)
     reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
-    verdict = select(RIG, reading, {"dahl": law}, t_end=1.0)
+    verdict = select(RIG, {"dahl": law}, reading, t_end=1.0)
     reader = read(page_of(verdict))
     run = verdict.best.run
     # 2 g / (sigma_0 v) at the largest speed, with the fitted level
@@ -309,7 +310,7 @@ def test_a_section_that_fails_becomes_one_line(alone, monkeypatch):
 def test_a_spring_that_stays_attached_is_not_called_elastic_deflection():
     rig = dataclasses.replace(RIG, attached=True)
     reading = Measurement(travel=0.1, uncertainty=0.005, uncertainty_kind="rounding")
-    reader = read(page_of(select(rig, reading, [Coulomb, Dahl], t_end=1.5)))
+    reader = read(page_of(select(rig, [Coulomb, Dahl], reading, t_end=1.5)))
     assert "That is physics" not in reader.text
     assert "The mechanism pulls the body back" in reader.text
 
@@ -317,13 +318,13 @@ def test_a_spring_that_stays_attached_is_not_called_elastic_deflection():
 def test_a_law_alone_is_compared_with_a_contact_that_does_not_deflect():
     rig = dataclasses.replace(RIG, attached=True)
     reading = Measurement(travel=0.1, uncertainty=0.005, uncertainty_kind="rounding")
-    reader = read(page_of(select(rig, reading, [Dahl], t_end=1.5)))
+    reader = read(page_of(select(rig, [Dahl], reading, t_end=1.5)))
     assert "That is physics" not in reader.text
     assert "The mechanism pulls the body back" in reader.text
 
 
 def test_fitted_rows_that_agree_in_every_column_are_one_sentence():
-    reader = read(page_of(select(RIG, READING, [Coulomb, CoulombViscous], t_end=1.5)))
+    reader = read(page_of(select(RIG, [Coulomb, CoulombViscous], READING, t_end=1.5)))
     assert "The two models agree in every column" in reader.text
     assert "travel 0.200 m, least velocity 0 mm/s, largest return 0 mm" in reader.text
 
@@ -340,10 +341,10 @@ def test_sections_of_ones_own_stand_after_the_verdict_and_before_what_to_measure
 
 def test_an_interval_without_an_end_is_a_sentence():
     reading = Measurement(travel=0.20)
-    reader = read(page_of(select(RIG, reading, [Coulomb], t_end=1.5)))
+    reader = read(page_of(select(RIG, [Coulomb], reading, t_end=1.5)))
     assert "no uncertainty of the reading was given" in reader.text
     assert "without a stated uncertainty" in reader.text
 
 
 def test_the_title_is_plain_text(alone):
-    assert markup.plain(page_of(alone).title) == "Friction model selection: rig.toml"
+    assert markup.plain(page_of(alone).title) == "Friction model selection: Spring and block"

@@ -1,6 +1,7 @@
 """A verdict from Python is written as the command writes it."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -8,13 +9,17 @@ import pytest
 import stickslip
 from stickslip import (
     Axis,
+    Capsule,
     Coulomb,
     CoulombViscous,
     Measurement,
     SpringBlock,
+    Square,
+    Torque,
     Viscous,
     load_rig,
     select,
+    simulate,
     write_report,
 )
 from stickslip.cli import main
@@ -28,7 +33,7 @@ FILES = ["index.html", "law.toml", "verdict.json"]
 
 @pytest.fixture(scope="module")
 def verdict():
-    return select(Axis(inertia=1.0), TABLE, [Coulomb, CoulombViscous])
+    return select(Axis(inertia=1.0), [Coulomb, CoulombViscous], TABLE)
 
 
 def names(folder):
@@ -67,9 +72,12 @@ def test_the_command_writes_the_same_files_but_for_its_own_name_and_hash(verdict
         main(["select", str(rig), "--laws", "coulomb,coulomb-viscous", "-o", str(tmp_path / "cli")])
     assert not leaving.value.code
     seen = load_rig(rig)
-    own = select(seen.mechanism, seen.measurement, ["coulomb", "coulomb-viscous"])
+    own = select(seen.mechanism, ["coulomb", "coulomb-viscous"], seen.measurement)
     write_report(own, tmp_path / "python", title="Slide")
     assert names(tmp_path / "cli") == names(tmp_path / "python") == FILES
+    pages = [(tmp_path / side / "index.html").read_text("utf-8") for side in ("cli", "python")]
+    heads = [re.findall(r"<title>.*?</title>|<section[^>]*>|<h2.*?</h2>", page) for page in pages]
+    assert heads[0] == heads[1]
     law = [(tmp_path / side / "law.toml").read_text("utf-8") for side in ("cli", "python")]
     assert law[0] == law[1]
     both = [
@@ -95,7 +103,7 @@ def test_a_verdict_without_a_law_leaves_none_of_an_earlier_one(verdict, tmp_path
     block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     # farther than a spring pressed by 0.1 m throws a block without friction: no law explains it
     reading = Measurement(travel=5.0, uncertainty=0.005, uncertainty_kind="rounding")
-    nothing = select(block, reading, [Viscous], t_end=1.0)
+    nothing = select(block, [Viscous], reading, t_end=1.0)
     assert nothing.best is None
     write_report(nothing, tmp_path, overwrite=True)
     assert names(tmp_path) == ["index.html", "verdict.json"]
@@ -105,3 +113,14 @@ def test_only_verdicts_are_reported(tmp_path):
     with pytest.raises(InputError, match="a report is of a verdict of `select`, got dict"):
         write_report({}, tmp_path / "none")
     assert not (tmp_path / "none").exists()
+
+
+def test_travels_per_cycle_have_a_page(tmp_path):
+    push = Torque(drive=Square(high=6.0, low=-1.0, period=0.4, duty=0.3))
+    capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, stiffness=80.0, damping=0.8, drive=push)
+    law = Coulomb(kinetic_coefficient=0.18)
+    way = float(simulate(capsule, law, t_end=4.0).at(4.0)["x"][0])
+    reading = Measurement(travel_per_cycle=way / 10.0, uncertainty=5e-4)
+    verdict = select(capsule, ["coulomb"], reading, t_end=4.0)
+    page = write_report(verdict, tmp_path, title="Capsule").read_text(encoding="utf-8")
+    assert page.startswith("<!doctype html>")

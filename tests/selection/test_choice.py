@@ -163,7 +163,7 @@ LAWS = ["coulomb", "coulomb-viscous", "direction-dependent", "power-viscous", "q
 def test_coulomb_and_viscous_friction_is_named_where_it_is_the_truth():
     named = Counter(
         select(
-            AXIS, tabled(lambda v: 2.0 * np.sign(v) + 5.0 * v, seed), LAWS, settings=QUICK
+            AXIS, LAWS, tabled(lambda v: 2.0 * np.sign(v) + 5.0 * v, seed), settings=QUICK
         ).closest.name
         for seed in range(20)
     )
@@ -179,4 +179,4 @@ def test_a_falling_part_that_can_be_seen_is_named():
     for count in (60, 120):
         v = np.linspace(-0.3, 0.3, count)
         table = Measurement(velocity=v, friction=falling(v) + 0.05 * random.normal(size=count))
-        assert select(AXIS, table, LAWS, settings=QUICK).best.name == "stribeck"
+        assert select(AXIS, LAWS, table, settings=QUICK).best.name == "stribeck"

@@ -35,7 +35,7 @@ def table(seed, *, forward=5.0, backward=5.0, level=2.0, noise=0.05, **more):
 
 
 def selected(first, second=None, laws=LAWS):
-    return select(AXIS, first, laws, validate=second, settings=QUICK)
+    return select(AXIS, laws, first, validate=second, settings=QUICK)
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +67,7 @@ def test_the_error_on_a_second_record_stands_beside_the_first_in_the_first_parag
     assert on_second.holds
     assert on_second.error == best.second.rms
     assert on_second.ratio == pytest.approx(best.second.rms / best.score)
-    rows = confirmed.table()
+    rows = confirmed.to_dataframe()
     assert rows["second_record"].tolist() == [c.second.rms for c in confirmed.candidates]
     content = json.loads(json_text(document("select", confirmed.to_dict())))
     assert content["second_record"]["holds"] is True

@@ -50,7 +50,7 @@ def trials_of(law, compressions=(0.06, 0.1, 0.15), digits=4):
 @pytest.fixture(scope="module")
 def paper_verdict():
     rig = load_rig()
-    return select(rig.mechanism, rig.measurement, rig.laws, t_end=rig.t_end)
+    return select(rig.mechanism, rig.laws, rig.measurement, t_end=rig.t_end)
 
 
 def test_one_travel_is_explained_by_every_law_and_ranks_none(paper_verdict):
@@ -94,7 +94,7 @@ def test_the_verdict_is_a_json_document(paper_verdict):
 def test_three_compressions_rank_the_laws_and_find_the_one_that_made_them():
     truth = CoulombViscous(kinetic_coefficient=0.22, viscous_coefficient=1.5)
     laws = [law for law in FAST if law.name != "stribeck"]
-    verdict = select(RIG, trials_of(truth), laws)
+    verdict = select(RIG, laws, trials_of(truth))
     assert verdict.ranked
     assert verdict.best.name == "coulomb-viscous"
     assert [c.name for c in verdict.candidates][-1] == "viscous"
@@ -104,7 +104,7 @@ def test_three_compressions_rank_the_laws_and_find_the_one_that_made_them():
 
 def test_a_simpler_law_is_taken_where_the_richer_one_is_no_better_within_doubt():
     truth = Coulomb(kinetic_coefficient=0.25)
-    verdict = select(RIG, trials_of(truth, digits=3), FAST)
+    verdict = select(RIG, FAST, trials_of(truth, digits=3))
     assert verdict.best.score <= 1e-3
     assert verdict.best.name == "coulomb"
 
@@ -114,14 +114,14 @@ def test_repeats_of_one_setting_do_not_rank():
         Measurement(travel=travel, uncertainty=0.005, name=str(i))
         for i, travel in enumerate((0.20, 0.21))
     )
-    verdict = select(RIG, Measurement(trials=repeats), FAST[:2])
+    verdict = select(RIG, FAST[:2], Measurement(trials=repeats))
     assert not verdict.ranked
     assert "repeat one setting" in verdict.words.no_score
 
 
 def test_a_measurement_that_no_law_explains_is_said_so():
     stuck = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, attached=True)
-    verdict = select(stuck, Measurement(travel=5.0, uncertainty=0.1), FAST[:1])
+    verdict = select(stuck, FAST[:1], Measurement(travel=5.0, uncertainty=0.1))
     assert verdict.best is None
     assert verdict.words.verdict.startswith("No candidate explains")
     assert verdict.candidates[0].dropped
@@ -130,7 +130,7 @@ def test_a_measurement_that_no_law_explains_is_said_so():
 
 def test_no_law_at_all_is_refused():
     with pytest.raises(InputError, match="no friction law"):
-        select(RIG, READING, [])
+        select(RIG, [], READING)
 
 
 def test_a_fixed_spring_fails_the_criteria_because_it_must_pull_the_block_back():
@@ -173,7 +173,7 @@ def test_the_root_mean_square_has_a_standard_error_from_the_spread():
 
 
 def test_the_verdict_says_which_given_parameters_the_travel_depends_on():
-    verdict = select(RIG, READING, FAST)
+    verdict = select(RIG, FAST, READING)
     plain = verdict.best
     assert plain.name == "coulomb"
     # the block is pushed with 10 N from the start and by nothing after its stop
@@ -190,13 +190,13 @@ def test_a_rig_the_other_way_round_gets_the_same_verdict():
     mirrored = dataclasses.replace(RIG, compression=-0.1)
     back = Measurement(travel=-0.20, uncertainty=0.005, uncertainty_kind="rounding")
     ours, theirs = (
-        select(rig, reading, FAST[:2]) for rig, reading in ((RIG, READING), (mirrored, back))
+        select(rig, FAST[:2], reading) for rig, reading in ((RIG, READING), (mirrored, back))
     )
     assert theirs.words.verdict == ours.words.verdict
     assert theirs.best.fit.estimates[0].value == ours.best.fit.estimates[0].value
 
 
 def test_values_that_nobody_gave_are_not_called_given():
-    verdict = select(RIG, READING, [Coulomb])
+    verdict = select(RIG, [Coulomb], READING)
     assert not any("the given" in line for line in verdict.words.settles)
-    assert any("the given 0.25" in line for line in select(RIG, READING, FAST[:1]).words.settles)
+    assert any("the given 0.25" in line for line in select(RIG, FAST[:1], READING).words.settles)

@@ -36,7 +36,7 @@ READINGS = trials(mm40=30, mm100=201, mm150=452)
 
 @pytest.fixture(scope="module")
 def verdict():
-    return select(RIG, READINGS, [COULOMB, VISCOUS, STRIBECK])
+    return select(RIG, [COULOMB, VISCOUS, STRIBECK], READINGS)
 
 
 def test_no_law_with_a_parameter_at_its_limit_is_chosen(verdict):
@@ -64,7 +64,7 @@ def test_an_interval_that_reaches_zero_is_a_doubt(verdict):
 
 
 def test_a_parameter_that_is_not_bounded_is_left_out_of_the_headline():
-    verdict = select(RIG, READINGS, [VISCOUS])
+    verdict = select(RIG, [VISCOUS], READINGS)
     assert verdict.sentence == "Use Coulomb + viscous friction with mu_k = 0.254."
     assert verdict.words.cannot_tell[0].startswith("$sigma_2$: ")
     assert not any("sigma_2" in line for line in verdict.words.settles)
@@ -87,7 +87,7 @@ def test_settings_already_measured_are_not_proposed_again(verdict):
 
 
 def test_that_no_setting_would_tell_the_models_apart_is_said_plainly():
-    verdict = select(RIG, READINGS, [COULOMB, VISCOUS])
+    verdict = select(RIG, [COULOMB, VISCOUS], READINGS)
     # Coulomb and Coulomb + viscous without its viscous part are one law
     assert verdict.words.measure_next[0].startswith("No setting of $x_0$ from 60 mm to 225 mm")
 
@@ -106,7 +106,7 @@ def test_a_trial_with_another_mass_is_not_a_setting_of_this_rig():
 def test_a_given_value_is_compared_with_the_interval_by_its_name(verdict):
     assert verdict.words.settles[0].endswith("the given 0.25 is outside the 95 % interval.")
     reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="interval")
-    one = select(RIG, reading, [COULOMB])
+    one = select(RIG, [COULOMB], reading)
     assert one.words.settles[-1].endswith("the given 0.25 is inside the stated interval.") or (
         one.words.settles[-1].endswith("the given 0.25 is outside the stated interval.")
     )
@@ -129,7 +129,7 @@ def test_a_verdict_and_its_parts_print_as_a_few_lines(verdict):
 
 
 def test_a_table_of_a_verdict_has_a_row_for_each_law(verdict):
-    table = verdict.table()
+    table = verdict.to_dataframe()
     assert list(table.columns) == ["law", "parameters", "range", "travel", "score"]
     assert list(table["law"]) == [candidate.name for candidate in verdict.candidates]
     assert table["score"].tolist() == [candidate.score for candidate in verdict.candidates]

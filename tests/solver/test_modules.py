@@ -1,15 +1,18 @@
 """The cache of generated modules."""
 
+import errno
 import os
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import pytest
 
 from stickslip import Coulomb, SpringBlock, simulate
 from stickslip.formulation import formulate
+from stickslip.solver.compile import module_cache
 from stickslip.solver.compile.modules import cache_directory, load, module_text
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -19,6 +22,19 @@ from stickslip import Coulomb, SpringBlock, simulate
 rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 print(repr(float(simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=1.0)["x"][-1])))
 """
+
+OWN = """
+import sys
+sys.modules.update(dict.fromkeys(sys.argv[1:]))  # modules that this platform lacks
+from stickslip.solver.compile.module_cache import locked
+print("asks", flush=True)
+with locked("text"), open("diary", "a", 1) as diary:
+    print("in", file=diary)
+    print("in", flush=True)
+    sys.stdin.readline()
+    print("out", file=diary)
+"""
+PLATFORMS = {"with flock": [], "without fcntl, as on Windows": ["fcntl"]}
 
 
 @pytest.fixture
@@ -52,6 +68,29 @@ def start(folder):
         stderr=subprocess.PIPE,
         text=True,
     )
+
+
+@pytest.fixture
+def owner(cache, tmp_path):
+    """Start processes that take the lock and keep it until their input ends."""
+    started = []
+
+    def begin(*absent):
+        process = subprocess.Popen(
+            [sys.executable, "-W", "ignore", "-c", OWN, *absent],
+            cwd=tmp_path,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        started.append(process)
+        assert process.stdout.readline() == "asks\n"
+        return process
+
+    yield begin
+    for process in started:
+        process.kill()
+        process.communicate()
 
 
 def forget():
@@ -145,6 +184,53 @@ def test_two_processes_may_make_the_same_module_at_once(cache):
     assert outputs[0][0] == outputs[1][0]
     assert len(files(cache)) == 1
     assert not list(cache.glob("*.tmp"))
+
+
+@pytest.mark.parametrize("absent", PLATFORMS.values(), ids=PLATFORMS)
+def test_a_second_process_waits_until_the_first_has_compiled(owner, tmp_path, absent):
+    first = owner(*absent)
+    assert first.stdout.readline() == "in\n"
+    second = owner(*absent)
+    time.sleep(1.0)  # without a lock, the second is in at once
+    first.communicate(timeout=60)
+    second.communicate(timeout=60)
+    assert (tmp_path / "diary").read_text().split() == ["in", "out", "in", "out"]
+
+
+@pytest.mark.parametrize("absent", PLATFORMS.values(), ids=PLATFORMS)
+def test_a_process_that_dies_with_the_lock_blocks_nobody(owner, absent):
+    first = owner(*absent)
+    assert first.stdout.readline() == "in\n"
+    first.kill()
+    first.wait()
+    assert owner(*absent).stdout.readline() == "in\n"
+
+
+def test_a_process_that_hangs_with_the_lock_is_not_waited_for_for_ever(owner, monkeypatch):
+    monkeypatch.setattr(module_cache, "LONGEST_WAIT", 0.1)
+    first = owner()
+    assert first.stdout.readline() == "in\n"
+    with module_cache.locked("text"):
+        assert first.poll() is None
+
+
+def test_a_folder_that_cannot_be_made_needs_no_lock(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("in the way", encoding="utf-8")
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "file" / "cache"))
+    with module_cache.locked("text"):
+        pass
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no flock")
+@pytest.mark.parametrize("code", [errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP])
+def test_a_file_system_without_locks_is_no_obstacle(cache, monkeypatch, code):
+    def refuse(*_):
+        raise OSError(code, os.strerror(code))
+
+    monkeypatch.setattr("fcntl.flock", refuse)
+    with module_cache.locked("text"):
+        pass
 
 
 def test_a_generated_module_needs_nothing_but_math(model):

@@ -304,13 +304,24 @@ def test_two_coordinates_have_sensitivities_as_well():
 # Tiers, and what is refused.
 
 
-@pytest.mark.parametrize("shape", ["decay", "layer"])
-def test_both_tiers_give_the_same_bits(shape):
-    if shape == "decay":
-        rig, law = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1), KINETIC
-    else:
-        rig = Axis(inertia=1.0, drive=Sine(amplitude=3.0, frequency=0.5), stiffness=2.0)
-        law = Stribeck(kinetic_coefficient=0.5, static_coefficient=1.0, stribeck_velocity=0.01)
+LAYER = Stribeck(kinetic_coefficient=0.5, static_coefficient=1.0, stribeck_velocity=0.01)
+
+
+@pytest.mark.parametrize(
+    ("rig", "law"),
+    [
+        pytest.param(SpringBlock(mass=1.0, stiffness=100.0, compression=0.1), KINETIC, id="decay"),
+        pytest.param(
+            SpringBlock(mass=1.0, stiffness=100.0, compression=0.2, attached=True), LAYER,
+            id="layer",
+        ),
+        pytest.param(
+            Axis(inertia=1.0, drive=Sine(amplitude=3.0, frequency=0.5), stiffness=2.0), LAYER,
+            id="driven layer", marks=pytest.mark.slow,  # of a shape that no other test compiles
+        ),
+    ],
+)  # fmt: skip
+def test_both_tiers_give_the_same_bits(rig, law):
     case = Case(rig, law, 2.0, (0.0, 0.0))
     t = np.linspace(0.0, 2.0, 9)
     plain, fast = (case.sensitivities(t, EventDriven(tier=tier)) for tier in ("python", "compiled"))

@@ -67,10 +67,40 @@ def base_address() -> str:
 
 
 def web_address(repository: str, commit: str, source: str) -> str:
-    """Return the address that an upstream file is downloaded from."""
+    """Return the address that an upstream file is downloaded from.
+
+    Parameters
+    ----------
+    repository : str
+        Owner and name on GitHub.
+    commit : str
+        Commit of the upstream files.
+    source : str
+        Path of the file in the repository; characters that an address cannot hold are quoted.
+
+    Returns
+    -------
+    str
+        Address below `base_address`.
+    """
     return f"{base_address()}/{repository}/{commit}/{quote(source)}"
 
 
 def by_hand(repository: str, commit: str, source: str) -> str:
-    """Return the address at which a browser gets an upstream file."""
+    """Return the address at which a browser gets an upstream file.
+
+    Parameters
+    ----------
+    repository : str
+        Owner and name on GitHub.
+    commit : str
+        Commit of the upstream files.
+    source : str
+        Path of the file in the repository.
+
+    Returns
+    -------
+    str
+        Address on github.com.
+    """
     return f"https://github.com/{repository}/raw/{commit}/{quote(source)}"

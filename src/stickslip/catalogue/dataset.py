@@ -38,9 +38,13 @@ class Dataset:
     """
 
     name: str
+    """Name in the catalogue, such as ``"emps"``."""
     title: str
+    """One line that says what was recorded."""
     kind: Literal["measured", "reference simulation"]
+    """Whether an instrument or a program made the numbers."""
     citation: str
+    """Publication that the record belongs to."""
     licence: str
     """As stated upstream; "none stated: read, never copy" where nothing is."""
     repository: str
@@ -50,7 +54,9 @@ class Dataset:
     format: str = ""
     """Of the upstream files: ``"mat"`` or ``"tsv"``."""
     sampling: str = ""
+    """How often and how long was sampled, in words."""
     columns: tuple[Column, ...]
+    """Columns of its tables, in their order."""
     files: Mapping[str, DataFile]
     """By name; the first is taken where none is named."""
     load: float | None = None
@@ -60,6 +66,7 @@ class Dataset:
     published: Mapping[str, Known] = field(default_factory=lambda: MappingProxyType({}))
     """Results that others printed, by method."""
     notes: str = ""
+    """What a user should know beside; may be empty."""
 
     def file(self, name: str | None = None) -> DataFile:
         """Return what is known of a file, of the first if none is named.

@@ -23,8 +23,11 @@ class Column:
     """
 
     name: str
+    """Name in the table, which ends with the unit: ``"x_m"``."""
     unit: str
+    """Unit of the column."""
     meaning: str
+    """What the column holds, in words."""
     quantity: str = ""
     """What it is in a `stickslip.Measurement`; empty where a measurement does without it."""
     gain: float = 1.0
@@ -47,7 +50,9 @@ class DataFile:
     """
 
     name: str
+    """Name of the table among the files of its record."""
     about: str
+    """What this table holds, in a sentence."""
     rows: int | None = None
     """Rows of the table; None where the catalogue does not know."""
     part: bool = False
@@ -59,6 +64,7 @@ class DataFile:
     source_sha256: str = ""
     """Checksum of the upstream file."""
     ending: str = ".parquet"
+    """Ending of the file that the table is kept in."""
     known: Known = field(default_factory=lambda: MappingProxyType({}))
     """What is known of this file alone."""
 

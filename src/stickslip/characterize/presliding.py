@@ -2,13 +2,18 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias, final
+from typing import TYPE_CHECKING, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
+from stickslip.display import OnAxes, Summary
 from stickslip.errors import InputError
 from stickslip.friction import BristleLaw
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["PreslidingLoop", "presliding_length", "presliding_loop"]
 
@@ -24,13 +29,27 @@ SHARE_OF_LENGTH = 0.05
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PreslidingLoop:
+class PreslidingLoop(OnAxes):
     """Friction along an imposed displacement that swings ever wider."""
 
     displacement: Array
     """Imposed displacement (n,) [m]."""
     friction: Array
     """Friction force (n,) [N]."""
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return displacement and friction as a pandas DataFrame."""
+        import pandas as pd
+
+        return pd.DataFrame({"displacement": self.displacement, "friction": self.friction})
+
+    @override
+    def _summary(self) -> Summary:
+        rows = (
+            ("largest displacement", f"{np.abs(self.displacement).max():.4g} m"),
+            ("largest friction", f"{np.abs(self.friction).max():.4g} N"),
+        )
+        return Summary(sentence=f"Presliding loop of {len(self.friction)} points.", rows=rows)
 
 
 def presliding_length(law: BristleLaw, load: float = 1.0) -> float:

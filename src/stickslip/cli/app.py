@@ -13,9 +13,11 @@ from stickslip.cli.options import (
     Data,
     Enforce,
     FittedLaw,
+    Fixed,
     Folder,
     Force,
-    Free,
+    FormerFree,
+    FormerUnknown,
     Gain,
     Hold,
     Horizon,
@@ -35,8 +37,8 @@ from stickslip.cli.options import (
     Set,
     Starts,
     Units,
-    Unknown,
     Validate,
+    Vary,
 )
 from stickslip.cli.subcommands import data, profile
 
@@ -87,7 +89,9 @@ def select(
     allow_import: AllowImport = False,
     laws: Laws = None,
     validate: Validate = None,
-    unknown: Unknown = None,
+    vary: Vary = None,
+    fixed: Fixed = None,
+    _unknown: FormerUnknown = None,
     purpose: Purpose = None,
     horizon: Horizon = None,
     route: Route = None,
@@ -119,7 +123,12 @@ def select(
         route=cast("RouteName | None", route),
     )
     asked = Asked(
-        data=data or [], reading=reading, validate=validate, unknown=unknown or [], how=how
+        data=data or [],
+        reading=reading,
+        validate=validate,
+        vary=vary or [],
+        fixed=fixed or [],
+        how=how,
     )
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json, enforce=enforce)
     start(rig, asked, changes or [], laws, output, jobs=jobs)
@@ -129,7 +138,7 @@ def select(
 def fit(
     rig: Rig = None,
     law: FittedLaw = None,
-    free: Free = None,
+    _free: FormerFree = None,
     data: Data = None,
     columns: Columns = None,
     units: Units = None,
@@ -139,7 +148,9 @@ def fit(
     changes: Set = None,
     allow_import: AllowImport = False,
     validate: Validate = None,
-    unknown: Unknown = None,
+    vary: Vary = None,
+    fixed: Fixed = None,
+    _unknown: FormerUnknown = None,
     horizon: Horizon = None,
     route: Route = None,
     segment: Segment = None,
@@ -170,10 +181,15 @@ def fit(
         seed=seed,
     )
     asked = Asked(
-        data=data or [], reading=reading, validate=validate, unknown=unknown or [], how=how
+        data=data or [],
+        reading=reading,
+        validate=validate,
+        vary=vary or [],
+        fixed=fixed or [],
+        how=how,
     )
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
-    start(rig, law, free, asked, changes or [], output)
+    start(rig, law, asked, changes or [], output)
 
 
 @app.command()

@@ -128,12 +128,17 @@ def overrides(changes: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def refuse_overwriting(path: Path, folder: Path, *, force: bool) -> None:
-    """Refuse early what could not be written into a folder in the end; leave no trace."""
+def refuse_overwriting(path: Path, folder: Path, *, force: bool, option: str = "-o") -> None:
+    """Refuse early what could not be written into a folder in the end; leave no trace.
+
+    `option` is the one that names the file or the folder.
+    """
     if path.exists() and not force:
-        raise InputError(f"{path} is already there; give --force to replace it, or another -o.")
+        raise InputError(
+            f"{path} is already there; give --force to replace it, or another {option}."
+        )
     if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder} is a file, and a folder is needed: give another -o.")
+        raise InputError(f"{folder} is a file, and a folder is needed: give another {option}.")
     new = [part for part in (folder, *folder.parents) if not part.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -17,7 +17,6 @@ from stickslip.cli.console import (
     stdout,
     write_file,
 )
-from stickslip.cli.feature_fit import show_feature_fit
 from stickslip.cli.inputs import (
     Asked,
     Measured,
@@ -34,19 +33,24 @@ from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, load_rig
 from stickslip.experiments.preconditions import told
 from stickslip.experiments.second_records import refuse_same
-from stickslip.formatting import quantity
+from stickslip.formatting import quantity, signed_percent
 from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification import FeatureFit, Fit, RecordFit, Score, TravelFit, fit
+from stickslip.identification.features.features import COMPARED
+from stickslip.identification.results import far_above_dry
+from stickslip.identification.travels.model import quantities_read
 from stickslip.identification.trials.comparison import compared
 from stickslip.selection.record_wording import error_text, route_text
 
 __all__ = ["run"]
 
+UNITS = {"frequency": "Hz"}
+"""Of features that have one."""
+
 
 def run(
     path: Path | None,
     name: str | None,
-    free: str | None,
     asked: Asked,
     changes: Sequence[str],
     output: Path | None,
@@ -63,10 +67,9 @@ def run(
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     name = fitted_name(rig, name)
     law = rig.laws.get(name) or law_type(name)
-    found = measured(rig, asked, given=path is not None)
+    found = measured(rig, asked, given=path is not None, law=law)
     checks = _checked(rig, found, asked)
-    wanted = None if free is None else [part.strip() for part in free.split(",")]
-    result = _fitted(rig, law, found, asked, wanted)
+    result = _fitted(rig, law, found, asked)
     second = _second(result, found, asked)
     trials = compared(result) if isinstance(result, RecordFit) else None
     if output is not None:
@@ -103,21 +106,18 @@ def _fitted(
     law: FrictionLaw | type[FrictionLaw],
     found: Measured,
     asked: Asked,
-    free: Sequence[str] | None,
 ) -> Fit:
     """Fit with a bar; Ctrl-C once ends the search in a record."""
-    known = _known(rig, law.name, free)
     if found.travels:
         with Watching([law.name], "Fitting") as bar:
             return fit(
                 rig.mechanism,
                 law,
                 found.measurement,
-                free=free,
-                known=known,
-                unknown=found.unknown,
+                vary=found.vary,
+                fixed=found.fixed,
                 t_end=rig.t_end,
-                watch=lambda runs: bar(law.name, runs),
+                progress=lambda runs: bar(law.name, runs),
             )
     with (
         Interrupts() as interrupts,
@@ -128,26 +128,12 @@ def _fitted(
             rig.mechanism,
             law,
             found.measurement,
-            free=free,
-            known=known,
-            unknown=found.unknown,
+            vary=found.vary,
+            fixed=found.fixed,
             route=found.route or asked.how.route,
             settings=asked.how.settings(rig),
-            watch=lambda rms: watch(law.name, rms),
+            progress=lambda rms: watch(law.name, rms),
         )
-
-
-def _known(rig: Rig, name: str, free: Sequence[str] | None) -> dict[str, float]:
-    """Return what the rig says of parameters that are not free, where it does not say all."""
-    given = rig.given.get(name, {})
-    if name in rig.laws or not given:
-        return {}
-    if free is None:
-        said = ", ".join(f"{field} = {value:g}" for field, value in given.items())
-        note(f"All of {name} is fitted, {said} too; --free names what is looked for beside it.")
-        return {}
-    wanted = {one.rpartition(".")[2] for one in free}
-    return {field: value for field, value in given.items() if field not in wanted}
 
 
 def _second(result: Fit, found: Measured, asked: Asked) -> Score | Mapping[str, float] | None:
@@ -184,20 +170,25 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
     console.print(f"\n{result.law.title} friction", markup=False, style="bold")
     show_estimates(result.estimates)
     console.print()
+    for line in far_above_dry(result):
+        console.print(f"! {plain(line)}\n", markup=False, style="yellow")
     if isinstance(result, TravelFit):
-        pairs = zip(result.measured, result.predicted, strict=True)
-        rows = [[plain(quantity(m, "m")), plain(quantity(p, "m"))] for m, p in pairs]
-        show_table("", ["measured travel", "predicted"], rows)
+        rows, read = [], quantities_read(result.trials)
+        for trial, *pair in zip(result.trials, result.measured, result.predicted, strict=True):
+            rows.append([plain(quantity(travel, "m")) for travel in pair])
+            rows[-1] += [plain(trial.as_read(travel)) for travel in pair] if read else []
+        heads = ["measured travel", "predicted"]
+        show_table("", [*heads, f"measured {read}", "predicted"] if read else heads, rows)
         return
     if isinstance(result, FeatureFit):
         assert not isinstance(second, Score)
-        show_feature_fit(result, second or {})
+        _show_features(result, second or {})
         return
     assert isinstance(result, RecordFit)
     assert not isinstance(second, Mapping)
-    compared, found = result.problem.quantity, result.found
-    said = partial(error_text, quantity=compared, turning=result.measurement.turning)
-    console.print(f"Residual of {compared}: {said(result.rms)}", markup=False)
+    scored, found = result.problem.quantity, result.found
+    said = partial(error_text, quantity=scored, turning=result.measurement.turning)
+    console.print(f"Residual of {scored}: {said(result.rms)}", markup=False)
     if second is not None:
         console.print(
             f"On the second record: {said(second.rms)}, {_predicted(result, second)}", markup=False
@@ -227,3 +218,28 @@ def _restarts(agreeing: int, starts: int) -> str:
     if starts == 1:
         return "none, a single start"
     return f"{agreeing} of {starts} starts end at the least residual"
+
+
+def _show_features(fit: FeatureFit, second: Mapping[str, float]) -> None:
+    """Print what the features of a fit are, and what it says."""
+    console = stdout()
+    heads = ["feature of F/N", "first half", "fitted", "second half", "off by"]
+    heads += ["second record off by"] if second else []
+    rows = []
+    for name in COMPARED:
+        cells = [_sized(name, getattr(fit.observed, name)), _sized(name, fit.predicted[name])]
+        cells += ["" if fit.held_out is None else _sized(name, getattr(fit.held_out, name))]
+        cells += [signed_percent(fit.held_out_errors[name]) if fit.held_out_errors else ""]
+        cells += [signed_percent(second[name])] if second else []
+        rows.append([name.replace("_", " "), *cells])
+    show_table("", heads, rows, whole=heads)
+    if fit.cancelled:
+        note("The search was ended early; this is the best so far.")
+    if fit.sentences:
+        console.print("\nWhat the features say", markup=False, style="bold")
+    for line in fit.sentences:
+        console.print(f"  {plain(line)}", markup=False)
+
+
+def _sized(name: str, value: float) -> str:
+    return quantity(value, UNITS.get(name, "1"))

@@ -1,23 +1,28 @@
 """What `select` and `fit` share: what was measured, how it is fitted, what is to be said of it."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import final
 
-from stickslip.cli.console import plain, show_table, stdout
-from stickslip.errors import InputError
+from stickslip.cli.console import note, plain, show_table, stdout
+from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Checks, Measurement, Rig, check
 from stickslip.experiments.hashing import with_files
+from stickslip.experiments.parameter_paths import all_paths
 from stickslip.experiments.readers.reader_options import Reading
 from stickslip.experiments.records import read_data
+from stickslip.experiments.units import read_number
 from stickslip.formatting import percent, unit_text, within
+from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate, RecordSettings
 from stickslip.identification.features.features import by_features
 from stickslip.identification.records.fitting import route_of
 from stickslip.identification.records.route_choice import RouteChoice, RouteName, choose_route
+from stickslip.identification.validation import LAW, Parameters, covers, law_quantities
+from stickslip.quantities import full_path
 from stickslip.selection.record_wording import error_text
 from stickslip.selection.records import PurposeName
 from stickslip.selection.verdict import Wording
@@ -76,18 +81,20 @@ class Asked:
     data: Sequence[Path]
     reading: Reading
     validate: Path | None
-    unknown: Sequence[str]
+    vary: Sequence[str]
+    fixed: Sequence[str]
     how: How
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """What was measured, and what of the mechanism is not known."""
+    """What was measured, and which parameters are fitted to it."""
 
     measurement: Measurement
     validate: Measurement | None
-    unknown: tuple[str, ...]
+    vary: tuple[str, ...]
+    fixed: Mapping[str, float]
     digest: str
     """SHA-256 of the rig and of all files that were read."""
     features: bool = False
@@ -101,8 +108,14 @@ class Measured:
         return bool(self.measurement.travelled)
 
 
-def measured(rig: Rig, asked: Asked, *, given: bool) -> Measured:
-    """Return what files or the rig say was measured.
+def measured(
+    rig: Rig,
+    asked: Asked,
+    *,
+    given: bool,
+    law: FrictionLaw | type[FrictionLaw] | None = None,
+) -> Measured:
+    """Return what files or the rig say was measured, and what is to be fitted of mechanism and law.
 
     Options for files add to what the rig says of its own. `given` is whether a rig file was.
     """
@@ -123,12 +136,13 @@ def measured(rig: Rig, asked: Asked, *, given: bool) -> Measured:
         # a second record is predicted, whatever its conditions
         alike = replace(reading, conditions=())
         validate = read_data([asked.validate], alike, mechanism=rig.mechanism)
-    names = [part.strip() for given in asked.unknown for part in given.split(",")]
+    vary, fixed = _parameters(rig, asked, law)
     files = [*asked.data, *([] if asked.validate is None else [asked.validate])]
     found = Measured(
         measurement=measurement,
         validate=validate,
-        unknown=(*rig.unknown, *names),
+        vary=vary,
+        fixed=fixed,
         digest=with_files(rig.digest, files),
         features=by_features(measurement, asked.how.route),
     )
@@ -139,10 +153,10 @@ def measured(rig: Rig, asked: Asked, *, given: bool) -> Measured:
     elif not given:
         raise InputError(
             "a record needs a rig file that says what moves: give one with a [mechanism], such as"
-            ' type = "axis" and inertia = { value = "80 kg", unknown = true }.'
+            ' type = "axis" and inertia = { value = "80 kg", vary = true }.'
         )
     elif not found.features:
-        chosen = _route(rig, found, asked.how)
+        chosen = _route(rig, found, asked.how, law)
         _check_records(asked.how, chosen)
         found = replace(found, route=chosen)
     return found
@@ -158,7 +172,61 @@ def _check_features(how: How) -> None:
             )
 
 
-def _route(rig: Rig, found: Measured, how: How) -> RouteChoice:
+def _parameters(
+    rig: Rig, asked: Asked, law: FrictionLaw | type[FrictionLaw] | None
+) -> tuple[tuple[str, ...], dict[str, float]]:
+    """Return what is varied and what fixed, with what the rig file says of both.
+
+    Values that it gives of a law, but not all, are held where `--vary` says what is fitted of it.
+    """
+    names = [part.strip() for text in asked.vary for part in text.split(",")]
+    fixed = _fixed(rig, asked.fixed, law)
+    given = rig.given.get(law.name, {}) if isinstance(law, type) else {}
+    if given and (not names or LAW in names):
+        said = ", ".join(f"{name} = {value:g}" for name, value in given.items())
+        note(
+            f"All of {law.name if law else ''} is fitted, {said} too; --vary names what is fitted"
+            " beside it, --fixed what is held."
+        )
+    elif given:
+        paths = {f"friction.{name}": value for name, value in given.items()}
+        held = {p: v for p, v in paths.items() if not any(covers(name, p) for name in names)}
+        fixed = held | fixed
+    marked = (path for path in rig.vary if path not in fixed)
+    return (*(names or (LAW,)), *marked), fixed
+
+
+def _fixed(
+    rig: Rig, texts: Sequence[str], law: FrictionLaw | type[FrictionLaw] | None
+) -> dict[str, float]:
+    """Return fixed values by path, read with their units."""
+    known = {**law_quantities(law), **all_paths(rig.mechanism, "mechanism")}
+    found: dict[str, float] = {}
+    for part in (part for text in texts for part in text.split(",")):
+        name, equals, value = part.partition("=")
+        if not equals or not name.strip() or not value.strip():
+            raise InputError(
+                f"--fixed takes NAME=VALUE such as viscous_coefficient=0.4, got {part!r}."
+            )
+        path = full_path(name.strip(), known, "parameter in --fixed")
+        try:
+            found[path] = read_number(_number(value.strip()), known[path])
+        except ParameterError as error:
+            raise ParameterError(f"--fixed {path} {error}") from None
+    return found
+
+
+def _number(text: str) -> float | str:
+    """Return a number in SI as such, so that only one with a unit is read as a text."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _route(
+    rig: Rig, found: Measured, how: How, law: FrictionLaw | type[FrictionLaw] | None
+) -> RouteChoice:
     """Return how records are fitted: as asked, or else as their motion allows."""
     settings, measurement = how.settings(rig), found.measurement
     rubbed = "friction" in measurement.quantities() and not how.route
@@ -166,7 +234,9 @@ def _route(rig: Rig, found: Measured, how: How) -> RouteChoice:
     faulty = check(measurement, mechanism=rig.mechanism).worst == "error"
     if asked is not None or rubbed or faulty:  # what is faulty is refused where it is fitted
         return RouteChoice(route=route_of(measurement, asked), settings=settings)
-    return choose_route(rig.mechanism, measurement, unknown=found.unknown, settings=settings)
+    chosen = Parameters.of(rig.mechanism, law, found.vary, found.fixed, measurement=measurement)
+    vary = [LAW, *chosen.unknown]
+    return choose_route(chosen.mechanism, measurement, vary=vary, settings=settings)
 
 
 def _check_records(how: How, chosen: RouteChoice) -> None:

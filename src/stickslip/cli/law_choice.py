@@ -20,6 +20,8 @@ USUAL = "coulomb"
 FITTED = "coulomb-viscous"
 FILE = re.compile(r"(?P<path>.*\.toml)(?::(?P<law>[a-z0-9-]+))?", re.IGNORECASE)
 """A file, and after a colon which of its laws."""
+OTHER_FILES = (".json", ".html", ".csv")
+"""Of a report, none of which is a rig file."""
 FRICTION = "friction."
 
 
@@ -81,6 +83,12 @@ def rig_and_law(
     """
     given = overrides(changes)
     file = None if asked.law is None else FILE.fullmatch(asked.law)
+    if file is None and asked.law is not None and asked.law.lower().endswith(OTHER_FILES):
+        beside = Path(asked.law).with_name("law.toml")
+        raise InputError(
+            f"--law takes the name of a law or a .toml file that has one, got {asked.law}: give the"
+            f" law.toml that `stickslip select` writes beside its verdict.json, as --law {beside}."
+        )
     if file is None:
         if asked.load is not None:
             raise InputError(

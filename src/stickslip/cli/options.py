@@ -1,9 +1,12 @@
 """Arguments and options that several commands share."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from stickslip.errors import RenamedError
 
 __all__ = [
     "AllowImport",
@@ -15,9 +18,11 @@ __all__ = [
     "Enforce",
     "Evaluations",
     "FittedLaw",
+    "Fixed",
     "Folder",
     "Force",
-    "Free",
+    "FormerFree",
+    "FormerUnknown",
     "Gain",
     "Goal",
     "Hold",
@@ -46,8 +51,8 @@ __all__ = [
     "Set",
     "Starts",
     "Units",
-    "Unknown",
     "Validate",
+    "Vary",
 ]
 
 Rig = Annotated[Path | None, typer.Argument(help="Rig file (TOML); the paper's rig if not given.")]
@@ -98,14 +103,6 @@ FittedLaw = Annotated[
 ]
 LawFile = Annotated[
     Path | None, typer.Option("-o", "--output", help="Rig file (TOML) of the fitted law.")
-]
-Free = Annotated[
-    str | None,
-    typer.Option(
-        "--free",
-        metavar="NAME,...",
-        help="Only these of the law's parameters; the rig has the others.",
-    ),
 ]
 Laws = Annotated[str | None, typer.Option("--laws", help="Only these, e.g. coulomb,viscous.")]
 PlannedLaws = Annotated[
@@ -165,12 +162,48 @@ Validate = Annotated[
     Path | None,
     typer.Option("--validate", metavar="FILE", help="A second record, not used in any fit."),
 ]
-Unknown = Annotated[
+Vary = Annotated[
     list[str] | None,
     typer.Option(
-        "--unknown",
+        "--vary",
         metavar="NAME,...",
-        help="Parameters of the mechanism to be fitted too, e.g. inertia.",
+        help="Parameters to fit, beside those that the rig file marks; all others are held. E.g."
+        " 'friction.*,inertia': what is fitted of the law by default, and the mass. Default:"
+        " 'friction.*'.",
+    ),
+]
+Fixed = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--fixed",
+        metavar="NAME=VALUE,...",
+        help="Values of parameters that are held, e.g. viscous_coefficient=0.4 or 'inertia=80 kg'.",
+    ),
+]
+
+
+def _former(option: str, cure: str) -> Callable[[list[str] | None], None]:
+    """Return what refuses an option that has another name now."""
+
+    def refuse(given: list[str] | None) -> None:
+        if given:
+            raise RenamedError(f"{option} is now --vary: {cure}.")
+
+    return refuse
+
+
+FormerFree = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--free",
+        hidden=True,
+        callback=_former("--free", "--vary kinetic_coefficient; what is not named is held"),
+    ),
+]
+FormerUnknown = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--unknown", hidden=True, callback=_former("--unknown", "--vary 'friction.*,inertia'")
     ),
 ]
 Horizon = Annotated[

@@ -30,7 +30,7 @@ def run(output: Path, *, force: bool, as_json: bool) -> None:
     if not as_json:
         refuse_overwriting(output, output, force=force)
     with Watching(list(load_rig().laws), "Recomputing the paper:") as watch:
-        found = audit(watch=watch)
+        found = audit(progress=watch)
     content = document("paper", found.to_dict())
     if as_json:
         print_json(content)

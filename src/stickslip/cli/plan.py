@@ -16,14 +16,12 @@ from stickslip.cli.console import (
     write_folder,
 )
 from stickslip.cli.numbers import number_of, range_of
-from stickslip.cli.selected import laws_of
+from stickslip.cli.select import laws_of
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Rig, load_rig
-from stickslip.experiments.measurement import QUANTITIES
-from stickslip.identification.travels.model import trials_of
 from stickslip.quantities import Quantity, parameters
 from stickslip.selection import Plan, plan
-from stickslip.selection.design.discriminating_settings import knob_of
+from stickslip.selection.planning import setting_of
 from stickslip.selection.sheet_tables import tables_of
 
 __all__ = ["run"]
@@ -50,6 +48,7 @@ def run(
     measured = rig.measurement
     if measured is not None and not measured.travelled:
         measured = None
+    range_asked = _between(setting_of(rig.mechanism, measured, rig.t_end), rig, between)
     if not as_json:
         note("Simulating what the laws predict ...")
     found = plan(
@@ -57,7 +56,7 @@ def run(
         laws_of(rig, laws),
         measurement=measured,
         doubts=rig.doubts,
-        between=_between(rig, between),
+        between=range_asked,
         settings=settings,
         uncertainty=_uncertainty(uncertainty),
         t_end=rig.t_end,
@@ -84,18 +83,12 @@ def _files(output: Path | None) -> list[Path]:
     return [output, output.with_suffix(".csv")]
 
 
-def _between(rig: Rig, text: str | None) -> tuple[float, float] | None:
+def _between(path: str, rig: Rig, text: str | None) -> tuple[float, float] | None:
     """Return the ends of a range, in the unit of what is set."""
     if text is None:
         return None
-    travels = rig.measurement is not None and rig.measurement.travelled
-    done = (
-        trials_of(rig.mechanism, rig.measurement, rig.t_end) if travels and rig.measurement else ()
-    )
-    knob = knob_of(rig.mechanism, done)
     known: Mapping[str, Quantity] = {p: q for p, q, _ in parameters(rig.mechanism, "mechanism")}
-    quantity = QUANTITIES["travel"] if knob is None else known[knob[0]]
-    return range_of("--between", text, quantity)
+    return range_of("--between", text, known[path])
 
 
 def _uncertainty(text: str | None) -> float | None:

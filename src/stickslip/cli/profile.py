@@ -113,7 +113,7 @@ def _found(rig: Rig, law: FrictionLaw, settings: Settings) -> Optimum:
             evaluations=settings.evaluations,
             seed=settings.seed,
             state=settings.resume,
-            watch=watch,
+            progress=watch,
         )
 
 

@@ -20,6 +20,8 @@ from stickslip.cli.interrupts import Interrupts
 __all__ = ["Compiling", "Drawing", "Improving", "Searching", "Watching"]
 
 
+COMPILING = "compiling: "
+"""How `select` says what is compiled."""
 NO_SHORTER = "Held-out blocks are judged to the end; Ctrl-C once more cancels."
 
 
@@ -102,17 +104,22 @@ class Drawing(_Shown):
 
 @final
 class Watching(_Shown):
-    """A bar that counts laws and names the one in work; callable as ``watch(name, runs)``."""
+    """A bar that counts laws and names the one in work; callable as ``watch(name, runs)``.
+
+    What is compiled before the work begins comes as ``watch("compiling: what", share)``.
+    """
 
     def __init__(self, names: Sequence[str], verb: str) -> None:
         super().__init__(_bars())
         self._names, self._verb = list(names), verb
         self._task = self._bars.add_task(f"{verb} ", total=len(self._names), runs="0 runs")
-        self.compiling = Compiling(self._bars)
-        """Shows what is compiled before the work begins."""
+        self._compiling = Compiling(self._bars)
 
     def __call__(self, name: str, runs: float) -> None:
-        """Note that a law has had so many runs."""
+        """Note that a law has had so many runs, or that a share is compiled."""
+        if name.startswith(COMPILING):
+            self._compiling(round(100.0 * runs), 100, name.removeprefix(COMPILING))
+            return
         done = self._names.index(name) if name in self._names else 0
         self._say(f"{self._verb} {name}")
         self._bars.update(

@@ -93,7 +93,8 @@ def run(
         check_table(output)
         refuse_overwriting(output, output.parent, force=force)
     if settings.report is not None:
-        refuse_overwriting(settings.report / PAGE, settings.report, force=force)
+        page = settings.report / PAGE
+        refuse_overwriting(page, settings.report, force=force, option="--report-to FOLDER")
     rig, chosen = rig_and_law(path, changes, settings.law, allow_import=allow_import)
     ran = _ran(rig, chosen, settings)
     seen = criteria_of(ran.run, rig.mechanism)
@@ -106,8 +107,8 @@ def run(
     page_code = 0
     if settings.report is not None:
         kept = "The result of the run is not affected."
-        page = partial(_page, ran, settings)
-        page_code = draw_page(settings.report, page, kept=kept, quiet=as_json)
+        drawn = partial(_page, ran, settings)
+        page_code = draw_page(settings.report, drawn, kept=kept, quiet=as_json)
     if as_json:
         content = _content(ran, settings) | {"criteria": asdict(seen)}
         if settings.report is not None:

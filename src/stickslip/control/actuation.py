@@ -30,6 +30,23 @@ class Place(NamedTuple):
         """Return a mechanism with a command there, and what it calls that drive.
 
         A drive that is there already stays, and the command is added to it.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            The mechanism that the place belongs to.
+        command : Sampled or StraightPieces
+            Command as a function of time, in the unit of the drive ([N] or [N m]).
+
+        Returns
+        -------
+        (Mechanism, str)
+            The mechanism with the command, and the name under which its `drives` list it.
+
+        Raises
+        ------
+        InputError
+            If `drives` of the mechanism does not list the drive.
         """
         driven = _put(mechanism, self.path, command)
         held = _got(driven, self.path)
@@ -82,10 +99,17 @@ def place_of(mechanism: Mechanism, drive: str | None) -> Place:
     drive : str, optional
         Path of the drive, such as ``"pendulum.drive"``, or its first or last name where that tells.
 
+    Returns
+    -------
+    Place
+        Where commands enter the mechanism.
+
     Raises
     ------
     InputError
         If there is no such place, or several and none is named.
+    UnknownNameError
+        If the name is that of no place or of several.
 
     Examples
     --------

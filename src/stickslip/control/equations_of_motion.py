@@ -45,14 +45,40 @@ class Dynamics:
     """N_u."""
 
     def accelerations(self, friction: float = 0.0, command: float = 0.0) -> "NDArray[np.float64]":
-        """Return the accelerations (n,) under a friction force and a command."""
+        """Return the accelerations (n,) under a friction force and a command.
+
+        Parameters
+        ----------
+        friction : float, default 0.0
+            Friction force, with the sign of the slip velocity [N].
+        command : float, default 0.0
+            Value of the commanded drive, in its unit.
+
+        Returns
+        -------
+        array (n,)
+            Accelerations of the free coordinates [unit of the coordinate / s^2].
+        """
         import numpy as np
 
         right = self.forces - self.friction_direction * friction + self.command_direction * command
         return np.asarray(np.linalg.solve(self.mass, right))
 
     def normal_force(self, friction: float = 0.0, command: float = 0.0) -> float:
-        """Return the normal force under a friction force and a command [N]."""
+        """Return the normal force under a friction force and a command [N].
+
+        Parameters
+        ----------
+        friction : float, default 0.0
+            Friction force, with the sign of the slip velocity [N].
+        command : float, default 0.0
+            Value of the commanded drive, in its unit.
+
+        Returns
+        -------
+        float
+            Normal force of the contact [N].
+        """
         return self.normal + self.normal_by_friction * friction + self.normal_by_command * command
 
 
@@ -61,7 +87,20 @@ class Evaluator:
     """Evaluates accelerations and normal force of a mechanism, affine in friction and command."""
 
     def __init__(self, mechanism: Mechanism, drive: str | None = None) -> None:
-        """Derive the equations; `drive` names what is commanded, as in `closed_loop`."""
+        """Derive the equations; `drive` names what is commanded, as in `closed_loop`.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            Mechanism without prescribed motions.
+        drive : str, optional
+            Name of the drive that is commanded; the only one if not given.
+
+        Raises
+        ------
+        InputError
+            If the mechanism has a prescribed motion.
+        """
         from stickslip.formulation import formulate
         from stickslip.solver.drive_schedule import gather
         from stickslip.solver.evaluator import Equations

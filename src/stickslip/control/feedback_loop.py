@@ -5,9 +5,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
+from typing_extensions import override
+
 from stickslip.control.actuation import place_of
 from stickslip.control.sample_and_hold import Commands, Stretch, Timing, drive_of
 from stickslip.control.sensors import Sensors
+from stickslip.display import InPanels, Summary
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
@@ -46,7 +49,7 @@ class Controller(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ClosedLoop:
+class ClosedLoop(InPanels):
     """A run in closed loop: the motion, and what the controller saw and said at each sample.
 
     Examples
@@ -85,6 +88,16 @@ class ClosedLoop:
     def status(self) -> Status:
         """How the run ended."""
         return self.run.status
+
+    @override
+    def _summary(self) -> Summary:
+        rows = (
+            ("time", f"{self.run.span[0]:g} to {self.run.span[1]:g} s"),
+            ("samples", f"{len(self.t)}, one each {self.period:g} s"),
+            ("events", len(self.run.events)),
+            ("certified", "yes" if self.run.certificate.certified else "no"),
+        )
+        return Summary(sentence=self.status.value, rows=rows)
 
 
 def closed_loop(

@@ -19,6 +19,25 @@ Load: TypeAlias = float | Callable[[float, Mapping[str, float]], float]
 def sliding_force(law: FrictionLaw, velocity: float, load: float) -> float:
     """Return the friction force of steady sliding [N], 0 at rest.
 
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law; bristles are taken in their steady state.
+    velocity : float
+        Slip velocity [m/s].
+    load : float
+        Normal force [N].
+
+    Returns
+    -------
+    float
+        Friction force, with the sign of the velocity [N].
+
+    Raises
+    ------
+    InputError
+        If the law is none of the kinds that have a force of steady sliding.
+
     Examples
     --------
     >>> from stickslip import Coulomb

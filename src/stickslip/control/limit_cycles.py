@@ -84,6 +84,13 @@ def limit_cycle(
     LimitCycle
         Kind, amplitude, period.
 
+    Raises
+    ------
+    InputError
+        If `since` or `tolerance` is out of its range.
+    UnknownNameError
+        If the run has no column of that name.
+
     Examples
     --------
     >>> from stickslip import Coulomb, TowedBlock, simulate

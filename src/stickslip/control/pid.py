@@ -19,6 +19,18 @@ Signal: TypeAlias = float | Callable[[float], float]
 def value_at(signal: Signal, t: float) -> float:
     """Return the value of a number or a function of time.
 
+    Parameters
+    ----------
+    signal : Signal
+        A number, or a function of time [s].
+    t : float
+        Time [s].
+
+    Returns
+    -------
+    float
+        The value, in the signal's unit.
+
     Examples
     --------
     >>> value_at(2.0, 0.5), value_at(lambda t: 2.0 * t, 0.5)

@@ -20,8 +20,11 @@ class Timing(Parametrised):
     """Settings of a loop, checked."""
 
     period: Annotated[float, Quantity("T_s", "s", above=0)]
+    """Time between samples [s]."""
     delay: Annotated[float, Quantity("tau", "s", low=0)] = 0.0
+    """Time from a sample to the moment at which its command takes effect [s]."""
     limit: Annotated[float, Quantity("u_max", above=0)] | None = None
+    """Largest magnitude of a command, in its unit; None if there is none."""
 
     def times(self, t_end: float) -> list[float]:
         """Return the times of the samples before the end."""
@@ -51,7 +54,20 @@ class Commands:
     """Commands as they take effect: after the delay, and held."""
 
     def __init__(self, timing: Timing, samples: Sequence[float], hold: str, t_end: float) -> None:
-        """Take the times of the samples."""
+        """Take the times of the samples.
+
+        Parameters
+        ----------
+        timing : Timing
+            Period, delay and limit of the loop.
+        samples : sequence of float (n,)
+            Times of the samples [s].
+        hold : str
+            ``"zero"``: a command is held until the next one. ``"first"``: it goes on as a straight
+            line.
+        t_end : float
+            End of the run [s].
+        """
         self.whole, self.rest = timing.lag()
         self.period, self.hold = timing.period, hold
         self.told: list[float] = []
@@ -74,7 +90,22 @@ class Commands:
         return now, (now - self.told[index - 1]) / self.period
 
     def stretches(self, index: int, start: float, end: float) -> list[Stretch]:
-        """Return what acts from a sample to the next, in one stretch or two."""
+        """Return what acts from a sample to the next, in one stretch or two.
+
+        Parameters
+        ----------
+        index : int
+            Index of the sample, from 0.
+        start : float
+            Time of the sample [s].
+        end : float
+            Time of the next sample, or end of the run [s].
+
+        Returns
+        -------
+        list of Stretch
+            One or two stretches: start [s], value at the start, slope.
+        """
         value, slope = self._line(index - self.whole)
         if self.rest <= 0.0:
             return [(start, value, slope)]
@@ -85,7 +116,22 @@ class Commands:
 
 
 def drive_of(hold: str, stretches: Sequence[Stretch], end: float) -> Sampled | StraightPieces:
-    """Return commands as a drive; a line ends, at the end at the latest, and its value is held."""
+    """Return commands as a drive; a line ends, at the end at the latest, and its value is held.
+
+    Parameters
+    ----------
+    hold : str
+        ``"zero"`` for values that are held, ``"first"`` for straight lines.
+    stretches : sequence of Stretch
+        Stretches in the order of time: start [s], value at the start, slope.
+    end : float
+        End of the last line [s]; without effect where values are held.
+
+    Returns
+    -------
+    Sampled or StraightPieces
+        The drive that takes these values.
+    """
     if hold == "zero":
         times, values, _ = (tuple(column) for column in zip(*stretches, strict=True))
         return Sampled(times=times, values=values)

@@ -179,6 +179,11 @@ def repeated(owner: str, cycle: Sequence[Piece], period: Scalar, until: float) -
     until : float
         The time, counted from the first piece [s].
 
+    Returns
+    -------
+    tuple of Piece
+        Pieces of all cycles that begin up to the time, in the order of time.
+
     Raises
     ------
     ParameterError
@@ -205,6 +210,18 @@ def repeated(owner: str, cycle: Sequence[Piece], period: Scalar, until: float) -
 
 def earlier(first: Scalar, second: Scalar) -> Scalar:
     """Return the earlier of two times, or of (n,) of them one by one; parts may be imaginary.
+
+    Parameters
+    ----------
+    first : float or array (n,) or a number
+        Times [s].
+    second : float or array (n,) or a number
+        Times [s]; taken where they are earlier by their real parts.
+
+    Returns
+    -------
+    float or array (n,) or a number
+        The earlier ones [s].
 
     Examples
     --------

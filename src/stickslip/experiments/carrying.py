@@ -6,7 +6,7 @@ from typing import Final, final
 import numpy as np
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.estimates import LOAD, LawEstimates, Levels, levels_at
+from stickslip.experiments.estimates import LOAD, LawEstimates, Levels, equated, levels_at
 from stickslip.experiments.rig import Rig
 from stickslip.formatting import joined, number, quantity, span
 from stickslip.friction import FrictionLaw
@@ -110,6 +110,7 @@ def carried(
     remarks += _about_viscosity(found, known)
     if here == "per load":
         remarks += _about_bristles(found)
+    remarks += _about_rest(found)
     remarks += _about_doubt(found, known)
     return CarriedLaw(
         law=found, estimates=known, remarks=tuple(remarks), source=rig.path, fitted_on=rig.mechanism
@@ -277,6 +278,13 @@ def _about_bristles(law: FrictionLaw) -> list[str]:
     return [
         f"{joined(found)} {are} over the normal force: bristles are taken to stiffen in proportion"
         " to it, which was not tested."
+    ]
+
+
+def _about_rest(law: FrictionLaw) -> list[str]:
+    return [
+        f"${own}$ was neither measured nor given: it is taken equal to ${other}$."
+        for own, other in equated(law).values()
     ]
 
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity, parameters, vary
+from stickslip.quantities import Quantity, fields_of, parameters, vary
 
-__all__ = ["HARD", "LOAD", "LawEstimates", "Levels", "levels_at", "spread_of"]
+__all__ = ["HARD", "LOAD", "LawEstimates", "Levels", "equated", "levels_at", "spread_of"]
 
 Array: TypeAlias = NDArray[np.float64]
 Levels: TypeAlias = Literal["per load", "forces", "torques"]
@@ -23,6 +23,7 @@ Levels: TypeAlias = Literal["per load", "forces", "torques"]
 LOAD: Final = Quantity("N", "N", above=0)
 """A normal force at which levels are given as forces."""
 PREFIX: Final = "friction"
+AT_REST: Final = "static_coefficient"
 NORMAL_95: Final = 1.959963984540054
 HARD: Final = ("rounding range", "stated interval")
 """Intervals that have an end beyond which the value cannot lie; others are of 95 %."""
@@ -363,6 +364,24 @@ class LawEstimates:
         if at:
             table[np.ix_(at, at)] = self.covariance
         return table
+
+
+def equated(law: FrictionLaw) -> dict[str, tuple[str, str]]:
+    """Return the level at rest that was not given, by field, with the symbol of what it equals.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> equated(Coulomb(kinetic_coefficient=0.25))
+    {'static_coefficient': ('mu_s', 'mu_k')}
+    >>> equated(Coulomb(kinetic_coefficient=0.25, static_coefficient=0.3))
+    {}
+    """
+    quantities = fields_of(type(law))
+    one = quantities.get(AT_REST)
+    if one is None or one.at_least is None or getattr(law, AT_REST) is not None:
+        return {}
+    return {AT_REST: (one.symbol, quantities[one.at_least].symbol)}
 
 
 def _values(law: FrictionLaw) -> dict[str, float]:

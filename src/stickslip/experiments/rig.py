@@ -75,8 +75,8 @@ class Rig:
         By law, the parameters that the file gives, those of laws of which it lacks some included.
     assumed : mapping of str to tuple of str
         By law, the fields whose values are assumed and not measured.
-    unknown : tuple of str
-        Parameters of the mechanism that fits look for too, by path or last name.
+    vary : tuple of str
+        Parameters of the mechanism that the file marks to be fitted too, by path or last name.
     doubts : mapping of str to float
         Standard uncertainties of parameters of the mechanism, by path or last name; of what a
         trial sets, each trial has one of its own.
@@ -120,7 +120,7 @@ class Rig:
     named: tuple[str, ...] = ()
     given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    unknown: tuple[str, ...] = ()
+    vary: tuple[str, ...] = ()
     doubts: Mapping[str, float] = field(default_factory=dict)
     measurement: Measurement | None = None
     validate: Measurement | None = None
@@ -151,8 +151,8 @@ class Rig:
         for name in self.assumed:
             if name not in self.laws:
                 raise UnknownNameError("law in Rig.assumed", name, self.laws)
-        paths = tuple(canonical(self.mechanism, name) for name in self.unknown)
-        object.__setattr__(self, "unknown", paths)
+        paths = tuple(canonical(self.mechanism, name) for name in self.vary)
+        object.__setattr__(self, "vary", paths)
         doubts = {canonical(self.mechanism, name): one for name, one in self.doubts.items()}
         object.__setattr__(self, "doubts", doubts)
         if self.measurement is not None and doubts:

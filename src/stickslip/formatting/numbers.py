@@ -54,7 +54,9 @@ class EstimateText(NamedTuple):
     """A value and its error as two texts, which a space joins to what `estimate` returns."""
 
     value: str
+    """The value, rounded as its error allows."""
     doubt: str
+    """The error with its sign, or why there is none."""
 
 
 def significant(value: float, digits: int = 3) -> str:

@@ -50,19 +50,67 @@ class Scale(NamedTuple):
     """The unit that is shown."""
 
     def number(self, value: float, digits: int = 3) -> str:
-        """Return an SI value in this unit, without the unit."""
+        """Return an SI value in this unit, without the unit.
+
+        Parameters
+        ----------
+        value : float
+            The value, SI.
+        digits : int
+            Significant digits.
+
+        Returns
+        -------
+        str
+            The number.
+        """
         return number(self.factor * value, digits)
 
     def quantity(self, value: float, digits: int = 3) -> str:
-        """Return an SI value with this unit."""
+        """Return an SI value with this unit.
+
+        Parameters
+        ----------
+        value : float
+            The value, SI.
+        digits : int
+            Significant digits.
+
+        Returns
+        -------
+        str
+            Number and unit.
+        """
         return with_unit(self.number(value, digits), self.unit)
 
     def estimate(self, value: float, half_width: float) -> str:
-        """Return an SI value with its error and this unit."""
+        """Return an SI value with its error and this unit.
+
+        Parameters
+        ----------
+        value, half_width : float
+            The value and its standard error or half width, SI.
+
+        Returns
+        -------
+        str
+            Value, error and unit.
+        """
         return with_unit(estimate(self.factor * value, self.factor * half_width), self.unit)
 
     def estimate_text(self, value: float, half_width: float) -> EstimateText:
-        """Return an SI value and its error apart, without the unit."""
+        """Return an SI value and its error apart, without the unit.
+
+        Parameters
+        ----------
+        value, half_width : float
+            The value and its standard error or half width, SI.
+
+        Returns
+        -------
+        EstimateText
+            Two texts.
+        """
         return estimate_text(self.factor * value, self.factor * half_width)
 
 

@@ -41,6 +41,11 @@ def function(name: str, cases: Mapping[int | None, Case]) -> str:
         Name of the function.
     cases : mapping
         Expressions by the value of ``mode``; the single key None if there is no such choice.
+
+    Returns
+    -------
+    str
+        Text of the definition, which ends with a line break.
     """
     lines = [f"def {name}(mode, flags, t, w, at, to):"]
     for mode, case in cases.items():

@@ -27,6 +27,11 @@ def linear_where(
         States and time.
     switches : sequence of Symbol
         Symbols of the switches; the answer is a choice between numbers where it depends on them.
+
+    Returns
+    -------
+    Expr
+        1, 0, or a choice between them by the switches; 0 where there are too many switches to try.
     """
     names = {str(s) for e in expressions for s in e.free_symbols}
     used = [switch for switch in switches if str(switch) in names]

@@ -15,7 +15,27 @@ __all__ = ["matrix_rows", "matrix_supply"]
 def matrix_rows(
     mechanism: MatrixMechanism, places: Mapping[str, Any], held: Sequence[str]
 ) -> list[se.Expr]:
-    """Return the mass matrix row by row, those of held coordinates last."""
+    """Return the mass matrix row by row, those of held coordinates last.
+
+    Parameters
+    ----------
+    mechanism : MatrixMechanism
+        Mechanism with `mass_matrix`.
+    places : mapping of str to object
+        Traced coordinates by name, held ones included.
+    held : sequence of str (m,)
+        Names of the coordinates held at 0.
+
+    Returns
+    -------
+    ((n + m) n,)
+        Entries of the matrix, rows one after the other.
+
+    Raises
+    ------
+    InputError
+        If the matrix does not have n + m rows of n entries.
+    """
     n = len(mechanism.coordinates)
     rows = [list(row) for row in mechanism.mass_matrix(places)]
     if len(rows) != n + len(held) or any(len(row) != n for row in rows):
@@ -35,7 +55,26 @@ def matrix_supply(
     places: Mapping[str, se.Symbol],
     speeds: Mapping[str, se.Symbol],
 ) -> se.Expr:
-    """Return the power supplied [W]: what is given, or what the forces do beyond the energies."""
+    """Return the power supplied [W]: what is given, or what the forces do beyond the energies.
+
+    Parameters
+    ----------
+    given : object
+        What `MatrixMechanism.power` returned: an expression, or None.
+    energy : Expr
+        Kinetic and potential energy [J].
+    force : mapping of str to Expr
+        Generalised forces by coordinate, friction left out.
+    places : mapping of str to Symbol
+        Symbols of the coordinates by name.
+    speeds : mapping of str to Symbol
+        Symbols of the rates by name of the coordinate.
+
+    Returns
+    -------
+    Expr
+        Power supplied [W].
+    """
     if given is not None:
         return expression(given)
     work = sum((f * speeds[name] for name, f in force.items()), se.Integer(0))

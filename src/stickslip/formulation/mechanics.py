@@ -37,7 +37,9 @@ class Mechanics:
     """
 
     coordinates: tuple[str, ...]
+    """Names of the moving coordinates."""
     contact: Contact
+    """The contact at which the mechanism rubs."""
     slip: int
     """Index of the slip coordinate."""
     mass: se.DenseMatrix
@@ -53,6 +55,7 @@ class Mechanics:
     load: se.Expr | None
     """The prescribed load, where nothing is held."""
     energy: se.Expr
+    """Kinetic and potential energy [J]."""
     supplied: se.Expr
     """Power that drives, dampers and moved supports put in; that of guides is left out."""
     walls: tuple[Wall, ...]
@@ -96,7 +99,20 @@ class Mechanics:
         return found
 
     def surplus(self, row: int, accelerations: Sequence[se.Expr]) -> se.Expr:
-        """Return the force that a coordinate needs beside those that act on it."""
+        """Return the force that a coordinate needs beside those that act on it.
+
+        Parameters
+        ----------
+        row : int
+            Index of the coordinate; held ones follow the moving ones.
+        accelerations : sequence of Expr (n,)
+            Accelerations of the moving coordinates.
+
+        Returns
+        -------
+        Expr
+            Generalised force [unit of energy over that of the coordinate].
+        """
         inertia = [self.mass[row, j] * a for j, a in enumerate(accelerations)]
         return sum(inertia, se.Integer(0)) - self.forces[row]
 
@@ -110,6 +126,18 @@ class Mechanics:
 
         The mass matrix is solved first; what remains is one scalar equation for N, whose pivot
         1 + (row M^-1 W) factor vanishes only where the physics does (Painleve).
+
+        Parameters
+        ----------
+        constant : Expr
+            Part of the friction force that does not depend on the normal force [N].
+        factor : Expr
+            Friction force over the normal force, with the sign of the slip velocity [1].
+
+        Returns
+        -------
+        Motion
+            Accelerations, normal force and pivot of the scalar equation for it.
         """
         n = len(self.coordinates)
         free = self._solved(self.free, constant)
@@ -145,7 +173,20 @@ class Mechanics:
         return found
 
     def power(self, motion: Motion, rates: Sequence[se.Expr]) -> se.Expr:
-        """Return the power supplied, that of the guides included."""
+        """Return the power supplied, that of the guides included.
+
+        Parameters
+        ----------
+        motion : Motion
+            Accelerations and normal force.
+        rates : sequence of Expr (n,)
+            Rates of the moving coordinates.
+
+        Returns
+        -------
+        Expr
+            Power [W].
+        """
         guiding = [self.surplus(i, motion.accelerations) * rates[i] for i in self.guides]
         return self.supplied + sum(guiding, se.Integer(0))
 
@@ -220,7 +261,28 @@ def derive_mechanics(
     drives: Mapping[str, se.Symbol],
     board: Switchboard,
 ) -> Mechanics:
-    """Trace the energies and forces of a mechanism whose parameters are symbols."""
+    """Trace the energies and forces of a mechanism whose parameters are symbols.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Mechanism whose parameters are symbols.
+    t : Symbol
+        Time [s].
+    q : mapping of str to Symbol
+        Symbols of the coordinates by name, in their order.
+    q_dot : mapping of str to Symbol
+        Symbols of the rates by name of the coordinate.
+    drives : mapping of str to Symbol
+        Symbols of the drives' values by name.
+    board : Switchboard
+        Collects the switches met in the energies and forces.
+
+    Returns
+    -------
+    Mechanics
+        Mass matrix, forces, energy, power and stops of the moving coordinates.
+    """
     contact = _only_contact(mechanism)
     held = held_of(mechanism, contact)
     places = {**q, **{name: se.Symbol(f"h_{name}") for name in held}}

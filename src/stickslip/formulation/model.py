@@ -94,6 +94,21 @@ def formulate(mechanism: Mechanism, law: FrictionLaw, *, slopes: bool = False) -
     Equations of the same structure are traced once in a process. With `slopes` the text has the
     derivatives with respect to parameters too.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+    slopes : bool, default False
+        Whether to derive the equations with respect to parameters, as sensitivities need.
+
+    Returns
+    -------
+    Model
+        Text of the equations and the meaning of their numbers; parameters enter it by place, not
+        value.
+
     Examples
     --------
     >>> from stickslip import Coulomb, SpringBlock

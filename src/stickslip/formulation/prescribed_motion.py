@@ -16,7 +16,25 @@ RESERVED = ("lift-off", "painleve")
 
 
 def held_of(mechanism: Mechanism, contact: Contact) -> tuple[str, ...]:
-    """Return the coordinates held at 0, the contact's normal one first."""
+    """Return the coordinates held at 0, the contact's normal one first.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The mechanism.
+    contact : Contact
+        Its contact.
+
+    Returns
+    -------
+    tuple of str
+        Names of the held coordinates.
+
+    Raises
+    ------
+    InputError
+        If a held coordinate also moves or is held twice.
+    """
     held = (*(() if contact.normal is None else (contact.normal,)), *mechanism.held())
     for name in held:
         if name in mechanism.coordinates or held.count(name) > 1:
@@ -30,7 +48,27 @@ def held_of(mechanism: Mechanism, contact: Contact) -> tuple[str, ...]:
 def guides_of(
     mechanism: Mechanism, contact: Contact, drives: Mapping[str, se.Symbol]
 ) -> dict[int, se.Expr]:
-    """Return the accelerations of guided coordinates by index."""
+    """Return the accelerations of guided coordinates by index.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The mechanism.
+    contact : Contact
+        Its contact.
+    drives : mapping of str to Symbol
+        Symbols of the drives' values by name.
+
+    Returns
+    -------
+    dict of int to Expr
+        Symbol of the acceleration by index of the coordinate.
+
+    Raises
+    ------
+    InputError
+        If a guide does not fit the mechanism, such as one of an unknown coordinate.
+    """
     found = {}
     for name, guide in mechanism.guided().items():
         wrong = _fault(mechanism, contact, name, guide, list(drives))
@@ -66,7 +104,25 @@ def _fault(
 
 
 def own_limits(mechanism: Mechanism, forces: Mapping[str, object]) -> Mapping[str, object]:
-    """Return the limits that a mechanism has of its own."""
+    """Return the limits that a mechanism has of its own.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The mechanism.
+    forces : mapping of str to object
+        Forces that limits may ask for, by name.
+
+    Returns
+    -------
+    mapping of str to object
+        Margins by the name of the limit, positive while the run may go on.
+
+    Raises
+    ------
+    InputError
+        If a limit asks for an unknown force, or has the name of one that the solver knows itself.
+    """
     owner = type(mechanism).__name__
     try:
         limits = mechanism.limits(forces)

@@ -28,8 +28,11 @@ class Switch:
     """A condition of the equations: it holds while `margin` is positive."""
 
     margin: se.Expr
+    """Positive where the condition holds."""
     symbol: se.Symbol
+    """Stands for the condition in the equations, which ask whether it is positive."""
     events: tuple[str, str] | None
+    """Names in the events of a run, when it comes true and ceases to hold; None inside."""
 
 
 @dataclass
@@ -37,10 +40,25 @@ class Switchboard:
     """Collects the switches met while tracing, and knows the signs that the mode fixes."""
 
     switches: dict[str, Switch] = field(default_factory=dict)
+    """Switches by the expanded text of their margin, in the order in which they were met."""
     signs: dict[str, int] = field(default_factory=dict)
+    """Sign, 1 or -1, of symbols that the mode fixes, by name."""
 
     def switch(self, margin: se.Expr, events: tuple[str, str] | None) -> Switch:
-        """Return the switch of a margin, a new one if it was not met before."""
+        """Return the switch of a margin, a new one if it was not met before.
+
+        Parameters
+        ----------
+        margin : Expr
+            Positive where the condition holds.
+        events : (str, str) or None
+            Names in the events of a run; None for a switch that stays inside.
+
+        Returns
+        -------
+        Switch
+            The switch; names given later for a known margin are ignored.
+        """
         key = str(se.expand(margin))
         if key not in self.switches:
             symbol = se.Symbol(f"s{len(self.switches)}")
@@ -60,7 +78,24 @@ class Switchboard:
     def choose(
         self, margin: se.Expr, yes: se.Expr, no: se.Expr, events: tuple[str, str] | None = None
     ) -> se.Expr:
-        """Return `yes` where the margin is positive, else `no`."""
+        """Return `yes` where the margin is positive, else `no`.
+
+        Parameters
+        ----------
+        margin : Expr
+            Positive where the condition holds.
+        yes : Expr
+            Value where it holds.
+        no : Expr
+            Value where it does not.
+        events : (str, str), optional
+            Names in the events of a run, when the condition comes true and ceases to hold.
+
+        Returns
+        -------
+        Expr
+            One of the two where the sign is known or both are the same, else a choice by a switch.
+        """
         sign = self.known_sign(margin)
         if sign is not None:
             return yes if sign > 0 else no
@@ -84,7 +119,15 @@ def expression(value: Any) -> se.Expr:
 
 
 class Traced:
-    """A symbol or expression in equations under tracing."""
+    """A symbol or expression in equations under tracing.
+
+    Parameters
+    ----------
+    expr : Expr
+        The expression.
+    board : Switchboard
+        Collects the switches that comparisons of it make.
+    """
 
     __slots__ = ("board", "expr")
     __array_ufunc__ = None  # NumPy leaves mixed operations to us
@@ -187,7 +230,15 @@ class Traced:
 
 
 class Condition:
-    """A comparison of traced values, waiting for `where`."""
+    """A comparison of traced values, waiting for `where`.
+
+    Parameters
+    ----------
+    margin : Expr
+        Positive where the comparison holds.
+    board : Switchboard
+        Collects the switch when `where` asks.
+    """
 
     __slots__ = ("board", "margin")
 

@@ -137,6 +137,18 @@ class SetValuedLaw(FrictionLaw, ABC):
     def force(self, velocity: Scalar, load: Scalar) -> Scalar:
         """Return the friction force at a slip velocity, 0 at rest.
 
+        Parameters
+        ----------
+        velocity : float or array
+            Slip velocity [m/s].
+        load : float or array
+            Normal force [N].
+
+        Returns
+        -------
+        float or array
+            Friction force, with the sign of the velocity [N].
+
         Examples
         --------
         >>> from stickslip import Coulomb
@@ -169,6 +181,18 @@ class DirectionalLaw(FrictionLaw, ABC):
     @final
     def force(self, velocity: Scalar, load: Scalar) -> Scalar:
         """Return the friction force at a slip velocity, 0 at rest.
+
+        Parameters
+        ----------
+        velocity : float or array
+            Slip velocity [m/s].
+        load : float or array
+            Normal force [N].
+
+        Returns
+        -------
+        float or array
+            Friction force, with the sign of the velocity [N].
 
         Examples
         --------
@@ -212,21 +236,67 @@ class BristleLaw(FrictionLaw, ABC):
             Bristle states; deflections are in [m].
         load : float or array
             Normal force [N].
+
+        Returns
+        -------
+        float or array
+            Friction force, with the sign of the velocity in steady sliding [N].
         """
 
     @abstractmethod
     def bristle_rates(
         self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar
     ) -> tuple[Scalar, ...]:
-        """Return the time derivatives of the bristle states, arguments as in `force`."""
+        """Return the time derivatives of the bristle states, arguments as in `force`.
+
+        Parameters
+        ----------
+        velocity : float or array
+            Slip velocity [m/s].
+        bristles : tuple of float or array
+            Bristle states; deflections are in [m].
+        load : float or array
+            Normal force [N].
+
+        Returns
+        -------
+        tuple of float or array
+            Rates in the order of the states; those of deflections are in [m/s].
+        """
 
     @abstractmethod
     def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
-        """Return the friction force [N] after long sliding at a constant velocity [m/s]."""
+        """Return the friction force [N] after long sliding at a constant velocity [m/s].
+
+        Parameters
+        ----------
+        velocity : float or array
+            Slip velocity [m/s].
+        load : float or array
+            Normal force [N].
+
+        Returns
+        -------
+        float or array
+            Friction force, with the sign of the velocity [N].
+        """
 
 
 def towards(law: FrictionLaw, direction: int) -> FrictionLaw:
-    """Return the law that holds in one direction of slip; most hold in both."""
+    """Return the law that holds in one direction of slip; most hold in both.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law.
+    direction : int
+        1 forwards, -1 backwards.
+
+    Returns
+    -------
+    FrictionLaw
+        The law itself, unless it depends on the direction.
+    """
     return law.towards(direction) if isinstance(law, DirectionalLaw) else law
 
 
@@ -237,6 +307,18 @@ def bristles_of(law: FrictionLaw) -> tuple[str, ...]:
 
 def containment_of(kind: type[FrictionLaw], name: str) -> Containment | None:
     """Return how a type of law contains the law of a name at first hand; None if it does not.
+
+    Parameters
+    ----------
+    kind : type
+        Type of the richer law.
+    name : str
+        Registered name of the simpler one.
+
+    Returns
+    -------
+    Containment or None
+        The limits in which the richer law becomes the simpler one.
 
     Examples
     --------

@@ -82,7 +82,35 @@ class Dahl(BristleLaw):
         viscous_exponent: float = 1.0,
         static_switch: bool = False,
     ) -> Self:
-        """Build the law from a force [N] and a stiffness [N/m] measured at a load [N]."""
+        """Build the law from a force [N] and a stiffness [N/m] measured at a load [N].
+
+        Parameters
+        ----------
+        load : float
+            Normal force at which the others were measured, above 0 [N].
+        kinetic_force : float
+            Friction force of sliding [N].
+        bristle_stiffness : float
+            Stiffness of the contact at rest [N/m].
+        exponent : float, default 1.0
+            Exponent of the transition to sliding [1], as in the law.
+        viscous_coefficient : float, default 0.0
+            Viscous coefficient, not over the load [N s/m].
+        viscous_exponent : float, default 1.0
+            Power of the speed in the viscous part [1].
+        static_switch : bool, default False
+            Whether the contact also sticks up to its break-away level, as in the law.
+
+        Returns
+        -------
+        type of the law
+            The law with forces and stiffness over the load.
+
+        Raises
+        ------
+        ParameterError
+            If a number is out of its range.
+        """
         load = Quantity("N", "N", above=0).check(cls.__name__, "load", load)
         return cls(
             kinetic_coefficient=kinetic_force / load,

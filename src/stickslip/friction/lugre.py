@@ -117,7 +117,41 @@ class LuGre(BristleLaw):
         viscous_exponent: float = 1.0,
         static_switch: bool = False,
     ) -> Self:
-        """Build the law from forces [N], a stiffness [N/m] and a damping [N s/m] at a load [N]."""
+        """Build the law from forces [N], a stiffness [N/m] and a damping [N s/m] at a load [N].
+
+        Parameters
+        ----------
+        load : float
+            Normal force at which the others were measured, above 0 [N].
+        kinetic_force : float
+            Friction force of fast sliding, viscous part left out [N].
+        static_force : float
+            Largest friction force of slow sliding [N].
+        stribeck_velocity : float
+            Speed at which the static part fades [m/s].
+        bristle_stiffness : float
+            Stiffness of the contact at rest [N/m].
+        bristle_damping : float
+            Damping of the bristles [N s/m].
+        viscous_coefficient : float, default 0.0
+            Viscous coefficient, not over the load [N s/m].
+        exponent : float, default 2.0
+            Exponent of the Stribeck curve [1].
+        viscous_exponent : float, default 1.0
+            Power of the speed in the viscous part [1].
+        static_switch : bool, default False
+            Whether the contact also sticks up to its break-away level, as in the law.
+
+        Returns
+        -------
+        type of the law
+            The law with forces, stiffness and damping over the load.
+
+        Raises
+        ------
+        ParameterError
+            If a number is out of its range.
+        """
         load = Quantity("N", "N", above=0).check(cls.__name__, "load", load)
         return cls(
             kinetic_coefficient=kinetic_force / load,

@@ -31,6 +31,11 @@ def viscous_force(velocity: Scalar, coefficient: Scalar, exponent: Scalar) -> Sc
     exponent : float
         Power p of the speed. With 1 the equations are those of linear viscous friction.
 
+    Returns
+    -------
+    float or array
+        Viscous part of the friction force, with the sign of the velocity [N].
+
     Examples
     --------
     >>> viscous_force(-0.25, 4.0, 0.5), viscous_force(-0.25, 4.0, 1.0)

@@ -104,13 +104,34 @@ class PrintedForm(Parametrised, ABC):
             Normal force [N].
         applied : float
             Sum of the other forces on the body [N], the paper's F_x, which some forms use at rest.
+
+        Returns
+        -------
+        float
+            Friction force by the sign rule of the package [N]: it acts against the slip velocity
+            where it has its sign.
         """
 
     @abstractmethod
     def bristle_rates(
         self, velocity: float, bristles: tuple[float, ...], load: float
     ) -> tuple[float, ...]:
-        """Return the rates of the bristle states, empty where there are none."""
+        """Return the rates of the bristle states, empty where there are none.
+
+        Parameters
+        ----------
+        velocity : float
+            Slip velocity [m/s].
+        bristles : tuple of float
+            Bristle deflection [m] of the forms that have one.
+        load : float
+            Normal force [N].
+
+        Returns
+        -------
+        tuple of float
+            Rate of the deflection [m/s].
+        """
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,6 +179,7 @@ class PrintedCoulomb(_Memoryless):
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
 
     kinetic_coefficient: Mu
+    """Friction force of sliding over the normal force."""
 
     @override
     def force(
@@ -202,6 +224,7 @@ class PrintedImprovedCoulomb(_Memoryless):
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
 
     kinetic_coefficient: Mu
+    """Friction force of sliding over the normal force; the form gives it a sign."""
 
     @override
     def force(
@@ -236,6 +259,7 @@ class PrintedCartDynamics(_Memoryless):
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
 
     kinetic_coefficient: Mu
+    """Friction force of sliding over the normal force."""
     weight: Annotated[float, Quantity("W", "N", above=0)]
     """Weight of cart and ball, (M + m) g."""
     signed: bool = True
@@ -276,9 +300,13 @@ class PrintedStribeck(_Memoryless):
     corrected: ClassVar[type[FrictionLaw]] = Stribeck
 
     kinetic_coefficient: Mu
+    """F_c over the normal force."""
     static_coefficient: MuStatic
+    """F_s over the normal force."""
     stribeck_velocity: Vs
+    """Speed at which the static part fades."""
     viscous_coefficient: Sigma2 = 0.0
+    """Viscous force over the velocity."""
 
     @override
     def force(
@@ -311,7 +339,9 @@ class PrintedDahl(_Switched):
     bristles: ClassVar[tuple[str, ...]] = ("z",)
 
     kinetic_coefficient: Mu
+    """F_c over the normal force."""
     bristle_stiffness: Sigma0
+    """Force of the bristles over their deflection."""
 
     @override
     def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
@@ -340,6 +370,7 @@ class PrintedCoulombSwitch(_Switched, _Memoryless):
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
 
     kinetic_coefficient: Mu
+    """Friction force of sliding over the normal force."""
 
     @override
     def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
@@ -362,6 +393,7 @@ class PrintedViscousSwitch(_Switched, _Memoryless):
     corrected: ClassVar[type[FrictionLaw]] = Viscous
 
     viscous_coefficient: Sigma2
+    """Viscous force over the velocity."""
 
     @override
     def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
@@ -403,12 +435,19 @@ class PrintedLuGre(_Switched):
     bristles: ClassVar[tuple[str, ...]] = ("z",)
 
     kinetic_coefficient: Mu
+    """F_c over the normal force."""
     static_coefficient: MuStatic
+    """F_s over the normal force."""
     stribeck_velocity: Vs
+    """Speed at which the static part fades."""
     bristle_stiffness: Sigma0
+    """Force of the bristles over their deflection; the paper's sigma_1."""
     bristle_damping: Sigma1
+    """Force of the bristles over the rate of their deflection; the paper's sigma_2."""
     viscous_coefficient: Sigma2 = 0.0
+    """Viscous force over the velocity; the paper's sigma_3."""
     exponent: Annotated[float, Quantity("alpha", above=0)] = 2.0
+    """Exponent of the Stribeck curve."""
 
     @override
     def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
@@ -447,7 +486,9 @@ class PrintedCoulombViscousSwitch(_Switched, _Memoryless):
     corrected: ClassVar[type[FrictionLaw]] = CoulombViscous
 
     kinetic_coefficient: Mu
+    """F_c over the normal force."""
     viscous_coefficient: Sigma2
+    """Viscous force over the velocity."""
 
     @override
     def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:

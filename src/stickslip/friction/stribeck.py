@@ -21,6 +21,20 @@ def fade(speed: Scalar, stribeck_velocity: Scalar, exponent: Scalar) -> Scalar:
     The layer in which it is not zero is often crossed in less than a millisecond. Naming its end
     makes the solver step onto it and not over it.
 
+    Parameters
+    ----------
+    speed : float or array
+        Slip speed, not negative [m/s].
+    stribeck_velocity : float or array
+        Stribeck velocity v_s, above 0 [m/s].
+    exponent : float or array
+        Exponent n, above 0 [1].
+
+    Returns
+    -------
+    float or array
+        Share of the static part that is left, 0 to 1.
+
     Examples
     --------
     >>> fade(0.0, 0.01, 2), fade(1.0, 0.01, 2)

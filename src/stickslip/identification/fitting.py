@@ -1,6 +1,6 @@
 """The verb `fit`."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import cast
 
 from typing_extensions import TypeVar
@@ -28,11 +28,10 @@ from stickslip.identification.travels.several_travels import fit_several
 from stickslip.identification.travels.single_travel import fit_one
 from stickslip.identification.travels.start_values import (
     Start,
-    check_known,
     starting_law,
     with_known,
 )
-from stickslip.identification.validation import check_given, names_of
+from stickslip.identification.validation import LAW, Parameters, arguments, check_given
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
@@ -47,20 +46,20 @@ PAID_BY_CYCLES = "static_coefficient"
 """Travels of a drive that repeats itself tell the level at rest too: it breaks away every cycle."""
 
 
+@arguments
 def fit(
     mechanism: Mechanism,
     law: AnyLaw | type[AnyLaw] | str,
     measurement: Measurement,
     *,
-    free: str | Sequence[str] | None = None,
-    known: Mapping[str, float] | None = None,
-    unknown: str | Sequence[str] = (),
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
     route: RouteName | RouteChoice | None = None,
     settings: RecordSettings | None = None,
     t_end: float = 10.0,
-    watch: Callable[[float], object] | None = None,
+    progress: Callable[[float], object] | None = None,
 ) -> Fit[AnyLaw]:
-    """Fit the free parameters of a law to what was measured.
+    """Fit parameters of a law to what was measured.
 
     Travels are fitted by runs to rest; records in time by simulated segments; friction that was
     measured directly along the measured motion; the force of a spring that pulls a block by its
@@ -71,18 +70,20 @@ def fit(
     mechanism : Mechanism
         What was measured; trials may override its parameters.
     law : FrictionLaw, type or str
-        An instance, whose values are the start and, for parameters not free, the assumption; or a
-        type or its name, for which start values are found: in a record, or ordinary ones for
-        travels.
+        An instance, whose values are the start and, for parameters that are not varied, the
+        assumption; or a type or its name, for which start values are found: in a record, or
+        ordinary ones for travels.
     measurement : Measurement
         Travels, records in time, measured friction, or the force of a spring.
-    free : str or sequence of str, optional
-        Names or paths of the law's parameters to fit. If not given, for travels the first of the
-        law's `fit_order` that the number of different trials can pay for; for records all of it.
-    known : mapping of str to float, optional
-        Values of the law's parameters that are not free, by name, where the law is a type.
-    unknown : str or sequence of str
-        Parameters of the mechanism that are looked for too, such as ``"inertia"``; for records.
+    vary : str or sequence of str, optional
+        Parameters to fit, all others are held: full paths such as ``"mechanism.inertia"``, last
+        names that are unique, and patterns with ``*``. ``"friction.*"``, which is all if not given,
+        stands for what is fitted of the law by default: of records its `fit_order`, of travels as
+        much of that as different trials can pay for, of features what shapes a limit cycle. A
+        constant offset, which sensors and cables have, is fitted to records unless it is fixed.
+        Parameters of the mechanism are for records and features.
+    fixed : mapping of str to float, optional
+        Values of parameters that are held, of law and mechanism, by the same names.
     route : {"shooting", "force-map", "inverse-dynamics", "features"} or RouteChoice, optional
         How records are fitted, or what `choose_route` returned for them, with its settings; chosen
         by `choose_route` if not given.
@@ -90,7 +91,7 @@ def fit(
         Segments, starts and seed of fits to records; of these, features have the seed only.
     t_end : float
         Time after which the body counts as stopped [s], for travels.
-    watch : callable, optional
+    progress : callable, optional
         Called with the number of runs so far for travels, for records with the least root mean
         square so far; there, False ends the search with the best so far.
 
@@ -118,54 +119,56 @@ def fit(
     5.73
     """
     check_given("fit", mechanism, measurement)
-    unknown, free = names_of(unknown), None if free is None else names_of(free)
-    given = _known_law(law, known)
+    kind = law_type(law) if isinstance(law, str) else law
     found: Fit
     if by_features(measurement, asked_for(route)):
-        _refuse_known(known)
         seed = 0 if settings is None else settings.seed
         found = fit_features(
-            mechanism, given, measurement, unknown=unknown, free=free, seed=seed, watch=watch
+            mechanism, kind, measurement, vary=vary, fixed=fixed, seed=seed, progress=progress
         )
-    elif not measurement.travelled:
+        return cast("Fit[AnyLaw]", found)
+    chosen = Parameters.of(mechanism, kind, vary, fixed, measurement=measurement)
+    mechanism, given = chosen.mechanism, chosen.law
+    if not measurement.travelled:
         refuse_faults(measurement, mechanism)
         with with_doubts(measurement, mechanism, of=ConvergenceError):
             found = fit_record(
                 mechanism,
                 given,
                 measurement,
-                unknown=unknown,
-                free=free,
-                known=known,
+                unknown=chosen.unknown,
+                free=chosen.free,
+                known=chosen.known,
                 route=route,
                 settings=settings,
-                watch=watch,
+                held=chosen.held,
+                watch=progress,
             )
-    elif unknown:
+    elif chosen.unknown:
         raise InputError("a few travels cannot tell parameters of the mechanism from friction.")
     else:
+        known = chosen.known
         start = with_known(starting_law(given), known) if isinstance(given, type) else given
         trials = trials_of(mechanism, measurement, t_end)
-        found = fit_trials(start, trials, free=free, t_end=t_end, watch=watch)
+        free = _travel_paths(start, trials, chosen.free, known)
+        found = fit_trials(start, trials, free=free, t_end=t_end, watch=progress)
         check_rest(found, t_end)
     return cast("Fit[AnyLaw]", found)  # each of them changes the numbers of a law, not its type
 
 
-def _known_law(
-    law: FrictionLaw | type[FrictionLaw] | str, known: Mapping[str, float] | None
-) -> FrictionLaw | type[FrictionLaw]:
-    """Return the law that a name stands for; refuse known values that it cannot take."""
-    law = law_type(law) if isinstance(law, str) else law
-    check_known(law, known)
-    return law
-
-
-def _refuse_known(known: Mapping[str, float] | None) -> None:
-    if known:
-        raise InputError(
-            "known values beside a type of law are for travels and records of motion; for features"
-            " give the law with its values, and free those to look for."
-        )
+def _travel_paths(
+    law: FrictionLaw,
+    trials: Sequence[Trial],
+    free: Sequence[str] | None,
+    fixed: Collection[str],
+) -> list[str]:
+    """Return the paths of the parameters to fit, with the default of the law where it is asked."""
+    found = list(free) if free is not None else [LAW]
+    usual = payable(law, trials, fixed) if LAW in found else []
+    found = list(dict.fromkeys([*usual, *(path for path in found if path != LAW)]))
+    if not found:
+        raise InputError(f"there is nothing to fit: name a parameter of {law.title} in vary.")
+    return found
 
 
 def fit_trials(
@@ -185,7 +188,7 @@ def fit_trials(
     names = payable(law, trials) if free is None else [_path(law, name) for name in free]
     if len(names) > len(trials):
         raise InputError(
-            f"{len(trials)} travel(s) cannot fix {len(names)} parameters: free fewer of"
+            f"{len(trials)} travel(s) cannot fix {len(names)} parameters: vary fewer of"
             f" {', '.join(names)}, or measure more trials."
         )
     model = TravelModel(law, names, t_end, watch)
@@ -201,14 +204,16 @@ def check_rest(found: TravelFit, t_end: float) -> None:
     TravelModel(found.law, (), t_end).check_rest(found.trials, (), errors)
 
 
-def payable(law: FrictionLaw, trials: Sequence[Trial]) -> list[str]:
+def payable(law: FrictionLaw, trials: Sequence[Trial], fixed: Collection[str] = ()) -> list[str]:
     """Return the paths of the parameters that the trials can pay for, one left over if possible.
 
-    A law without a level at rest of its own is not given one.
+    A law without a level at rest of its own is not given one; what is fixed, by name, is left out.
     """
     different = len({trial.setting for trial in trials})
-    names = [name for name in law.fit_order if name in PAID_BY_TRAVEL] or [law.fit_order[0]]
-    if under_cycles(trials) and getattr(law, PAID_BY_CYCLES, None) is not None:
+    order = [name for name in law.fit_order if name not in fixed]
+    names = [name for name in order if name in PAID_BY_TRAVEL] or order[:1]
+    standing = PAID_BY_CYCLES not in fixed and getattr(law, PAID_BY_CYCLES, None) is not None
+    if under_cycles(trials) and standing:
         names.append(PAID_BY_CYCLES)
     return [f"friction.{name}" for name in names[: max(1, different - 1)]]
 

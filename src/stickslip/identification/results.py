@@ -6,18 +6,20 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Generic, TypeAlias, final
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypeVar, override
 
-from stickslip.experiments.estimates import HARD, LawEstimates, Levels, spread_of
+from stickslip.display import OnAxes, Summary
+from stickslip.experiments.estimates import HARD, LawEstimates, Levels, levels_at, spread_of
 from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.formatting import (
     EstimateText,
     estimate_text,
     interval,
+    joined,
     number,
     with_unit,
     within,
@@ -26,7 +28,10 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters
 
-__all__ = ["Estimate", "Fit", "Law_co", "estimates_for"]
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Estimate", "Fit", "Law_co", "estimates_for", "far_above_dry"]
 
 Array: TypeAlias = NDArray[np.float64]
 Law_co = TypeVar("Law_co", bound=FrictionLaw, default=FrictionLaw, covariant=True)
@@ -114,7 +119,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fit(ABC, Generic[Law_co]):
+class Fit(OnAxes, ABC, Generic[Law_co]):
     """A law whose free parameters make a mechanism behave as measured."""
 
     law: Law_co
@@ -125,6 +130,8 @@ class Fit(ABC, Generic[Law_co]):
     """The free parameters."""
     remarks: tuple[str, ...] = ()
     """What is to be known of the mechanism as it is saved, in sentences."""
+    cancelled: bool = False
+    """Whether the search was ended before its end."""
 
     @final
     def to_law(self) -> Law_co:
@@ -157,8 +164,42 @@ class Fit(ABC, Generic[Law_co]):
     def __repr__(self) -> str:
         return f"<Fit: {self}>"
 
-    def _repr_html_(self) -> str:
-        return f"<p>{html.escape(str(self))}</p>"
+    @final
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the estimates as a pandas DataFrame, a row each.
+
+        Its columns are ``parameter``, ``symbol``, ``unit``, ``value``, ``low``, ``high``,
+        ``interval`` and ``reason``; an end that the data do not bound is infinite.
+        """
+        import pandas as pd
+
+        rows = [{**e.to_dict(), "low": e.low, "high": e.high} for e in self.estimates]
+        columns = ["parameter", "symbol", "unit", "value", "low", "high", "interval", "reason"]
+        return pd.DataFrame(rows, columns=columns)
+
+    @final
+    @override
+    def _summary(self) -> Summary:
+        """Return the law with its estimates, and what the data cannot tell."""
+        rows = [
+            (
+                e.path.rpartition(".")[2].replace("_", " "),
+                e.quantity.symbol,
+                within(e.value, e.low, e.high),
+                "" if e.quantity.unit == "1" else e.quantity.unit,
+                e.range,
+                e.interval,
+            )
+            for e in self.estimates
+        ]
+        head = ("parameter", "symbol", "value", "unit", "range", "interval")
+        return Summary(
+            sentence=str(self).partition("\n")[0], head=head, rows=rows, notes=self._notes()
+        )
+
+    @abstractmethod
+    def _notes(self) -> Sequence[str]:
+        """Return what a notebook says of the fit below its estimates."""
 
     @abstractmethod
     def to_dict(self) -> Mapping[str, Any]:
@@ -166,6 +207,35 @@ class Fit(ABC, Generic[Law_co]):
 
 
 FRICTION = "friction."
+DRY = 2.0
+"""Coefficient of friction above which hardly any dry contact lies."""
+
+
+def far_above_dry(fit: Fit) -> tuple[str, ...]:
+    """Return that a fitted coefficient of friction is larger than dry contacts have, if it is.
+
+    Examples
+    --------
+    >>> import stickslip
+    >>> rig = stickslip.SpringBlock(mass=0.82e-3, stiffness=145.0, compression=0.06)  # 0.82 g
+    >>> far_above_dry(stickslip.fit(rig, "coulomb", stickslip.Measurement(travel=0.105)))
+    ('$mu_k$ = 309 is far above what dry contacts have (below about 2): check ...',)
+    """
+    if levels_at(fit.mechanism) != "per load":
+        return ()
+    found = [
+        e
+        for e in fit.estimates
+        if e.path.startswith(FRICTION) and e.quantity.symbol.startswith("mu_") and e.value > DRY
+    ]
+    if not found:
+        return ()
+    said = joined([f"${e.quantity.symbol}$ = {number(e.value)}" for e in found])
+    are = "is" if len(found) == 1 else "are"
+    return (
+        f"{said} {are} far above what dry contacts have (below about {number(DRY)}): check the"
+        " units of mass, stiffness and travels or forces.",
+    )
 
 
 def estimates_for(

@@ -1,17 +1,253 @@
-"""What verbs take: slips that Python lets pass, each refused in one message."""
+"""What verbs take: which parameters are varied and which fixed; slips that Python lets pass."""
 
-from collections.abc import Mapping, Sequence
-from typing import TypeAlias
+import functools
+import inspect
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from typing import Generic, ParamSpec, TypeAlias, TypeVar, cast, final
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, RenamedError, UnknownNameError, renamed
 from stickslip.experiments import Measurement, Rig
+from stickslip.experiments.parameter_paths import all_paths
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity, fields_of, full_path, parameters
+from stickslip.quantities import vary as with_values
 
-__all__ = ["Laws", "check_given", "laws_of", "names_of"]
+__all__ = [
+    "LAW",
+    "Laws",
+    "Parameters",
+    "arguments",
+    "check_given",
+    "covers",
+    "law_quantities",
+    "laws_of",
+    "names_of",
+]
+
+P = ParamSpec("P")
+R = TypeVar("R")
+L = TypeVar("L", bound="FrictionLaw | type[FrictionLaw] | None")
+Vary: TypeAlias = str | Sequence[str] | None
+Fixed: TypeAlias = Mapping[str, float] | None
+
+LAW = "friction.*"
+"""Stands in `vary` for what a law fits by default: its `fit_order`, or what travels can pay for."""
 
 Laws: TypeAlias = Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str]
 """Several laws, as instances, types or names."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Parameters(Generic[L]):
+    """What `vary` and `fixed` say of a mechanism and a law, as fits need it."""
+
+    mechanism: Mechanism
+    """The mechanism with its fixed values."""
+    law: L
+    """The law, an instance with its fixed values; None where several are compared."""
+    free: tuple[str, ...] | None = None
+    """Paths of the law's parameters that are fitted, `LAW` among them for its default; None if
+    that is all."""
+    known: Mapping[str, float] = field(default_factory=dict)
+    """Fixed values of the law, by path without ``friction``."""
+    unknown: tuple[str, ...] = ()
+    """Paths of the mechanism's parameters that are fitted."""
+    held: tuple[str, ...] = ()
+    """Paths of the mechanism's parameters that are fixed, such as an offset, which is fitted unless
+    it is."""
+
+    @classmethod
+    def of(
+        cls,
+        mechanism: Mechanism,
+        law: L,
+        vary: Vary = None,
+        fixed: Fixed = None,
+        *,
+        measurement: Measurement | None = None,
+    ) -> "Parameters[L]":
+        """Resolve names to full paths, and set what is fixed.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What was measured.
+        law : FrictionLaw or type, optional
+            The law; None where several are compared, of each of which the default is fitted.
+        vary : str or sequence of str, optional
+            Full paths, last names that are unique, and patterns with ``*``; ``"friction.*"`` if not
+            given.
+        fixed : mapping of str to float, optional
+            Values by the same names. A pattern in `vary` leaves out what is fixed.
+        measurement : Measurement, optional
+            Its trials must not override what is fixed.
+
+        Raises
+        ------
+        InputError
+            If a name is not known or ambiguous, or in both; or a value is out of range.
+
+        Examples
+        --------
+        >>> from stickslip import Axis, CoulombViscous
+        >>> found = Parameters.of(Axis(inertia=1.0), CoulombViscous, ["friction.*", "inertia"])
+        >>> found.free, found.unknown
+        (None, ('mechanism.inertia',))
+        >>> Parameters.of(Axis(inertia=1.0), CoulombViscous, "visc*", {"inertia": 2.0}).free
+        ('friction.viscous_coefficient',)
+        """
+        of_law = law_quantities(law)
+        values = _fixed_values(mechanism, law, of_law, fixed)
+        for record in () if measurement is None else measurement.records():
+            for path in values.keys() & record.overrides.keys():
+                raise InputError(
+                    f"trial {record.name or 'without a name'} sets {path}, which is in fixed too:"
+                    " leave it out of one of them."
+                )
+        friction = {path: v for path, v in values.items() if path in of_law}
+        own = {path: v for path, v in values.items() if path not in of_law}
+        varied = _varied(mechanism, law, of_law, vary, values)
+        free = tuple(path for path in varied if path.startswith("friction."))
+        if isinstance(law, type) and not free and varied and not friction:
+            raise InputError(
+                f"vary names no parameter of {law.__name__}, of which no values are given: add"
+                f" {LAW!r} to vary, or give a law with its values, which are then held."
+            )
+        if isinstance(law, FrictionLaw) and friction:
+            law = cast("L", with_values(law, "friction", friction))
+        return cls(
+            mechanism=with_values(mechanism, "mechanism", own) if own else mechanism,
+            law=law,
+            free=None if free == (LAW,) else free,
+            known={path.removeprefix("friction."): v for path, v in friction.items()},
+            unknown=tuple(path for path in varied if not path.startswith("friction.")),
+            held=tuple(own),
+        )
+
+
+def law_quantities(law: FrictionLaw | type[FrictionLaw] | None) -> Mapping[str, Quantity]:
+    """Return the parameters of a law by path, those of which it has no value included.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> list(law_quantities(Coulomb))
+    ['friction.kinetic_coefficient', 'friction.static_coefficient']
+    """
+    if law is None:
+        return {}
+    if isinstance(law, type):
+        return {f"friction.{name}": quantity for name, quantity in fields_of(law).items()}
+    return all_paths(law, "friction")
+
+
+def _fixed_values(
+    mechanism: Mechanism,
+    law: FrictionLaw | type[FrictionLaw] | None,
+    of_law: Mapping[str, Quantity],
+    fixed: Fixed,
+) -> dict[str, float]:
+    """Return fixed values by full path, each within the range of its parameter."""
+    if fixed is None:
+        return {}
+    if not isinstance(fixed, Mapping):
+        raise InputError(
+            f"fixed takes values by name, such as {{'viscous_coefficient': 0.4}}, got {fixed!r}."
+        )
+    known = {**of_law, **all_paths(mechanism, "mechanism")}
+    kind = law if isinstance(law, type) else type(law)
+    values: dict[str, float] = {}
+    for name, value in fixed.items():
+        if law is None and str(name).startswith("friction."):
+            raise InputError(
+                f"fixed takes values of the mechanism where laws are compared, got {name}: give"
+                " the law with its values, or fit it alone."
+            )
+        path = full_path(name, known, "parameter in fixed")
+        if path in values:
+            raise InputError(f"fixed names {path} twice.")
+        owner = kind if path in of_law else type(mechanism)
+        values[path] = known[path].check(owner.__name__, path.partition(".")[2], value)
+    return values
+
+
+def _varied(
+    mechanism: Mechanism,
+    law: FrictionLaw | type[FrictionLaw] | None,
+    of_law: Mapping[str, Quantity],
+    vary: Vary,
+    values: Collection[str],
+) -> list[str]:
+    """Return the full paths of what is varied, `LAW` for the default of the law."""
+    names = (LAW,) if vary is None else names_of(vary)
+    if law is None and LAW not in names:
+        raise InputError(
+            f"vary must contain {LAW!r} where laws are compared, as each is fitted:"
+            f" vary={[LAW, *names]!r}."
+        )
+    known = [*of_law, *(path for path, _, _ in parameters(mechanism, "mechanism"))]
+    found: list[str] = []
+    for name in names:
+        if name == LAW:
+            found.append(LAW)
+        elif any(letter in name for letter in "*?["):
+            hits = [path for path in known if covers(name, path)]
+            if not hits:
+                raise UnknownNameError("parameter in vary", name, known)
+            found += [path for path in hits if path not in values]
+        else:
+            if law is None and name.startswith("friction."):
+                raise InputError(
+                    f"vary takes {LAW!r} and parameters of the mechanism where laws are compared,"
+                    f" got {name}: fit that law alone."
+                )
+            path = full_path(name, known, "parameter in vary")
+            if path in values:
+                raise InputError(f"{path} is in vary and in fixed: leave it out of one of them.")
+            found.append(path)
+    return list(dict.fromkeys(found))
+
+
+def covers(name: str, path: str) -> bool:
+    """Whether a name or a pattern stands for a path; without a dot it is that of a last name.
+
+    Examples
+    --------
+    >>> covers("visc*", "friction.viscous_coefficient"), covers("mechanism.*", "friction.exponent")
+    (True, False)
+    """
+    return fnmatchcase(path if "." in name else path.rpartition(".")[2], name)
+
+
+def arguments(verb: Callable[P, R]) -> Callable[P, R]:
+    """Make a verb refuse its former arguments: their names, and the measurement before the laws.
+
+    Examples
+    --------
+    >>> @arguments
+    ... def select(mechanism, laws, measurement): ...
+    >>> select("rig", Measurement(travel=0.2))
+    Traceback (most recent call last):
+    stickslip.errors.RenamedError: select takes the laws before the measurement: select(...
+    """
+
+    @functools.wraps(verb)
+    def call(*args: P.args, **kwargs: P.kwargs) -> R:
+        if len(args) > 1 and isinstance(args[1], Measurement):
+            several = "laws" in inspect.signature(verb).parameters
+            laws = "laws" if several else "law"
+            unnamed = ", with None for the usual ones" if several else ""
+            raise RenamedError(
+                f"{verb.__name__} takes the {laws} before the measurement:"
+                f" {verb.__name__}(mechanism, {laws}, measurement){unnamed}."
+            )
+        return verb(*args, **kwargs)
+
+    return renamed(call)
 
 
 def check_given(verb: str, mechanism: object, measurement: object) -> None:
@@ -54,15 +290,18 @@ def _called(given: object) -> str:
     return repr(given) if isinstance(given, str) else type(given).__name__
 
 
-def names_of(given: str | Sequence[str]) -> Sequence[str]:
+def names_of(given: str | Sequence[str]) -> tuple[str, ...]:
     """Return names, of which a single one may be given without a list around it.
 
     Examples
     --------
     >>> names_of("inertia"), names_of(["inertia", "offset"])
-    (('inertia',), ['inertia', 'offset'])
+    (('inertia',), ('inertia', 'offset'))
     """
-    return (given,) if isinstance(given, str) else given
+    names = (given,) if isinstance(given, str) else given
+    if not isinstance(names, list | tuple) or not all(isinstance(one, str) for one in names):
+        raise InputError(f"vary takes a name or a list of names, such as 'inertia', got {given!r}.")
+    return tuple(names)
 
 
 def laws_of(given: Laws | FrictionLaw | type[FrictionLaw] | str | None) -> Laws | None:

@@ -39,7 +39,13 @@ EVIDENCE = 5
 def prepare_row(
     row: int, columns: Vector, places: Vector, base: Vector, w: Vector, whole: Vector
 ) -> None:
-    """Set the vectors of a run back, with the numbers of one row in their places."""
+    """Set the vectors of a run back, with the numbers of one row in their places.
+
+    Reads: BOOKS.
+    Writes: drives, GIVEN, ADDRESS, TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL,
+    FRACTION, LENGTH, GROSS, LOST, Y, Y1, SLOPE, SCALE, END, POINT, VALUES, REACHED, LOWEST, MODE,
+    FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS.
+    """
     for i in range(STAGES):
         w[i] = base[i]
     for i in range(REACHED, SLOPES):
@@ -53,7 +59,11 @@ def prepare_row(
 
 
 def energy_of(flags: int, t: float, w: Vector) -> float:
-    """Return the energy of the state in Y."""
+    """Return the energy of the state in Y.
+
+    Reads: Y.
+    Writes: VALUES.
+    """
     energy(0, flags, t, w, Y, VALUES)
     return w[VALUES]
 
@@ -61,7 +71,11 @@ def energy_of(flags: int, t: float, w: Vector) -> float:
 def keep_evidence(
     at: int, w: Vector, whole: Vector, table: Vector, log: Vector, evidence: Vector
 ) -> None:
-    """Write how far the run may be trusted, and keep its last state."""
+    """Write how far the run may be trusted, and keep its last state.
+
+    Reads: TIME, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, Y, FLAGS, STEPS, REJECTED.
+    Writes: drives, Y, END, POINT, VALUES, MATRIX, DRIFT, DENSE.
+    """
     for i in range(N_STATES):
         w[END + i] = w[Y + i]
     last = energy_of(int(whole[FLAGS]), w[TIME], w)
@@ -97,7 +111,14 @@ def batch_row(
     statuses: Vector,
     evidence: Vector,
 ) -> tuple[Vector, Vector]:
-    """Make one run and keep its outputs; return the rows of its steps and of its events."""
+    """Make one run and keep its outputs; return the rows of its steps and of its events.
+
+    Reads: BOOKS.
+    Writes: drives, GIVEN, ADDRESS, TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL,
+    FRACTION, LENGTH, GROSS, LOST, Y, Y1, SLOPE, SCALE, END, POINT, VALUES, STAGES, MATRIX, PIVOTS,
+    DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, POLYNOMIAL, ROOM, WALLS, MODE, FLAGS, PIECE,
+    STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS.
+    """
     n = len(outputs) // 2
     prepare_row(row, columns, places, base, w, whole)
     log, events = run(w, whole, table, bounds, t_end, rtol, cap, limit, log, events)
@@ -138,6 +159,53 @@ def batch(
     `columns` has a row a run: the numbers that go to `places` of the vector of a run, which is
     `base` otherwise. `tables`, `bounds`, `caps` and `arguments` have a row a run, or one for all.
     `outputs` has kind and subject of each output, `arguments` two numbers for each.
+
+    Reads: BOOKS.
+    Writes: drives, GIVEN, ADDRESS, TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL,
+    FRACTION, LENGTH, GROSS, LOST, Y, Y1, SLOPE, SCALE, END, POINT, VALUES, STAGES, MATRIX, PIVOTS,
+    DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, POLYNOMIAL, ROOM, WALLS, MODE, FLAGS, PIECE,
+    STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS.
+
+    Parameters
+    ----------
+    count : int
+        Number of runs.
+    columns : array (count places,)
+        The numbers that vary, a row a run.
+    places : array
+        Places of these numbers in the vector of a run.
+    base : array (SIZE,)
+        Vector of a run, with all numbers that do not vary.
+    tables : array
+        Rows of the drives' pieces, a row of them a run, or one for all.
+    bounds : array
+        Bounds of the drives as in `run`, a row a run, or one for all.
+    caps : array
+        Longest step of each run, or of all [s]; its length tells which.
+    outputs : array (2 n,)
+        Kind and subject of each output, as in `reduced`.
+    arguments : array (2 n,) or (count 2 n,)
+        Two arguments of each output.
+    t_end : float
+        End of the run [s].
+    rtol : float
+        Relative tolerance.
+    limit : int
+        Most steps of a run.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    log : array (rows ROW_COLUMNS,)
+        Rows of steps.
+    events : array (rows EVENT_COLUMNS,)
+        Rows of events.
+    results : array (count n,)
+        Written: the outputs, a row a run.
+    statuses : array (count,)
+        Written: how each run ended.
+    evidence : array (count EVIDENCE,)
+        Written: how far each run may be trusted.
     """
     width, room = len(tables) // len(caps), len(bounds) // len(caps)
     for row in range(count):
@@ -166,6 +234,10 @@ def sense_end(
 
     `starts` has those at its start, `slopes` the derivatives of its table, `own` and `q` are as in
     `sense`; `gradients` gets states by directions.
+
+    Reads: STEPS, EVENTS.
+    Writes: drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, columns 0, columns 1,
+    columns 2, columns 3, columns 4, columns 5, directions, guard slopes.
     """
     size = len(starts)
     first = columns_at(0, q, len(own))
@@ -186,7 +258,66 @@ def batch_sensed(
     w: Vector, whole: Vector, log: Vector, events: Vector, results: Vector, statuses: Vector,
     evidence: Vector, starts: Vector, slopes: Vector, own: Vector, q: int, gradients: Vector,
 ) -> None:  # fmt: skip
-    """Run all rows as `batch` does, and take the sensitivities at their ends."""
+    """Run all rows as `batch` does, and take the sensitivities at their ends.
+
+    Reads: BOOKS.
+    Writes: drives, GIVEN, ADDRESS, TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL,
+    FRACTION, LENGTH, GROSS, LOST, Y, Y1, SLOPE, SCALE, END, POINT, VALUES, STAGES, MATRIX, PIVOTS,
+    DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, POLYNOMIAL, ROOM, WALLS, SIZE, MODE, FLAGS,
+    PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS, columns 0, columns 1,
+    columns 2, columns 3, columns 4, columns 5, directions, guard slopes.
+
+    Parameters
+    ----------
+    count : int
+        Number of runs.
+    columns : array (count places,)
+        The numbers that vary, a row a run.
+    places : array
+        Places of these numbers in the vector of a run.
+    base : array (SIZE,)
+        Vector of a run, with all numbers that do not vary.
+    tables : array
+        Rows of the drives' pieces, a row of them a run, or one for all.
+    bounds : array
+        Bounds of the drives as in `run`, a row a run, or one for all.
+    caps : array
+        Longest step of each run, or of all [s]; its length tells which.
+    outputs : array (2 n,)
+        Kind and subject of each output, as in `reduced`.
+    arguments : array (2 n,) or (count 2 n,)
+        Two arguments of each output.
+    t_end : float
+        End of the run [s].
+    rtol : float
+        Relative tolerance.
+    limit : int
+        Most steps of a run.
+    w : array (sense_size,)
+        Vector of the run, with room for sensitivities.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    log : array (rows ROW_COLUMNS,)
+        Rows of steps.
+    events : array (rows EVENT_COLUMNS,)
+        Rows of events.
+    results : array (count n,)
+        Written: the outputs, a row a run.
+    statuses : array (count,)
+        Written: how each run ended.
+    evidence : array (count EVIDENCE,)
+        Written: how far each run may be trusted.
+    starts : array (N_STATES m,)
+        Sensitivities of the start, rows by states.
+    slopes : array
+        Derivatives of the tables, a column a direction; a row of them a run, or one for all.
+    own : array (m,)
+        Quantity of each direction, -1 for an initial state.
+    q : int
+        Number of quantities: numbers of the drives, then parameters.
+    gradients : array (count N_STATES m,)
+        Written: the sensitivities at the end of each run.
+    """
     width, room = len(tables) // len(caps), len(bounds) // len(caps)
     long = len(slopes) // len(caps)
     for row in range(count):

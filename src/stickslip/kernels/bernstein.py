@@ -21,7 +21,10 @@ PASSES = 4
 
 
 def horner(w: Vector, first: int, degree: int, x: float) -> float:
-    """Return the polynomial over x to the power `first`."""
+    """Return the polynomial over x to the power `first`.
+
+    Reads: POLYNOMIAL.
+    """
     value = w[POLYNOMIAL + degree]
     for k in range(POLYNOMIAL + degree - 1, POLYNOMIAL + first - 1, -1):
         value = value * x + w[k]
@@ -29,9 +32,15 @@ def horner(w: Vector, first: int, degree: int, x: float) -> float:
 
 
 def to_bernstein(w: Vector, first: int, d: int) -> None:
-    """Write the whole interval, with the Bernstein coefficients, to the bottom of the stack."""
+    """Write the whole interval, with the Bernstein coefficients, to the bottom of the stack.
+
+    Reads: POLYNOMIAL.
+    Writes: ROOM.
+    """
     w[ROOM] = 0.0
     w[ROOM + 1] = 1.0
+    # b_i is the sum over j <= i of c_j binomial(i, j) / binomial(d, j): quotients, then sums of
+    # neighbours as in Pascal's triangle
     binomial = 1.0
     for j in range(d + 1):
         w[ROOM + 2 + j] = w[POLYNOMIAL + first + j] / binomial
@@ -42,7 +51,10 @@ def to_bernstein(w: Vector, first: int, d: int) -> None:
 
 
 def sign_changes(w: Vector, at: int, d: int) -> int:
-    """Return the number of sign changes, zeros left out; -1 if the first sign is negative."""
+    """Return the number of sign changes, zeros left out; -1 if the first sign is negative.
+
+    Reads: `at`.
+    """
     changes = 0
     sign = 0.0
     for i in range(at + 2, at + d + 3):
@@ -57,7 +69,11 @@ def sign_changes(w: Vector, at: int, d: int) -> int:
 
 
 def halve(w: Vector, at: int, d: int) -> None:
-    """Split an interval in two (de Casteljau): its right half stays, the left one goes on top."""
+    """Split an interval in two (de Casteljau): its right half stays, the left one goes on top.
+
+    Reads: `at`.
+    Writes: `at`.
+    """
     top = at + INTERVAL
     half = 0.5 * w[at + 1]
     w[top] = w[at]
@@ -72,7 +88,10 @@ def halve(w: Vector, at: int, d: int) -> None:
 
 
 def fall_in(w: Vector, first: int, degree: int, low: float, high: float) -> float:
-    """Return the point just past the one sign change of an interval."""
+    """Return the point just past the one sign change of an interval.
+
+    Reads: POLYNOMIAL.
+    """
     f_low = horner(w, first, degree, low)
     f_high = horner(w, first, degree, high)
     if f_low <= 0.0:  # a root within rounding of the lower end
@@ -100,7 +119,23 @@ def fall_in(w: Vector, first: int, degree: int, low: float, high: float) -> floa
 
 
 def first_fall(w: Vector, degree: int) -> float:
-    """Return the fraction just past the first fall below zero, NEVER_FALLS or FALLS_AT_ONCE."""
+    """Return the fraction just past the first fall below zero, NEVER_FALLS or FALLS_AT_ONCE.
+
+    Reads: POLYNOMIAL.
+    Writes: ROOM.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    degree : int
+        Degree of the polynomial, whose coefficients stand at POLYNOMIAL, the constant one first.
+
+    Returns
+    -------
+    float
+        A fraction of the step, `NEVER_FALLS` (above 1) or `FALLS_AT_ONCE` (below 0).
+    """
     total = 0.0
     for k in range(degree + 1):
         total += abs(w[POLYNOMIAL + k])
@@ -111,6 +146,7 @@ def first_fall(w: Vector, degree: int) -> float:
         return NEVER_FALLS
     if w[POLYNOMIAL + first] < 0.0:
         return FALLS_AT_ONCE
+    # on 0 to 1 the other terms cannot outweigh the first one if it is more than their sum
     if 2.0 * w[POLYNOMIAL + first] > total:
         return NEVER_FALLS
     d = degree - first

@@ -19,7 +19,22 @@ __all__ = ["piece_at", "play", "restore", "row_at"]
 
 
 def row_at(log: Vector, count: int, t: float) -> int:
-    """Return the last row that begins at or before a time."""
+    """Return the last row that begins at or before a time.
+
+    Parameters
+    ----------
+    log : array (rows ROW_COLUMNS,)
+        Rows of steps.
+    count : int
+        Number of rows of steps.
+    t : float
+        Time [s].
+
+    Returns
+    -------
+    int
+        Index of the row; 0 before the first one begins.
+    """
     low = 0
     high = count
     while high - low > 1:
@@ -32,7 +47,22 @@ def row_at(log: Vector, count: int, t: float) -> int:
 
 
 def piece_at(table: Vector, first: int, t: float) -> int:
-    """Return the piece of the drives that holds at a time, `first` or a later one."""
+    """Return the piece of the drives that holds at a time, `first` or a later one.
+
+    Parameters
+    ----------
+    table : array (pieces (1 + 3 N_DRIVES),)
+        For each piece of the drives its start, then value, slope and start of each drive.
+    first : int
+        Index of a piece that has begun.
+    t : float
+        Time [s].
+
+    Returns
+    -------
+    int
+        Index of the piece.
+    """
     width = 1 + 3 * N_DRIVES
     piece = first
     while (piece + 1) * width < len(table) and table[(piece + 1) * width] <= t:
@@ -41,7 +71,21 @@ def piece_at(table: Vector, first: int, t: float) -> int:
 
 
 def restore(log: Vector, row: int, table: Vector, w: Vector) -> None:
-    """Bring back the start of a row in Y, its dense output, and the piece of its drives."""
+    """Bring back the start of a row in Y, its dense output, and the piece of its drives.
+
+    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE.
+
+    Parameters
+    ----------
+    log : array (rows ROW_COLUMNS,)
+        Rows of steps.
+    row : int
+        Index of the row of a step.
+    table : array (pieces (1 + 3 N_DRIVES),)
+        For each piece of the drives its start, then value, slope and start of each drive.
+    w : array (SIZE,)
+        Vector of the run.
+    """
     at = row * ROW_COLUMNS
     load_piece(table, int(log[at + 5]), w)
     for i in range(N_STATES):
@@ -66,6 +110,27 @@ def play(
     """Write states, friction, normal force and channels, and the row, of each of the times.
 
     A body at rest for good is one row, during which its drives go on.
+
+    Writes: drives, Y, POINT, VALUES, MATRIX, DRIFT, DENSE.
+
+    Parameters
+    ----------
+    log : array (rows ROW_COLUMNS,)
+        Rows of steps.
+    count : int
+        Number of rows of steps.
+    times : array (n,)
+        Times [s].
+    table : array (pieces (1 + 3 N_DRIVES),)
+        For each piece of the drives its start, then value, slope and start of each drive.
+    w : array (SIZE,)
+        Vector of the run.
+    states : array (n N_STATES,)
+        Written: states at each time.
+    forces : array (n (2 + N_CHANNELS),)
+        Written: friction and normal force [N] at each time, then the channels.
+    rows : array (n,)
+        Written: index of the row that each time lies in.
     """
     row = -1
     piece = 0

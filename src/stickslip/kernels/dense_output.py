@@ -12,7 +12,20 @@ __all__ = ["interpolate"]
 
 
 def interpolate(w: Vector, x: float, to: int) -> None:
-    """Evaluate the step at the fraction `x` of its length."""
+    """Evaluate the step at the fraction `x` of its length.
+
+    Reads: DENSE.
+    Writes: `to`.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    x : float
+        Fraction of the length, 0 to 1.
+    to : int
+        Place in `w` of the states (N_STATES,).
+    """
     n = N_STATES
     terms = int(w[DENSE])
     if terms > 0:

@@ -12,7 +12,11 @@ __all__ = ["dop853_dense", "dop853_step"]
 
 
 def dop853_stage(s: int, mode: int, flags: int, t: float, h: float, w: Vector, at: int) -> None:
-    """Evaluate stage `s` from the ones before it, at a state that is written to `at`."""
+    """Evaluate stage `s` from the ones before it, at a state that is written to `at`.
+
+    Reads: Y, STAGES.
+    Writes: `at`, STAGES.
+    """
     n = N_STATES
     row = s * (s - 1) // 2
     for i in range(n):
@@ -27,6 +31,29 @@ def dop853_step(mode: int, flags: int, t: float, h: float, w: Vector, rtol: floa
     """Try a step; return its error over the tolerance.
 
     Stage 12 is the slope at the solution, which is left in Y1.
+
+    Reads: Y, SCALE.
+    Writes: Y1, STAGES.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    h : float
+        Length of the step [s].
+    w : array (SIZE,)
+        Vector of the run.
+    rtol : float
+        Relative tolerance.
+
+    Returns
+    -------
+    float
+        Error over the tolerance: the step is good up to 1.
     """
     n = N_STATES
     field(mode, flags, t, w, Y, STAGES)
@@ -46,15 +73,37 @@ def dop853_step(mode: int, flags: int, t: float, h: float, w: Vector, rtol: floa
             share_3 = error_3 / size if size > 0.0 else math.inf
             sum_5 += share_5 * share_5  # a power would raise where this becomes infinite
             sum_3 += share_3 * share_3
+    # Hairer, Norsett and Wanner, section II.10: the square of the estimate of order 5 over that of
+    # order 3 falls as h^8, as the error does; where steps are too long for that, the root leaves
+    # the estimate of order 5 alone.
     total = sum_5 + 0.01 * sum_3
     return 0.0 if total == 0.0 else abs(h) * sum_5 / math.sqrt(total * n)
 
 
 def dop853_dense(mode: int, flags: int, t: float, h: float, w: Vector) -> None:
-    """Fill the dense output of the step just taken."""
+    """Fill the dense output of the step just taken.
+
+    Reads: Y, Y1, STAGES.
+    Writes: POINT, STAGES, DENSE.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    h : float
+        Length of the step [s].
+    w : array (SIZE,)
+        Vector of the run.
+    """
     n = N_STATES
     w[DENSE] = 0.0
     for i in range(n):
+        # The first four rows are the cubic of Hermite through both ends and their slopes; four more
+        # from three further stages make it order 7.
         at = DENSE + 1 + i
         first, last = w[STAGES + i], w[STAGES + 12 * n + i]
         change = w[Y1 + i] - w[Y + i]

@@ -40,7 +40,11 @@ MOST_EVENTS = 4 + N_SWITCHES * N_SWITCHES
 
 
 def stay(end: float, w: Vector, whole: Vector, log: Vector) -> None:
-    """Record a body that stays where it is up to a time."""
+    """Record a body that stays where it is up to a time.
+
+    Reads: TIME, Y, MODE, FLAGS, PIECE, STEPS.
+    Writes: LENGTH, DENSE, STEPS.
+    """
     for i in range(DENSE_SIZE):
         w[DENSE + i] = 0.0
     for i in range(N_STATES):
@@ -59,7 +63,14 @@ def finish_step(
     log: Vector,
     events: Vector,
 ) -> None:
-    """Book the step just taken and pass on to what follows it."""
+    """Book the step just taken and pass on to what follows it.
+
+    Reads: TIME, STEP, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST, Y1,
+    SCALE, DENSE, REACHED, MODE, FLAGS, PIECE, STATUS, STEPS, EVENTS, STALLS, BOOKS.
+    Writes: drives, TIME, STEP, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, Y, Y1, SCALE,
+    POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, WALLS, MODE, FLAGS, PIECE, STATUS, STEPS, EVENTS,
+    STALLS, STEPPER, SLOW.
+    """
     start = w[TIME]
     if w[FRACTION] > 0.0:
         if whole[BOOKS]:
@@ -83,7 +94,12 @@ def finish_step(
 
 
 def begin(table: Vector, t_end: float, w: Vector, whole: Vector, events: Vector) -> None:
-    """Set what follows from the start: piece, mode, sizes, stepper."""
+    """Set what follows from the start: piece, mode, sizes, stepper.
+
+    Reads: TIME, GROSS, LOST, Y, SCALE, PIECE, STATUS, STEPS, EVENTS, STALLS, BOOKS.
+    Writes: drives, STEP, STRIDE, GROSS, LOST, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS,
+    DRIFT, LOWEST, WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW.
+    """
     enter_pieces(table, w, whole)
     initial_mode(w, whole)
     settle(w, whole, events)
@@ -96,7 +112,13 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Vector, events: Vector)
 
 
 def go_on(table: Vector, t_end: float, w: Vector, whole: Vector, events: Vector) -> None:
-    """Take a run up that reached its end time, as if it had only met a new piece of the drives."""
+    """Take a run up that reached its end time, as if it had only met a new piece of the drives.
+
+    Reads: TIME, STEP, GROSS, LOST, Y, SCALE, REACHED, MODE, FLAGS, PIECE, STEPS, EVENTS, STALLS,
+    BOOKS.
+    Writes: drives, STEP, GROSS, LOST, Y, Y1, SCALE, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, WALLS,
+    MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW.
+    """
     whole[STATUS] = RUNNING
     enter_pieces(table, w, whole)
     turn_switches(w, whole, events)
@@ -122,6 +144,41 @@ def run(
     and largest value of each drive from the start of each piece on. A run that has reached an end
     time goes on from there: pieces may be told as late as they begin. Returns the rows of steps and
     of events, in the vectors given or in longer ones.
+
+    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, Y, SCALE, REACHED,
+    LOWEST, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS.
+    Writes: drives, GIVEN, TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION,
+    LENGTH, GROSS, LOST, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED,
+    REACHED, LOWEST, SLOPES, POLYNOMIAL, ROOM, WALLS, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED,
+    EVENTS, STALLS, STEPPER, SLOW.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    table : array (pieces (1 + 3 N_DRIVES),)
+        For each piece of the drives its start, then value, slope and start of each drive.
+    bounds : array (pieces N_DRIVES 2,)
+        Least and largest value of each drive from the start of each piece on.
+    t_end : float
+        End of the run [s].
+    rtol : float
+        Relative tolerance.
+    cap : float
+        Longest step [s].
+    limit : int
+        Most steps.
+    log : array
+        Room for the rows of steps; those of earlier stretches stand in it.
+    events : array
+        Room for the rows of events; those of earlier stretches stand in it.
+
+    Returns
+    -------
+    (array, array)
+        The rows of steps and the rows of events; STEPS and EVENTS tell how many there are.
     """
     if whole[STATUS] == END_TIME:
         go_on(table, t_end, w, whole, events)

@@ -17,6 +17,18 @@ def first_sizes(t: float, t_end: float, w: Vector) -> None:
     A body at rest has no speed to compare with. Where friction falls steeply from rest, it leaves
     as a power of time, which no relative error control gets started; a floor far below any speed
     of interest does. It follows from the forces at rest, and so from the scale of the problem.
+
+    Reads: Y.
+    Writes: SCALE, POINT, VALUES.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    t_end : float
+        End of the run [s].
+    w : array (SIZE,)
+        Vector of the run.
     """
     for i in range(N_STATES):
         w[SCALE + i] = abs(w[Y + i])
@@ -31,7 +43,24 @@ def first_sizes(t: float, t_end: float, w: Vector) -> None:
 
 
 def size_of(i: int, h: float, w: Vector) -> float:
-    """Return what an error of state `i` in a step is judged against."""
+    """Return what an error of state `i` in a step is judged against.
+
+    Reads: Y, Y1, SCALE.
+
+    Parameters
+    ----------
+    i : int
+        Index of the state.
+    h : float
+        Length of the step [s].
+    w : array (SIZE,)
+        Vector of the run.
+
+    Returns
+    -------
+    float
+        Size, in the unit of the state; 0 if it has had none.
+    """
     size = max(w[SCALE + i], abs(w[Y + i]), abs(w[Y1 + i]))
     if i < N_COORDINATES:
         return max(size, abs(h) * w[SCALE + i + N_COORDINATES])

@@ -27,18 +27,43 @@ The fields of both directions agree there to rounding, and a body that creeps to
 reverse with every rounding error.
 """
 GOLDEN = 0.6180339887498949
+"""(sqrt(5) - 1) / 2: of two points that cut a bracket so, one does so in the next bracket too."""
 EPSILON_STEP = 2.220446049250313e-16
+"""Unit in the last place of 1; fractions of a step are found to it, or to that of the time."""
 
 
 def guard_values(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Evaluate the guards, with the quiet zone of bristle laws."""
+    """Evaluate the guards, with the quiet zone of bristle laws.
+
+    Reads: `at`, SCALE.
+    Writes: `to`.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place in `w` of the results.
+    """
     guards(mode, flags, t, w, at, to)
     if HAS_BRISTLES and mode != 0:
         w[to + STOP] += QUIET * w[SCALE + SLIP]
 
 
 def guard_at(guard: int, x: float, mode: int, flags: int, t: float, h: float, w: Vector) -> float:
-    """Return one guard at a fraction of the step."""
+    """Return one guard at a fraction of the step.
+
+    Reads: SCALE, DENSE.
+    Writes: POINT, VALUES.
+    """
     interpolate(w, x, POINT)
     guard_values(mode, flags, t + x * h, w, POINT, VALUES)
     return w[VALUES + guard]
@@ -47,7 +72,11 @@ def guard_at(guard: int, x: float, mode: int, flags: int, t: float, h: float, w:
 def bisect(
     guard: int, low: float, high: float, mode: int, flags: int, t: float, h: float, w: Vector
 ) -> float:
-    """Return the fraction just past a sign change."""
+    """Return the fraction just past a sign change.
+
+    Reads: SCALE, DENSE.
+    Writes: POINT, VALUES.
+    """
     f_low = guard_at(guard, low, mode, flags, t, h, w)
     f_high = guard_at(guard, high, mode, flags, t, h, w)
     epsilon = max(EPSILON_STEP, EPSILON_STEP * abs(t) / abs(h))
@@ -70,11 +99,17 @@ def bisect(
 def dip(
     guard: int, low: float, high: float, mode: int, flags: int, t: float, h: float, w: Vector
 ) -> float:
-    """Return a fraction between where the guard is negative, or -1 if its minimum is not."""
+    """Return a fraction between where the guard is negative, or -1 if its minimum is not.
+
+    Reads: SCALE, DENSE.
+    Writes: POINT, VALUES.
+    """
     a = high - GOLDEN * (high - low)
     b = low + GOLDEN * (high - low)
     f_a = guard_at(guard, a, mode, flags, t, h, w)
     f_b = guard_at(guard, b, mode, flags, t, h, w)
+    # 0.618^40 is 4e-9 of the bracket; closer than the root of the rounding, 1.5e-8, values of a
+    # smooth function about its minimum do not differ.
     for _ in range(40):
         if f_a < 0.0:
             return a
@@ -102,6 +137,9 @@ def first_sign(
 
     That is `first` if the guard holds up to there, and -1 for a guard that starts at zero and never
     becomes positive although it ends negative.
+
+    Reads: SCALE, DENSE, SAMPLED.
+    Writes: POINT, VALUES.
     """
     at = SAMPLED + guard
     armed = w[at] > 0.0
@@ -115,7 +153,8 @@ def first_sign(
             return min(first, bisect(guard, low, s / SAMPLES, mode, flags, t, h, w))
         if armed and s > 1:
             earlier = w[at + (s - 2) * N_GUARDS]
-            # a minimum lies near `before`, and it is low enough to matter
+            # A minimum lies near `before`. The parabola through the three values falls below zero
+            # only where 10 before < earlier + value; 4 leaves room for what is no parabola.
             if before <= value and before < earlier and 4.0 * before < earlier + value:
                 low = (s - 2) / SAMPLES
                 x = dip(guard, low, s / SAMPLES, mode, flags, t, h, w)
@@ -131,6 +170,27 @@ def first_violation(mode: int, flags: int, t: float, h: float, w: Vector) -> int
     """Find the first violated guard of a step, with its fraction in FRACTION.
 
     The fraction is 0 where a guard was never armed: it starts at zero and falls.
+
+    Reads: SCALE, DENSE.
+    Writes: FRACTION, POINT, VALUES, SAMPLED.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    h : float
+        Length of the step [s].
+    w : array (SIZE,)
+        Vector of the run.
+
+    Returns
+    -------
+    int
+        Index of the guard, or `NO_GUARD`.
     """
     for s in range(SAMPLES + 1):
         interpolate(w, s / SAMPLES, POINT)
@@ -150,7 +210,22 @@ def first_violation(mode: int, flags: int, t: float, h: float, w: Vector) -> int
 
 
 def rises(guard: int, w: Vector) -> bool:
-    """Whether one guard is positive at any of the samples."""
+    """Whether one guard is positive at any of the samples.
+
+    Reads: SAMPLED.
+
+    Parameters
+    ----------
+    guard : int
+        Index of the guard.
+    w : array (SIZE,)
+        Vector of the run.
+
+    Returns
+    -------
+    bool
+        Whether it is.
+    """
     highest = w[SAMPLED + guard]
     for s in range(1, SAMPLES + 1):
         highest = max(highest, w[SAMPLED + s * N_GUARDS + guard])
@@ -158,13 +233,30 @@ def rises(guard: int, w: Vector) -> bool:
 
 
 def note_least(guard: int, value: float, w: Vector) -> None:
-    """Note the least value of a guard that ends runs."""
+    """Note the least value of a guard that ends runs.
+
+    Reads: LOWEST.
+    Writes: LOWEST.
+
+    Parameters
+    ----------
+    guard : int
+        Index of the guard.
+    value : float
+        Value of the guard.
+    w : array (SIZE,)
+        Vector of the run.
+    """
     if (CAN_LIFT and guard == LIFT_OFF) or FIRST_LIMIT <= guard < FIRST_WALL:
         w[LOWEST + guard] = min(w[LOWEST + guard], value)
 
 
 def note_sizes(w: Vector) -> None:
-    """Note the largest size of each guard among the samples of a step, and the least ones."""
+    """Note the largest size of each guard among the samples of a step, and the least ones.
+
+    Reads: SAMPLED, REACHED, LOWEST.
+    Writes: REACHED, LOWEST.
+    """
     for guard in range(N_GUARDS):
         for s in range(SAMPLES + 1):
             value = w[SAMPLED + s * N_GUARDS + guard]

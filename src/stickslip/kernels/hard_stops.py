@@ -51,6 +51,21 @@ def touched(flags: int, w: Vector) -> int:
     """Return the side of the stop that the slipping body touches: 1 upper, -1 lower, 0 none.
 
     A body that has come to rest beyond its stop, by rounding, is put onto it.
+
+    Reads: TIME, Y.
+    Writes: Y, WALLS.
+
+    Parameters
+    ----------
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    w : array (SIZE,)
+        Vector of the run.
+
+    Returns
+    -------
+    int
+        1 for an upper stop, -1 for a lower one, 0 for none.
     """
     if N_WALLS == 0:
         return 0
@@ -66,13 +81,46 @@ def touched(flags: int, w: Vector) -> int:
 
 
 def pressed_by(side: int, flags: int, w: Vector) -> float:
-    """Return the force that is missing for the slipping body to leave its stop."""
+    """Return the force that is missing for the slipping body to leave its stop.
+
+    Reads: TIME, Y.
+    Writes: VALUES.
+
+    Parameters
+    ----------
+    side : int
+        1 for an upper stop, -1 for a lower one.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    w : array (SIZE,)
+        Vector of the run.
+
+    Returns
+    -------
+    float
+        Missing force [N]; below 0 the body leaves.
+    """
     guards(2 * side, flags, w[TIME], w, Y, VALUES)
     return w[VALUES + (BREAK_BACKWARD if side > 0 else BREAK_FORWARD)]
 
 
 def approach(guard: int, w: Vector) -> float:
-    """Return the speed with which a coordinate nears the stop that a guard belongs to."""
+    """Return the speed with which a coordinate nears the stop that a guard belongs to.
+
+    Reads: Y.
+
+    Parameters
+    ----------
+    guard : int
+        Index of the guard of a stop, `FIRST_WALL` or above.
+    w : array (SIZE,)
+        Vector of the run.
+
+    Returns
+    -------
+    float
+        Speed, positive towards the stop.
+    """
     wall = guard - FIRST_WALL
     return WALL_SIDES[wall] * w[Y + N_COORDINATES + WALL_COORDINATES[wall]]
 
@@ -90,7 +138,25 @@ def resting_speed(t: float, size: float, push: float, place: float, restitution:
 
 
 def strike(wall: int, w: Vector, whole: Vector) -> bool:
-    """Change the rates by an impact; return whether a coordinate that does not slip stays there."""
+    """Change the rates by an impact; return whether a coordinate that does not slip stays there.
+
+    Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STEPS, BOOKS.
+    Writes: GROSS, LOST, Y, VALUES, WALLS.
+
+    Parameters
+    ----------
+    wall : int
+        Index of the stop.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+
+    Returns
+    -------
+    bool
+        Whether the coordinate stays at its stop, which the run cannot follow.
+    """
     flags = int(whole[FLAGS])
     walls(0, flags, w[TIME], w, Y, WALLS)
     at = WALLS + wall * WALL_COLUMNS

@@ -34,7 +34,11 @@ BALANCED = 4e-15
 
 
 def guard_polynomial(guard: int, h: float, w: Vector) -> int:
-    """Write the coefficients of one guard in the fraction of the step; return the degree."""
+    """Write the coefficients of one guard in the fraction of the step; return the degree.
+
+    Reads: VALUES, DENSE, REACHED, LOWEST, SLOPES.
+    Writes: REACHED, LOWEST, POLYNOMIAL.
+    """
     n = N_STATES
     row = SLOPES + guard * (n + 1)
     w[POLYNOMIAL] = w[VALUES + guard]
@@ -54,7 +58,11 @@ def guard_polynomial(guard: int, h: float, w: Vector) -> int:
 
 
 def quiet_start(flags: int, t: float, h: float, w: Vector) -> None:
-    """Drop the first slope of a body at rest where forces balance but for their rounding."""
+    """Drop the first slope of a body at rest where forces balance but for their rounding.
+
+    Reads: Y, MATRIX, DRIFT, POLYNOMIAL.
+    Writes: POINT, POLYNOMIAL.
+    """
     field(1, flags, t, w, Y, POINT)
     size = w[POINT + SLIP]
     field(-1, flags, t, w, Y, POINT)
@@ -72,6 +80,27 @@ def first_crossing(mode: int, flags: int, t: float, h: float, w: Vector) -> int:
     """Find the first violated guard of a step, with its fraction in FRACTION.
 
     The fraction is 0 where a guard that starts at zero falls below it at once.
+
+    Reads: Y, MATRIX, DRIFT, DENSE, REACHED, LOWEST.
+    Writes: FRACTION, POINT, VALUES, REACHED, LOWEST, SLOPES, POLYNOMIAL, ROOM.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    h : float
+        Length of the step [s].
+    w : array (SIZE,)
+        Vector of the run.
+
+    Returns
+    -------
+    int
+        Index of the guard, or `NO_GUARD`.
     """
     guards(mode, flags, t, w, Y, VALUES)
     guard_slopes(mode, flags, t, w, Y, SLOPES)

@@ -6,14 +6,34 @@ __all__ = ["lu_factor", "lu_solve"]
 
 
 def lu_factor(w: Vector, a: int, n: int, pivots: int) -> bool:
-    """Factorise the n x n matrix at `a`, rows one after the other; False if it is singular."""
+    """Factorise the n x n matrix at `a`, rows one after the other; False if it is singular.
+
+    Reads: `a`.
+    Writes: `a`, `pivots`.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    a : int
+        Place in `w` of the matrix (n n,); its factors replace it.
+    n : int
+        Number of rows.
+    pivots : int
+        Place in `w` of the pivots (n,): at step k, the row that was exchanged with row k.
+
+    Returns
+    -------
+    bool
+        Whether the matrix has an inverse.
+    """
     for k in range(n):
         best = k
         for i in range(k + 1, n):
             if abs(w[a + i * n + k]) > abs(w[a + best * n + k]):
                 best = i
         w[pivots + k] = best
-        if not abs(w[a + best * n + k]) > 0.0:
+        if not abs(w[a + best * n + k]) > 0.0:  # false for NaN, too
             return False
         if best != k:
             for j in range(n):
@@ -28,7 +48,24 @@ def lu_factor(w: Vector, a: int, n: int, pivots: int) -> bool:
 
 
 def lu_solve(w: Vector, a: int, n: int, pivots: int, b: int) -> None:
-    """Solve with a factorised matrix; the solution replaces the right-hand side at `b`."""
+    """Solve with a factorised matrix; the solution replaces the right-hand side at `b`.
+
+    Reads: `a`, `pivots`, `b`.
+    Writes: `b`.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    a : int
+        Place in `w` of the factors (n n,).
+    n : int
+        Number of rows.
+    pivots : int
+        Place in `w` of the pivots (n,).
+    b : int
+        Place in `w` of the right-hand side (n,).
+    """
     for k in range(n):
         best = int(w[pivots + k])
         swap = w[b + k]

@@ -57,7 +57,27 @@ STALL_LIMIT = 100
 
 
 def set_flags(t: float, w: Vector, at: int, flags: int) -> int:
-    """Return the flags that the margins of the switches ask for, nested ones included."""
+    """Return the flags that the margins of the switches ask for, nested ones included.
+
+    Reads: `at`.
+    Writes: VALUES.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    flags : int
+        Flags to begin with: nested switches depend on others.
+
+    Returns
+    -------
+    int
+        The flags.
+    """
     for _ in range(N_SWITCHES):
         margins(0, flags, t, w, at, VALUES)
         flags = 0
@@ -68,7 +88,23 @@ def set_flags(t: float, w: Vector, at: int, flags: int) -> int:
 
 
 def mode_from_rest(flags: int, w: Vector) -> int:
-    """Return the mode of a body whose slip velocity is zero."""
+    """Return the mode of a body whose slip velocity is zero.
+
+    Reads: TIME, Y.
+    Writes: Y, VALUES, WALLS.
+
+    Parameters
+    ----------
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    w : array (SIZE,)
+        Vector of the run.
+
+    Returns
+    -------
+    int
+        0 stick, 1 or -1 slip, 2 or -2 pressed against the upper or lower stop.
+    """
     side = touched(flags, w)
     if side != 0:
         return 2 * side if pressed_by(side, flags, w) >= 0.0 else -side
@@ -82,7 +118,11 @@ def mode_from_rest(flags: int, w: Vector) -> int:
 
 
 def direction(flags: int, w: Vector) -> int:
-    """Return the direction in which a bristle law's body leaves rest."""
+    """Return the direction in which a bristle law's body leaves rest.
+
+    Reads: TIME, Y.
+    Writes: VALUES.
+    """
     field(1, flags, w[TIME], w, Y, VALUES)
     if w[VALUES + SLIP] == 0.0:  # where a load begins to grow, its rate tells
         time_slope(1, flags, w[TIME], w, Y, VALUES)
@@ -90,12 +130,27 @@ def direction(flags: int, w: Vector) -> int:
 
 
 def initial_mode(w: Vector, whole: Vector) -> None:
-    """Set mode and flags for a state."""
+    """Set mode and flags for a state.
+
+    Reads: TIME, Y.
+    Writes: Y, VALUES, WALLS, MODE, FLAGS.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    """
     set_mode(0, w, whole)
 
 
 def set_mode(flags: int, w: Vector, whole: Vector) -> None:
-    """Set mode and flags for a state, from flags that held before."""
+    """Set mode and flags for a state, from flags that held before.
+
+    Reads: TIME, Y.
+    Writes: Y, VALUES, WALLS, MODE, FLAGS.
+    """
     flags = set_flags(w[TIME], w, Y, flags)
     whole[FLAGS] = flags
     if w[Y + SLIP] > 0.0:
@@ -107,7 +162,11 @@ def set_mode(flags: int, w: Vector, whole: Vector) -> None:
 
 
 def transition(guard: int, w: Vector, whole: Vector) -> float:
-    """Change mode or flags for a violated guard; return the margin of the decision."""
+    """Change mode or flags for a violated guard; return the margin of the decision.
+
+    Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STEPS, BOOKS.
+    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS.
+    """
     t = w[TIME]
     mode = int(whole[MODE])
     flags = int(whole[FLAGS])
@@ -150,6 +209,9 @@ def forbidden(w: Vector, whole: Vector) -> int:
 
     Guards are looked at for a fall from above zero, which would miss one that begins below it.
     Where the equations have no meaning the normal force has none either, so limits come first.
+
+    Reads: TIME, Y, MODE, FLAGS.
+    Writes: VALUES.
     """
     if CAN_LIFT or N_LIMITS > 0:
         guards(int(whole[MODE]), int(whole[FLAGS]), w[TIME], w, Y, VALUES)
@@ -162,7 +224,20 @@ def forbidden(w: Vector, whole: Vector) -> int:
 
 
 def turn_switches(w: Vector, whole: Vector, events: Vector) -> None:
-    """Turn the switches whose margins jumped with the drives, nested ones included."""
+    """Turn the switches whose margins jumped with the drives, nested ones included.
+
+    Reads: TIME, GROSS, LOST, Y, SCALE, REACHED, MODE, FLAGS, STEPS, EVENTS, STALLS, BOOKS.
+    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    events : array (rows EVENT_COLUMNS,)
+        Rows of events.
+    """
     for _ in range(N_SWITCHES):
         for guard in range(SWITCH, FIRST_LIMIT):
             guards(int(whole[MODE]), int(whole[FLAGS]), w[TIME], w, Y, VALUES)
@@ -171,7 +246,20 @@ def turn_switches(w: Vector, whole: Vector, events: Vector) -> None:
 
 
 def settle(w: Vector, whole: Vector, events: Vector) -> None:
-    """Make the transitions that follow from a jump of forces, and from the start."""
+    """Make the transitions that follow from a jump of forces, and from the start.
+
+    Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
+    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    events : array (rows EVENT_COLUMNS,)
+        Rows of events.
+    """
     t = w[TIME]
     mode = int(whole[MODE])
     flags = int(whole[FLAGS])
@@ -193,7 +281,22 @@ def settle(w: Vector, whole: Vector, events: Vector) -> None:
 
 
 def handle_event(guard: int, w: Vector, whole: Vector, events: Vector) -> None:
-    """Make the transition of a guard, and of a limit that lies behind it."""
+    """Make the transition of a guard, and of a limit that lies behind it.
+
+    Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
+    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS.
+
+    Parameters
+    ----------
+    guard : int
+        Index of the guard.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    events : array (rows EVENT_COLUMNS,)
+        Rows of events.
+    """
     note_event(guard, w, whole, events)
     if whole[STATUS] == RUNNING:
         beyond = forbidden(w, whole)
@@ -202,7 +305,11 @@ def handle_event(guard: int, w: Vector, whole: Vector, events: Vector) -> None:
 
 
 def note_event(guard: int, w: Vector, whole: Vector, events: Vector) -> None:
-    """Make the transition of a guard and write it to the rows of events."""
+    """Make the transition of a guard and write it to the rows of events.
+
+    Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STEPS, EVENTS, STALLS, BOOKS.
+    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS.
+    """
     t = w[TIME]
     mode = whole[MODE]
     margin = transition(guard, w, whole)

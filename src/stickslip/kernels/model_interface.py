@@ -61,56 +61,280 @@ WALL_SIDES: tuple[int, ...] = ()
 
 
 def field(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Time derivatives of the states."""
+    """Time derivatives of the states.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (N_STATES,).
+    """
 
 
 def jacobian(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Derivatives of the field with respect to the states, row by row."""
+    """Derivatives of the field with respect to the states, row by row.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (N_STATES N_STATES,).
+    """
 
 
 def time_slope(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Derivatives of the field with respect to time."""
+    """Derivatives of the field with respect to time.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (N_STATES,).
+    """
 
 
 def guards(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Quantities that are not negative while the mode lasts, by the indices of `codes`."""
+    """Quantities that are not negative while the mode lasts, by the indices of `codes`.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (N_GUARDS,).
+    """
 
 
 def guard_slopes(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Derivatives of each guard with respect to the states and then to time."""
+    """Derivatives of each guard with respect to the states and then to time.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (N_GUARDS (N_STATES + 1),), row by row.
+    """
 
 
 def linear(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Whether field and guards are affine in state and time together: 1 or 0."""
+    """Whether field and guards are affine in state and time together: 1 or 0.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (1,).
+    """
 
 
 def contact(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Friction force, normal force, needed friction, break-away level, then the channels."""
+    """Friction force, normal force, needed friction, break-away level, then the channels.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (4 + N_CHANNELS,): forces [N], then efforts in their units.
+    """
 
 
 def field_slopes(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Derivatives of the field with respect to all quantities: drives' numbers, parameters."""
+    """Derivatives of the field with respect to all quantities: drives' numbers, parameters.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (N_STATES quantities,), row by row.
+    """
 
 
 def guard_parameters(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Derivatives of each guard with respect to all quantities."""
+    """Derivatives of each guard with respect to all quantities.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (N_GUARDS quantities,), row by row.
+    """
 
 
 def energy(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Mechanical energy; the same in all modes."""
+    """Mechanical energy; the same in all modes.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (1,) [J].
+    """
 
 
 def power(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Power supplied, power taken by friction."""
+    """Power supplied, power taken by friction.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (2,) [W].
+    """
 
 
 def margins(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Margins of the switches, positive where their condition holds; the same in all modes."""
+    """Margins of the switches, positive where their condition holds; the same in all modes.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (N_SWITCHES,).
+    """
 
 
 def rest(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Needed friction, break-away level and normal force of a held body for given drive values."""
+    """Needed friction, break-away level and normal force of a held body for given drive values.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (3,) [N].
+    """
 
 
 def walls(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Hard stops, row by row, with the columns of `layout`; the same in all modes."""
+    """Hard stops, row by row, with the columns of `layout`; the same in all modes.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (N_WALLS WALL_COLUMNS,).
+    """

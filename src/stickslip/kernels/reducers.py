@@ -44,13 +44,21 @@ GOLD = 0.6180339887498949
 
 
 def state_in(x: float, state: int, w: Vector) -> float:
-    """Return a state at a fraction of the restored row."""
+    """Return a state at a fraction of the restored row.
+
+    Reads: DENSE.
+    Writes: POINT.
+    """
     interpolate(w, x, POINT)
     return w[POINT + state]
 
 
 def peak_in(state: int, side: float, low: float, high: float, w: Vector) -> float:
-    """Return the largest `side` times a state within a bracket, by golden section."""
+    """Return the largest `side` times a state within a bracket, by golden section.
+
+    Reads: DENSE.
+    Writes: POINT.
+    """
     a = high - GOLD * (high - low)
     b = low + GOLD * (high - low)
     f_a = side * state_in(a, state, w)
@@ -74,7 +82,10 @@ def peak_in(state: int, side: float, low: float, high: float, w: Vector) -> floa
 def extremum(
     state: int, side: float, since: float, w: Vector, count: int, log: Vector, table: Vector
 ) -> float:
-    """Return the largest (`side` 1) or smallest (-1) value of a state from a time on."""
+    """Return the largest (`side` 1) or smallest (-1) value of a state from a time on.
+
+    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE.
+    """
     best = -math.inf
     for row in range(row_at(log, count, since), count):
         at = row * ROW_COLUMNS
@@ -108,7 +119,10 @@ def mean(
     log: Vector,
     table: Vector,
 ) -> float:
-    """Return the mean of a state over a stretch of time."""
+    """Return the mean of a state over a stretch of time.
+
+    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE.
+    """
     total = 0.0
     for row in range(row_at(log, count, since), count):
         at = row * ROW_COLUMNS
@@ -123,7 +137,20 @@ def mean(
 
 
 def happened(events: Vector, k: int) -> int:
-    """Return what event `k` was, as a code."""
+    """Return what event `k` was, as a code.
+
+    Parameters
+    ----------
+    events : array (rows EVENT_COLUMNS,)
+        Rows of events.
+    k : int
+        Index of the event.
+
+    Returns
+    -------
+    int
+        A code of `enums`: `STOPPED` to `HIT` and above.
+    """
     at = k * EVENT_COLUMNS
     guard = int(events[at + 3])
     if guard == STOP:
@@ -141,7 +168,10 @@ def happened(events: Vector, k: int) -> int:
 
 
 def event_time(what: int, which: int, whole: Vector, events: Vector) -> float:
-    """Return when something happened for the n-th time from 0, from the end if negative; or NaN."""
+    """Return when something happened for the n-th time from 0, from the end if negative; or NaN.
+
+    Reads: EVENTS.
+    """
     found = 0
     number = int(whole[EVENTS])
     for i in range(number):
@@ -154,7 +184,10 @@ def event_time(what: int, which: int, whole: Vector, events: Vector) -> float:
 
 
 def event_count(what: int, whole: Vector, events: Vector) -> float:
-    """Return how often something happened."""
+    """Return how often something happened.
+
+    Reads: EVENTS.
+    """
     found = 0.0
     for k in range(int(whole[EVENTS])):
         if happened(events, k) == what:
@@ -177,6 +210,35 @@ def reduced(
 
     `what` is a state, or what happened; `first` and `last` are a time, a stretch of time, or which
     event. Asked for beyond the end of a run that ended early, the output is NaN.
+
+    Reads: END, STEPS, EVENTS.
+    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE.
+
+    Parameters
+    ----------
+    kind : int
+        A code of `enums`: `FINAL` to `EVENT_COUNT`.
+    what : int
+        Index of the state, or code of what happened.
+    first : float
+        Time [s], start of a stretch [s], or number of the event.
+    last : float
+        End of the stretch whose mean is taken [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    table : array (pieces (1 + 3 N_DRIVES),)
+        For each piece of the drives its start, then value, slope and start of each drive.
+    log : array (rows ROW_COLUMNS,)
+        Rows of steps.
+    events : array (rows EVENT_COLUMNS,)
+        Rows of events.
+
+    Returns
+    -------
+    float
+        The output, NaN where there is none.
     """
     count = int(whole[STEPS])
     if kind == FINAL:

@@ -29,7 +29,11 @@ RODAS_STAGES = 8
 
 
 def rodas_matrix(mode: int, flags: int, t: float, h: float, w: Vector) -> bool:
-    """Factorise 1 / (gamma h) - J."""
+    """Factorise 1 / (gamma h) - J.
+
+    Reads: Y.
+    Writes: MATRIX, PIVOTS.
+    """
     n = N_STATES
     jacobian(mode, flags, t, w, Y, MATRIX)
     for i in range(n * n):
@@ -40,11 +44,37 @@ def rodas_matrix(mode: int, flags: int, t: float, h: float, w: Vector) -> bool:
 
 
 def rodas_step(mode: int, flags: int, t: float, h: float, w: Vector, rtol: float) -> float:
-    """Try a step; return its error over the tolerance. The solution is left in Y1."""
+    """Try a step; return its error over the tolerance. The solution is left in Y1.
+
+    Reads: Y, SCALE.
+    Writes: Y1, STAGES, MATRIX, PIVOTS, DRIFT.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    h : float
+        Length of the step [s].
+    w : array (SIZE,)
+        Vector of the run.
+    rtol : float
+        Relative tolerance.
+
+    Returns
+    -------
+    float
+        Error over the tolerance: the step is good up to 1, infinite if the matrix has no inverse.
+    """
     n = N_STATES
     if not rodas_matrix(mode, flags, t, h, w):
         return math.inf
     time_slope(mode, flags, t, w, Y, DRIFT)
+    # Stages are those of Hairer and Wanner, section IV.7: sums of C over h stand for products with
+    # the Jacobian, so that each costs one evaluation and one solution with the same factors.
     for s in range(RODAS_STAGES):
         row = s * (s - 1) // 2
         stage = STAGES + s * n
@@ -69,7 +99,10 @@ def rodas_step(mode: int, flags: int, t: float, h: float, w: Vector, rtol: float
 
 
 def rodas_error(h: float, w: Vector, rtol: float) -> float:
-    """Return the last stage, which is the error estimate, over the tolerance."""
+    """Return the last stage, which is the error estimate, over the tolerance.
+
+    Reads: Y, Y1, SCALE, STAGES.
+    """
     n = N_STATES
     total = 0.0
     for i in range(n):
@@ -82,7 +115,11 @@ def rodas_error(h: float, w: Vector, rtol: float) -> float:
 
 
 def rodas_dense(w: Vector) -> None:
-    """Fill the dense output of the step just taken."""
+    """Fill the dense output of the step just taken.
+
+    Reads: Y, Y1, STAGES.
+    Writes: DENSE.
+    """
     n = N_STATES
     w[DENSE] = 0.0
     for i in range(n):
@@ -95,6 +132,8 @@ def rodas_dense(w: Vector) -> None:
             first += DENSE_RODAS[s] * stage
             second += DENSE_RODAS[8 + s] * stage
             third += DENSE_RODAS[16 + s] * stage
+        # Steinebach's (1 - x) y0 + x (y1 + (1 - x) (k1 + x (k2 + x k3))) in the nested form, where
+        # k2 + x k3 is (k2 + k3) + (1 - x) (-k3).
         w[at] = w[Y + i]
         w[at + n] = w[Y1 + i] - w[Y + i]
         w[at + 2 * n] = first

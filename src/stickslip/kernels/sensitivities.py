@@ -8,7 +8,9 @@ are none: they are NaN.
 
 The vector of the run is longer here: behind SIZE stand the slopes of the field and of the guards
 with respect to all `q` quantities, the directions of the drives' numbers, and `m` columns of
-sensitivities, rows by states, in several places.
+sensitivities, rows by states, in several places. In the lists of slots, SIZE are the slopes of the
+field, ``columns 0`` to ``columns 5`` the places of `columns_at`, `directions` and `guard slopes`
+those of the functions of these names.
 """
 
 import math
@@ -72,7 +74,20 @@ def columns_at(which: int, q: int, m: int) -> int:
 
 
 def sense_size(q: int, m: int) -> int:
-    """Return how long the vector of a run must be."""
+    """Return how long the vector of a run must be.
+
+    Parameters
+    ----------
+    q : int
+        Number of quantities: numbers of the drives, then parameters.
+    m : int
+        Number of directions.
+
+    Returns
+    -------
+    int
+        Length of the vector.
+    """
     stages = RADAU_STAGES * N_STATES
     return columns_at(5, q, m) + stages * (stages + 1 + m)
 
@@ -83,6 +98,9 @@ def forcing(
     """Write the slopes of the field along each direction.
 
     `own` has the quantity of each direction, -1 for an initial state.
+
+    Reads: `at`, directions.
+    Writes: `to`, SIZE.
     """
     field_slopes(mode, flags, t, w, at, SIZE)
     directions = directions_at(q)
@@ -97,7 +115,11 @@ def forcing(
 
 
 def add_product(w: Vector, matrix: int, columns: int, m: int, to: int) -> None:
-    """Add the product of an n x n matrix with columns."""
+    """Add the product of an n x n matrix with columns.
+
+    Reads: `matrix`, `columns`, `to`.
+    Writes: `to`.
+    """
     n = N_STATES
     for i in range(n):
         for j in range(n):
@@ -110,7 +132,11 @@ def add_product(w: Vector, matrix: int, columns: int, m: int, to: int) -> None:
 def series_sensed(
     mode: int, flags: int, t: float, h: float, w: Vector, own: Vector, q: int, m: int
 ) -> None:
-    """Advance the sensitivities of an exact mode from the state in Y; result in columns 1."""
+    """Advance the sensitivities of an exact mode from the state in Y; result in columns 1.
+
+    Reads: Y, columns 0, directions.
+    Writes: POINT, MATRIX, DRIFT, DENSE, SIZE, columns 1, columns 2, columns 3, columns 4.
+    """
     n = N_STATES
     now, result = columns_at(0, q, m), columns_at(1, q, m)
     term, new = columns_at(2, q, m), columns_at(3, q, m)
@@ -151,7 +177,11 @@ def radau_stage(
     q: int,
     m: int,
 ) -> None:
-    """Write the rows of one stage: of the matrix, and of all right-hand sides."""
+    """Write the rows of one stage: of the matrix, and of all right-hand sides.
+
+    Reads: DENSE, columns 0, directions.
+    Writes: POINT, MATRIX, SIZE, columns 2, columns 5.
+    """
     n = N_STATES
     stages = RADAU_STAGES * n
     now, slopes, matrix = columns_at(0, q, m), columns_at(2, q, m), columns_at(5, q, m)
@@ -183,7 +213,11 @@ def radau_sensed(
     q: int,
     m: int,
 ) -> None:
-    """Advance the sensitivities along a row of length `h` by `length`; result in columns 1."""
+    """Advance the sensitivities along a row of length `h` by `length`; result in columns 1.
+
+    Reads: DENSE, columns 0, directions.
+    Writes: POINT, MATRIX, SIZE, columns 1, columns 2, columns 5.
+    """
     n = N_STATES
     stages = RADAU_STAGES * n
     now, result, matrix = columns_at(0, q, m), columns_at(1, q, m), columns_at(5, q, m)
@@ -204,7 +238,12 @@ def radau_sensed(
 def advance_sensed(
     log: Vector, row: int, length: float, w: Vector, own: Vector, q: int, m: int
 ) -> None:
-    """Advance the sensitivities from the start of a restored row; result in columns 1."""
+    """Advance the sensitivities from the start of a restored row; result in columns 1.
+
+    Reads: Y, DENSE, columns 0, directions.
+    Writes: POINT, MATRIX, DRIFT, DENSE, SIZE, columns 1, columns 2, columns 3, columns 4, columns
+    5.
+    """
     at = row * ROW_COLUMNS
     mode, flags = int(log[at + 3]), int(log[at + 4])
     if log[at + ROW_DENSE] > 0.0:
@@ -216,7 +255,11 @@ def advance_sensed(
 def moments(
     guard: int, mode: int, flags: int, t: float, w: Vector, own: Vector, q: int, m: int
 ) -> None:
-    """Write how the moment changes at which a guard reaches zero; state in Y, its slope in Y1."""
+    """Write how the moment changes at which a guard reaches zero; state in Y, its slope in Y1.
+
+    Reads: Y, Y1, columns 0, directions.
+    Writes: SLOPES, columns 4, guard slopes.
+    """
     n = N_STATES
     now, to = columns_at(0, q, m), columns_at(4, q, m)
     guard_slopes(mode, flags, t, w, Y, SLOPES)
@@ -232,12 +275,19 @@ def moments(
             total += w[parameters + k] * w[directions + k * m + c]
         for i in range(n):
             total += w[row + i] * w[now + i * m + c]
+        # implicit function theorem; where the guard only touches zero there is no such derivative
         w[to + c] = -total / rate if rate != 0.0 else 0.0
 
 
 def jump(w: Vector, q: int, m: int) -> None:
-    """Let the sensitivities jump: slope before in Y1, after in VALUES, moments in columns 4."""
+    """Let the sensitivities jump: slope before in Y1, after in VALUES, moments in columns 4.
+
+    Reads: Y1, VALUES, columns 0, columns 4.
+    Writes: columns 0.
+    """
     now, moment = columns_at(0, q, m), columns_at(4, q, m)
+    # Saltation: a run that meets the event dt later follows the slope before it for that long, and
+    # misses as much of the slope after it.
     for i in range(N_STATES):
         change = w[Y1 + i] - w[VALUES + i]
         for c in range(m):
@@ -245,14 +295,20 @@ def jump(w: Vector, q: int, m: int) -> None:
 
 
 def lose(w: Vector, q: int, m: int) -> None:
-    """Give the sensitivities up: an impact changes the rates in a way that is not followed."""
+    """Give the sensitivities up: an impact changes the rates in a way that is not followed.
+
+    Writes: columns 0.
+    """
     now = columns_at(0, q, m)
     for i in range(N_STATES * m):
         w[now + i] = math.nan
 
 
 def load_directions(piece: int, dtable: Vector, w: Vector, q: int, m: int) -> None:
-    """Put the directions of one piece of the drives in their place."""
+    """Put the directions of one piece of the drives in their place.
+
+    Writes: directions.
+    """
     directions = directions_at(q)
     at = piece * (1 + 3 * N_DRIVES) * m + m
     for k in range(3 * N_DRIVES * m):
@@ -270,7 +326,11 @@ def pass_piece(
     q: int,
     m: int,
 ) -> None:
-    """Go over to another piece of the drives, at a moment that its start gives."""
+    """Go over to another piece of the drives, at a moment that its start gives.
+
+    Reads: Y, columns 0.
+    Writes: drives, Y1, VALUES, columns 0, columns 4, directions.
+    """
     moment = columns_at(4, q, m)
     field(mode, flags, t, w, Y, Y1)
     load_piece(table, piece, w)
@@ -282,7 +342,11 @@ def pass_piece(
 
 
 def pass_event(guard: int, mode: int, flags: int, t: float, w: Vector, q: int, m: int) -> None:
-    """Go over to the mode and the flags that follow an event."""
+    """Go over to the mode and the flags that follow an event.
+
+    Reads: Y, Y1, columns 0, columns 4.
+    Writes: Y, VALUES, columns 0.
+    """
     if guard >= FIRST_WALL:
         lose(w, q, m)
     if guard == STOP and CAN_STICK:
@@ -307,6 +371,9 @@ def pass_instant(
     """Make all transitions at the end of a row; return the first event after them.
 
     What follows at the same instant has its moment from what came first.
+
+    Reads: DENSE, columns 0, directions.
+    Writes: drives, Y, Y1, POINT, VALUES, SLOPES, columns 0, columns 4, directions, guard slopes.
     """
     at = row * ROW_COLUMNS
     t = log[at + 1]
@@ -334,7 +401,10 @@ def pass_instant(
 
 
 def hold(mode: int, w: Vector, q: int, m: int) -> None:
-    """Take away what a body that is held at the start does not do."""
+    """Take away what a body that is held at the start does not do.
+
+    Writes: columns 0.
+    """
     if mode == 0:  # it loses a small velocity at once
         now = columns_at(0, q, m)
         for c in range(m):
@@ -359,6 +429,35 @@ def sense(
     """Write the sensitivities at increasing times; those at the start stand in columns 0.
 
     `dtable` has the derivatives of the drives' table, a column a direction.
+
+    Reads: columns 0.
+    Writes: drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, columns 0, columns 1,
+    columns 2, columns 3, columns 4, columns 5, directions, guard slopes.
+
+    Parameters
+    ----------
+    log : array (rows ROW_COLUMNS,)
+        Rows of steps.
+    count : int
+        Number of rows of steps.
+    events : array (rows EVENT_COLUMNS,)
+        Rows of events.
+    number : int
+        Number of rows of events.
+    times : array (k,)
+        Increasing times [s].
+    table : array (pieces (1 + 3 N_DRIVES),)
+        For each piece of the drives its start, then value, slope and start of each drive.
+    dtable : array
+        Derivatives of the drives' table, for each of its numbers one a direction.
+    own : array (m,)
+        Quantity of each direction, -1 for an initial state.
+    q : int
+        Number of quantities: numbers of the drives, then parameters.
+    w : array (sense_size,)
+        Vector of the run, with room for sensitivities.
+    out : array (k N_STATES m,)
+        Written: sensitivities at each time, rows by states.
     """
     m = len(own)
     n = N_STATES

@@ -3,6 +3,12 @@
 One vector `w` holds all numbers of a run: compiled code passes one array and counts no references.
 It begins with what the equations read: value, slope and start of each drive, drive values given
 from outside, the parameters; their room is a round number, so that kernels serve many laws.
+
+Docstrings of kernels list the slots that a function reads and writes, with all that it calls. It
+reads what must be there when it begins; what it writes and does not read is its result, or scratch
+that nothing may rely on. `drives` are the places before GIVEN. Parameters and drives, which the
+equations read whenever they are asked, are not listed. A name in back quotes is an argument that
+gives a place.
 """
 
 from stickslip.kernels.backend import Vector, vector

@@ -43,7 +43,11 @@ BOUNCE = 1e-3
 
 
 def attempt(h: float, w: Vector, whole: Vector, rtol: float) -> float:
-    """Try a step with the mode's stepper, fill its dense output if it is good enough."""
+    """Try a step with the mode's stepper, fill its dense output if it is good enough.
+
+    Reads: TIME, Y, SCALE, MODE, FLAGS, STEPPER.
+    Writes: Y1, POINT, STAGES, MATRIX, PIVOTS, DRIFT, DENSE.
+    """
     mode = int(whole[MODE])
     flags = int(whole[FLAGS])
     t = w[TIME]
@@ -66,11 +70,13 @@ def resized(h: float, error: float, stepper: int) -> float:
     if stepper == EXACT:
         if error == 0.0:
             return math.inf
+        # the tail goes with h^SERIES; 1e60 and more, or NaN, is cut to what 1e60 gives
         return h * (0.95 * math.pow(error, -1.0 / SERIES) if error < 1e60 else 1e-3)
     if error == 0.0:
         return 10.0 * h
     if not error < 1e30:
         return 0.1 * h
+    # powers of h with which the estimates fall; 0.9, 0.2 and 10 are those of DOPRI5
     order = 5.0 if stepper == STIFF else 8.0
     return h * min(10.0, max(0.2, 0.9 * math.pow(error, -1.0 / order)))
 
@@ -78,7 +84,12 @@ def resized(h: float, error: float, stepper: int) -> float:
 def accepted_step(
     stop: float, w: Vector, whole: Vector, rtol: float, cap: float, slot: int
 ) -> float:
-    """Shorten the step until it is accurate; return its length, 0 if there is none."""
+    """Shorten the step until it is accurate; return its length, 0 if there is none.
+
+    Reads: `slot`, TIME, Y, SCALE, MODE, FLAGS, REJECTED, STEPPER, SLOW.
+    Writes: `slot`, STEP, Y1, POINT, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, STATUS, REJECTED,
+    STEPPER, SLOW.
+    """
     stepper = int(whole[STEPPER])
     t = w[TIME]
     h = min(w[slot], cap)
@@ -87,7 +98,7 @@ def accepted_step(
         last = STRETCH * h >= left
         if last:
             h = left
-        elif 2.0 * h > left:
+        elif 2.0 * h > left:  # two equal steps, and no splinter at the end
             h = 0.5 * left
         if not t + h > t:
             whole[STATUS] = STEP_TOO_SMALL
@@ -95,6 +106,7 @@ def accepted_step(
         error = attempt(h, w, whole, rtol)
         proposed = resized(h, error, stepper)
         if error <= 1.0:
+            # a step cut short by the end of a piece says little of the next one
             w[slot] = max(proposed, w[slot]) if last else proposed
             if stepper != STIFF:
                 watch_stiffness(h, w, whole)
@@ -104,7 +116,10 @@ def accepted_step(
 
 
 def retry_length(guard: int, h: float, w: Vector) -> float:
-    """Return the length with which a step should be taken again, 0 if it stands."""
+    """Return the length with which a step should be taken again, 0 if it stands.
+
+    Reads: TIME, FRACTION, Y.
+    """
     t = w[TIME]
     fraction = w[FRACTION]
     if guard >= FIRST_WALL and fraction == 0.0 and approach(guard, w) > 0.0:
@@ -121,6 +136,8 @@ def bounce_length(guard: int, h: float, w: Vector) -> float:
 
     Fractions are found to rounding of 1, within which a short bounce would be lost. What falls at
     once does so truly if its first coefficient that is not zero, however small, is negative.
+
+    Reads: TIME, FRACTION, POLYNOMIAL.
     """
     fraction = w[FRACTION]
     if guard < FIRST_WALL or fraction >= BOUNCE:
@@ -145,6 +162,28 @@ def advance(stop: float, w: Vector, whole: Vector, rtol: float, cap: float) -> i
     step that ends beyond an event is taken again up to just beyond it: the mode's equations, and so
     the error estimate, mean little where the mode does not hold, and the dense output is best where
     the step ends. Neither concerns the series of a linear mode, but for bounces.
+
+    Reads: TIME, STEP, STRIDE, Y, SCALE, REACHED, LOWEST, MODE, FLAGS, REJECTED, STEPPER, SLOW.
+    Writes: STEP, STRIDE, FRACTION, LENGTH, Y1, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE,
+    SAMPLED, REACHED, LOWEST, SLOPES, POLYNOMIAL, ROOM, STATUS, REJECTED, STEPPER, SLOW.
+
+    Parameters
+    ----------
+    stop : float
+        Time that the step may reach at most [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    rtol : float
+        Relative tolerance.
+    cap : float
+        Longest step [s].
+
+    Returns
+    -------
+    int
+        Index of the guard, or `NO_GUARD`.
     """
     exact = whole[STEPPER] == EXACT
     slot = STRIDE if exact else STEP

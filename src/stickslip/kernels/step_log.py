@@ -39,7 +39,18 @@ FEW_TERMS = 6
 
 
 def add_work(w: Vector, whole: Vector) -> None:
-    """Add the work done in the part of the step that holds."""
+    """Add the work done in the part of the step that holds.
+
+    Reads: TIME, SUPPLIED, TAKEN, FRACTION, LENGTH, GROSS, DENSE, MODE, FLAGS.
+    Writes: SUPPLIED, TAKEN, GROSS, POINT, VALUES.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    """
     share = w[FRACTION]
     h = w[LENGTH]
     few = 0.0 < w[DENSE] <= FEW_TERMS
@@ -54,7 +65,22 @@ def add_work(w: Vector, whole: Vector) -> None:
 
 
 def record(log: Vector, end: float, w: Vector, whole: Vector) -> None:
-    """Write one row of the log."""
+    """Write one row of the log.
+
+    Reads: TIME, LENGTH, DENSE, MODE, FLAGS, PIECE, STEPS.
+    Writes: STEPS.
+
+    Parameters
+    ----------
+    log : array (rows ROW_COLUMNS,)
+        Rows of steps.
+    end : float
+        Time up to which the row holds [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    """
     at = int(whole[STEPS]) * ROW_COLUMNS
     log[at] = w[TIME]
     log[at + 1] = end
@@ -69,7 +95,11 @@ def record(log: Vector, end: float, w: Vector, whole: Vector) -> None:
 
 
 def audit(guard: int, w: Vector, whole: Vector) -> None:
-    """Note how far guards are violated at the end of a step, relative to their largest size yet."""
+    """Note how far guards are violated at the end of a step, relative to their largest size yet.
+
+    Reads: TIME, VIOLATION, RESIDUAL, Y, SCALE, REACHED, MODE, FLAGS.
+    Writes: VIOLATION, RESIDUAL, VALUES.
+    """
     guard_values(int(whole[MODE]), int(whole[FLAGS]), w[TIME], w, Y, VALUES)
     for i in range(N_GUARDS):
         value = w[VALUES + i]
@@ -81,7 +111,22 @@ def audit(guard: int, w: Vector, whole: Vector) -> None:
 
 
 def close_step(guard: int, stop: float, w: Vector, whole: Vector) -> None:
-    """Move time and state to the end of the step."""
+    """Move time and state to the end of the step.
+
+    Reads: TIME, VIOLATION, RESIDUAL, FRACTION, LENGTH, Y1, SCALE, DENSE, REACHED, MODE, FLAGS.
+    Writes: TIME, VIOLATION, RESIDUAL, Y, SCALE, VALUES.
+
+    Parameters
+    ----------
+    guard : int
+        Index of the guard that ended the step, or `NO_GUARD`.
+    stop : float
+        Time at which the piece of the drives ends [s]; an end within rounding of it is put onto it.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    """
     share = w[FRACTION]
     h = w[LENGTH]
     end = w[TIME] + share * h

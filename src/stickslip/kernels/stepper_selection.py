@@ -37,11 +37,25 @@ What tolerates less than the rounding of the time takes short steps until the st
 SLOW_CHANGE = 0.01
 """Change of every state in a step, over its size, that is slow."""
 SLOW_STEPS = 15
-"""Steps in a row that damping keeps short although all is slow, after which a mode is stiff."""
+"""Steps in a row that damping keeps short although all is slow, after which a mode is stiff; as
+many as in the test of stiffness in Hairer's DOP853."""
 
 
 def choose_stepper(stop: float, w: Vector, whole: Vector) -> None:
-    """Choose for the mode that begins."""
+    """Choose for the mode that begins.
+
+    Reads: TIME, STEP, Y, SCALE, MODE, FLAGS.
+    Writes: STEP, Y1, SCALE, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, STEPPER, SLOW.
+
+    Parameters
+    ----------
+    stop : float
+        End of the piece of the drives [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    """
     mode = int(whole[MODE])
     whole[SLOW] = 0
     if HAS_BRISTLES and abs(mode) == 1:
@@ -59,6 +73,9 @@ def probe_sizes(stop: float, w: Vector, whole: Vector) -> None:
     """Give a size to states that have none yet: a small part of what a first stretch brings.
 
     What is at rest begins as a power of time, which no relative error control gets started.
+
+    Reads: TIME, Y, SCALE, MODE, FLAGS.
+    Writes: Y1, SCALE, STAGES, MATRIX, PIVOTS, DRIFT.
     """
     mode = int(whole[MODE])
     missing = False
@@ -87,6 +104,18 @@ def watch_stiffness(h: float, w: Vector, whole: Vector) -> None:
 
     The Jacobian at the start of the step stands at MATRIX; less its trace is the sum of all
     dampings.
+
+    Reads: Y, Y1, SCALE, MATRIX, SLOW.
+    Writes: STEP, STEPPER, SLOW.
+
+    Parameters
+    ----------
+    h : float
+        Length of the step [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
     """
     n = N_STATES
     damping = 0.0

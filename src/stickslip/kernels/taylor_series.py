@@ -22,7 +22,26 @@ NOTHING = 1e-18
 
 
 def series_fill(mode: int, flags: int, t: float, h: float, w: Vector, at: int) -> None:
-    """Fill the dense output with the series of a step from the state at `at`."""
+    """Fill the dense output with the series of a step from the state at `at`.
+
+    Reads: `at`.
+    Writes: POINT, MATRIX, DRIFT, DENSE.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    h : float
+        Length of the step [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    """
     n = N_STATES
     last = DENSE + 1
     field(mode, flags, t, w, at, last + n)
@@ -32,6 +51,8 @@ def series_fill(mode: int, flags: int, t: float, h: float, w: Vector, at: int) -
         w[last + i] = w[at + i]
         w[last + n + i] *= h
         w[POINT + i] = max(abs(w[last + i]), abs(w[last + n + i]))  # largest term yet
+    # Two small terms in a row end the series: one alone may be zero by chance, as each second term
+    # of an oscillation from rest is.
     small = 0
     terms = 1
     while terms < SERIES and small < 2:
@@ -40,6 +61,7 @@ def series_fill(mode: int, flags: int, t: float, h: float, w: Vector, at: int) -
         factor = h / terms
         ended = True
         for i in range(n):
+            # df/dt is constant, so that time enters the second derivative of the state and no other
             total = h * w[DRIFT + i] if terms == 2 else 0.0
             for j in range(n):
                 total += w[MATRIX + i * n + j] * w[last + j]
@@ -52,7 +74,31 @@ def series_fill(mode: int, flags: int, t: float, h: float, w: Vector, at: int) -
 
 
 def series_step(mode: int, flags: int, t: float, h: float, w: Vector, at: int) -> float:
-    """Try a step; return the tail of its series over what is allowed, the solution in Y1."""
+    """Try a step; return the tail of its series over what is allowed, the solution in Y1.
+
+    Reads: `at`, Y, SCALE.
+    Writes: Y1, POINT, MATRIX, DRIFT, DENSE.
+
+    Parameters
+    ----------
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    h : float
+        Length of the step [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+
+    Returns
+    -------
+    float
+        Size of the last terms over what is allowed: the step is good up to 1.
+    """
     n = N_STATES
     series_fill(mode, flags, t, h, w, at)
     interpolate(w, 1.0, Y1)

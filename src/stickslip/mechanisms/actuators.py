@@ -36,11 +36,37 @@ class Motor(Parametrised, ABC):
 
     @abstractmethod
     def start(self, coordinate: str, rate: str) -> Mapping[str, Scalar]:
-        """Return where the driven coordinate begins, by name; empty where it is free to."""
+        """Return where the driven coordinate begins, by name; empty where it is free to.
+
+        Parameters
+        ----------
+        coordinate : str
+            Name of the driven coordinate.
+        rate : str
+            Name of its rate.
+
+        Returns
+        -------
+        mapping of str to float or array
+            Values at time 0, in SI units.
+        """
 
     @abstractmethod
     def guide(self, effort: str, unit: str) -> Guide | None:
-        """Return how the coordinate is guided, None where a force moves it."""
+        """Return how the coordinate is guided, None where a force moves it.
+
+        Parameters
+        ----------
+        effort : str
+            Name for the force or torque that the motion takes, as a column of runs.
+        unit : str
+            Unit of that effort, ``"N"`` or ``"N m"``.
+
+        Returns
+        -------
+        Guide or None
+            The guide of the coordinate.
+        """
 
     @abstractmethod
     def limits(self, effort: Scalar) -> Mapping[str, Scalar]:
@@ -160,7 +186,20 @@ class Torque(Motor):
 
 
 def check_motor(owner: str, motor: object) -> None:
-    """Refuse what is no motor, and say how what is nearly one is written."""
+    """Refuse what is no motor, and say how what is nearly one is written.
+
+    Parameters
+    ----------
+    owner : str
+        What asks, for the error.
+    motor : object
+        What was given.
+
+    Raises
+    ------
+    ParameterError
+        If it is no motor.
+    """
     if isinstance(motor, Motor):
         return
     cure = ""

@@ -112,11 +112,37 @@ class Mechanism(Parametrised, ABC):
 
     @abstractmethod
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
-        """Return the kinetic energy [J] at coordinates and rates, both by coordinate name."""
+        """Return the kinetic energy [J] at coordinates and rates, both by coordinate name.
+
+        Parameters
+        ----------
+        q : mapping of str to float or array
+            Coordinates by name, held ones included.
+        q_dot : mapping of str to float or array
+            Their rates, by name of the coordinate.
+
+        Returns
+        -------
+        float or array
+            Kinetic energy [J].
+        """
 
     @abstractmethod
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
-        """Return the potential energy [J]; time stands in it where a support is moved."""
+        """Return the potential energy [J]; time stands in it where a support is moved.
+
+        Parameters
+        ----------
+        t : float or array
+            Time [s].
+        q : mapping of str to float or array
+            Coordinates by name, held ones included.
+
+        Returns
+        -------
+        float or array
+            Potential energy [J].
+        """
 
     @abstractmethod
     def forces(
@@ -136,6 +162,11 @@ class Mechanism(Parametrised, ABC):
             Coordinates and their rates by coordinate name.
         drives : mapping
             Present values of the drives by name.
+
+        Returns
+        -------
+        mapping of str to float or array
+            Generalised forces by coordinate, those on held ones included; what is left out is 0.
         """
 
     @abstractmethod
@@ -227,6 +258,22 @@ def stops_between(
 ) -> tuple[Stop, ...]:
     """Return the stops of a coordinate that are fitted: those whose position is not None.
 
+    Parameters
+    ----------
+    coordinate : str
+        Name of the coordinate.
+    lower : float or array or None
+        Place of the lower stop, in the unit of the coordinate; None if there is none.
+    upper : float or array or None
+        Place of the upper stop, in the unit of the coordinate; None if there is none.
+    restitution : float or array
+        Speed after an impact over that before [1].
+
+    Returns
+    -------
+    tuple of Stop
+        The lower stop before the upper one.
+
     Examples
     --------
     >>> [stop.side for stop in stops_between("x", None, 0.1, 0.5)]
@@ -248,6 +295,11 @@ def height(incline: Scalar, along: Scalar, off: Scalar) -> Scalar:
         Place along the ground, positive uphill where the incline is [m].
     off : float
         Distance from the ground, along its normal [m].
+
+    Returns
+    -------
+    float or array
+        Height [m].
 
     Examples
     --------

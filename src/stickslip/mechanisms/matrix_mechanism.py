@@ -74,6 +74,22 @@ class MatrixMechanism(Mechanism, ABC):
 
         With it, a run whose forces do not fit its energies is not certified. With None, it is taken
         from the forces themselves, and the certificate speaks of the integration alone.
+
+        Parameters
+        ----------
+        t : float or array
+            Time [s].
+        q : mapping of str to float or array
+            Coordinates by name, held ones included.
+        q_dot : mapping of str to float or array
+            Their rates, by name of the coordinate.
+        drives : mapping of str to float or array
+            Present values of the drives by name.
+
+        Returns
+        -------
+        float or array or None
+            Power supplied [W].
         """
         return None
 

@@ -24,6 +24,18 @@ class Memory:
     A search asks for the same motions again in the same order, so their results are all there is
     to know: no random state is kept, and the file is plain JSON.
 
+    Parameters
+    ----------
+    path : str, Path or None
+        File of the memory; None keeps it in this process only.
+    subject : str
+        Text of the problem; a file that belongs to another one is refused.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or written, or belongs to another problem.
+
     Examples
     --------
     >>> memory = Memory(None, "one problem")
@@ -46,12 +58,33 @@ class Memory:
             _refuse_unwritable(self.path)
 
     def recall(self, search: str, generation: int) -> list[Row] | None:
-        """Return what came of a generation, if that is known."""
+        """Return what came of a generation, if that is known.
+
+        Parameters
+        ----------
+        search : str
+            Name of the search.
+        generation : int
+            Index of the generation, from 0.
+
+        Returns
+        -------
+        list of Row or None
+            Goal and violation of each motion; None if the generation is not known.
+        """
         known = self.searches.get(search, [])
         return known[generation] if generation < len(known) else None
 
     def keep(self, search: str, rows: Sequence[Row]) -> None:
-        """Add a generation; the file appears whole or not at all."""
+        """Add a generation; the file appears whole or not at all.
+
+        Parameters
+        ----------
+        search : str
+            Name of the search.
+        rows : sequence of Row
+            Goal and violation of each motion of the generation.
+        """
         self.searches.setdefault(search, []).append(list(rows))
         if self.path is not None:
             content = {"form": FORM, "problem": self.digest, "searches": self.searches}

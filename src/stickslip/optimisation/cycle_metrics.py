@@ -102,7 +102,22 @@ def motor_of(mechanism: Mechanism) -> str:
 
 
 def fitted(mechanism: Mechanism, profile: Profile, *, limit: float | None = None) -> Mechanism:
-    """Return the mechanism with another motion, and its motor with a limit, none if not given."""
+    """Return the mechanism with another motion, and its motor with a limit, none if not given.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Mechanism with a motor.
+    profile : Profile
+        The motion.
+    limit : float, optional
+        Largest force or torque of the motor [N] or [N m].
+
+    Returns
+    -------
+    Mechanism
+        A copy of the mechanism.
+    """
     return dataclasses.replace(
         mechanism, **{motor_of(mechanism): Prescribed(profile=profile, limit=limit)}
     )

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.drives import Profile
-from stickslip.errors import ConvergenceError, InputError, ParameterError
+from stickslip.errors import ConvergenceError, InputError, ParameterError, renamed
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.checkpoint import Memory
@@ -37,6 +37,7 @@ LEAST_ROUNDS = 40
 """Rounds that a polish may take however few motions a search tries: with fewer it gets nowhere."""
 
 
+@renamed
 def optimise_profile(
     mechanism: Mechanism,
     law: FrictionLaw,
@@ -52,7 +53,7 @@ def optimise_profile(
     evaluations: int = 2000,
     seed: int = 0,
     state: str | Path | None = None,
-    watch: Told | None = None,
+    progress: Told | None = None,
 ) -> Optimum:
     """Find the motion of a kind that drives a mechanism best within limits.
 
@@ -99,7 +100,7 @@ def optimise_profile(
     state : path, optional
         File that keeps what was found after each generation. If it is there already, the search
         goes on from it, and ends where it would have ended without an interruption.
-    watch : callable, optional
+    progress : callable, optional
         Called after each generation with the name of the search, the motions tried and in all, and
         the best goal so far, NaN without one. If it returns False, the best so far is the result.
 
@@ -131,7 +132,7 @@ def optimise_profile(
     (True, True)
     """
     plan = _plan(mechanism, limits, evaluations, seed)
-    _check(law, watch)
+    _check(law, progress)
     problem = Problem(
         mechanism=plan.mechanism,
         scenarios=scenarios_of(plan.mechanism, law, interval, scenarios, quantile, points),
@@ -143,7 +144,7 @@ def optimise_profile(
     subject = repr((problem, plan, law, space, _versions()))
     memory = Memory(state, subject)  # a file that cannot be used is told before anything runs
     start = problem.judge(plan.profile, samples=FINER)
-    work = _Work(problem=problem, plan=plan, memory=memory, watch=watch)
+    work = _Work(problem=problem, plan=plan, memory=memory, watch=progress)
     reference = work.best_of(space_of(REFERENCE, plan.limits, knots), plan.profile, start)
     best = reference
     if known != REFERENCE:
@@ -239,13 +240,13 @@ def _plan(mechanism: Mechanism, limits: Limits, evaluations: int, seed: int) -> 
     )
 
 
-def _check(law: object, watch: object) -> None:
+def _check(law: object, progress: object) -> None:
     if not isinstance(law, FrictionLaw):
         raise InputError(f"law must be a friction law such as Coulomb, got {law!r}.")
-    if watch is not None and not callable(watch):
+    if progress is not None and not callable(progress):
         raise InputError(
-            "watch must be callable with the search, the motions tried and in all, and the best"
-            f" goal, got {watch!r}."
+            "progress must be callable with the search, the motions tried and in all, and the best"
+            f" goal, got {progress!r}."
         )
 
 

@@ -289,6 +289,25 @@ def kind_of(name: str) -> str:
 def space_of(kind: str, limits: Limits, knots: int) -> Space:
     """Return the space of a kind.
 
+    Parameters
+    ----------
+    kind : str
+        Name of the kind, one of `KINDS`, or that of splines.
+    limits : Limits
+        What the motor can do.
+    knots : int
+        Knots of a spline, 4 to 60; without effect on other kinds.
+
+    Returns
+    -------
+    Space
+        Map from points of a cube to motions.
+
+    Raises
+    ------
+    ParameterError
+        If `knots` is no whole number in its range.
+
     Examples
     --------
     >>> space = space_of("sine", Limits(position=0.5, rate=2.0), 12)

@@ -112,7 +112,21 @@ class Problem:
         return [vary(moved, "mechanism", own) if own else moved for own in changes]
 
     def judge(self, profile: Profile, *, samples: int = SAMPLES) -> Judged:
-        """Run a motion through all scenarios."""
+        """Run a motion through all scenarios.
+
+        Parameters
+        ----------
+        profile : Profile
+            The motion.
+        samples : int, optional
+            Samples of a cycle at which limits are looked at.
+
+        Returns
+        -------
+        Judged
+            Goal, margins of the limits and the cycle in each scenario; without margins where a
+            cycle cannot be gone through.
+        """
         pairs = zip(self.cases(profile), self.scenarios.laws, strict=True)
         cycles = tuple(measure(mechanism, law, samples=samples) for mechanism, law in pairs)
         if any(cycle.lasted < 1.0 for cycle in cycles):

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from stickslip.errors import renamed
 from stickslip.experiments import Published, Rig, load_rig
 from stickslip.friction import PRINTED_FORMS, FrictionLaw
 from stickslip.paper.bristles import BristleRow, bristle_rows
@@ -175,8 +176,9 @@ def _finite(values: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+@renamed
 def audit(
-    *, verdict: TravelVerdict | None = None, watch: Callable[[str, int], None] | None = None
+    *, verdict: TravelVerdict | None = None, progress: Callable[[str, float], object] | None = None
 ) -> PaperAudit:
     """Recompute the paper: Table II, its unpublished parameters, its printed equations.
 
@@ -184,7 +186,7 @@ def audit(
     ----------
     verdict : TravelVerdict, optional
         The selection on the bundled rig, if it was already made.
-    watch : callable, optional
+    progress : callable, optional
         Called with the name of a law and the number of its runs so far.
 
     Examples
@@ -196,7 +198,7 @@ def audit(
     values = PaperValues.of(rig)
     if verdict is None and rig.measurement is not None:
         verdict = select_travels(
-            rig.mechanism, rig.measurement, rig.laws, t_end=rig.t_end, watch=watch
+            rig.mechanism, rig.laws, rig.measurement, t_end=rig.t_end, progress=progress
         )
     assert verdict is not None
     published = {row.law: row for row in rig.published}

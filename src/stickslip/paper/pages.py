@@ -1,8 +1,9 @@
-"""The pages: the audit of the paper, and the selection report of a rig."""
+"""The audit of the paper as a page, and what it adds to the page of its rig."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from importlib.metadata import version
+from typing import NamedTuple
 
 from stickslip.experiments import Rig, load_rig
 from stickslip.formatting import fixed, percent
@@ -26,18 +27,27 @@ from stickslip.paper.sections import (
 from stickslip.paper.unpublished import ROUNDING
 from stickslip.report import Code, Fact, Opening, Page, Paragraph, References, Section, render
 from stickslip.report.core import documents
+from stickslip.report.core.documents import SectionMaker
+from stickslip.report.core.reproduce import law_references
 from stickslip.report.core.versions import versions
-from stickslip.report.travels import selection_page
-from stickslip.report.travels.appendix import law_references
 from stickslip.selection import TravelVerdict
 
-__all__ = ["paper_report", "rig_report"]
+__all__ = ["Beside", "beside", "paper_report"]
 
 
-def rig_report(rig: Rig, verdict: TravelVerdict, *, command: str = "stickslip select") -> str:
-    """Return the selection report of a rig as one HTML page.
+class Beside(NamedTuple):
+    """What the page of a selection on the rig of the paper shows beside the selection."""
 
-    For the bundled rig of the paper it also shows where the paper's own comparison errs.
+    remark: str = ""
+    """A sentence at the end of the lede."""
+    lead: tuple[SectionMaker, ...] = ()
+    """Sections after the verdict."""
+    extra: tuple[Section | SectionMaker, ...] = ()
+    """Sections before what to measure next."""
+
+
+def beside(rig: Rig, verdict: TravelVerdict) -> Beside:
+    """Return where the paper's own comparison errs, for the page of its rig; nothing for others.
 
     Parameters
     ----------
@@ -45,33 +55,18 @@ def rig_report(rig: Rig, verdict: TravelVerdict, *, command: str = "stickslip se
         What was measured.
     verdict : TravelVerdict
         What `select` found.
-    command : str
-        The command that made it, for those who want to repeat it.
     """
-    lead: Sequence[documents.SectionMaker] = ()
-    extra: Sequence[Section | documents.SectionMaker] = ()
-    remark = ""
-    if _bundled(rig, verdict):
-        try:
-            found = audit(verdict=verdict)
-        except documents.CAUGHT as error:
-            extra = (documents.failed_section("paper", error),)
-        else:
-            lead = (partial(excitation_section, found), partial(table_section, found))
-            extra = (partial(equation_section, found), partial(misprint_section, found))
-            remark = _remark(found)
-    page = selection_page(
-        verdict,
-        subject=rig.subject,
-        kicker=rig.title,
-        remark=remark,
-        lead=lead,
-        extra=extra,
-        reproduce=(command,),
-        versions=versions(),
-        digest=rig.digest,
+    if not _bundled(rig, verdict):
+        return Beside()
+    try:
+        found = audit(verdict=verdict)
+    except documents.CAUGHT as error:
+        return Beside(extra=(documents.failed_section("paper", error),))
+    return Beside(
+        remark=_remark(found),
+        lead=(partial(excitation_section, found), partial(table_section, found)),
+        extra=(partial(equation_section, found), partial(misprint_section, found)),
     )
-    return render(page)
 
 
 def _bundled(rig: Rig, verdict: TravelVerdict) -> bool:

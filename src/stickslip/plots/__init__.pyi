@@ -31,27 +31,47 @@ from stickslip.plots.data.data_overview import overview_size as overview_size
 from stickslip.plots.data.record import draw_record as draw_record
 from stickslip.plots.data.rig_sketches import draw_sketch as draw_sketch
 from stickslip.plots.data.trials import draw_trials as draw_trials
+from stickslip.plots.data.trials import plot_trials as plot_trials
+from stickslip.plots.dispatch import PLOTS as PLOTS
+from stickslip.plots.dispatch import plot as plot
+from stickslip.plots.dispatch import thumbnail as thumbnail
 from stickslip.plots.laws.curves import draw_characteristics as draw_characteristics
 from stickslip.plots.laws.curves import draw_presliding as draw_presliding
+from stickslip.plots.laws.curves import plot_law as plot_law
+from stickslip.plots.laws.curves import plot_presliding as plot_presliding
 from stickslip.plots.laws.friction_map import draw_friction_map as draw_friction_map
 from stickslip.plots.laws.hysteresis import draw_loops as draw_loops
 from stickslip.plots.runs.closed_loop import draw_closed_loop as draw_closed_loop
+from stickslip.plots.runs.closed_loop import plot_closed_loop as plot_closed_loop
+from stickslip.plots.runs.ensembles import plot_band as plot_band
+from stickslip.plots.runs.ensembles import plot_ensemble as plot_ensemble
 from stickslip.plots.runs.excitations import draw_excitations as draw_excitations
 from stickslip.plots.runs.fixed_step_comparison import draw_fixed_steps as draw_fixed_steps
 from stickslip.plots.runs.limit_cycles import draw_cycles as draw_cycles
+from stickslip.plots.runs.limit_cycles import plot_limit_cycle as plot_limit_cycle
 from stickslip.plots.runs.motion import draw_motion as draw_motion
 from stickslip.plots.runs.profiles import draw_profile as draw_profile
+from stickslip.plots.runs.profiles import plot_profile as plot_profile
 from stickslip.plots.runs.run import draw_friction_velocity as draw_friction_velocity
 from stickslip.plots.runs.run import draw_run as draw_run
 from stickslip.plots.runs.run import draw_runs as draw_runs
+from stickslip.plots.runs.run import plot_friction_velocity as plot_friction_velocity
+from stickslip.plots.runs.run import plot_run as plot_run
+from stickslip.plots.runs.run import plot_runs as plot_runs
 from stickslip.plots.runs.travel_comparison import draw_travels as draw_travels
+from stickslip.plots.selection.fits import plot_fit as plot_fit
+from stickslip.plots.selection.fits import plot_friction_map as plot_friction_map
+from stickslip.plots.selection.fits import plot_residuals as plot_residuals
+from stickslip.plots.selection.fits import plot_verdict as plot_verdict
 from stickslip.plots.selection.prediction_excerpts import draw_pieces as draw_pieces
 from stickslip.plots.selection.residuals import draw_prediction_error as draw_prediction_error
 from stickslip.plots.selection.residuals import draw_residuals as draw_residuals
 from stickslip.plots.selection.separation import draw_separation as draw_separation
+from stickslip.plots.selection.separation import plot_separation as plot_separation
 from stickslip.plots.sweep_maps import draw_basins as draw_basins
 from stickslip.plots.sweep_maps import draw_bifurcation as draw_bifurcation
 from stickslip.plots.sweep_maps import draw_velocity_map as draw_velocity_map
+from stickslip.plots.sweep_maps import plot_sweep as plot_sweep
 
 __all__ = [
     "C1",
@@ -64,6 +84,7 @@ __all__ = [
     "LINE",
     "MUTED",
     "NARROW",
+    "PLOTS",
     "SLIP_BACK",
     "STICK",
     "SURFACE",
@@ -102,8 +123,27 @@ __all__ = [
     "label_at",
     "label_column",
     "overview_size",
+    "plot",
+    "plot_band",
+    "plot_closed_loop",
+    "plot_ensemble",
+    "plot_fit",
+    "plot_friction_map",
+    "plot_friction_velocity",
+    "plot_law",
+    "plot_limit_cycle",
+    "plot_presliding",
+    "plot_profile",
+    "plot_residuals",
+    "plot_run",
+    "plot_runs",
+    "plot_separation",
+    "plot_sweep",
+    "plot_trials",
+    "plot_verdict",
     "save",
     "shade",
     "spread",
     "standalone_svg",
+    "thumbnail",
 ]

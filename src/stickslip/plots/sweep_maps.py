@@ -9,6 +9,8 @@ from matplotlib.figure import Figure
 
 from stickslip.errors import InputError
 from stickslip.formatting import scale_of
+from stickslip.plots.core.arguments import check_type
+from stickslip.plots.core.axes import Target, on_axes
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import (
     C1,
@@ -25,7 +27,7 @@ from stickslip.plots.core.theme import (
 )
 from stickslip.sweep import Basins, Bifurcation, VelocityMap
 
-__all__ = ["draw_basins", "draw_bifurcation", "draw_velocity_map"]
+__all__ = ["draw_basins", "draw_bifurcation", "draw_velocity_map", "plot_sweep"]
 
 BASIN_COLOURS: Final = (SLIP_BACK, STICK, "#dcefe7", "#efe1ee", "#f6dfd0", "#e3e6e8")
 """Fill of each basin, the largest first."""
@@ -33,6 +35,8 @@ POINT_COLOURS: Final = (C1, C2, C3, C4, INK, MUTED)
 """Points of the motion each basin leads to."""
 DIVERGING: Final = LinearSegmentedColormap.from_list("direction", [C2, SURFACE, C1])
 """Backward, nowhere, forward."""
+
+SWEEP_SIZE: Final = (880, 380)
 
 
 def draw_velocity_map(found: VelocityMap) -> Draw:
@@ -243,3 +247,40 @@ def _name(path: str, unit: str) -> str:
     """Return the last name of a path in words, with its unit."""
     word = path.rpartition(".")[2].replace("_", " ")
     return word if unit == "1" else f"{word}, {unit}"
+
+
+def plot_sweep(found: VelocityMap | Bifurcation | Basins, ax: Target = None) -> Axes:
+    """Plot mean velocities, a bifurcation diagram, or basins of attraction.
+
+    Parameters
+    ----------
+    found : VelocityMap, Bifurcation or Basins
+        What `average_velocity`, `bifurcation` or `basins` returns.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel. A colour bar, of velocities over two parameters, is beside it.
+
+    Raises
+    ------
+    InputError
+        If `found` is of another type, or a map of more than two parameters.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, Sine, average_velocity
+    >>> axis = Axis(inertia=1.0, drive=Sine(amplitude=4.0, frequency=1.0))
+    >>> law = Coulomb(kinetic_coefficient=0.5)
+    >>> found = average_velocity(axis, law, {"frequency": [1.0, 2.0]}, settle=20, cycles=4)
+    >>> plot_sweep(found, Figure()).get_xlabel()
+    'frequency, Hz'
+    """
+    check_type("found", found, VelocityMap, Bifurcation, Basins)
+    if isinstance(found, VelocityMap):
+        draw = draw_velocity_map(found)
+    else:
+        draw = draw_bifurcation(found) if isinstance(found, Bifurcation) else draw_basins(found)
+    return on_axes(draw, ax, SWEEP_SIZE)

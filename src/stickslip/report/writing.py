@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.documents import document, json_text, write_folder
 from stickslip.errors import InputError
-from stickslip.report.core.versions import versions
+from stickslip.report.core.documents import Origin
+from stickslip.report.core.page import render
+from stickslip.report.verdict_page import verdict_page
 
 if TYPE_CHECKING:
-    from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict, Verdict
+    from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict
 
 __all__ = ["LAW", "PAGE", "write_report", "write_verdict"]
 
@@ -20,7 +22,7 @@ PAGE, DOCUMENT, LAW = "index.html", "verdict.json", "law.toml"
 
 
 def write_report(
-    verdict: "Verdict",
+    verdict: "RecordVerdict | FeatureVerdict | TravelVerdict",
     folder: str | Path,
     *,
     title: str = "",
@@ -34,8 +36,7 @@ def write_report(
     These are ``index.html``, the report as one page that needs nothing else; ``verdict.json``, all
     that the verdict says as numbers and texts; and ``law.toml``, mechanism and law with their
     fitted values, which `load_rig` reads and ``stickslip simulate`` takes. Without a law to name
-    there is no ``law.toml``. On travels the command's page also compares fixed steps, and audits
-    the source paper where the rig is the paper's.
+    there is no ``law.toml``. The command's page of the bundled rig also audits the source paper.
 
     Parameters
     ----------
@@ -70,7 +71,7 @@ def write_report(
     >>> from stickslip import Coulomb, Measurement, SpringBlock, load_rig, select
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
-    >>> verdict = select(rig, reading, [Coulomb], t_end=1.0)
+    >>> verdict = select(rig, [Coulomb], reading, t_end=1.0)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     page = write_report(verdict, folder, title="Block")
     ...     law = load_rig(page.with_name("law.toml")).laws["coulomb"]
@@ -79,22 +80,27 @@ def write_report(
     >>> f"{law.kinetic_coefficient:.3f}"
     '0.255'
     """
-    from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict
+    from stickslip.selection import Verdict
 
-    if not isinstance(verdict, RecordVerdict | FeatureVerdict | TravelVerdict):
+    if not isinstance(verdict, Verdict):
         raise InputError(f"a report is of a verdict of `select`, got {type(verdict).__name__}.")
     folder = Path(folder)
+    kind = verdict.mechanism.name.replace("-", " ").capitalize()
+    origin = Origin(
+        title=title or kind,
+        data=subject or verdict.measurement.provenance or kind,
+        digest=digest,
+        commands=tuple(commands),
+    )
     there = [name for name in (PAGE, DOCUMENT, LAW) if (folder / name).exists()]
     if there and not overwrite:
         raise InputError(
             f"{folder / there[0]} is already there: give overwrite=True to replace it, or another"
             " folder."
         )
-    kind = verdict.mechanism.name.replace("-", " ").capitalize()
-    subject = subject or verdict.measurement.provenance or kind
     content = document("select", {"rig": title, "digest": digest, **verdict.to_dict()})
     write_verdict(folder, verdict, content)
-    write_folder(folder, {PAGE: _page(verdict, title or kind, subject, digest, commands)})
+    write_folder(folder, {PAGE: render(verdict_page(verdict, origin))})
     return folder / PAGE
 
 
@@ -114,7 +120,7 @@ def write_verdict(
     >>> from stickslip import Coulomb, Measurement, SpringBlock, select
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
-    >>> verdict = select(rig, reading, [Coulomb], t_end=1.0)
+    >>> verdict = select(rig, [Coulomb], reading, t_end=1.0)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_verdict(Path(folder), verdict, {})
     ...     sorted(file.name for file in Path(folder).iterdir())
@@ -126,51 +132,3 @@ def write_verdict(
     write_folder(folder, files)
     for name in {LAW, PAGE} - set(files):
         (folder / name).unlink(missing_ok=True)
-
-
-def _page(
-    verdict: "RecordVerdict | FeatureVerdict | TravelVerdict",
-    title: str,
-    subject: str,
-    digest: str,
-    commands: Sequence[str],
-) -> str:
-    """Return the page as HTML."""
-    from stickslip.selection import RecordVerdict, TravelVerdict
-
-    if isinstance(verdict, TravelVerdict):
-        return _travel_page(verdict, title, subject, digest, commands)
-    if isinstance(verdict, RecordVerdict):
-        from stickslip.report.records import record_page
-
-        return record_page(
-            verdict,
-            title=title,
-            kicker=subject,
-            commands=commands,
-            versions=versions(),
-            digest=digest,
-        )
-    from stickslip.report.features import feature_page
-
-    return feature_page(
-        verdict, title=title, kicker=subject, commands=commands, versions=versions(), digest=digest
-    )
-
-
-def _travel_page(
-    verdict: "TravelVerdict", title: str, subject: str, digest: str, commands: Sequence[str]
-) -> str:
-    from stickslip.report.core.page import render
-    from stickslip.report.travels import selection_page
-
-    return render(
-        selection_page(
-            verdict,
-            subject=subject,
-            kicker=title,
-            reproduce=commands,
-            versions=versions(),
-            digest=digest,
-        )
-    )

@@ -8,7 +8,7 @@ from stickslip.selection.lab_sheet import Plan
 from stickslip.selection.planning import plan
 from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
 from stickslip.selection.records import PURPOSES, select_records
-from stickslip.selection.selecting import select
+from stickslip.selection.selecting import candidate_names, select
 from stickslip.selection.travels import select_travels
 from stickslip.selection.verdict import Candidate, TravelVerdict, Verdict
 
@@ -25,6 +25,7 @@ __all__ = [
     "RecordVerdict",
     "TravelVerdict",
     "Verdict",
+    "candidate_names",
     "compare_fixed_steps",
     "criteria_of",
     "plan",

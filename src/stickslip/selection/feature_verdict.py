@@ -88,7 +88,7 @@ class FeatureCandidate:
         return self.fit.held_out_errors if self.fit else {}
 
     def to_row(self) -> Mapping[str, Any]:
-        """Return the candidate as a row of `Verdict.table`."""
+        """Return the candidate as a row of `Verdict.to_dataframe`."""
         return {
             "law": self.name,
             "parameters": self.parameters,
@@ -137,6 +137,11 @@ class FeatureVerdict(Verdict):
     speeds: tuple[OtherSpeed, ...] = ()
     """Other speeds of the pull, the most telling first."""
 
+    @property
+    @override
+    def score_unit(self) -> str:
+        return "1"
+
     @override
     def __repr__(self) -> str:
         fitted = sum(candidate.fit is not None for candidate in self.candidates)
@@ -146,7 +151,7 @@ class FeatureVerdict(Verdict):
         )
 
     @override
-    def table(self) -> "pd.DataFrame":
+    def to_dataframe(self) -> "pd.DataFrame":
         import pandas as pd
 
         return pd.DataFrame([candidate.to_row() for candidate in self.candidates])

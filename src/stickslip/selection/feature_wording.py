@@ -18,6 +18,7 @@ from stickslip.formatting import (
 from stickslip.identification import FeatureFit, StickSlipFeatures
 from stickslip.identification.features.features import FASTER
 from stickslip.identification.features.scores import as_good, room_of
+from stickslip.identification.results import far_above_dry
 from stickslip.selection.feature_verdict import FeatureCandidate, OtherSpeed
 from stickslip.selection.verdict import Wording, score_text
 
@@ -165,7 +166,7 @@ def _seen(features: StickSlipFeatures) -> tuple[str, ...]:
 def _cannot_tell(
     fit: FeatureFit, equal: Sequence[FeatureCandidate], features: StickSlipFeatures
 ) -> tuple[str, ...]:
-    lines = []
+    lines = [*far_above_dry(fit)]
     if equal:
         lines.append(
             f"Which law: {_titles(equal)} can have the same frequency, mean and standard deviation."
@@ -197,8 +198,8 @@ def _measure_next(
     free = any(one.path == MASS for one in fit.estimates)
     if not free and features.frequency > FASTER * features.natural_frequency:
         lines.append(
-            'Look for the mass as well: unknown=["mass"], or --unknown mass. The nominal one cannot'
-            " oscillate as fast as was measured."
+            "Fit the mass as well: vary=['friction.*', 'mechanism.mass'], or --vary"
+            " 'friction.*,mass'. The nominal one cannot oscillate as fast as was measured."
         )
     if free:
         lines.append(

@@ -24,6 +24,7 @@ from stickslip.identification.features.features import ROUTE, refuse_uncertainti
 from stickslip.identification.features.fit import free_of
 from stickslip.identification.features.result import MISSED
 from stickslip.identification.features.scores import as_good, error_of_score, room_of
+from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.candidates import Specification, specifications
 from stickslip.selection.feature_speeds import other_speeds
@@ -53,18 +54,20 @@ def feature_laws(
     return specifications(USUAL if laws is None else laws)
 
 
+@arguments
 def select_features(
     mechanism: Mechanism,
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None,
     measurement: Measurement,
-    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None = None,
     *,
-    unknown: Sequence[str] = (),
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
     purpose: str = "simulate",
     horizon: float | None = None,
     route: str | None = None,
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
-    watch: RecordWatch | None = None,
+    progress: RecordWatch | None = None,
     executor: Executor | None = None,
 ) -> FeatureVerdict:
     """Select a law for the force of a spring that pulls a block; arguments as in `select`."""
@@ -74,20 +77,22 @@ def select_features(
             " other routes."
         )
     refuse_uncertainties(measurement)
+    parameters = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
+    mechanism = parameters.mechanism
     checks = checked(mechanism, measurement, validate)
     features = features_of(measurement, mechanism=mechanism)
     seed = 0 if settings is None else settings.seed
     fitted = partial(_candidate, mechanism=mechanism, measurement=measurement, seed=seed)
-    looked = partial(fitted, unknown=tuple(unknown))
+    looked = partial(fitted, unknown=parameters.unknown)
     chosen = feature_laws(laws)
-    tried = fitted_side_by_side(looked, chosen, watch, executor)
+    tried = fitted_side_by_side(looked, chosen, progress, executor)
     judged = sorted((_judged(one, validate) for one in tried), key=lambda one: one.score)
     best = _best(judged)
     control = None
-    if unknown:
+    if parameters.unknown:
         own = next(one for one in chosen if one.name == best.name)
         control = _beside(
-            _judged(fitted(own, (), 0.0, _renamed(watch), unknown=()), validate), best
+            _judged(fitted(own, (), 0.0, _renamed(progress), unknown=()), validate), best
         )
     ordered = outcomes([best, *(one for one in judged if one.name != best.name)])
     return _verdict(mechanism, measurement, ordered, control, features, checks)
@@ -152,7 +157,7 @@ def _candidate(
     report = None if watch is None else (lambda rms: watch(one.name, rms))
     try:
         fit = fit_features(
-            mechanism, one.law, measurement, unknown=unknown, seed=seed, watch=report
+            mechanism, one.law, measurement, vary=[LAW, *unknown], seed=seed, progress=report
         )
     except (ConvergenceError, SimulationError) as error:
         return unfitted(dropped=str(error))

@@ -221,7 +221,7 @@ class Plan:
                 found[f"run {len(found) + 1}"] = one
         return found
 
-    def table(self) -> "pd.DataFrame":
+    def to_dataframe(self) -> "pd.DataFrame":
         """Return the settings and the travels that each law predicts, as a pandas DataFrame."""
         import pandas as pd
 
@@ -256,5 +256,5 @@ class Plan:
         return f"<Plan: {self.sentence}>"
 
     def _repr_html_(self) -> str:
-        table = self.table().to_html(index=False, na_rep="", border=0)
+        table = self.to_dataframe().to_html(index=False, na_rep="", border=0)
         return f"<p>{html.escape(self.sentence)}</p>{table}"

@@ -44,7 +44,7 @@ def experiments_after(
     if not rivals or not _moves(best.fit) or not _actuated(best.fit):
         return ()
     try:
-        dynamics = inverse_dynamics(best.fit.mechanism, best.fit.measurement, unknown=())
+        dynamics = inverse_dynamics(best.fit.mechanism, best.fit.measurement, vary=())
     except InputError:  # too short to be filtered
         return ()
     # Where friction was measured no force was, and dynamics know nothing of its doubt.

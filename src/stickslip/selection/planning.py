@@ -33,7 +33,7 @@ from stickslip.identification.travels.model import (
 from stickslip.identification.travels.propagation import READINGS, covariance_of
 from stickslip.identification.travels.several_travels import expected_fit
 from stickslip.identification.travels.start_values import doubling_slope, required_of
-from stickslip.identification.validation import Laws, check_given, laws_of
+from stickslip.identification.validation import Laws, arguments, check_given, laws_of
 from stickslip.mechanisms import Mechanism
 from stickslip.mechanisms.base import stops_of
 from stickslip.quantities import Quantity, parameters, vary
@@ -42,6 +42,7 @@ from stickslip.selection.design.discriminating_settings import (
     Separation,
     knob_of,
     predictions,
+    rounded_setting,
     unit_of,
     words_of,
 )
@@ -50,7 +51,7 @@ from stickslip.selection.preparing import how_to, otherwise
 from stickslip.selection.travel_wording import ADVICE
 from stickslip.simulation import simulate
 
-__all__ = ["plan"]
+__all__ = ["plan", "setting_of"]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -86,11 +87,12 @@ MOVES = 0.05
 """Share of the longest travel below which a setting is not worth a run."""
 
 
+@arguments
 def plan(
     mechanism: Mechanism,
     laws: Laws | FrictionLaw | type[FrictionLaw] | str | None = None,
-    *,
     measurement: Measurement | None = None,
+    *,
     doubts: Mapping[str, float] | None = None,
     between: tuple[float, float] | None = None,
     settings: int = 4,
@@ -152,11 +154,6 @@ def plan(
         READING.check("plan", "uncertainty", uncertainty)
     done = _done(mechanism, measurement, t_end)
     knob = _knob(mechanism, done)
-    if driven_on(mechanism):
-        raise InputError(
-            f"{type(mechanism).__name__} does not come to rest under a drive that goes on as long"
-            " as the run lasts, so there is no travel to plan."
-        )
     ends, source = _range(mechanism, knob, done, between)
     candidates = _candidates(mechanism, laws, t_end)
     error = _error(uncertainty, done)
@@ -324,6 +321,23 @@ class _Contrast:
         )
 
 
+def setting_of(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -> str:
+    """Return the path of what `plan` sets to get other travels.
+
+    Raises
+    ------
+    InputError
+        If no travel can be planned for the mechanism.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> setting_of(SpringBlock(mass=1.0, stiffness=100.0, compression=0.1), None, 10.0)
+    'mechanism.compression'
+    """
+    return _knob(mechanism, _done(mechanism, measurement, t_end))
+
+
 def _done(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -> tuple[Trial, ...]:
     """Return the trials of what was measured before."""
     if measurement is None:
@@ -336,6 +350,13 @@ def _done(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -
 
 def _knob(mechanism: Mechanism, done: Sequence[Trial]) -> str:
     """Return the path of what is set to get other travels."""
+    if driven_on(mechanism):
+        raise InputError(
+            f"{type(mechanism).__name__} does not come to rest under a drive that goes on as long"
+            " as the run lasts, so there is no travel to plan. Give what is measured of it, its"
+            " position in time or its travel per cycle, to select as [data]: see the how-to on a"
+            " cart that drives itself (docs/howto/fit-cart.md)."
+        )
     knob = knob_of(mechanism, done)
     contacts = mechanism.contacts()
     if knob is None or len(contacts) != 1:
@@ -518,8 +539,8 @@ def _settings(
     mechanism: Mechanism, path: str, ends: tuple[float, float], count: int
 ) -> list[float]:
     """Return equidistant settings, to three digits of the unit in which they are read."""
-    _, factor = unit_of({p: q.unit for p, q, _ in parameters(mechanism, "mechanism")}[path])
-    return [float(f"{factor * one:.3g}") / factor for one in np.linspace(*ends, count)]
+    unit = {p: q.unit for p, q, _ in parameters(mechanism, "mechanism")}[path]
+    return [rounded_setting(one, unit) for one in np.linspace(*ends, count)]
 
 
 def _stopping(

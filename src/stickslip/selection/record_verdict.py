@@ -148,7 +148,7 @@ class RecordCandidate:
         return self.fit.fitted_law if self.fit else None
 
     def to_row(self) -> Mapping[str, Any]:
-        """Return the candidate as a row of `Verdict.table`."""
+        """Return the candidate as a row of `Verdict.to_dataframe`."""
         return {
             "law": self.name,
             "parameters": self.parameters,
@@ -242,6 +242,11 @@ class RecordVerdict(Verdict):
         return self.measurement.unit(self.quantity)
 
     @property
+    @override
+    def score_unit(self) -> str:
+        return self.unit
+
+    @property
     def scale(self) -> Scale:
         """The multiple of the unit in which scores are shown: one for terminal, text and page."""
         return score_scale([c.score for c in self.candidates], self.unit)
@@ -279,7 +284,7 @@ class RecordVerdict(Verdict):
         )
 
     @override
-    def table(self) -> "pd.DataFrame":
+    def to_dataframe(self) -> "pd.DataFrame":
         import pandas as pd
 
         return pd.DataFrame([candidate.to_row() for candidate in self.candidates])

@@ -11,6 +11,7 @@ from stickslip.experiments.units import turned
 from stickslip.formatting import Scale, capital, count, joined, number, ratio, with_unit
 from stickslip.identification import RecordFit, TrialComparison
 from stickslip.identification.estimation.halves import difference
+from stickslip.identification.results import far_above_dry
 from stickslip.selection.candidates import REFERENCE
 from stickslip.selection.choice import as_good
 from stickslip.selection.design.experiments import Experiment
@@ -353,7 +354,7 @@ def _cannot_tell(
 ) -> tuple[str, ...]:
     assert best.fit is not None
     others = _other_picks(best, candidates, picks)
-    lines = list(best.fit.sentences)
+    lines = [*far_above_dry(best.fit), *best.fit.sentences]
     for c in candidates:
         for line in c.fit.sentences if c.fit and c.dropped and c.name != best.name else ():
             if "step" in line or "undetermined" in line:

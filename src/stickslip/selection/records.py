@@ -27,6 +27,7 @@ from stickslip.identification.records.route_choice import (
 from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.series.applied_force import inside
 from stickslip.identification.trials.comparison import compared
+from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.selection.applicability import one_way, unsuited_by
@@ -87,47 +88,50 @@ HOPELESS = (
 )
 
 
+@arguments
 def select_records(
     mechanism: Mechanism,
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None,
     measurement: Measurement,
-    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None = None,
     *,
-    unknown: Sequence[str] = (),
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
     purpose: PurposeName = "simulate",
     horizon: float | None = None,
     route: str | RouteChoice | None = None,
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
-    watch: RecordWatch | None = None,
+    progress: RecordWatch | None = None,
     executor: Executor | None = None,
 ) -> RecordVerdict:
     """Select a law for records in time or measured friction; arguments as in `select`."""
     aim = _aim(purpose, horizon)
+    parameters = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
+    mechanism = parameters.mechanism
     checks = checked(mechanism, measurement, validate)
     if purpose == "compensate" and route is None and "friction" not in measurement.quantities():
         route = "inverse-dynamics"
     chosen = _laws(laws, measurement)
     if route is None:
-        route = choose_route(mechanism, measurement, unknown=unknown, settings=settings)
+        route = choose_route(
+            mechanism, measurement, vary=[LAW, *parameters.unknown], settings=settings
+        )
     settings = route.settings if isinstance(route, RouteChoice) else settings
-    fitted, tried = _tried(
-        mechanism, measurement, unknown, route, settings, chosen, watch, executor
-    )
+    fitted, tried = _tried(parameters, measurement, route, settings, chosen, progress, executor)
     with with_doubts(measurement, mechanism, of=ConvergenceError):
         fits = _fits(tried)
     plan = plan_of(min(fits, key=lambda fit: fit.rms), horizon=aim)
     work = partial(_judged, plan=plan, validate=validate)
     controlled = partial(_control, fitted, work) if _has_control(fits[0]) else None
-    judged, without = _all_judged(work, tried, controlled, watch, executor)
+    judged, without = _all_judged(work, tried, controlled, progress, executor)
     judged = _with_contained(judged, chosen)
     found = _verdict(mechanism, measurement, judged, without, plan, purpose, checks, validate)
     return replace(found, settings=settings or RecordSettings())
 
 
 def _tried(
-    mechanism: Mechanism,
+    parameters: Parameters[None],
     measurement: Measurement,
-    unknown: Sequence[str],
     route: str | RouteChoice,
     settings: RecordSettings | None,
     chosen: Sequence[Specification],
@@ -139,9 +143,8 @@ def _tried(
     def by(name: str, reason: str) -> Callable[..., RecordCandidate]:
         return partial(
             _candidate,
-            mechanism=mechanism,
+            parameters=parameters,
             measurement=_without_stated(measurement, name),
-            unknown=unknown,
             route=name,
             reason=reason,
             settings=settings,
@@ -250,9 +253,8 @@ def _candidate(
     rival: float = 0.0,
     watch: RecordWatch | None = None,
     *,
-    mechanism: Mechanism,
+    parameters: Parameters[None],
     measurement: Measurement,
-    unknown: Sequence[str],
     route: str | None,
     reason: str,
     settings: RecordSettings | None,
@@ -266,11 +268,12 @@ def _candidate(
     report = None if watch is None else (lambda rms: watch(one.name, rms))
     fitted = partial(
         fit_record,
-        mechanism,
+        parameters.mechanism,
         measurement=measurement,
-        unknown=unknown,
+        unknown=parameters.unknown,
         route=route,
         settings=settings,
+        held=parameters.held,
         contained=contained or None,
         rival=rival,
         watch=report,

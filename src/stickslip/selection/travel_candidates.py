@@ -18,7 +18,7 @@ from stickslip.trajectory import Trajectory
 
 __all__ = ["Watch", "try_law", "with_held_out"]
 
-Watch = Callable[[str, int], object]
+Watch = Callable[[str, float], object]
 CHANGES = (1.5, 1.0 / 1.5)
 """Factors on a parameter that was taken as given, to see whether the travel depends on it."""
 

@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 from stickslip.formatting import joined, number, quantity, with_unit, within
 from stickslip.identification import Estimate
+from stickslip.identification.results import far_above_dry
 from stickslip.identification.travels.model import Trial
 from stickslip.quantities import fields_of
 from stickslip.selection.admissibility import doubts
@@ -261,6 +262,7 @@ def _cannot_tell(
         verb = "gives" if len(others) == 1 else "give"
         lines.insert(0, f"Which value: {said} {verb} the same travel.")
     lines += _given_lines(explained, reading)
+    lines[:0] = far_above_dry(best.fit) if best is not None and best.fit else ()
     return tuple(lines[:3]) or ("How friction behaves at speeds and loads that were not measured.",)
 
 

@@ -11,6 +11,7 @@ from stickslip.identification.precompile import compile_for
 from stickslip.identification.travels.model import Trial, standard_errors, trials_of
 from stickslip.identification.travels.result import TravelFit
 from stickslip.identification.travels.start_values import required_of
+from stickslip.identification.validation import arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.selection.admissibility import chosen, mark_passed_over
@@ -37,15 +38,15 @@ UNSTATED = 0.02
 """Share of the travels up to which residuals count as small where no uncertainty was stated."""
 
 
+@arguments
 def select_travels(
     mechanism: Mechanism,
+    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None,
     measurement: Measurement,
-    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None = None,
     *,
     assumed: Mapping[str, Sequence[str]] | None = None,
     t_end: float = 10.0,
-    watch: Watch | None = None,
-    compiling: Progress | None = None,
+    progress: Watch | None = None,
 ) -> TravelVerdict:
     """Fit every law to measured travels, compare them, and say what the data cannot tell.
 
@@ -53,21 +54,20 @@ def select_travels(
     ----------
     mechanism : Mechanism
         What was measured.
+    laws : mapping or sequence, or None
+        The candidates; instances bring start values and assumptions, types take ordinary ones.
+        None and an empty mapping stand for Coulomb, viscous, both, Stribeck, Dahl and LuGre.
+        Parameters that a type cannot do without, and that are not fitted, count as invented.
     measurement : Measurement
         One travel or several trials.
-    laws : mapping or sequence, optional
-        The candidates; instances bring start values and assumptions, types take ordinary ones.
-        If not given, or an empty mapping, Coulomb, viscous, both, Stribeck, Dahl and LuGre.
-        Parameters that a type cannot do without, and that are not fitted, count as invented.
     assumed : mapping of str to sequence of str, optional
         By name of the law, parameters whose values were assumed, not measured. They are fitted
         where no law explains the travels and there are more settings than fitted parameters.
     t_end : float
         Time after which a body counts as stopped [s].
-    watch : callable, optional
-        Called with the name of a law and the number of its runs so far.
-    compiling : callable, optional
-        Called as the `progress` of `stickslip.solver.warm_up`, if equations have to be compiled.
+    progress : callable, optional
+        Called with the name of a law and the number of its runs so far; with ``"compiling: ..."``
+        and the share that is done, if equations have to be compiled.
 
     Returns
     -------
@@ -84,7 +84,7 @@ def select_travels(
     >>> from stickslip import Coulomb, Measurement, SpringBlock, Viscous
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
-    >>> verdict = select_travels(rig, reading, [Coulomb, Viscous])
+    >>> verdict = select_travels(rig, [Coulomb, Viscous], reading)
     >>> verdict.best.name, verdict.ranked
     ('coulomb', False)
     """
@@ -96,18 +96,20 @@ def select_travels(
         raise InputError("there is no friction law to try: give at least one in `laws`.")
     scored = len({trial.setting for trial in trials}) > 1
     ordinary = _ordinary(laws)
-    compile_for(trials, named.values(), progress=compiling)
+    compile_for(trials, named.values(), progress=_compiling(progress))
     candidates: list[Candidate] = []
     for name in sorted(named, key=lambda one: len(required_of(type(named[one])))):
         law, usual = named[name], name in ordinary
         candidates.append(
-            try_law(name, law, trials, t_end=t_end, ordinary=usual, simpler=candidates, watch=watch)
+            try_law(
+                name, law, trials, t_end=t_end, ordinary=usual, simpler=candidates, watch=progress
+            )
         )
     candidates.sort(key=lambda c: list(named).index(c.name))
     if scored:
-        candidates = _freed(candidates, trials, assumed or {}, t_end, watch)
+        candidates = _freed(candidates, trials, assumed or {}, t_end, progress)
     candidates, best, against = (
-        _ranked(candidates, trials, t_end, watch)
+        _ranked(candidates, trials, t_end, progress)
         if scored
         else (candidates, _plainest(candidates), _repeats_of(candidates, trials))
     )
@@ -128,6 +130,13 @@ def select_travels(
         words=words,
         t_end=t_end,
     )
+
+
+def _compiling(progress: Watch | None) -> Progress | None:
+    """Return what hears of modules that are compiled, and tells it as the work of a law is told."""
+    if progress is None:
+        return None
+    return lambda done, total, what: progress(f"compiling: {what}", done / max(total, 1))
 
 
 def _named(
@@ -247,6 +256,12 @@ def _ranked(
     if best is None:
         return scored, None, None
     against = contradiction(trials, best, scored)
+    if against is not None:
+        # a law that explains the readings alone explains them beside others too
+        tested = [c for c in scored if c.fit is not None and c.fit.freedom > 0]
+        explaining = [c for c in tested if contradiction(trials, c, [c]) is None]
+        if better := chosen(explaining):
+            best, against = better, None
     if against is None:
         marked = mark_passed_over(scored, best)
     else:  # where no law is named, none is passed over for it

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, final
 
 from typing_extensions import override
 
+from stickslip.display import OnAxes, Summary, summary_of_table
 from stickslip.experiments import Measurement
 from stickslip.formatting import EstimateText, Scale, number, scale_of
 from stickslip.friction import FrictionLaw
@@ -141,7 +142,7 @@ class Candidate:
         return f"<p>{html.escape(str(self))}</p>"
 
     def to_row(self) -> Mapping[str, Any]:
-        """Return the candidate as a row of `Verdict.table`."""
+        """Return the candidate as a row of `Verdict.to_dataframe`."""
         found = self.fit.estimates if self.fit else ()
         return {
             "law": self.name,
@@ -191,7 +192,7 @@ class Wording:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Verdict(ABC):
+class Verdict(OnAxes, ABC):
     """Which law to use, how the others compare, and what the data cannot tell."""
 
     mechanism: Mechanism
@@ -208,16 +209,22 @@ class Verdict(ABC):
         return plain(self.words.verdict)
 
     @abstractmethod
-    def table(self) -> "pd.DataFrame":
+    def to_dataframe(self) -> "pd.DataFrame":
         """Return the candidates as a pandas DataFrame, a row each."""
 
     @abstractmethod
     def to_dict(self) -> Mapping[str, Any]:
         """Return the verdict as plain numbers and strings, ready for JSON."""
 
-    def _repr_html_(self) -> str:
-        table = self.table().to_html(index=False, na_rep="", border=0)
-        return f"<p>{html.escape(self.sentence)}</p>{table}"
+    @property
+    @abstractmethod
+    def score_unit(self) -> str:
+        """SI unit of the scores; ``"1"`` for relative ones."""
+
+    @final
+    @override
+    def _summary(self) -> Summary:
+        return summary_of_table(self.sentence, self.to_dataframe())
 
     @final
     def _head(self) -> dict[str, Any]:
@@ -264,6 +271,11 @@ class TravelVerdict(Verdict):
         """The best law, or the one that would be taken if the readings did not contradict it."""
         return self.best or next((c for c in self.explained if c.fit is not None), None)
 
+    @property
+    @override
+    def score_unit(self) -> str:
+        return "m"
+
     @override
     def __repr__(self) -> str:
         count, trials = len(self.candidates), len(self.measurement.records())
@@ -275,7 +287,7 @@ class TravelVerdict(Verdict):
         )
 
     @override
-    def table(self) -> "pd.DataFrame":
+    def to_dataframe(self) -> "pd.DataFrame":
         """Return the candidates as a pandas DataFrame.
 
         Its columns are ``law``, ``parameters``, ``range``, ``travel`` [m] of the first trial as

@@ -19,6 +19,7 @@ class Runner:
     """Calls the kernels of one tier for one model."""
 
     module: ModuleType
+    """The generated module whose kernels are called."""
     address: int
     """Where the compiled equations are; 0 in the plain tier, whose module holds them."""
 
@@ -42,7 +43,20 @@ class Runner:
         return np.zeros(size, dtype=np.int64) if self.address else [0] * size
 
     def working(self, numbers: Sequence[float], first: int) -> Any:
-        """Return the vector of a run, with the parameters in it from a place on."""
+        """Return the vector of a run, with the parameters in it from a place on.
+
+        Parameters
+        ----------
+        numbers : sequence of float
+            Parameters in the order of the model [SI].
+        first : int
+            Place of the first one.
+
+        Returns
+        -------
+        array or list (SIZE,)
+            The vector, laid out as in `kernels.state_layout`; all else is 0.
+        """
         w = self.zeros(self.module.SIZE)
         for i, number in enumerate(numbers, first):
             w[i] = number
@@ -55,6 +69,20 @@ def runner_of(model: Model, *, compiled: bool, ensembles: bool = False) -> Runne
     """Return the runner of a tier; the compiled one compiles what is not there yet.
 
     What single runs need is compiled, or what ensembles do.
+
+    Parameters
+    ----------
+    model : Model
+        Equations of a mechanism with a law.
+    compiled : bool
+        Whether to take machine code, or else plain Python.
+    ensembles : bool, default False
+        Whether the compiled tier is for ensembles, or else for single runs.
+
+    Returns
+    -------
+    Runner
+        What calls the kernels.
     """
     if not compiled:
         return Runner(load(model), 0)

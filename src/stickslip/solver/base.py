@@ -40,11 +40,29 @@ class Solver(Parametrised, ABC):
             Last time [s].
         told : sequence of str
             States that begin where the mechanism says, and with its parameters elsewhere.
+
+        Returns
+        -------
+        Trajectory
+            States at the steps, events, status and certificate.
         """
 
 
 def column_units(mechanism: Mechanism, bristles: Sequence[str]) -> dict[str, str]:
-    """Return the unit of each column of a trajectory."""
+    """Return the unit of each column of a trajectory.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    bristles : sequence of str
+        Names of the bristle states; deflections [m].
+
+    Returns
+    -------
+    dict of str to str
+        SI unit by column.
+    """
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     units |= {
         rate: f"{unit}/s" for rate, unit in zip(mechanism.rates, mechanism.units, strict=True)

@@ -40,6 +40,7 @@ class Lead(NamedTuple):
     rate: int
     """Index of its rate."""
     profile: Profile
+    """The motion that the coordinate is told."""
     ahead: float
     """What the run's start adds to the profile's place."""
     faster: float
@@ -51,11 +52,15 @@ class Diagram:
     """Evaluates forces and rates at a time and a state, as often as asked and nothing else."""
 
     equations: Equations
+    """Equations of motion, with the force of the contact left open."""
     law: FrictionLaw | PrintedForm
+    """Friction of the contact."""
     bristles: tuple[str, ...]
+    """Names of the bristle states."""
     slip: int
     """Index of the slip velocity in the state."""
     leads: tuple[Lead, ...]
+    """Guided coordinates, which are set before rates are asked for."""
 
     @classmethod
     def build(
@@ -65,7 +70,24 @@ class Diagram:
         t_end: float,
         y0: Sequence[float],
     ) -> Self:
-        """Take the mechanism's own equations; any law serves to formulate them."""
+        """Take the mechanism's own equations; any law serves to formulate them.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What moves.
+        law : FrictionLaw or PrintedForm
+            Friction of its contact.
+        t_end : float
+            Last time that drives are asked for [s].
+        y0 : sequence of float (n,)
+            State at time 0: coordinates, rates, bristles [SI].
+
+        Returns
+        -------
+        type of the class
+            The diagram.
+        """
         stand_in = STAND_IN
         model = formulate(mechanism, stand_in)
         equations = Equations(model, gather(mechanism, stand_in, model, t_end))
@@ -91,6 +113,18 @@ class Diagram:
 
         Steps would add up what each misses of a phase that ends within it, and the guided
         coordinate would stray: in a block diagram its motion is a source.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : list of float (n,)
+            State; written to.
+
+        Returns
+        -------
+        list of float (n,)
+            The same list.
         """
         for place, rate, profile, ahead, faster in self.leads:
             position, speed = profile.at(t)
@@ -98,7 +132,22 @@ class Diagram:
         return y
 
     def friction(self, t: float, y: Sequence[float], held: bool) -> tuple[float, float]:
-        """Return friction and normal force; the normal force is that without friction."""
+        """Return friction and normal force; the normal force is that without friction.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : sequence of float (n,)
+            State.
+        held : bool
+            Whether the contact sticks.
+
+        Returns
+        -------
+        (float, float)
+            Friction force and normal force [N].
+        """
         *_, normal, needed, _ = self._free(t, y, 0.0)
         if held:
             return needed, normal
@@ -111,7 +160,20 @@ class Diagram:
         return self.law.force(v, normal), normal
 
     def holds(self, t: float, y: Sequence[float]) -> bool:
-        """Whether the contact can hold the body, by the law's own rule."""
+        """Whether the contact can hold the body, by the law's own rule.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : sequence of float (n,)
+            State.
+
+        Returns
+        -------
+        bool
+            Whether the needed friction is within the break-away level.
+        """
         *_, normal, needed, _ = self._free(t, y, 0.0)
         if isinstance(self.law, PrintedForm):
             _, z = self._split(y)
@@ -122,7 +184,22 @@ class Diagram:
         return bool(abs(needed) <= level)
 
     def rates(self, t: float, y: Sequence[float], held: bool) -> list[float]:
-        """Return the time derivatives of the state."""
+        """Return the time derivatives of the state.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : sequence of float (n,)
+            State.
+        held : bool
+            Whether the contact sticks: no slip acceleration then, and bristles stay as they are.
+
+        Returns
+        -------
+        list of float (n,)
+            Rates of coordinates, of rates and of bristles.
+        """
         friction, normal = self.friction(t, y, held)
         n = self.module.N_COORDINATES
         *accelerations, _, _, _ = self._free(t, y, friction)
@@ -135,19 +212,60 @@ class Diagram:
         return [*y[n : 2 * n], *accelerations, *bristle_rates]
 
     def sample(self, t: float, y: Sequence[float], held: bool) -> list[float]:
-        """Return time, state, friction force, normal force and mode."""
+        """Return time, state, friction force, normal force and mode.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : sequence of float (n,)
+            State.
+        held : bool
+            Whether the contact sticks.
+
+        Returns
+        -------
+        list of float (n + 4,)
+            A row of a trajectory; the mode is the sign of the slip velocity, 0 while held.
+        """
         friction, normal = self.friction(t, y, held)
         v = y[self.slip]
         return [t, *y, friction, normal, 0.0 if held else float((v > 0) - (v < 0))]
 
     def energy(self, t: float, y: Sequence[float]) -> float:
-        """Return the mechanical energy [J]."""
+        """Return the mechanical energy [J].
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : sequence of float (n,)
+            State.
+
+        Returns
+        -------
+        float
+            Kinetic and potential energy [J].
+        """
         self.equations.load_at(t)
         (energy,) = self.equations("energy", 0, self.equations.flags(t, y), t, y)
         return float(energy)
 
     def power(self, t: float, row: Sequence[float]) -> tuple[float, float]:
-        """Return the power supplied and that taken by friction [W], for a state and its forces."""
+        """Return the power supplied and that taken by friction [W], for a state and its forces.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        row : sequence of float (n + 3,)
+            State, friction force, normal force and mode.
+
+        Returns
+        -------
+        (float, float)
+            Power supplied and power taken by friction [W].
+        """
         friction = row[-3]
         *_, supplied = self._free(t, row, friction)
         return supplied, friction * row[self.slip]

@@ -29,7 +29,20 @@ def energy_limit_at(tolerance: float) -> float:
 
 
 def passes(evidence: NDArray[np.float64], tolerance: float) -> NDArray[np.bool_]:
-    """Return whether each run of a batch (n,) passes, from its evidence (n, 3 or more)."""
+    """Return whether each run of a batch (n,) passes, from its evidence (n, 3 or more).
+
+    Parameters
+    ----------
+    evidence : array (n, 3 or more)
+        Energy error, guard violation and event residual of each run, then columns that are ignored.
+    tolerance : float
+        Relative tolerance of the runs.
+
+    Returns
+    -------
+    array (n,)
+        True where all three are within their limits; False where one is NaN.
+    """
     limits = np.array([energy_limit_at(tolerance), VIOLATION_LIMIT, RESIDUAL_LIMIT])
     return np.asarray((evidence[:, :3] <= limits).all(axis=1))
 
@@ -37,7 +50,24 @@ def passes(evidence: NDArray[np.float64], tolerance: float) -> NDArray[np.bool_]
 def certify(
     playback: Playback, w: Sequence[float], whole: Sequence[int], tolerance: float
 ) -> Certificate:
-    """Check energy, guards, events and stick of a finished run."""
+    """Check energy, guards, events and stick of a finished run.
+
+    Parameters
+    ----------
+    playback : Playback
+        The recorded run.
+    w : sequence of float (SIZE,)
+        Vector of the run at its end.
+    whole : sequence of int (WHOLES,)
+        Whole numbers of the run at its end.
+    tolerance : float
+        Relative tolerance of the run.
+
+    Returns
+    -------
+    Certificate
+        Evidence, margins of the limits, and what is wrong in words.
+    """
     module = playback.module
     books = _books(playback, w)
     energy_error = books["energy_error"]

@@ -35,11 +35,17 @@ class Job:
     """What all chunks have in common; can be sent to another process."""
 
     mechanism: Mechanism
+    """What moves."""
     law: FrictionLaw
+    """Friction of its contact."""
     y0: tuple[float, ...]
+    """State at time 0: coordinates, rates, bristles [SI]."""
     t_end: float
+    """Last time of each run [s]."""
     outputs: Mapping[str, Output]
+    """What is kept of each run, by name."""
     solver: EventDriven
+    """Tolerance, most steps and tier of the runs."""
     count: int
     """Number of runs."""
     told: tuple[str, ...]
@@ -59,9 +65,11 @@ class Chunk:
     """Some rows of an ensemble, or what came of them."""
 
     start: int
+    """Index of the first row in the ensemble."""
     results: Array
     """(rows, columns)."""
     statuses: NDArray[np.int8]
+    """(rows,): how each run ended, as a code of the kernels."""
     evidence: Array
     """(rows, 5): energy error, guard violation, event residual, steps, rejected steps."""
     gradients: Array
@@ -69,7 +77,22 @@ class Chunk:
 
 
 def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
-    """Run some rows, whose parameters stand in `columns`, an array (rows,) by path."""
+    """Run some rows, whose parameters stand in `columns`, an array (rows,) by path.
+
+    Parameters
+    ----------
+    job : Job
+        What all chunks have in common.
+    start : int
+        Index of the first row in the ensemble.
+    columns : mapping of str to array
+        What varies, an array (rows,) [SI] by full path.
+
+    Returns
+    -------
+    Chunk
+        Results, statuses, evidence and gradients of the rows.
+    """
     model = job.model()
     runner = _runner(job)
     module, vector = runner.module, runner.flat
@@ -163,7 +186,25 @@ def run_chunks(
     executor: Executor | None,
     keep: Callable[[Chunk], bool],
 ) -> None:
-    """Run all rows and hand over each chunk as it comes; `keep` says whether to go on."""
+    """Run all rows and hand over each chunk as it comes; `keep` says whether to go on.
+
+    Parameters
+    ----------
+    job : Job
+        What all chunks have in common.
+    columns : mapping of str to array
+        What varies, an array (count,) [SI] by full path.
+    executor : Executor or None
+        Where chunks run; threads of their own, one a processor, if None.
+    keep : callable
+        Called with each chunk in the order in which they end; no more are run once it returns
+        False.
+
+    Raises
+    ------
+    InputError
+        If `executor` has no method `submit`.
+    """
     if not (executor is None or hasattr(executor, "submit")):
         raise InputError(f"executor must be a concurrent.futures.Executor, got {executor!r}.")
     _runner(job)  # compiled here, if it has to be, and not in all threads at once

@@ -22,8 +22,11 @@ class Playback:
     """The rows of a run: start, end, length, mode, flags, piece, states, dense output."""
 
     model: Model
+    """The equations that were run."""
     runner: Runner
+    """The kernels that ran them."""
     inputs: Inputs
+    """Parameters and drives of the run."""
     log: Any
     """The rows one after the other, as the tier keeps them: a list or an array."""
     rows: Array
@@ -33,7 +36,26 @@ class Playback:
     def from_log(
         cls, model: Model, runner: Runner, inputs: Inputs, log: Sequence[float], count: int
     ) -> Self:
-        """Take the recorded part of a log."""
+        """Take the recorded part of a log.
+
+        Parameters
+        ----------
+        model : Model
+            The equations that were run.
+        runner : Runner
+            The kernels that ran them.
+        inputs : Inputs
+            Parameters and drives of the run.
+        log : sequence of float (rows ROW_COLUMNS,)
+            Rows of steps one after the other; those behind the last one are ignored.
+        count : int
+            Number of rows that were recorded.
+
+        Returns
+        -------
+        type of the class
+            The playback.
+        """
         width = runner.module.ROW_COLUMNS
         log = log[: count * width]
         return cls(

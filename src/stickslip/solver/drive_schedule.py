@@ -60,17 +60,49 @@ class Inputs:
     table: Array
     """What drives do (n,), not to be written to: runs share it."""
     bounds: Array
+    """(pieces x drives x 2,): least and largest value of each drive from each piece on."""
     time_scale: float
+    """Shortest time in which a drive changes much [s]; a step lasts a sixth of it at most."""
 
 
 def values_of(mechanism: Mechanism, law: FrictionLaw) -> dict[str, float]:
-    """Return the parameters of a mechanism and a law by path."""
+    """Return the parameters of a mechanism and a law by path.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+
+    Returns
+    -------
+    dict of str to float
+        Values [SI] by full path.
+    """
     roots = ((mechanism, "mechanism"), (law, "friction"))
     return {path: value for root, prefix in roots for path, _, value in parameters(root, prefix)}
 
 
 def gather(mechanism: Mechanism, law: FrictionLaw, model: Model, t_end: float) -> Inputs:
-    """Collect the numbers of a mechanism and a law in the order of the model."""
+    """Collect the numbers of a mechanism and a law in the order of the model.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+    model : Model
+        Their equations.
+    t_end : float
+        Last time of the run [s].
+
+    Returns
+    -------
+    Inputs
+        Parameters in the order of the model, and what the drives do.
+    """
     values = values_of(mechanism, law)
     plan = _alone(tuple(mechanism.drives().values()), t_end)
     return Inputs(
@@ -116,6 +148,11 @@ def schedule(
         Number of runs.
     t_end : float
         Last time of the runs [s].
+
+    Returns
+    -------
+    Schedule
+        Tables, bounds and time scales, with a row a run.
     """
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     twin = shadow(mechanism, "mechanism", lambda path: columns.get(path, values[path]))
@@ -148,6 +185,25 @@ def schedule_slopes(
 
     They are the imaginary parts that the numbers of drives get from those of their parameters.
     `columns` and `tables` are those of a schedule.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What is driven.
+    columns : mapping of str to array
+        Parameters that vary, an array (runs,) by full path.
+    paths : sequence of str
+        Full paths of what is differentiated by.
+    tables : array (runs, numbers)
+        Tables of the schedule.
+    t_end : float
+        Last time of the runs [s].
+
+    Returns
+    -------
+    array (runs, pieces, 1 + 3 drives, paths)
+        Derivatives of start, and of value, slope and start of each drive; NaN in the start of
+        pieces where none is defined.
     """
     values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     runs, m = len(tables), len(paths)

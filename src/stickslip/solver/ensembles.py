@@ -41,7 +41,36 @@ def run_ensemble(
     executor: Executor | None,
     progress: Callable[[int, int], object] | None,
 ) -> Ensemble:
-    """Run an ensemble; see `stickslip.ensemble`, and `told` in `Solver.run`."""
+    """Run an ensemble; see `stickslip.ensemble`, and `told` in `Solver.run`.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+    varied : mapping of str to array_like
+        Values (count,) [SI] by path.
+    y0 : sequence of float
+        State at time 0: coordinates, rates, bristles [SI].
+    told : sequence of str
+        States that begin where the mechanism says.
+    t_end : float
+        Last time of each run [s].
+    outputs : sequence of str, mapping of str to Output or None
+        What is kept, as in `stickslip.ensemble`.
+    solver : EventDriven
+        Tolerance, most steps and tier of the runs.
+    executor : Executor or None
+        Where chunks run; threads of their own if None.
+    progress : callable or None
+        Called with runs done and in all; the ensemble ends if it returns False.
+
+    Returns
+    -------
+    Ensemble
+        Outputs, statuses and evidence, with a row a run.
+    """
     model = formulate(mechanism, law)
     columns, count = _columns(mechanism, law, model, varied)
     wanted = _outputs(mechanism, law, model, outputs)

@@ -14,7 +14,15 @@ class Equations:
     """Evaluates the equations of one mechanism with one law at any state."""
 
     def __init__(self, model: Model, inputs: Inputs) -> None:
-        """Take the equations, and the parameters."""
+        """Take the equations, and the parameters.
+
+        Parameters
+        ----------
+        model : Model
+            Equations of a mechanism with a law.
+        inputs : Inputs
+            Parameters and drives.
+        """
         runner = runner_of(model, compiled=False)
         self.module = module = runner.module
         self.table = inputs.table.tolist()
@@ -49,7 +57,20 @@ class Equations:
         self.w[self.module.Y : self.module.Y + self.module.N_STATES] = y[: self.module.N_STATES]
 
     def flags(self, t: float, y: Sequence[Any]) -> int:
-        """Return the flags of the switches that a state asks for."""
+        """Return the flags of the switches that a state asks for.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : sequence of object (n,)
+            State.
+
+        Returns
+        -------
+        int
+            Bit j is set where the condition of switch j holds.
+        """
         self._put(y)
         return int(self.module.set_flags(t, self.w, self.module.Y, 0))
 

@@ -38,7 +38,20 @@ _STATUS = {
 
 
 def status_of(code: int, model: Model) -> Status:
-    """Return how a run ended, from the kernels' code."""
+    """Return how a run ended, from the kernels' code.
+
+    Parameters
+    ----------
+    code : int
+        Code as in `kernels.enums`.
+    model : Model
+        The equations that were run, for the names of their limits.
+
+    Returns
+    -------
+    Status
+        How the run ended.
+    """
     if code < enums.LIMITED:
         return _STATUS.get(code, Status.CANCELLED)
     return Status.PAINLEVE if model.limits[code - enums.LIMITED] == PAINLEVE else Status.LIMIT
@@ -129,7 +142,24 @@ class EventDriven(Solver):
     def bare(
         self, mechanism: Mechanism, law: FrictionLaw, *, y0: Sequence[float], t_end: float
     ) -> "BareRun":
-        """Run without a certificate, for searches, which make runs by the thousand."""
+        """Run without a certificate, for searches, which make runs by the thousand.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What moves.
+        law : FrictionLaw
+            Friction of its contact.
+        y0 : sequence of float
+            State at time 0: coordinates, rates, bristles [SI].
+        t_end : float
+            Last time [s].
+
+        Returns
+        -------
+        BareRun
+            Status, states and sensitivities of the run.
+        """
         model = formulate(mechanism, law)
         inputs, record = self._executed(mechanism, law, model, y0, t_end)
         whole, module = record.whole, record.runner.module
@@ -206,7 +236,32 @@ def trajectory_of(
     t_end: float,
     told: Sequence[str] = (),
 ) -> Trajectory:
-    """Wrap what the kernels recorded."""
+    """Wrap what the kernels recorded.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+    model : Model
+        Their equations.
+    inputs : Inputs
+        Parameters and drives of the run.
+    record : Record
+        What the kernels recorded.
+    tolerance : float
+        Relative tolerance of the run, by which it is certified.
+    t_end : float
+        Last time that was asked for [s].
+    told : sequence of str, optional
+        States that began where the mechanism says.
+
+    Returns
+    -------
+    Trajectory
+        The run, certified.
+    """
     module, whole = record.runner.module, record.whole
     playback = Playback.from_log(model, record.runner, inputs, record.log, whole[module.STEPS])
     bristles = bristles_of(law)

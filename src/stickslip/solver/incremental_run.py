@@ -41,6 +41,21 @@ class Onward:
 
         `drive` is the name of the drive that is told; the mechanism's own one has zeros, with a
         piece for each stretch.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What moves.
+        law : FrictionLaw
+            Friction of its contact.
+        drive : str
+            Name of the drive that is told.
+        y0 : sequence of float
+            State at time 0: coordinates, rates, bristles [SI].
+        t_end : float
+            Last time of the run [s].
+        solver : EventDriven
+            Tolerance, most steps and tier.
         """
         self.law, self.t_end, self.solver = law, t_end, solver
         self.model = model = formulate(mechanism, law)
@@ -74,7 +89,22 @@ class Onward:
         return [float(x) for x in self._w[first : first + self.module.N_STATES]]
 
     def advance(self, until: float, value: float, slope: float = 0.0) -> bool:
-        """Run on to a time, the drive beginning with a value; return whether it was reached."""
+        """Run on to a time, the drive beginning with a value; return whether it was reached.
+
+        Parameters
+        ----------
+        until : float
+            End of the stretch [s].
+        value : float
+            Value of the drive at its start, in its unit.
+        slope : float, default 0.0
+            How the value grows in the stretch [unit of the drive / s].
+
+        Returns
+        -------
+        bool
+            Whether the run reached that time; it may have ended before.
+        """
         last, now = bisect_left(self._starts, until), self.t
         for row in range(self._row, last):
             at = row * self._width + self._column

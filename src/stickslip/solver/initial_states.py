@@ -39,7 +39,22 @@ def _told(mechanism: Mechanism, number: Callable[[str, float], Any]) -> Mapping[
 def starts_as_told(
     mechanism: Mechanism, columns: Mapping[str, Array], told: Sequence[str]
 ) -> dict[str, Array]:
-    """Return what varies among runs, with the states that begin elsewhere because of it."""
+    """Return what varies among runs, with the states that begin elsewhere because of it.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    columns : mapping of str to array
+        What varies, an array (count,) [SI] by full path.
+    told : sequence of str
+        States that begin where the mechanism says.
+
+    Returns
+    -------
+    dict of str to array
+        The same columns, and ``initial.`` paths of states whose start varies with them.
+    """
     found = dict(columns)
     values = _told(mechanism, columns.get) if told else {}
     for state in told:
@@ -52,6 +67,22 @@ def start_slopes(
     mechanism: Mechanism, columns: Mapping[str, Array], paths: Sequence[str], told: Sequence[str]
 ) -> dict[str, Array]:
     """Return how the states that a mechanism begins with change along paths, by state.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    columns : mapping of str to array
+        What varies, an array (count,) [SI] by full path.
+    paths : sequence of str
+        Full paths of what is differentiated by.
+    told : sequence of str
+        States that begin where the mechanism says.
+
+    Returns
+    -------
+    dict of str to array (paths,)
+        Derivatives of the start of each of these states.
 
     Raises
     ------
@@ -78,7 +109,20 @@ def start_slopes(
 
 
 def within_stops(mechanism: Mechanism, y0: Sequence[float]) -> list[float]:
-    """Return the initial state, put onto a stop where it is beyond it by rounding only."""
+    """Return the initial state, put onto a stop where it is beyond it by rounding only.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    y0 : sequence of float (n,)
+        State at time 0 [SI].
+
+    Returns
+    -------
+    list of float (n,)
+        The state, moved by rounding at most.
+    """
     start = [float(value) for value in y0]
     if not stops_of(mechanism):
         return start
@@ -95,6 +139,25 @@ def starts_within_stops(
     """Return what varies among runs, an array by path, with each start put onto its stop.
 
     That is a start beyond its stop by rounding; one that is farther beyond it is refused.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    columns : mapping of str to array
+        What varies, an array (count,) [SI] by full path.
+    y0 : sequence of float (n,)
+        State at time 0 where nothing varies it [SI].
+
+    Returns
+    -------
+    dict of str to array
+        The columns, and ``initial.`` paths of states that were moved.
+
+    Raises
+    ------
+    InputError
+        If a run begins beyond a stop by more than rounding.
     """
     moved = dict(columns)
     for stop in _stops_of_runs(mechanism, columns):
@@ -132,7 +195,20 @@ def _position(stop: Stop) -> Array:
 
 
 def narrowest(mechanism: Mechanism, columns: Mapping[str, Array]) -> set[int]:
-    """Return the runs whose stops leave the least room between them."""
+    """Return the runs whose stops leave the least room between them.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    columns : mapping of str to array
+        What varies, an array (count,) [SI] by full path.
+
+    Returns
+    -------
+    set of int
+        Indices of runs, one for each coordinate with two stops.
+    """
     stops = _stops_of_runs(mechanism, columns)
     lower, upper = (
         {stop.coordinate: _position(stop) for stop in stops if stop.side == side}
@@ -142,7 +218,20 @@ def narrowest(mechanism: Mechanism, columns: Mapping[str, Array]) -> set[int]:
 
 
 def refuse_limits(mechanism: Mechanism, limits: Sequence[str]) -> None:
-    """Raise if a mechanism has limits, or a normal force that depends on friction."""
+    """Raise if a mechanism has limits, or a normal force that depends on friction.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    limits : sequence of str
+        Names of the limits of its equations.
+
+    Raises
+    ------
+    InputError
+        If there are any.
+    """
     if PAINLEVE in limits:
         raise InputError(
             f"FixedStep takes the normal force without friction, and that of this"

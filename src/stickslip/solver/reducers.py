@@ -38,7 +38,9 @@ class Columns:
     """How kernels are asked for an output: a column each."""
 
     kind: int
+    """What is kept, a code of `kernels.enums`."""
     subject: int
+    """Index of the state, or code of what happened."""
     first: Array
     """From when on, or which event: (columns,) or (runs, columns)."""
     last: Array
@@ -50,7 +52,25 @@ class Output(ABC):
 
     @abstractmethod
     def columns(self, model: Model, t_end: float) -> Columns:
-        """Return how kernels are asked for it."""
+        """Return how kernels are asked for it.
+
+        Parameters
+        ----------
+        model : Model
+            The equations that are run, for the names of states and events.
+        t_end : float
+            Last time of each run [s].
+
+        Returns
+        -------
+        Columns
+            Kind, subject and arguments for the kernels.
+
+        Raises
+        ------
+        InputError
+            If a name is unknown, or a time is not within the run.
+        """
 
     def is_single(self) -> bool:
         """Whether it is one number a run."""
@@ -93,6 +113,7 @@ class Final(Output):
     """
 
     state: str
+    """Name of the state."""
 
     @override
     def columns(self, model: Model, t_end: float) -> Columns:
@@ -128,7 +149,9 @@ class Min(Output):
     """The smallest value of a state; parameters as in `Max`."""
 
     state: str
+    """Name of the state."""
     since: Number = 0.0
+    """From this time on [s]: a number or an array (n,)."""
 
     @override
     def columns(self, model: Model, t_end: float) -> Columns:
@@ -225,6 +248,7 @@ class EventCount(Output):
     """How often something happened, by its `Event.reason`."""
 
     reason: str
+    """What, as in `Event.reason`: ``"stop"``, ``"break-away"``, ..."""
 
     @override
     def columns(self, model: Model, t_end: float) -> Columns:
@@ -278,7 +302,30 @@ REASONS = ("stop", "reversal", "break-away", "lift-off", "leaves stop")
 def asked(
     outputs: Mapping[str, Output], model: Model, t_end: float, count: int
 ) -> tuple[Array, Array, dict[str, slice]]:
-    """Return kinds and subjects, arguments with a row for all or a row a run, and their places."""
+    """Return kinds and subjects, arguments with a row for all or a row a run, and their places.
+
+    Parameters
+    ----------
+    outputs : mapping of str to Output
+        What is kept, by name.
+    model : Model
+        The equations that are run.
+    t_end : float
+        Last time of each run [s].
+    count : int
+        Number of runs.
+
+    Returns
+    -------
+    (array, array, dict of str to slice)
+        Kinds and subjects (2 columns,), arguments (1 or count, 2 columns), and the columns of each
+        output.
+
+    Raises
+    ------
+    InputError
+        If the arguments of an output are neither one for all runs nor one for each.
+    """
     kinds: list[float] = []
     arguments: list[Array] = []
     places: dict[str, slice] = {}
@@ -297,6 +344,21 @@ def asked(
 
 
 def value_of(results: Array, place: slice, output: Output) -> Any:
-    """Return an output's numbers (n,), or (n, m) where it has several a run."""
+    """Return an output's numbers (n,), or (n, m) where it has several a run.
+
+    Parameters
+    ----------
+    results : array (n, columns)
+        What the kernels kept of the runs.
+    place : slice
+        Columns of the output.
+    output : Output
+        The output.
+
+    Returns
+    -------
+    array (n,) or (n, m)
+        Its numbers.
+    """
     found = results[:, place]
     return found[:, 0] if output.is_single() else found

@@ -26,10 +26,13 @@ class Record:
     runner: Runner
     """What ran it, for what is asked of the run later."""
     log: Sequence[float]
+    """Rows of steps one after the other, laid out as in `kernels.state_layout`."""
     events: Sequence[float]
+    """Rows of events one after the other."""
     w: Sequence[float]
     """The vector of the run at its end."""
     whole: Sequence[int]
+    """(WHOLES,): the whole numbers of the run at its end."""
 
 
 def execute(
@@ -42,7 +45,30 @@ def execute(
     limit: int,
     tier: Tier,
 ) -> Record:
-    """Run a model from time 0 to `t_end`."""
+    """Run a model from time 0 to `t_end`.
+
+    Parameters
+    ----------
+    model : Model
+        Equations of a mechanism with a law.
+    inputs : Inputs
+        Parameters and drives.
+    y0 : sequence of float (n,)
+        State at time 0: coordinates, rates, bristles [SI].
+    t_end : float
+        Last time [s].
+    tolerance : float
+        Relative tolerance of a step.
+    limit : int
+        Most steps.
+    tier : Tier
+        ``"compiled"``, ``"python"``, or ``"auto"``: machine code if this process has it already.
+
+    Returns
+    -------
+    Record
+        Steps, events and the vectors of the run at its end.
+    """
     runner = runner_of(model, compiled=tier == "compiled" or (tier == "auto" and is_loaded(model)))
     module = runner.module
     w, whole = runner.working(inputs.p, inputs.first), runner.whole()
@@ -69,5 +95,12 @@ def prepare(mechanism: Mechanism, law: FrictionLaw) -> None:
 
     Afterwards runs of the same equations in this process are compiled ones, whatever their
     parameters.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
     """
     load_compiled(formulate(mechanism, law))

@@ -48,6 +48,28 @@ def directions_of(
 
     `tables` has a row a run, or one where no drive varies; `told` are the states that begin where
     the mechanism says.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+    paths : sequence of str
+        Full paths of parameters, and ``initial.`` paths.
+    columns : mapping of str to array
+        What varies among the runs, an array (count,) [SI] by full path.
+    tables : array (runs, numbers)
+        What the drives do, a row a run or one for all.
+    t_end : float
+        Last time of the runs [s].
+    told : sequence of str, optional
+        States that begin where the mechanism says.
+
+    Returns
+    -------
+    Directions
+        Quantity, start and slopes of the drives' tables along each path.
     """
     model = formulate(mechanism, law)
     numbers = 3 * len(model.drives)
@@ -70,9 +92,13 @@ class Sensing:
     """Answers how the states of a recorded run change with parameters and initial states."""
 
     mechanism: Mechanism
+    """What moved."""
     law: FrictionLaw
+    """Friction of its contact."""
     inputs: Inputs
+    """Parameters and drives of the run."""
     record: Record
+    """What the kernels recorded."""
     t_end: float
     """End that was asked for."""
     told: tuple[str, ...]
@@ -108,7 +134,22 @@ class Sensing:
 
 
 def working(runner: Runner, w: Any, along: Directions) -> Any:
-    """Return the vector of a run, made long enough, with the sensitivities at the start."""
+    """Return the vector of a run, made long enough, with the sensitivities at the start.
+
+    Parameters
+    ----------
+    runner : Runner
+        The kernels that ran.
+    w : object (SIZE,)
+        Vector of the run.
+    along : Directions
+        Directions of the sensitivities.
+
+    Returns
+    -------
+    array or list (sense_size,)
+        A longer copy of the vector.
+    """
     module = runner.module
     longer = runner.zeros(module.sense_size(along.quantities, len(along.own)))
     longer[: len(w)] = w

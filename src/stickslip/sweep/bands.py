@@ -6,7 +6,9 @@ from typing import Any, NamedTuple, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import override
 
+from stickslip.display import OnAxes, Summary
 from stickslip.errors import InputError, SimulationError
 from stickslip.experiments import LawEstimates
 from stickslip.friction import FrictionLaw
@@ -28,13 +30,16 @@ class Spread(NamedTuple):
     """Median of the runs, and the ends between which 95 % of them lie."""
 
     low: float
+    """Quantile 2.5 % of the runs."""
     median: float
+    """Half of the runs lie below."""
     high: float
+    """Quantile 97.5 % of the runs."""
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Band:
+class Band(OnAxes):
     """Runs of one mechanism with draws of a law's parameters."""
 
     draws: Mapping[str, Array]
@@ -49,6 +54,8 @@ class Band:
     """Times (m,) [s]."""
     states: Mapping[str, Array]
     """Lower end, median and upper end (3, m) of the slip coordinate and its rate, by name."""
+    units: Mapping[str, str]
+    """SI unit of each of them."""
     travel: Spread
     """Last position less the first [m] or [rad]."""
     mean_velocity: Spread
@@ -59,10 +66,40 @@ class Band:
     """Travel of each whole cycle [m] or [rad]."""
 
     def at(self, name: str, t: ArrayLike) -> Array:
-        """Return lower end, median and upper end (3, n) of a state at some of the times `t`."""
+        """Return lower end, median and upper end (3, n) of a state at some of the times `t`.
+
+        Parameters
+        ----------
+        name : str
+            Name of the state.
+        t : array_like (n,)
+            Times [s]; the next of the band's own times is taken, the last one beyond them.
+
+        Returns
+        -------
+        array (3, n)
+            Lower end, median and upper end, in the state's unit.
+        """
         places = np.searchsorted(self.t, np.asarray(t, dtype=np.float64))
         found: Array = self.states[name][:, np.minimum(places, len(self.t) - 1)]
         return found
+
+    @override
+    def _summary(self) -> Summary:
+        unit = next(iter(self.units.values()))
+        rows = [
+            (name, *(f"{value:.4g}" for value in spread), shown)
+            for name, spread, shown in (
+                ("travel", self.travel, unit),
+                ("mean velocity", self.mean_velocity, f"{unit}/s"),
+            )
+        ]
+        lasted = self.count - self.ended_early
+        return Summary(
+            sentence=f"{lasted} of {self.count} runs lasted to their end.",
+            head=("", "2.5 %", "median", "97.5 %", "unit"),
+            rows=rows,
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON."""
@@ -109,8 +146,12 @@ def band_of(
         Of the draws.
     times : array_like (n,), optional
         Times [s] at which the band is wanted; 601 even ones are added.
-    y0, solver, progress
-        As in `ensemble`.
+    y0 : mapping or sequence, optional
+        Initial states, as in `ensemble`.
+    solver : EventDriven, optional
+        Tolerances, limits and tier, as in `ensemble`.
+    progress : callable, optional
+        Called with runs done and in all, as in `ensemble`.
 
     Returns
     -------
@@ -137,6 +178,7 @@ def band_of(
         raise InputError(f"band_of: count must be at least 2, got {count}.")
     draws = estimates.draw(law, count, seed=seed)
     slip, rate = slip_names(mechanism)
+    unit = mechanism.units[mechanism.coordinates.index(slip)]
     period = cycle_or_none(mechanism)
     # with a margin for rounding: the last cycle may end a hair after t_end
     whole = 0 if period is None else int(np.floor(t_end / period * (1.0 + WHOLE)))
@@ -173,6 +215,7 @@ def band_of(
             slip: np.quantile(x, QUANTILES, axis=0),
             rate: np.quantile(v, QUANTILES, axis=0),
         },
+        units=dict(zip((slip, rate), (unit, f"{unit}/s"), strict=True)),
         travel=_spread(travel),
         mean_velocity=_spread(mean),
         period=period,

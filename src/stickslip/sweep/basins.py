@@ -3,10 +3,13 @@
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import override
 
+from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_names
@@ -19,11 +22,16 @@ from stickslip.sweep.parameter_grid import (
     compiled,
     counted,
     cycles_of,
+    names_of,
     product,
     whole_run,
 )
 from stickslip.sweep.periodicity import CLOSED, period_of
 from stickslip.trajectory import Ensemble
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 __all__ = ["Attractor", "Basins", "basins"]
 
@@ -43,7 +51,7 @@ class Attractor:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Basins:
+class Basins(OnAxes):
     """Which motion each start ends in."""
 
     starts: Mapping[str, Array]
@@ -56,6 +64,41 @@ class Basins:
     """The motions, the one with the largest basin first."""
     status: NDArray[np.object_]
     """How each run ended, a `Status` each."""
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return a row for each start: its two states, the number of its attractor, its status."""
+        import pandas as pd
+
+        columns: dict[str, object] = dict(product(self.starts))
+        columns |= {"attractor": self.index.ravel(), "status": names_of(self.status).ravel()}
+        return pd.DataFrame(columns)
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the number of the attractor and the status over the starts as an xarray Dataset.
+
+        Raises
+        ------
+        InputError
+            If xarray is not installed.
+        """
+        require_library("xarray", "xarray", "use to_dataframe")
+        import xarray as xr
+
+        over = tuple(self.starts)
+        columns = {"attractor": (over, self.index), "status": (over, names_of(self.status))}
+        return xr.Dataset(columns, dict(self.starts))
+
+    @override
+    def _summary(self) -> Summary:
+        rows = [
+            (one.share, one.period or "does not close", one.velocity) for one in self.attractors
+        ]
+        count = len(rows)
+        return Summary(
+            sentence=f"{self.index.size} starts lead to {count} motion{'' if count == 1 else 's'}.",
+            head=("share of starts", "period", "mean velocity"),
+            rows=rows,
+        )
 
 
 def basins(
@@ -97,8 +140,12 @@ def basins(
         Initial values of the other states.
     period : float, optional
         Length of a cycle [s]; that of the drives if not given.
-    solver, executor, progress
-        As in `ensemble`.
+    solver : EventDriven, optional
+        Tolerances, limits and tier, as in `ensemble`.
+    executor : concurrent.futures.Executor, optional
+        Where chunks of runs are executed, as in `ensemble`.
+    progress : callable, optional
+        Called with runs done and in all, as in `ensemble`.
 
     Returns
     -------

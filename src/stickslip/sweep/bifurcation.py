@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import override
 
+from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, TowedBlock
@@ -25,6 +26,7 @@ from stickslip.sweep.parameter_grid import (
     compiled,
     counted,
     cycles_of,
+    names_of,
     states_of,
     unit_of,
     whole_run,
@@ -34,6 +36,7 @@ from stickslip.trajectory import Status
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
 __all__ = ["Bifurcation", "bifurcation"]
 
@@ -42,7 +45,7 @@ Starts = tuple[Mapping[str, float], ...]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Bifurcation:
+class Bifurcation(OnAxes):
     """Samples of a state over the values of a parameter, for each start."""
 
     path: str
@@ -76,6 +79,37 @@ class Bifurcation:
             "period": np.repeat(self.period.ravel(), keep),
         }
         return pd.DataFrame(columns)
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the samples as an xarray Dataset over parameter, start and sample, with units.
+
+        Raises
+        ------
+        InputError
+            If xarray is not installed.
+        """
+        require_library("xarray", "xarray", "use to_dataframe")
+        import xarray as xr
+
+        over = (self.path, "start")
+        columns = {
+            self.state: ((*over, "sample"), self.samples, {"units": self.unit}),
+            "period": (over, self.period),
+            "status": (over, names_of(self.status)),
+        }
+        values = {self.path: (self.path, self.values, {"units": self.path_unit})}
+        return xr.Dataset(columns, values)
+
+    @override
+    def _summary(self) -> Summary:
+        closed = int((self.period > 0).sum())
+        low, high = float(self.values.min()), float(self.values.max())
+        rows = (
+            (self.path, f"{low:.4g} to {high:.4g} {self.path_unit}, {len(self.values)} values"),
+            ("starts", self.samples.shape[1]),
+            ("largest period", int(self.period.max(initial=0))),
+        )
+        return Summary(sentence=f"{closed} of {self.period.size} orbits close.", rows=rows)
 
 
 def bifurcation(

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import override
 
+from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_names
@@ -21,6 +23,7 @@ from stickslip.sweep.parameter_grid import (
     compiled,
     counted,
     cycles_of,
+    names_of,
     near,
     product,
     unit_of,
@@ -30,6 +33,7 @@ from stickslip.trajectory import Ensemble, Status
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
 __all__ = ["VelocityMap", "average_velocity"]
 
@@ -40,7 +44,7 @@ STILL = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class VelocityMap:
+class VelocityMap(OnAxes):
     """Mean velocities over a grid; arrays have one dimension for each of the `axes`."""
 
     axes: Mapping[str, Array]
@@ -93,8 +97,43 @@ class VelocityMap:
         columns: dict[str, object] = dict(product(self.axes))
         columns |= {"period": self.period.ravel(), "velocity": self.velocity.ravel()}
         columns |= {"unsettled": self.unsettled.ravel()}
-        columns["status"] = [status.name for status in self.status.ravel()]
+        columns["status"] = names_of(self.status).ravel()
         return pd.DataFrame(columns | {"certified": self.certified.ravel()})
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the map as an xarray Dataset over its parameters, with units.
+
+        Raises
+        ------
+        InputError
+            If xarray is not installed.
+        """
+        require_library("xarray", "xarray", "use to_dataframe")
+        import xarray as xr
+
+        over = tuple(self.axes)
+        columns = {
+            "velocity": (over, self.velocity, {"units": self.unit}),
+            "unsettled": (over, self.unsettled, {"units": self.unit}),
+            "period": (over, self.period, {"units": "s"}),
+            "status": (over, names_of(self.status)),
+            "certified": (over, self.certified),
+        }
+        axes = {name: (name, at, {"units": self.units[name]}) for name, at in self.axes.items()}
+        return xr.Dataset(columns, axes)
+
+    @override
+    def _summary(self) -> Summary:
+        rows = [
+            (path, f"{x.min():.4g} to {x.max():.4g} {self.units[path]}, {len(x)} values")
+            for path, x in self.axes.items()
+        ]
+        known = self.velocity[np.isfinite(self.velocity)]
+        if known.size:
+            rows.append(("mean velocity", f"{known.min():.4g} to {known.max():.4g} {self.unit}"))
+        return Summary(
+            sentence=f"{known.size} of {self.velocity.size} runs have a velocity.", rows=rows
+        )
 
 
 def average_velocity(
@@ -129,8 +168,10 @@ def average_velocity(
         Length of a cycle [s] in all runs; that of each run's drives if not given.
     y0 : mapping or sequence, optional
         Initial states, as in `simulate`.
-    solver, executor
-        As in `ensemble`.
+    solver : EventDriven, optional
+        Tolerances, limits and tier, as in `ensemble`.
+    executor : concurrent.futures.Executor, optional
+        Where chunks of runs are executed, as in `ensemble`.
     progress : callable, optional
         Called with the number of runs done and of all; if it returns False, no more begin.
 

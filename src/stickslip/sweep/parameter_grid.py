@@ -23,6 +23,7 @@ __all__ = [
     "compiled",
     "counted",
     "cycles_of",
+    "names_of",
     "near",
     "product",
     "states_of",
@@ -41,6 +42,18 @@ MOST_CYCLES = 1_000_000
 def states_of(mechanism: Mechanism, law: FrictionLaw) -> tuple[str, ...]:
     """Return the names of all states, bristles last.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+
+    Returns
+    -------
+    tuple of str
+        Coordinates, rates, bristles.
+
     Examples
     --------
     >>> from stickslip import Axis, Coulomb
@@ -54,6 +67,29 @@ def axis_of(
     mechanism: Mechanism, law: FrictionLaw, path: str, values: ArrayLike
 ) -> tuple[str, Array]:
     """Return the full path and the numbers of what varies.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+    path : str
+        Full path of a parameter or an initial state, or its last name where only one has it.
+    values : array_like (n,)
+        Values [SI].
+
+    Returns
+    -------
+    (str, array)
+        Full path, and the values as an array (n,).
+
+    Raises
+    ------
+    InputError
+        If the values are no finite numbers, or not in one row.
+    UnknownNameError
+        If the path is unknown.
 
     Examples
     --------
@@ -76,6 +112,20 @@ def axis_of(
 
 def unit_of(mechanism: Mechanism, law: FrictionLaw, path: str) -> str:
     """Return the SI unit of a full path.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+    path : str
+        Full path of a parameter or an initial state.
+
+    Returns
+    -------
+    str
+        The unit; ``"1"`` where the path is unknown.
 
     Examples
     --------
@@ -108,6 +158,25 @@ def product(axes: Mapping[str, Array]) -> dict[str, Array]:
 def cycles_of(mechanism: Mechanism, columns: Mapping[str, Array], period: float | None) -> Array:
     """Return the period of each row (n,) [s]: the one that is given, or that of its drives.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    columns : mapping of str to array
+        What varies, an array (n,) [SI] by full path.
+    period : float or None
+        Period of all rows [s]; that of the drives if None.
+
+    Returns
+    -------
+    array (n,)
+        Periods [s].
+
+    Raises
+    ------
+    ParameterError
+        If the period is not above 0, or a row has no period or a parameter out of its range.
+
     Examples
     --------
     >>> from stickslip import Axis, Sine
@@ -136,6 +205,27 @@ def cycles_of(mechanism: Mechanism, columns: Mapping[str, Array], period: float 
 def counted(owner: str, name: str, value: object, least: int) -> int:
     """Return a whole number of at least `least`, and of no more than a run can have cycles.
 
+    Parameters
+    ----------
+    owner : str
+        Function that asks, for the error.
+    name : str
+        Name of the argument, for the error.
+    value : object
+        What was given.
+    least : int
+        Smallest number that is allowed.
+
+    Returns
+    -------
+    int
+        The number.
+
+    Raises
+    ------
+    InputError
+        If it is no whole number in that range.
+
     Examples
     --------
     >>> counted("basins", "keep", 12, 2)
@@ -161,6 +251,20 @@ def whole_run(owner: str, mechanism: Mechanism, cycles: int) -> None:
     """Refuse more cycles than the drives of a mechanism can go through.
 
     A run would say so too, but only after it was compiled.
+
+    Parameters
+    ----------
+    owner : str
+        Function that asks, for the error.
+    mechanism : Mechanism
+        What is driven.
+    cycles : int
+        Cycles of a run.
+
+    Raises
+    ------
+    InputError
+        If a drive would have too many pieces.
 
     Examples
     --------
@@ -193,8 +297,11 @@ class Tally:
     """Counts the runs of several ensembles as those of one."""
 
     total: int
+    """Runs in all."""
     report: Progress | None
+    """Called with runs done and in all; asks to stop by returning False. None if nobody watches."""
     done: int = 0
+    """Runs that are done."""
     going: bool = True
     """Whether nobody has asked to stop."""
 
@@ -218,6 +325,18 @@ class Tally:
 def near(periods: Array, ratio: float) -> Iterator[NDArray[np.intp]]:
     """Yield the rows in groups within which no period is longer than another by that ratio.
 
+    Parameters
+    ----------
+    periods : array (n,)
+        Periods [s].
+    ratio : float
+        Longest period of a group over the shortest, at most.
+
+    Yields
+    ------
+    array (k,)
+        Rows of a group, in increasing order; groups come in the order of their periods.
+
     Examples
     --------
     >>> [rows.tolist() for rows in near(np.array([1.0, 3.0, 1.1]), 1.25)]
@@ -228,3 +347,15 @@ def near(periods: Array, ratio: float) -> Iterator[NDArray[np.intp]]:
         together = periods[order] <= ratio * periods[order[0]]
         yield np.sort(order[together])
         order = order[~together]
+
+
+def names_of(status: NDArray[np.object_]) -> NDArray[np.str_]:
+    """Return the name of each `Status` of an array, in its shape.
+
+    Examples
+    --------
+    >>> from stickslip.trajectory import Status
+    >>> names_of(np.array([[Status.END_TIME, Status.ZENO]])).tolist()
+    [['END_TIME', 'ZENO']]
+    """
+    return np.array([one.name for one in status.ravel()]).reshape(status.shape)

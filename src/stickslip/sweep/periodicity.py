@@ -22,6 +22,11 @@ def period_of(samples: Array, scale: Array | float, tolerance: float = CLOSED) -
     tolerance : float
         Share of the size within which points are the same.
 
+    Returns
+    -------
+    int
+        Samples after which the orbit closes, up to half of those given; 0 if it does not.
+
     Examples
     --------
     >>> period_of(np.array([1.0, 3.0, 1.0, 3.0, 1.0, 3.0]), 3.0)

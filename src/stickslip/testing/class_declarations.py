@@ -24,7 +24,20 @@ def kebab_case(one: Any) -> Iterator[str]:
 
 
 def told(one: Any, names: Sequence[str]) -> Iterator[str]:
-    """Yield class attributes that are missing."""
+    """Yield class attributes that are missing.
+
+    Parameters
+    ----------
+    one : object
+        Law or mechanism.
+    names : sequence of str
+        Names that its class must have.
+
+    Yields
+    ------
+    str
+        A finding in words.
+    """
     for name in names:
         if not hasattr(type(one), name):
             yield f"{type(one).__name__}.{name} is missing"

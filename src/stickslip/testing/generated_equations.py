@@ -39,7 +39,20 @@ ALLOWED = 1e-3
 
 
 def generated(mechanism: Mechanism, law: FrictionLaw) -> Equations:
-    """Return the equations of a mechanism with a law, to be called with numbers."""
+    """Return the equations of a mechanism with a law, to be called with numbers.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+
+    Returns
+    -------
+    Equations
+        The equations in plain Python.
+    """
     model = formulate(mechanism, law)
     return Equations(model, gather(mechanism, law, model, 0.0))
 
@@ -51,7 +64,22 @@ def rest_of(mechanism: Mechanism) -> str:
 
 
 def vector(mechanism: Mechanism, law: FrictionLaw, values: Mapping[str, float]) -> list[float]:
-    """Return all states in order; what is not given is 0."""
+    """Return all states in order; what is not given is 0.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+    values : mapping of str to float
+        Values [SI] by name of the state.
+
+    Returns
+    -------
+    list of float (n,)
+        Coordinates, rates, bristles.
+    """
     names = (*mechanism.coordinates, *mechanism.rates, *bristles_of(law))
     return [float(values.get(name, 0.0)) for name in names]
 
@@ -59,7 +87,22 @@ def vector(mechanism: Mechanism, law: FrictionLaw, values: Mapping[str, float]) 
 def finite_near_rest(
     mechanism: Mechanism, law: FrictionLaw, starts: Sequence[Mapping[str, float]]
 ) -> Iterator[str]:
-    """Yield functions of the equations that are not finite where slip ends."""
+    """Yield functions of the equations that are not finite where slip ends.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+    starts : sequence of mapping of str to float
+        States [SI] by name, at each of which slow slip in both directions is tried.
+
+    Yields
+    ------
+    str
+        A finding in words.
+    """
     equations = generated(mechanism, law)
     for start in starts:
         for sense in (1, -1):
@@ -75,7 +118,24 @@ def finite_near_rest(
 def same_in_both_tiers(
     mechanism: Mechanism, law: FrictionLaw, start: Mapping[str, float], t_end: float
 ) -> Iterator[str]:
-    """Yield columns in which plain Python and machine code do not agree to the last bit."""
+    """Yield columns in which plain Python and machine code do not agree to the last bit.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+    start : mapping of str to float
+        Initial state [SI] by name.
+    t_end : float
+        Last time of the run [s].
+
+    Yields
+    ------
+    str
+        A finding in words.
+    """
     plain, compiled = (
         simulate(mechanism, law, t_end=t_end, y0=start, solver=EventDriven(tier=tier), throw=False)
         for tier in ("python", "compiled")
@@ -100,6 +160,24 @@ def sensitivities_hold(
 
     Nothing is compared where the run ends early or bounced at a hard stop, where its neighbours
     have other events, or where there is no derivative (at a pulse that ends with the run).
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+    varied : Parametrised
+        The one of both whose parameters are changed.
+    start : mapping of str to float
+        Initial state [SI] by name.
+    t_end : float
+        Last time of the run [s].
+
+    Yields
+    ------
+    str
+        A finding in words.
     """
     run = simulate(mechanism, law, t_end=t_end, y0=start, throw=False)
     if not run.status.complete:

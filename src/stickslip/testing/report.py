@@ -94,7 +94,31 @@ class Report:
 def examine(
     subject: str, case: Case, first: "Suite[Case]", then: "Suite[Case]", *, throw: bool
 ) -> Report:
-    """Make the first checks, and the others if these found nothing that stands in their way."""
+    """Make the first checks, and the others if these found nothing that stands in their way.
+
+    Parameters
+    ----------
+    subject : str
+        What is checked, for the title.
+    case : Case
+        What the checks are called with.
+    first : Suite[Case]
+        Checks by name; a finding of the last one means that the others cannot be made.
+    then : Suite[Case]
+        Checks that need the first ones to pass.
+    throw : bool
+        Whether findings are raised as an error.
+
+    Returns
+    -------
+    Report
+        Checks made and skipped, and the findings.
+
+    Raises
+    ------
+    ConformanceError
+        If `throw` is set and there are findings.
+    """
     findings = _found(case, first)
     skipped: tuple[str, ...] = ()
     if any(one.check == list(first)[-1] for one in findings):

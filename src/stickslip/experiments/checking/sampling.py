@@ -20,6 +20,7 @@ UNEVEN: Final = 0.2
 SEEN: Final = 1e-5
 """Deviation below which only the last digits of the times differ."""
 SHOWN: Final = 3
+MILLISECONDS = " If they are in milliseconds, give --unit time=ms."
 SLOWEST, FASTEST = 5.0, 1e6
 """Sampling frequencies [Hz] of forces and motions between which nobody wonders."""
 
@@ -126,7 +127,7 @@ def usual(record: Measurement) -> Iterator[Finding]:
         sentence=(
             f"{'Force and motion' if driven else 'Positions'} were sampled every"
             f" {quantity(dt, 's')}, {quantity(1.0 / dt, 'Hz')}:"
-            " are times really in seconds?"
+            f" are times really in seconds?{MILLISECONDS if 1.0 / dt < SLOWEST else ''}"
         ),
         numbers={"interval": dt},
     )

@@ -20,8 +20,11 @@ SIZES: Final = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8}
 """Bytes of a number by the type of its element."""
 NAMES: Final = {1, 16}
 """Types of a name: plain bytes, or UTF-8 where other programs write it."""
+TEXTS: Final = {1, 2, 4, 16, 17, 18}
+"""Types of a text: bytes, 16-bit numbers, or UTF-8, -16 and -32."""
 LONGEST_TEXT: Final = 1_000_000
 CELL, STRUCT, CHAR = 1, 2, 4
+COMPLEX: Final = 0x800
 NUMERIC: Final = range(6, 16)
 
 
@@ -89,7 +92,8 @@ def _check_variable(element: Element, order: str, depth: int = DEEPEST) -> None:
     parts = list(_elements(element.body, order))
     if parts[0].kind != 6 or len(parts[0].body) != 8:
         raise ValueError("a variable has no flags")
-    kind = struct.unpack(f"{order}II", parts[0].body)[0] & 0xFF
+    flags = struct.unpack(f"{order}II", parts[0].body)[0]
+    kind = flags & 0xFF
     if kind > NUMERIC[-1]:  # objects of classes, which are left alone
         return
     if (
@@ -102,18 +106,21 @@ def _check_variable(element: Element, order: str, depth: int = DEEPEST) -> None:
     shape = struct.unpack(f"{order}{len(parts[1].body) // 4}i", parts[1].body)
     if min(shape) < 0 or parts[2].kind not in NAMES:
         raise ValueError("a variable has no name")
-    _check_content(kind, math.prod(shape), parts[3:], order, depth)
+    _check_content(flags, math.prod(shape), parts[3:], order, depth)
 
 
-def _check_content(kind: int, size: int, parts: Sequence[Element], order: str, depth: int) -> None:
+def _check_content(flags: int, size: int, parts: Sequence[Element], order: str, depth: int) -> None:
     """Check that a variable has as many values as its shape says."""
+    kind = flags & 0xFF
     if kind in NUMERIC:
         for part in parts:
             if SIZES.get(part.kind, 0) * size != len(part.body):
                 raise ValueError("a variable has another size than its shape")
-        if not 1 <= len(parts) <= 2:
+        if len(parts) != (2 if flags & COMPLEX else 1):  # real, and imaginary if the flag says so
             raise ValueError("a variable has no values")
     elif kind == CHAR:
+        if len(parts) != 1 or parts[0].kind not in TEXTS:
+            raise ValueError("a text has no characters")
         # Other programs leave out blanks at the end of a text.
         if size > max(LONGEST_TEXT, sum(len(part.body) for part in parts)):
             raise ValueError("a text is shorter than its shape")

@@ -71,7 +71,7 @@ def read_rig(
         named=known.named,
         given=known.given,
         assumed=known.assumed,
-        unknown=_unknown(table.mechanism),
+        vary=_varied(table.mechanism),
         doubts=_doubts(table.mechanism),
         measurement=_measured(table, mechanism, reading, file),
         validate=_files([table.data.second], mechanism, replace(reading, conditions=()), file),
@@ -100,8 +100,8 @@ def _mechanism(table: RigTable, file: str, overridden: Collection[str]) -> Mecha
     return built
 
 
-def _unknown(mechanism: Table) -> tuple[str, ...]:
-    """Return the paths of the parameters that are marked as unknown."""
+def _varied(mechanism: Table) -> tuple[str, ...]:
+    """Return the paths of the parameters that are marked to be fitted."""
     return tuple(
         f"{PREFIX}.{name}"
         for name, value in mechanism.given().items()

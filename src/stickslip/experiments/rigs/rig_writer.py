@@ -1,7 +1,6 @@
 """Writes rig files."""
 
 import dataclasses
-import json
 from collections.abc import Mapping
 
 from stickslip.drives.registry import PROFILES
@@ -43,82 +42,56 @@ def rig_toml(
     kinetic_coefficient = 0.5
     <BLANKLINE>
     """
-    head = [f"title = {json.dumps(title, ensure_ascii=False)}", ""] if title else []
-    lines = [
-        *head,
-        "[mechanism]",
-        f'type = "{_type(mechanism, mechanisms())}"',
-        *_values(mechanism),
-        *_parts(mechanism, "mechanism"),
-        "",
-        f"[friction.{law.name}]",
-        *([] if law.name in laws() else [f'type = "{_type(law, laws())}"']),
-        *_values(law),
-    ]
+    import tomlkit
+
+    document: dict[str, object] = {"title": title} if title else {}
+    document["mechanism"] = _table(mechanism, _type(mechanism, mechanisms()))
+    kind = "" if law.name in laws() else _type(law, laws())
+    document["friction"] = {law.name: _table(law, kind)}
     if t_end is not None:
-        lines += ["", "[run]", f"t_end = {float(t_end)!r}"]
+        document["run"] = {"t_end": float(t_end)}
     if estimates is not None:
-        lines += ["", *_estimates(estimates)]
-    return "\n".join(lines) + "\n"
+        document["estimates"] = _estimates(estimates)
+    return tomlkit.dumps(document)
 
 
-def _parts(root: Parametrised, path: str) -> list[str]:
-    """Return the tables of motors and of the profiles that they follow."""
-    lines = []
+def _table(root: Parametrised, kind: str) -> dict[str, object]:
+    """Return the plain values of a part, and the tables of motors and of profiles they follow."""
+    table: dict[str, object] = {"type": kind} if kind else {}
     for field in dataclasses.fields(root):
-        part, below = getattr(root, field.name), f"{path}.{field.name}"
-        kinds: Mapping[str, type] = MOTORS if isinstance(part, Motor) else PROFILES
-        name = next((name for name, kind in kinds.items() if type(part) is kind), None)
+        value = getattr(root, field.name)
+        kinds: Mapping[str, type] = MOTORS if isinstance(value, Motor) else PROFILES
+        name = next((name for name, kind in kinds.items() if type(value) is kind), None)
         if name is not None:
-            lines += ["", f"[{below}]", f'type = "{name}"', *_values(part), *_parts(part, below)]
-    return lines
+            table[field.name] = _table(value, name)
+        elif isinstance(value, (bool, str)):
+            table[field.name] = value
+        elif isinstance(value, (int, float)) and field.name in fields_of(type(root)):
+            table[field.name] = float(value)
+        elif isinstance(value, tuple) and field.name in root.data_fields:
+            table[field.name] = [float(x) for x in value]
+    return table
 
 
-def _estimates(known: LawEstimates) -> list[str]:
+def _estimates(known: LawEstimates) -> dict[str, object]:
     """Return the tables that say how well a law is known."""
-    lines = ["[estimates]", f'law = "{known.law}"', f'interval = "{known.interval}"']
-    lines.append(f'levels = "{known.levels}"')
-    if known.largest_speed is not None:
-        lines.append(f"largest_speed = {known.largest_speed!r}")
-    if known.not_fitted:
-        lines.append(f"not_fitted = {json.dumps(known.not_fitted)}")
-    if known.covariance_of:
-        rows = (f"  [{', '.join(map(repr, row))}]," for row in known.covariance)
-        lines += [
-            f"covariance_of = {json.dumps(known.covariance_of)}",
-            "covariance = [",
-            *rows,
-            "]",
-        ]
-    if known.intervals:
-        lines += ["", "[estimates.intervals]"]
-        lines += [f"{name} = [{low!r}, {high!r}]" for name, (low, high) in known.intervals.items()]
-    if known.not_identified:
-        lines += ["", "[estimates.not_identified]"]
-        lines += [
-            f"{name} = {json.dumps(reason, ensure_ascii=False)}"
-            for name, reason in known.not_identified.items()
-        ]
-    return lines
+    import tomlkit
+
+    table: dict[str, object] = {
+        "law": known.law,
+        "interval": known.interval,
+        "levels": known.levels,
+        "largest_speed": known.largest_speed,
+        "not_fitted": list(known.not_fitted),
+        "covariance_of": list(known.covariance_of),
+        "covariance": tomlkit.item([list(row) for row in known.covariance]).multiline(True),
+        "intervals": {name: list(ends) for name, ends in known.intervals.items()},
+        "not_identified": dict(known.not_identified),
+    }
+    return {key: value for key, value in table.items() if value or value == 0}
 
 
 def _type(one: Mechanism | FrictionLaw, known: Mapping[str, type]) -> str:
     """Return the name in the registry, or the import path of a class that has none."""
     kind = type(one)
     return one.name if one.name in known else f"{kind.__module__}:{kind.__qualname__}"
-
-
-def _values(root: Parametrised) -> list[str]:
-    """Return a line for each plain value."""
-    lines = []
-    for field in dataclasses.fields(root):
-        value = getattr(root, field.name)
-        if isinstance(value, bool):
-            lines.append(f"{field.name} = {str(value).lower()}")
-        elif isinstance(value, (int, float)) and field.name in fields_of(type(root)):
-            lines.append(f"{field.name} = {float(value)!r}")
-        elif isinstance(value, str):
-            lines.append(f"{field.name} = {json.dumps(value, ensure_ascii=False)}")
-        elif isinstance(value, tuple) and field.name in root.data_fields:
-            lines.append(f"{field.name} = [{', '.join(repr(float(x)) for x in value)}]")
-    return lines

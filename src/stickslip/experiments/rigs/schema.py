@@ -29,8 +29,8 @@ __all__ = [
 ]
 
 TRAVEL = QUANTITIES["travel"]
-UNKNOWN = "unknown"
-"""Says of a mechanism's parameter that a fit is to look for it."""
+VARY = "vary"
+"""Says of a mechanism's parameter that it is to be fitted."""
 
 
 class RunTable(Table):
@@ -195,7 +195,7 @@ def rig_table(
     """
     known = {**mechanisms(), **({} if own is None else dict([own]))}
     options = choice(
-        {name: table_of(cls, name, UNKNOWN, measured=True) for name, cls in known.items()}
+        {name: table_of(cls, name, VARY, measured=True) for name, cls in known.items()}
     )
     friction = friction_table(laws)
     return create_model(

@@ -1,7 +1,7 @@
 """Laws fitted to features of stick-slip and oscillation, and judged on what they did not see."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -31,9 +31,11 @@ from stickslip.identification.features.result import (
     sentences_of,
 )
 from stickslip.identification.features.scores import as_good, room_of
-from stickslip.identification.travels.start_values import starting_law
+from stickslip.identification.travels.start_values import starting_law, with_known
+from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism, TowedBlock
-from stickslip.quantities import fields_of, vary
+from stickslip.quantities import fields_of
+from stickslip.quantities import vary as with_values
 
 __all__ = ["compare_features", "fit_features", "free_of"]
 
@@ -49,18 +51,18 @@ LOCAL = 4
 """Points of the global search from which the search goes on locally."""
 
 
+@arguments
 def fit_features(
     mechanism: Mechanism,
     law: FrictionLaw | type[FrictionLaw],
     measurement: Measurement,
     *,
-    unknown: Sequence[str] = ("mass",),
-    free: Sequence[str] | None = None,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
     share: float = 0.5,
     points: int = 256,
     seed: int = 0,
-    progress: Progress | None = None,
-    watch: Watch | None = None,
+    progress: Watch | None = None,
 ) -> FeatureFit:
     """Fit a law on a towed block to frequency, mean and standard deviation of the spring's force.
 
@@ -74,21 +76,20 @@ def fit_features(
     mechanism : TowedBlock
         Nominal mass, stiffness and speed. The load stays the nominal one, whatever the mass.
     law : FrictionLaw or type
-        An instance, whose values hold for what is not free; or a type, for ordinary values.
+        An instance, whose values hold for what is not varied; or a type, for ordinary values.
     measurement : Measurement
         One record with ``time`` and ``spring_force`` [N].
-    unknown : sequence of str
-        Parameters of the mechanism that are looked for; empty to hold the nominal ones.
-    free : sequence of str, optional
-        Parameters of the law that are looked for; kinetic and static coefficient and Stribeck
-        velocity, as far as the law has them, if not given.
+    vary : str or sequence of str, optional
+        Parameters to fit, as for `fit`; all others are held. ``"friction.*"``, which is all if not
+        given, stands for kinetic and static coefficient and Stribeck velocity, as far as the law
+        has them.
+    fixed : mapping of str to float, optional
+        Values of parameters that are held, of law and mechanism.
     share : float
         Share of the record that is fitted, above 0 and up to 1.
     points, seed : int
         Points of the global search, and seed of its scrambling.
     progress : callable, optional
-        Called with the runs done and all runs of the global search; False ends it with those done.
-    watch : callable, optional
         Called with the least root mean square error of the features so far, infinite before there
         is one; False ends the search with the best so far.
 
@@ -112,27 +113,32 @@ def fit_features(
     >>> t = np.linspace(0.5, 4.5, 8001)
     >>> run = simulate(block, truth, t_end=4.5).at(t)
     >>> record = Measurement(time=t, spring_force=1000.0 * (4e-3 * t - run["x"]))
-    >>> found = fit_features(block, Coulomb, record)
+    >>> found = fit_features(block, Coulomb, record, vary=["friction.*", "mechanism.mass"])
     >>> abs(found.mechanism.mass / 0.03 - 1.0) < 0.03
     True
     """
-    block = towed(mechanism)
+    towed(mechanism)
+    chosen = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
+    block, known = towed(chosen.mechanism), chosen.known
     refuse_uncertainties(measurement)
     if not 0.0 < share <= 1.0:
         raise InputError(f"fit_features: share must be above 0 and at most 1, got {share!r}.")
     first, rest = _parts(measurement, share)
     observed = features_of(first, mechanism=block)
-    start = _start(block, law)
+    start = with_known(_start(block, chosen.law), known)
     held = None if rest is None else features_of(rest, mechanism=block)
-    names = free_of(start) if free is None else list(free)
-    unknowns = unknowns_of(block, start, observed, unknown=unknown, free=names)
+    free = (LAW,) if chosen.free is None else chosen.free
+    usual = [f"friction.{name}" for name in free_of(start) if name not in known]
+    named = [path for path in free if path != LAW]
+    names = list(dict.fromkeys([*(usual if LAW in free else ()), *named]))
+    unknowns = unknowns_of(block, start, observed, unknown=chosen.unknown, free=names)
     if not len(unknowns):
         raise InputError(
-            f"there is nothing to fit: {start.title} has none of {', '.join(FREE)}; name at least"
-            " one parameter in `free` or `unknown`."
+            f"there is nothing to fit: {start.title} has none of {', '.join(FREE)} that is not"
+            " fixed; name at least one parameter in vary."
         )
     problem = FeatureProblem(block=block, law=start, observed=observed, unknowns_=unknowns)
-    return _result(problem, _searched(problem, points, seed, progress, watch), held, measurement)
+    return _result(problem, _searched(problem, points, seed, progress), held, measurement)
 
 
 def free_of(law: FrictionLaw | type[FrictionLaw]) -> list[str]:
@@ -170,10 +176,13 @@ def _result(
     errors = errors_of(predicted, observed)
     said = sentences_of(estimates, observed, held, errors)
     if observed.frequency > FASTER * observed.natural_frequency and MASS not in pairs:
-        said += ('The mass was held at the nominal one; unknown=["mass"] looks for it.',)
+        said += (
+            "The mass was held at the nominal one;"
+            " vary=['friction.*', 'mechanism.mass'] fits it too.",
+        )
     return FeatureFit(
-        law=vary(problem.law, "friction", others),
-        mechanism=vary(replace(block, load=load_of(block)), "mechanism", own),
+        law=with_values(problem.law, "friction", others),
+        mechanism=with_values(replace(block, load=load_of(block)), "mechanism", own),
         estimates=estimates,
         observed=observed,
         predicted=dict(zip(COMPARED, map(float, predicted), strict=True)),
@@ -188,16 +197,18 @@ def _result(
     )
 
 
+@arguments
 def compare_features(
     mechanism: Mechanism,
     laws: Sequence[FrictionLaw | type[FrictionLaw]],
     measurement: Measurement,
     *,
-    unknown: Sequence[str] = ("mass",),
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
     share: float = 0.5,
     points: int = 256,
     seed: int = 0,
-    progress: Progress | None = None,
+    progress: Watch | None = None,
 ) -> tuple[FeatureFit, ...]:
     """Fit several laws as `fit_features` does, least held-out error first.
 
@@ -212,7 +223,8 @@ def compare_features(
     >>> t = np.linspace(0.5, 4.5, 8001)
     >>> run = simulate(block, truth, t_end=4.5).at(t)
     >>> record = Measurement(time=t, spring_force=1000.0 * (4e-3 * t - run["x"]))
-    >>> [fitted.law.title for fitted in compare_features(block, [Coulomb], record)]
+    >>> fits = compare_features(block, [Coulomb], record, vary=["friction.*", "mass"])
+    >>> [fitted.law.title for fitted in fits]
     ['Coulomb']
     """
     fits = [
@@ -220,7 +232,8 @@ def compare_features(
             mechanism,
             law,
             measurement,
-            unknown=unknown,
+            vary=vary,
+            fixed=fixed,
             share=share,
             points=points,
             seed=seed,
@@ -278,19 +291,18 @@ def _start(block: TowedBlock, law: FrictionLaw | type[FrictionLaw]) -> FrictionL
             changes["friction.bristle_damping"] = math.sqrt(stiffness * block.mass / load)
     if isinstance(law, type) and has(start, "viscous_coefficient"):
         changes["friction.viscous_coefficient"] = 0.0
-    return vary(start, "friction", changes) if changes else start
+    return with_values(start, "friction", changes) if changes else start
 
 
 def _searched(
     problem: FeatureProblem,
     points: int,
     seed: int,
-    progress: Progress | None,
-    watch: Watch | None,
+    progress: Watch | None,
 ) -> _End:
     """Return the best end of the best points of a Sobol sequence."""
-    counter = Counter(watch)
-    places, costs = _spread(problem, points, seed, _told(progress, counter))
+    counter = Counter(progress)
+    places, costs = _spread(problem, points, seed, _told(progress))
     ends, cancelled = [], False
     for i in np.argsort(costs)[:LOCAL]:
         if cancelled or not math.isfinite(costs[i]):
@@ -328,11 +340,6 @@ def _spread(
     return places, costs
 
 
-def _told(progress: Progress | None, counter: Counter) -> Progress:
-    """Return what hears of the runs of the global search, and may end it."""
-
-    def tell(done: int, of: int) -> bool:
-        wanted = progress is None or progress(done, of) is not False
-        return wanted and (counter.watch is None or counter.watch(math.inf) is not False)
-
-    return tell
+def _told(progress: Watch | None) -> Progress:
+    """Return what hears of the runs of the global search, of which there is no best so far."""
+    return lambda _done, _of: progress is None or progress(math.inf) is not False

@@ -134,6 +134,9 @@ def unknowns_of(
     items = []
     for path in paths:
         start, low, high = _range(path, values[path], block, observed)
+        if path == KINETIC and STATIC not in paths:  # held, and nothing slides above it
+            high = min(high, values.get(STATIC, math.inf))
+            start, low = min(start, high), min(low, 0.5 * high)
         stands = path == STATIC
         if stands:
             start += 0.9 * abs(observed.mean) if KINETIC in paths else kinetic

@@ -1,6 +1,5 @@
 """What a fit to features gives back, and what it says about itself."""
 
-import html
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -72,8 +71,6 @@ class FeatureFit(Fit[Law_co]):
     """What can be said, in words."""
     correlation: Array
     """Of the estimates (p, p), along what the features tell."""
-    cancelled: bool = False
-    """Whether the search was ended before its end."""
 
     @override
     def law_estimates(self) -> LawEstimates:
@@ -141,8 +138,8 @@ class FeatureFit(Fit[Law_co]):
         return f"<FeatureFit: {self.law.title}, rms error {percent(self.score)}>"
 
     @override
-    def _repr_html_(self) -> str:
-        return "".join(f"<p>{html.escape(line)}</p>" for line in str(self).splitlines())
+    def _notes(self) -> Sequence[str]:
+        return self.sentences
 
     @override
     def to_dict(self) -> Mapping[str, Any]:

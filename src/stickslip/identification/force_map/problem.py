@@ -137,6 +137,7 @@ def map_along(
     )
     rough = told if sought else Rough.of(stretches, offset=own or 0.0)
     start = rough.law(kind, known or {}) if isinstance(law, type) else law
+    held = [*held, *(f"friction.{name}" for name in known or ())]
     paths = looked_for(start, whole=isinstance(law, type), free=free, held=held)
     if isinstance(law, type):
         start = _with_defaults(start, paths, known or {})

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import Unknown, Unknowns
 from stickslip.identification.force_map.data import Stretch
+from stickslip.identification.validation import LAW
 from stickslip.quantities import Quantity, fields_of, full_path, parameters
 
 __all__ = ["Rough", "looked_for"]
@@ -217,14 +218,16 @@ def looked_for(
     within = {path for path in standing if path.count(".") > 1}
     known = _values(law)
     if free is not None:
-        named = {full_path(name, list(known)) for name in free}
-        found = [path for path in known if path in named]
+        named = {full_path(name, list(known)) for name in free if name != LAW}
     else:
-        found = [
-            path
-            for path in known
-            if path in within or (path in own and (whole or path in standing))
-        ]
+        named = set()
+    usual = free is None or LAW in free
+    found = [
+        path
+        for path in known
+        if path in named
+        or (usual and (path in within or (path in own and (whole or path in standing))))
+    ]
     names = [*known, "mechanism.offset", "measurement.offset.friction"]
     out = {full_path(name, names) for name in held if name != "offset"}
     return [path for path in found if path not in out]

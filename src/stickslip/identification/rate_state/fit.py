@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ConvergenceError, InputError
+from stickslip.errors import ConvergenceError, InputError, renamed
 from stickslip.experiments import Measurement
 from stickslip.identification.estimation.jackknife import effective_size
 from stickslip.identification.estimation.levenberg_marquardt import Found, Watch, search
@@ -48,6 +48,7 @@ MINUTE = 5e-4
 """The same for a critical distance at which the evolution is as good as instantaneous."""
 
 
+@renamed
 def fit_rate_state(
     measurement: Measurement,
     *,
@@ -59,7 +60,7 @@ def fit_rate_state(
     lowest_evolution_effect: float = 0.0,
     starts: int = 6,
     seed: int = 0,
-    watch: Watch | None = None,
+    progress: Watch | None = None,
 ) -> RateStateFit:
     """Fit rate-and-state friction to a record with steps of the speed of the load point.
 
@@ -87,7 +88,7 @@ def fit_rate_state(
         after a step.
     starts, seed : int
         Number of starts of the search, and seed of those that are drawn.
-    watch : callable, optional
+    progress : callable, optional
         Called with the least root mean square so far; False ends the search with the best so far.
 
     Returns
@@ -136,9 +137,9 @@ def fit_rate_state(
         for drifts in ((False,) if drift == "none" else (False, True))
     ]
     slider = Slider.of(record, evolution, unknowns[0])
-    found = search(slider, starts=starts, seed=seed, tried=_tried(unknowns[0]), watch=watch)
+    found = search(slider, starts=starts, seed=seed, tried=_tried(unknowns[0]), watch=progress)
     if drift != "none" and not found.cancelled:
-        slider, found = _drifting(slider, found, unknowns[1], watch, always=drift == "linear")
+        slider, found = _drifting(slider, found, unknowns[1], progress, always=drift == "linear")
     return result_of(
         slider,
         found,

@@ -1,6 +1,5 @@
 """A fit to records in time, and what it says of records it has not seen."""
 
-import html
 import math
 import numbers
 from collections.abc import Mapping, Sequence
@@ -177,11 +176,8 @@ class RecordFit(Fit[Law_co]):
         )
 
     @override
-    def _repr_html_(self) -> str:
-        rows = "".join(f"<li>{html.escape(str(estimate))}</li>" for estimate in self.estimates)
-        said = (*map(str, self.model_errors), *self.sentences)
-        notes = "".join(f"<p>{html.escape(line)}</p>" for line in said)
-        return f"<p>{html.escape(self.law.title)}</p><ul>{rows}</ul>{notes}"
+    def _notes(self) -> Sequence[str]:
+        return (*map(str, self.model_errors), *self.sentences)
 
     @property
     def unknowns(self) -> Unknowns:

@@ -48,6 +48,7 @@ from stickslip.identification.series.applied_force import driven, drives_itself,
 from stickslip.identification.series.measured_load import as_loaded
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import Hold
+from stickslip.identification.validation import LAW
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
 
@@ -101,6 +102,7 @@ def fit_record(
     known: Mapping[str, float] | None = None,
     route: str | RouteChoice | None = None,
     settings: RecordSettings | None = None,
+    held: Sequence[str] = (),
     contained: Sequence[FittedLaw] | None = None,
     rival: float = 0.0,
     watch: Watch | None = None,
@@ -128,6 +130,8 @@ def fit_record(
         the last may serve and the first leaves much of the motion, the better of both.
     settings : RecordSettings, optional
         Segments and starts.
+    held : sequence of str
+        Parameters of the mechanism that are not looked for, such as an offset, which else is.
     contained : sequence of FittedLaw, optional
         Fits of simpler laws to the same record by the same route, from which the search begins too.
         If not given, the laws that this one contains are fitted first.
@@ -159,6 +163,7 @@ def fit_record(
         free=free,
         known=known,
         settings=choice.settings,
+        held=held,
     )
     fits: list[RecordFit] = []
     try:
@@ -241,7 +246,7 @@ def _route(
     if isinstance(route, RouteChoice):
         return route
     if route is None:
-        return choose_route(mechanism, measurement, unknown=unknown, settings=settings)
+        return choose_route(mechanism, measurement, vary=[LAW, *unknown], settings=settings)
     return RouteChoice(route=route_of(measurement, route), settings=settings or RecordSettings())
 
 
@@ -426,6 +431,7 @@ def _finished(
         inference=inference,
         displaced=moved,
         at_bounds=at_bounds,
+        cancelled=found.cancelled,
         sentences=(),
     )
     sentences = (*offset_left_out(ready.start, ready.mechanism, unknowns), *_doubtful(searched))

@@ -1,6 +1,5 @@
 """Draws from the posterior of a fit, by emcee or dynesty, where one of them is installed."""
 
-import importlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,7 +8,8 @@ from typing import Any, Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError
+from stickslip.display import require_library
+from stickslip.errors import InputError, renamed
 from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.results import Fit
 from stickslip.quantities import full_path
@@ -73,6 +73,7 @@ class Posterior:
         return float(low), float(high)
 
 
+@renamed
 def sample_posterior(
     fit: Fit,
     *,
@@ -80,7 +81,7 @@ def sample_posterior(
     steps: int | None = None,
     live_points: int | None = None,
     seed: int = 0,
-    watch: Watch | None = None,
+    progress: Watch | None = None,
 ) -> Posterior:
     """Draw from the posterior of a fit with a flat prior within its bounds.
 
@@ -102,7 +103,7 @@ def sample_posterior(
         for each live point, more where unknowns trade off.
     seed : int
         Of the random numbers.
-    watch : callable, optional
+    progress : callable, optional
         Called with the number of predictions so far; False ends drawing with the draws so far.
 
     Returns
@@ -138,15 +139,9 @@ def sample_posterior(
         )
     if sampler not in ("emcee", "dynesty"):
         raise InputError(f"sampler must be 'emcee' or 'dynesty', got {sampler!r}.")
-    target = _Target(fit, watch)
+    target = _Target(fit, progress)
     count = _count(sampler, steps, live_points, len(target.free))
-    try:
-        library = importlib.import_module(sampler)
-    except ImportError:
-        raise InputError(
-            f"{sampler} is not installed: pip install 'stickslip[bayes]', or use"
-            " RecordFit.bootstrap, which needs nothing."
-        ) from None
+    library = require_library(sampler, "bayes", "use RecordFit.bootstrap, which needs nothing")
     draw = _walked if sampler == "emcee" else _nested
     random = np.random.default_rng(seed)
     draws = np.array([target.values(row) for row in draw(library, target, count, random)])

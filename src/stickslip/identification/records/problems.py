@@ -54,6 +54,8 @@ class Wanted:
     free: Sequence[str] | None
     known: Mapping[str, float] | None
     settings: RecordSettings
+    held: Sequence[str] = ()
+    """Parameters of the mechanism that are not to be fitted, such as an offset."""
 
 
 @dataclass(frozen=True)
@@ -172,10 +174,10 @@ def _shooting(wanted: Wanted) -> Prepared:
             else scales_of(mechanism, under_load, wanted.unknown)
         )
     start, items, further = law_unknowns(wanted.law, scales, wanted.free, wanted.known)
-    own = mechanism_unknowns(mechanism, start, wanted.unknown, scales)
+    own = mechanism_unknowns(mechanism, start, wanted.unknown, scales, wanted.held)
     unknowns = joined(start, [*items, *own])
     if not len(unknowns):
-        raise InputError("there is nothing to fit: name at least one parameter in `free`.")
+        raise InputError("there is nothing to fit: name at least one parameter in vary.")
     _refuse_overrides(under_load, unknowns)
 
     if scales.nominal is not None:
@@ -244,8 +246,8 @@ def _mapped(wanted: Wanted) -> Prepared:
     """Return the problem of friction that was measured."""
     if wanted.unknown:
         raise InputError(
-            f"friction was measured, which tells nothing of {', '.join(wanted.unknown)}: leave out"
-            " what is unknown of the mechanism, or fit another record that has motion and force."
+            f"friction was measured, which tells nothing of {', '.join(wanted.unknown)}: vary"
+            " parameters of the law only, or fit another record that has motion and force."
         )
     mechanism = wanted.mechanism
     problem, starts = map_along(
@@ -255,6 +257,7 @@ def _mapped(wanted: Wanted) -> Prepared:
         stretches_of(mechanism, wanted.measurement, samples=FEW),
         free=wanted.free,
         known=wanted.known,
+        held=[path for path in wanted.held if path == "mechanism.offset"],
     )
     problem = replace(problem, unknowns_=problem.unknowns.starting_at(starts[0]))
     build = _Rubbed(mechanism, problem)
@@ -274,6 +277,7 @@ def _derived(wanted: Wanted) -> Prepared:
         balanced(mechanism, measurement, hold=hold, samples=SOME, slipping=True),
         free=wanted.free,
         known=wanted.known,
+        held=[path for path in wanted.held if path == "mechanism.offset"],
         mass=mass,
     )
     problem = replace(problem, unknowns_=problem.unknowns.starting_at(starts[0]))

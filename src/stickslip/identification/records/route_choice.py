@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias, final
 
 import numpy as np
 
-from stickslip.errors import ConvergenceError, StickslipError
+from stickslip.errors import ConvergenceError, StickslipError, renamed
 from stickslip.experiments import Measurement
 from stickslip.formatting import number, percent
 from stickslip.friction import CoulombViscous
@@ -23,6 +23,7 @@ from stickslip.identification.records.problems import Route, Wanted, prepared
 from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.series.applied_force import driven, drives_itself
 from stickslip.identification.shooting.multiple_shooting import Segment, Shooting
+from stickslip.identification.validation import Parameters
 from stickslip.mechanisms import Mechanism
 
 __all__ = [
@@ -123,11 +124,12 @@ def to_compare(choice: RouteChoice, fits: Sequence[RecordFit]) -> bool:
     return not fits or min(unexplained_share(fit) for fit in fits) > SUSPECT
 
 
+@renamed
 def choose_route(
     mechanism: Mechanism,
     measurement: Measurement,
     *,
-    unknown: Sequence[str] = (),
+    vary: str | Sequence[str] | None = None,
     settings: RecordSettings | None = None,
 ) -> RouteChoice:
     """Return how a record is fitted where nobody asks for a route.
@@ -144,8 +146,9 @@ def choose_route(
         What was measured.
     measurement : Measurement
         Records in time, or measured friction.
-    unknown : sequence of str
-        Parameters of the mechanism that are fitted too.
+    vary : str or sequence of str, optional
+        ``"friction.*"`` and parameters of the mechanism that are fitted too; the former if not
+        given.
     settings : RecordSettings, optional
         Segments; a length other than the usual one is kept.
 
@@ -157,6 +160,7 @@ def choose_route(
     'force-map'
     """
     settings = RecordSettings() if settings is None else settings
+    unknown = Parameters.of(mechanism, None, vary).unknown
     if "friction" in measurement.quantities():
         return RouteChoice(route="force-map", settings=settings)
     if drives_itself(mechanism, measurement):

@@ -164,6 +164,8 @@ def model_errors(
         return ()
     if not all(len(b.rows) >= FEWEST * BLOCKS and np.isfinite(b.residual).all() for b in balances):
         return ()
+    if balances[0].friction == 0.0:  # no friction, of which an effect would be a share
+        return ()
     peaks = peaks_of(fit, MATTERS * balances[0].friction)
     return (*_shown(balances, estimates, measurement), *peaks)
 

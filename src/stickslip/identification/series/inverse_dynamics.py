@@ -8,14 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, renamed
 from stickslip.experiments import Measurement
 from stickslip.experiments.slicing import between_gaps
 from stickslip.formatting import quantity
 from stickslip.identification.estimation.directions import Directions
 from stickslip.identification.series.applied_force import applied_force
+from stickslip.identification.validation import LAW, names_of
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import vary
+from stickslip.quantities import vary as with_values
 
 __all__ = [
     "InverseDynamics",
@@ -98,11 +99,12 @@ class InverseDynamics:
         return self["inertia"] * float(np.std(accelerations)) / size if size > 0.0 else 0.0
 
 
+@renamed
 def inverse_dynamics(
     mechanism: Mechanism,
     measurement: Measurement,
     *,
-    unknown: Sequence[str] = ("inertia",),
+    vary: str | Sequence[str] = ("mechanism.inertia",),
     directional: bool = False,
     offset: bool | None = None,
     cutoff: float | None = None,
@@ -121,8 +123,9 @@ def inverse_dynamics(
         An `Axis` or `SpringBlock`: one coordinate.
     measurement : Measurement
         Records in time with position, and the force applied if there is one.
-    unknown : sequence of str
-        ``("inertia",)`` if the mass is looked for, else empty.
+    vary : str or sequence of str
+        The mass, as ``"mechanism.inertia"``, ``"mechanism.mass"`` or by last name; empty to hold
+        it. Friction is always fitted, so that ``"friction.*"`` adds nothing.
     directional : bool
         Whether each direction has its own viscous part and level.
     offset : bool, optional
@@ -150,17 +153,24 @@ def inverse_dynamics(
     A. Janot et al., EMPS, 2019.
     """
     offset = not directional if offset is None else offset
+    names = [name for name in names_of(vary) if name != LAW]
+    for name in names:
+        if name.rpartition(".")[2] not in ("inertia", "mass"):
+            raise InputError(f"inverse dynamics finds the mass of a mechanism, not {name!r}.")
+    inertia = bool(names)
     parts = []
     for record in measurement.records():
-        set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
+        set_up = (
+            with_values(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
+        )
         for piece in _pieces(record):
             parts.append(_columns(set_up, piece, cutoff, decimate, directional=directional))
     whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     rest, inertial = whole["forces"], whole["mass"] * whole["inertia"]
     names = [name for name in whole if name.startswith(("viscous", "level"))]
-    names = [*(("inertia",) if unknown else ()), *names, *(("offset",) if offset else ())]
+    names = [*(("inertia",) if inertia else ()), *names, *(("offset",) if offset else ())]
     table = np.column_stack([whole[name] for name in names])
-    wanted = rest if unknown else rest - inertial
+    wanted = rest if inertia else rest - inertial
     values, weights = _solved(table, wanted, robust=robust)
     residual = wanted - table @ values
     return InverseDynamics(
@@ -170,7 +180,7 @@ def inverse_dynamics(
         relative_error=float(np.linalg.norm(residual)) / max(float(np.linalg.norm(wanted)), 1e-300),
         time=whole["time"],
         velocity=whole["velocity"],
-        friction=wanted - values[0] * whole["inertia"] if unknown else wanted,
+        friction=wanted - values[0] * whole["inertia"] if inertia else wanted,
         residual=residual,
         table=table,
         weights=weights,
@@ -314,7 +324,7 @@ def known_forces(mechanism: Mechanism, x: Array, v: Array, applied: Array) -> tu
             f" {type(mechanism).__name__} has {len(mechanism.coordinates)}."
         )
     if "offset" in mechanism.__dataclass_fields__:
-        mechanism = vary(mechanism, "mechanism", {"mechanism.offset": 0.0})
+        mechanism = with_values(mechanism, "mechanism", {"mechanism.offset": 0.0})
     (name,) = mechanism.coordinates
     q: Mapping[str, Any] = defaultdict(float, {name: x})
     q_dot: Mapping[str, Any] = defaultdict(float, {name: v})

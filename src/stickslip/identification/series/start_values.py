@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,7 @@ from stickslip.identification.series.inverse_dynamics import (
     mass_of,
     positions_of,
 )
+from stickslip.identification.validation import LAW
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, full_path, parameters, unchecked
 
@@ -85,7 +86,7 @@ def scales_of(
         return inverse_dynamics(
             mechanism,
             measurement,
-            unknown=free,
+            vary=free,
             directional=directional,
             robust=True,
         )
@@ -174,18 +175,20 @@ def law_unknowns(
         If a type of law has a parameter for which nothing is known to begin with.
     """
     kind = law if isinstance(law, type) else type(law)
-    names = list(kind.fit_order)
+    known = known or {}
+    names = [name for name in kind.fit_order if name not in known]
     if free is not None:
         known_paths = [f"friction.{name}" for name in fields_of(kind)]
-        wanted = {full_path(name, known_paths).partition(".")[2] for name in free}
-        names = [name for name in (*names, *fields_of(kind)) if name in wanted]
+        wanted = set(names) if LAW in free else set()
+        wanted |= {full_path(n, known_paths).partition(".")[2] for n in free if n != LAW}
+        names = [name for name in (*kind.fit_order, *fields_of(kind)) if name in wanted]
         names = list(dict.fromkeys(names))
     ranges = {name: _range(kind, name, scales) for name in names}
     values = {name: start for name, (start, _, _) in ranges.items()}
     if not isinstance(law, type):
         values |= {n: v for n in names if (v := getattr(law, n)) is not None}
     else:
-        values |= {n: float(v) for n, v in (known or {}).items() if n not in names}
+        values |= {n: float(v) for n, v in known.items()}
     start = _made(kind, law, values)
     unknowns = []
     for name in names:
@@ -226,8 +229,8 @@ def _made(
         if default is dataclasses.MISSING:
             symbol = fields_of(kind)[name].symbol
             raise InputError(
-                f"{kind.__name__}.{name} ({symbol}) is neither free nor known:"
-                f" free it too, or give its value."
+                f"{kind.__name__}.{name} ({symbol}) is neither varied nor fixed: add it to vary, or"
+                f" give its value, fixed={{{name!r}: ...}}."
             )
     made = unchecked(kind, **{**defaults, **values})
     made.__post_init__()
@@ -292,12 +295,17 @@ def _further(kind: type[FrictionLaw], s: Scales) -> tuple[Mapping[str, float], .
 
 
 def mechanism_unknowns(
-    mechanism: Mechanism, law: FrictionLaw, unknown: Sequence[str], scales: Scales
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    unknown: Sequence[str],
+    scales: Scales,
+    held: Collection[str] = (),
 ) -> tuple[Unknown, ...]:
     """Return the unknowns of a mechanism: those asked for, and what is always in doubt.
 
-    A constant force is left out where the record has one number for it and a level: with laws that
-    have a level of their own in each direction, and where slip is in one direction only.
+    A constant force is left out where it is held, and where the record has one number for it and a
+    level: with laws that have a level of their own in each direction, and where slip is in one
+    direction only.
     """
     known: Mapping[str, tuple[Quantity, float]] = {
         path: (quantity, value) for path, quantity, value in parameters(mechanism, "mechanism")
@@ -306,7 +314,7 @@ def mechanism_unknowns(
     if scales.two_sided and "forward_kinetic_coefficient" not in fields_of(type(law)):
         paths += [f"mechanism.{n}" for n in NUISANCE if f"mechanism.{n}" in known]
     found = []
-    for path in dict.fromkeys(paths):
+    for path in dict.fromkeys(path for path in paths if path not in held):
         quantity, value = known[path]
         name = path.rpartition(".")[2]
         start = {"inertia": scales.inertia, "mass": scales.inertia, "offset": scales.offset}

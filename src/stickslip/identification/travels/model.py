@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, ParameterError
 from stickslip.experiments import Measurement
+from stickslip.experiments.measurement import QUANTITIES
 from stickslip.experiments.parameter_paths import canonical
 from stickslip.experiments.travels import scale_of
 from stickslip.experiments.units import check_uncertainty
@@ -84,6 +85,10 @@ class Trial:
         known.update(bristles_of(law))
         return {name: value for name, value in self.initial.items() if name in known}
 
+    def as_read(self, travel: float) -> str:
+        """Return a travel [m] of this trial as what was read, with its unit."""
+        return quantity(travel / self.scale, QUANTITIES[self.quantity].unit)
+
     @property
     def setting(self) -> Hashable:
         """What the experimenter set: trials of one setting are repeats."""
@@ -93,6 +98,19 @@ class Trial:
     def run(self) -> Hashable:
         """What tells runs apart: their setting, and when they end."""
         return self.setting, self.cycles
+
+
+def quantities_read(trials: Sequence[Trial]) -> str:
+    """Return what was read in place of travels, in words; empty if travels were read.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> quantities_read(trials_of(SpringBlock(mass=1.0), Measurement(mean_velocity=0.1), 2.0))
+    'mean velocity'
+    """
+    names = dict.fromkeys(trial.quantity for trial in trials)
+    return "" if list(names) == ["travel"] else " or ".join(names).replace("_", " ")
 
 
 def driven_on(mechanism: Mechanism) -> bool:

@@ -1,7 +1,7 @@
 """A fit to travels."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias, final
 
@@ -119,6 +119,10 @@ class TravelFit(Fit[Law_co]):
             f"{self.law.title} fitted to {count} travel{'s' if count > 1 else ''}:"
             f" {', '.join(map(str, self.estimates))}; largest residual {quantity(worst, 'm', 2)}"
         )
+
+    @override
+    def _notes(self) -> Sequence[str]:
+        return self.remarks
 
     @property
     def residuals(self) -> tuple[float, ...]:

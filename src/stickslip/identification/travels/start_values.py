@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError, SimulationError, UnknownNameError
+from stickslip.errors import InputError, SimulationError
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.travels.model import TravelModel, Trial
 from stickslip.identification.travels.single_travel import room_for
@@ -18,7 +18,6 @@ from stickslip.simulation import ensemble, simulate
 
 __all__ = [
     "Start",
-    "check_known",
     "doubling_slope",
     "required_of",
     "starting_law",
@@ -255,21 +254,6 @@ def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
         if name in START and not isinstance(required, (float, int)) and required is not None:
             values[name] = START[name] * (load / 9.81 if name == "viscous_coefficient" else 1.0)
     return law(**values)
-
-
-def check_known(law: FrictionLaw | type[FrictionLaw], known: Mapping[str, float] | None) -> None:
-    """Check that values stand beside a type of law, and are of its parameters."""
-    if not known:
-        return
-    if not isinstance(law, type):
-        raise InputError(
-            f"known is for a type of law, and this is a {type(law).__name__} with all its values:"
-            " give the type, or the values with the law."
-        )
-    fields = fields_of(law)
-    for name in known:
-        if name not in fields:
-            raise UnknownNameError(f"parameter of {law.__name__} in known", name, fields)
 
 
 def with_known(law: FrictionLaw, known: Mapping[str, float] | None) -> FrictionLaw:

@@ -1,6 +1,5 @@
 """Whether trials of one rig share one law, and how it depends on their conditions."""
 
-import html
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.display import InPanels, Summary, summary_of_table
 from stickslip.errors import ConvergenceError, InputError, SimulationError, StickslipError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
@@ -25,6 +25,7 @@ from stickslip.identification.trials.condition_lines import ConditionLine, line_
 from stickslip.identification.trials.estimates import TrialEstimates
 from stickslip.identification.trials.homogeneity import Homogeneity, homogeneity, rows_of
 from stickslip.identification.trials.wording import SURE, sentences_of
+from stickslip.identification.validation import arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.solver.compile.messages import notice
@@ -42,7 +43,7 @@ LAW = "friction."
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
-class TrialComparison:
+class TrialComparison(InPanels):
     """One law fitted to each of several trials, and whether they share it."""
 
     fit: RecordFit
@@ -77,10 +78,12 @@ class TrialComparison:
     def __repr__(self) -> str:
         return f"<TrialComparison of {len(self.trials)} trials: {self.sentences[0]}>"
 
-    def _repr_html_(self) -> str:
-        return "".join(f"<p>{html.escape(line)}</p>" for line in self.sentences)
+    @override
+    def _summary(self) -> Summary:
+        first, *others = self.sentences
+        return summary_of_table(first, self.to_dataframe(), others)
 
-    def table(self) -> "pd.DataFrame":
+    def to_dataframe(self) -> "pd.DataFrame":
         """Return one row a trial: conditions, each parameter with its interval, residual.
 
         Examples
@@ -98,7 +101,7 @@ class TrialComparison:
         ...     for name, level, temperature in (("cold", 2.0, 20), ("warm", 2.5, 60))
         ... )
         >>> found = compare_trials(Axis(inertia=1.0), Coulomb, Measurement(trials=(cold, warm)))
-        >>> found.table()[["trial", "temperature [degC]", "mu_k"]].round(2).values.tolist()
+        >>> found.to_dataframe()[["trial", "temperature [degC]", "mu_k"]].round(2).values.tolist()
         [['cold', 20.0, 2.0], ['warm', 60.0, 2.5]]
         """
         import pandas as pd
@@ -152,17 +155,17 @@ def _plain(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
+@arguments
 def compare_trials(
     mechanism: Mechanism,
     law: FrictionLaw | type[FrictionLaw] | str,
     measurement: Measurement,
     *,
-    free: str | Sequence[str] | None = None,
-    known: Mapping[str, float] | None = None,
-    unknown: str | Sequence[str] = (),
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
     route: RouteName | None = None,
     settings: RecordSettings | None = None,
-    watch: Callable[[float], object] | None = None,
+    progress: Callable[[float], object] | None = None,
 ) -> TrialComparison:
     """Fit one law to all trials and to each alone, and test whether they share it.
 
@@ -172,7 +175,7 @@ def compare_trials(
 
     Parameters
     ----------
-    mechanism, law, measurement, free, known, unknown, route, settings, watch
+    mechanism, law, measurement, vary, fixed, route, settings, progress
         As for `fit`; the measurement has trials.
 
     Returns
@@ -210,12 +213,11 @@ def compare_trials(
         mechanism,
         law,
         measurement,
-        free=free,
-        known=known,
-        unknown=unknown,
+        vary=vary,
+        fixed=fixed,
         route=route,
         settings=settings,
-        watch=watch,
+        progress=progress,
     )
     if not isinstance(joint, RecordFit):
         raise InputError(NOT_ALONE)

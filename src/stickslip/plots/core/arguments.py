@@ -1,4 +1,4 @@
-"""What is said of arguments of animations that are of another kind, before anything is drawn."""
+"""What is said of wrong arguments of plots and animations, before anything is drawn."""
 
 import math
 import numbers
@@ -9,7 +9,7 @@ from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism
 from stickslip.trajectory import Trajectory
 
-__all__ = ["check_scene", "check_size", "file_of", "number"]
+__all__ = ["check_scene", "check_size", "check_type", "file_of", "number"]
 
 
 def check_scene(run: object, mechanism: object, scene: object = None) -> None:
@@ -77,3 +77,20 @@ def check_size(size: object) -> None:
         raise InputError(f"size must be (width, height) in px such as (880, 400), got {size!r}.")
     for name, value in zip(("width", "height"), size, strict=True):
         number(f"size: {name}", value)
+
+
+def check_type(name: str, value: object, *kinds: type) -> None:
+    """Refuse an argument of another type.
+
+    Examples
+    --------
+    >>> check_type("run", 3, Trajectory)
+    Traceback (most recent call last):
+    ...
+    stickslip.errors.InputError: run must be a Trajectory, got 3.
+    """
+    if not isinstance(value, kinds):
+        names = [kind.__name__ for kind in kinds]
+        known = " or ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
+        article = "an" if names[0][0] in "AEIO" else "a"
+        raise InputError(f"{name} must be {article} {known}, got {value!r}.")

@@ -7,6 +7,7 @@ from typing import Final, NamedTuple, TypeAlias, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.plots.core.svg import Size
 from stickslip.plots.core.theme import C1, C2, C3, C4, INK, MUTED
 from stickslip.trajectory import Trajectory
@@ -15,10 +16,12 @@ __all__ = [
     "Array",
     "Look",
     "Sizes",
+    "coordinate_name",
     "dense",
     "grouped",
     "horizon",
     "looks",
+    "motion_names",
     "wrapped",
 ]
 
@@ -154,6 +157,35 @@ def horizon(run: Trajectory, slip: str = "x") -> float:
     # The stop is shown, unless it is the end of a decay that one cannot see.
     arrived = max([arrived, *[stop - first for stop in stops[:1] if stop < 1.5 * arrived]])
     return min(first + 1.3 * arrived, last)
+
+
+def coordinate_name(run: Trajectory, name: str | None = None) -> str:
+    """Return the column that a plot shows: the one given, ``"x"``, or the first of the run."""
+    if name is not None and name not in run.names:
+        raise UnknownNameError("column", name, run.names)
+    known = run.states or run.names
+    return name or ("x" if "x" in known else known[0])
+
+
+def motion_names(run: Trajectory, slip: str | None, rate: str | None) -> tuple[str, str]:
+    """Return the names of the coordinate and the rate that a plot shows, those given or the first.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Pendulum, simulate
+    >>> clock = Pendulum(mass=0.2, length=0.5)
+    >>> run = simulate(clock, Coulomb(kinetic_coefficient=0.02), t_end=1.0, y0={"theta": 0.5})
+    >>> motion_names(run, None, None)
+    ('theta', 'omega')
+    """
+    slip = coordinate_name(run, slip)
+    if rate is not None:
+        return slip, coordinate_name(run, rate)
+    unit = f"{run.units.get(slip, 'm')}/s"
+    rates = [name for name in run.states or run.names if run.units.get(name) == unit]
+    if not rates:
+        raise InputError(f"no column of the run is the rate of {slip!r}: give its name as rate.")
+    return slip, "v" if "v" in rates else rates[0]
 
 
 def grouped(

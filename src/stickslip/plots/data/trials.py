@@ -18,13 +18,15 @@ from stickslip.identification import TrialComparison
 from stickslip.identification.force_map.data import load_along
 from stickslip.identification.trials.condition_lines import ConditionLine
 from stickslip.mechanisms import Mechanism
+from stickslip.plots.core.arguments import check_type
+from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
 from stickslip.plots.core.helpers import Sizes
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, C3, C4, DATA, INK, MUTED, symbol_label
 from stickslip.plots.laws.curves import characteristic
 from stickslip.quantities import vary
 
-__all__ = ["TRIAL_SIZES", "draw_trials"]
+__all__ = ["TRIAL_SIZES", "draw_trials", "plot_trials"]
 
 TRIAL_SIZES: Final = Sizes(wide=(880, 300), narrow=(358, 640))
 MOST: Final = 2
@@ -195,3 +197,47 @@ def _load(mechanism: Mechanism, record: Measurement) -> float:
     own = vary(mechanism, "mechanism", record.overrides)
     count = 1 if isinstance(record.load, float | None) else len(record.load)
     return float(np.mean(load_along(own, record, count)))
+
+
+def plot_trials(
+    comparison: TrialComparison, ax: PanelTarget = None, *, condition: str | None = None
+) -> Panels:
+    """Plot what was fitted to each trial, coloured by a condition.
+
+    Parameters
+    ----------
+    comparison : TrialComparison
+        What `compare_trials` returns.
+    ax : sequence of Axes, Figure or SubFigure, optional
+        One Axes for each of the parameters shown, at most two, and one for the curves; a new
+        figure if not given.
+    condition : str, optional
+        Name of a condition, as in `draw_trials`.
+
+    Returns
+    -------
+    array of Axes
+        The panels.
+
+    Raises
+    ------
+    InputError
+        If no trial could be fitted alone.
+    UnknownNameError
+        If no trial has that condition.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb, Measurement, compare_trials
+    >>> v = np.linspace(-1.0, 1.0, 40)
+    >>> wave = 0.01 * np.cos(50.0 * v)
+    >>> trials = tuple(
+    ...     Measurement(velocity=v, friction=level * np.sign(v) + wave, conditions={"run": run})
+    ...     for run, level in ((1, 2.0), (2, 2.5))
+    ... )
+    >>> found = compare_trials(Axis(inertia=1.0), Coulomb, Measurement(trials=trials))
+    >>> len(plot_trials(found, Figure()))
+    2
+    """
+    check_type("comparison", comparison, TrialComparison)
+    return on_panels(draw_trials(comparison, condition=condition), ax, TRIAL_SIZES["wide"])

@@ -7,12 +7,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.characterize import presliding_length, presliding_loop
+from stickslip.characterize import PreslidingLoop, presliding_length, presliding_loop
 from stickslip.formatting import scale_of
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, Stribeck, towards
+from stickslip.plots.core.arguments import check_type
+from stickslip.plots.core.axes import Target, on_axes
 from stickslip.plots.core.helpers import Array, Sizes
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, INK, LINE, MUTED, label_at, symbol_label
+from stickslip.quantities import Quantity
 
 __all__ = [
     "characteristic",
@@ -20,6 +23,8 @@ __all__ = [
     "draw_characteristics",
     "draw_presliding",
     "draw_stribeck",
+    "plot_law",
+    "plot_presliding",
     "presliding_sizes",
 ]
 
@@ -28,6 +33,9 @@ NARROW_COLUMNS: Final = 2
 ROW_HEIGHT: Final = 165
 LENGTHS: Final = 3.0
 """Widest presliding swing, over the presliding length: wide enough to see friction level off."""
+
+LOAD: Final = Quantity("N", "N", above=0)
+SPEED: Final = Quantity("v", "m/s", above=0)
 
 
 def characteristic_sizes(count: int) -> Sizes:
@@ -172,31 +180,37 @@ def draw_presliding(
     callable
         Draws a panel for each law, with its break-away level.
     """
-    loops = {
-        title: presliding_loop(law, amplitude or LENGTHS * presliding_length(law, load), load)
-        for title, law in laws.items()
-    }
+    loops = {title: _loop(law, load, amplitude) for title, law in laws.items()}
 
     def draw(figure: Figure, narrow: bool) -> None:
         columns = 1 if narrow else min(len(loops), WIDE_COLUMNS)
         rows = -(-len(loops) // columns)
         panels = list(figure.subplots(rows, columns, squeeze=False).flat)
         for axes, (title, loop) in zip(panels, loops.items(), strict=False):
-            factor, unit = scale_of(loop.displacement, "m")
-            axes.plot(factor * loop.displacement, loop.friction, color=C1, linewidth=1.6)
-            level = float(laws[title].break_away(load))
-            for side in (level, -level):
-                axes.axhline(side, color=MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
-            axes.margins(0.05, 0.14)
-            _say_break_away(axes, level)
+            _presliding(axes, loop, float(laws[title].break_away(load)))
             axes.set_title(title)
-            axes.set_xlabel(f"displacement, {unit}")
         for axes in panels[len(loops) :]:
             axes.set_visible(False)
         for axes in panels[::columns]:
             axes.set_ylabel("friction, N")
 
     return draw
+
+
+def _loop(law: BristleLaw, load: float, amplitude: float | None) -> PreslidingLoop:
+    return presliding_loop(law, amplitude or LENGTHS * presliding_length(law, load), load)
+
+
+def _presliding(axes: Axes, loop: PreslidingLoop, level: float | None) -> None:
+    """Draw a loop, and the break-away level where it is known."""
+    factor, unit = scale_of(loop.displacement, "m")
+    axes.plot(factor * loop.displacement, loop.friction, color=C1, linewidth=1.6)
+    for side in () if level is None else (level, -level):
+        axes.axhline(side, color=MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
+    axes.margins(0.05, 0.14)
+    if level is not None:
+        _say_break_away(axes, level)
+    axes.set_xlabel(f"displacement, {unit}")
 
 
 def characteristic(law: FrictionLaw, load: float, v_max: float) -> tuple[Array, Array]:
@@ -232,3 +246,96 @@ def _one_way(law: FrictionLaw, speed: Array, load: float) -> tuple[Array, float]
 def _say_break_away(axes: Axes, level: float) -> None:
     low = axes.get_xlim()[0]
     label_at(axes, low, level, f"break-away {level:.3g} N", MUTED, offset=(4, 8))
+
+
+def plot_law(law: FrictionLaw, ax: Target = None, *, load: float = 1.0, speed: float = 0.1) -> Axes:
+    """Plot the friction of a law against slip velocity.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        At rest it takes any force up to break-away; one with bristles is drawn as it slides
+        steadily.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given. Several laws may be drawn on the same Axes.
+    load : float
+        Normal force [N].
+    speed : float
+        Highest slip speed [m/s].
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel.
+
+    Raises
+    ------
+    InputError
+        If `law` is no law, or load or speed is not positive.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> ax = plot_law(Coulomb(kinetic_coefficient=0.25), Figure().add_subplot(), load=4.0)
+    >>> float(ax.lines[0].get_ydata()[-1])
+    1.0
+    """
+    check_type("law", law, FrictionLaw)
+    load = LOAD.check("plot_law", "load", load)
+    speed = SPEED.check("plot_law", "speed", speed)
+    draw = draw_characteristics({law.title: law}, load, speed)
+    return on_axes(draw, ax, characteristic_sizes(4)["wide"])
+
+
+def plot_presliding(
+    loop: PreslidingLoop | BristleLaw,
+    ax: Target = None,
+    *,
+    load: float = 1.0,
+    amplitude: float | None = None,
+) -> Axes:
+    """Plot friction against a slow displacement to and fro, before full slip.
+
+    Parameters
+    ----------
+    loop : PreslidingLoop or BristleLaw
+        A loop as `presliding_loop` returns, or the law that it is made of.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+    load : float
+        Normal force of a law [N].
+    amplitude : float, optional
+        Amplitude of the widest swing of a law [m]; a few presliding lengths if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel; of a law with its break-away level.
+
+    Raises
+    ------
+    InputError
+        If `loop` is neither, or load or amplitude is not positive.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1000.0)
+    >>> plot_presliding(law, Figure().add_subplot(), load=10.0).get_xlabel()
+    'displacement, mm'
+    """
+    check_type("loop", loop, PreslidingLoop, BristleLaw)
+    title, level = "", None
+    if isinstance(loop, BristleLaw):
+        load = LOAD.check("plot_presliding", "load", load)
+        title, level = loop.title, float(loop.break_away(load))
+        loop = _loop(loop, load, amplitude)
+    shown = loop
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        axes = figure.add_subplot()
+        _presliding(axes, shown, level)
+        axes.set_title(title)
+        axes.set_ylabel("friction, N")
+
+    return on_axes(draw, ax, characteristic_sizes(4)["wide"])

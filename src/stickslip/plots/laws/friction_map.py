@@ -61,6 +61,7 @@ def draw_friction_map(
     chosen: str,
     trend: Array | None = None,
     units: tuple[str, str] = ("m/s", "N"),
+    low_speeds: bool = True,
 ) -> Draw:
     """Return a drawing of friction against velocity: points, and laws as curves.
 
@@ -81,6 +82,8 @@ def draw_friction_map(
         ones are green dots, falling ones purple triangles.
     units : tuple of str
         SI units of velocity and friction; those of an axis that turns differ.
+    low_speeds : bool
+        Whether low speeds have a panel of their own where there are points.
 
     Returns
     -------
@@ -95,7 +98,7 @@ def draw_friction_map(
     slow = np.abs(velocity) <= low
     spans = [_span(velocity)]
     turn = np.zeros(len(velocity)) if trend is None else np.asarray(trend)
-    if int(slow.sum()) >= FEW and not slow.all():
+    if low_speeds and int(slow.sum()) >= FEW and not slow.all():
         spans.append(_span(velocity[slow]))
 
     def draw(figure: Figure, narrow: bool) -> None:
@@ -109,7 +112,8 @@ def draw_friction_map(
             _lines(axes, lines, look)
             _frame(axes, (factor * first, factor * last), friction[seen], lines)
             axes.set(xlabel=f"velocity, {unit}", ylabel=f"friction, {units[1]}")
-        grid.flat[0].set_title("all speeds", color=MUTED)
+        if low_speeds:
+            grid.flat[0].set_title("all speeds", color=MUTED)
         if np.any(turn):
             _say_trend(grid.flat[0])
         if len(spans) > 1:
@@ -208,7 +212,8 @@ def _names(
     bottom, top = axes.get_ylim()
     ordered = sorted(curves, key=lambda name: -look[name].order)
     for name, side in zip(ordered, (1, -1), strict=False):
-        lines = wrapped(f"chosen: {name}".split() if side > 0 else name.split(), WIDTH)
+        chosen = side > 0 and len(curves) > 1
+        lines = wrapped((f"chosen: {name}" if chosen else name).split(), WIDTH)
         text = "\n".join(line.replace(",", "") for line in lines)
         label_at(
             axes, side * 0.03 * (high - low), 0.3 * (bottom if side > 0 else top), text,

@@ -9,13 +9,15 @@ from matplotlib.figure import Figure
 
 from stickslip.control import ClosedLoop
 from stickslip.formatting import scale_of
-from stickslip.plots.core.helpers import Array, Sizes, dense
+from stickslip.plots.core.arguments import check_type
+from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
+from stickslip.plots.core.helpers import Array, Sizes, coordinate_name, dense
 from stickslip.plots.core.label_placement import Curve, label_curves
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, C3, MUTED, shade
 from stickslip.trajectory import Trajectory
 
-__all__ = ["LOOP_SIZES", "draw_closed_loop"]
+__all__ = ["LOOP_SIZES", "draw_closed_loop", "plot_closed_loop"]
 
 LOOP_SIZES: Final = Sizes(wide=(880, 380), narrow=(358, 420))
 """Sizes of the figure."""
@@ -120,3 +122,48 @@ def _thinned(t: Array, u: Array) -> tuple[Array, Array]:
         kept |= {int(part[np.argmin(u[part])]), int(part[np.argmax(u[part])])}
     order = sorted(kept)
     return t[order], u[order]
+
+
+def plot_closed_loop(
+    loop: ClosedLoop,
+    ax: PanelTarget = None,
+    *,
+    state: str | None = None,
+    reference: float | Callable[[float], float] | None = None,
+    level: float | None = None,
+    since: float = 0.0,
+    unit: str = "N",
+) -> Panels:
+    """Plot a state and the command of a controller against time.
+
+    Parameters
+    ----------
+    loop : ClosedLoop
+        The run.
+    ax : sequence of Axes, Figure or SubFigure, optional
+        Two Axes; a new figure if not given.
+    state : str, optional
+        What is controlled; ``"x"`` or the first state if not given.
+    reference, level, since, unit
+        As in `draw_closed_loop`.
+
+    Returns
+    -------
+    array of Axes (2,)
+        The panels; times at rest are shaded.
+
+    Examples
+    --------
+    >>> from stickslip import PID, Axis, Coulomb, closed_loop
+    >>> law = Coulomb(kinetic_coefficient=1.0)
+    >>> control = PID(proportional=100.0, derivative=10.0, reference=0.1)
+    >>> loop = closed_loop(Axis(inertia=1.0), law, control, period=1e-2, t_end=1.0)
+    >>> [axes.get_title("left") for axes in plot_closed_loop(loop, Figure())]
+    ['x, mm', 'command, N']
+    """
+    check_type("loop", loop, ClosedLoop)
+    draw = draw_closed_loop(
+        loop, state=coordinate_name(loop.run, state), reference=reference, level=level, since=since,
+        unit=unit,
+    )  # fmt: skip
+    return on_panels(draw, ax, LOOP_SIZES["wide"])

@@ -7,15 +7,19 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stickslip.control import ClosedLoop, limit_cycle
+from stickslip.errors import InputError
 from stickslip.formatting import scale_of
+from stickslip.plots.core.arguments import check_type
+from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
 from stickslip.plots.core.event_markers import within
-from stickslip.plots.core.helpers import Look, Sizes, dense, looks
+from stickslip.plots.core.helpers import Look, Sizes, dense, looks, motion_names
 from stickslip.plots.core.label_placement import Curve, label_curves
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import MUTED, shade
 from stickslip.trajectory import Trajectory
 
-__all__ = ["CYCLE_SIZES", "draw_cycles"]
+__all__ = ["CYCLE_SIZES", "draw_cycles", "plot_limit_cycle"]
 
 CYCLE_SIZES: Final = Sizes(wide=(880, 320), narrow=(358, 480))
 
@@ -109,3 +113,55 @@ def _near_zero(
     if reach > 0.0:
         axes.set_ylim(-factor * reach, factor * reach)
     axes.set_ylabel(f"velocity{' near zero' if reach > 0.0 else ''}, {unit}")
+
+
+def plot_limit_cycle(
+    run: Trajectory | ClosedLoop,
+    ax: PanelTarget = None,
+    *,
+    slip: str | None = None,
+    rate: str | None = None,
+) -> Panels:
+    """Plot a run that repeats itself, and its velocity near zero in the last cycle.
+
+    Parameters
+    ----------
+    run : Trajectory or ClosedLoop
+        The run.
+    ax : sequence of Axes, Figure or SubFigure, optional
+        Two Axes; a new figure if not given.
+    slip, rate : str, optional
+        Names of the coordinate and its rate; the first ones of the run if not given.
+
+    Returns
+    -------
+    array of Axes (2,)
+        Displacement against time, and velocity near zero; times at rest are shaded.
+
+    Raises
+    ------
+    InputError
+        If the velocity has no limit cycle.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, TowedBlock, simulate
+    >>> block = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
+    >>> law = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
+    >>> panels = plot_limit_cycle(simulate(block, law, t_end=80.0), Figure())
+    >>> first, last = panels[1].get_xlim()
+    >>> round(float(last - first), 3)
+    7.611
+    """
+    run = run.run if isinstance(run, ClosedLoop) else run
+    check_type("run", run, Trajectory, ClosedLoop)
+    slip, rate = motion_names(run, slip, rate)
+    cycle = limit_cycle(run, rate)
+    if not cycle.found:
+        how = "fewer than three cycles" if cycle.kind == "none" else f"a {cycle.kind} motion"
+        raise InputError(
+            f"{rate} has no limit cycle: the second half of the run has {how}; plot_run shows it."
+        )
+    end = run.span[1]
+    draw = draw_cycles({"": run}, chosen="", cycle=(end - cycle.period, end), slip=slip, rate=rate)
+    return on_panels(draw, ax, CYCLE_SIZES["wide"])

@@ -9,11 +9,13 @@ from matplotlib.figure import Figure
 from stickslip.formatting import scale_of
 from stickslip.mechanisms import static_normal_force
 from stickslip.optimisation import Cycle, Optimum, guide_of
+from stickslip.plots.core.arguments import check_type
+from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
 from stickslip.plots.core.helpers import Array, Sizes
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, INK, MUTED, label_at
 
-__all__ = ["PROFILE_SIZES", "draw_profile"]
+__all__ = ["PROFILE_SIZES", "draw_profile", "plot_profile"]
 
 PROFILE_SIZES: Final = Sizes(wide=(880, 620), narrow=(358, 1100))
 
@@ -146,3 +148,22 @@ def _name(
             offset=(0, -12) if colour == C1 else (0, 9),
             align="center",
         )
+
+
+def plot_profile(optimum: Optimum, ax: PanelTarget = None) -> Panels:
+    """Plot the best motion over a cycle, what it takes and what it brings.
+
+    Parameters
+    ----------
+    optimum : Optimum
+        What `optimise_profile` returns.
+    ax : sequence of Axes, Figure or SubFigure, optional
+        Six Axes; a new figure if not given.
+
+    Returns
+    -------
+    array of Axes (6,)
+        The panels; limits are thin lines, the best three-phase motion is dashed.
+    """
+    check_type("optimum", optimum, Optimum)
+    return on_panels(draw_profile(optimum), ax, PROFILE_SIZES["wide"])

@@ -4,11 +4,24 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stickslip.errors import InputError
 from stickslip.formatting import scale_of
+from stickslip.plots.core.arguments import check_type
+from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels
 from stickslip.plots.core.event_markers import name_events, name_modes, within
-from stickslip.plots.core.helpers import Sizes, dense, grouped, horizon, looks, wrapped
+from stickslip.plots.core.helpers import (
+    Sizes,
+    coordinate_name,
+    dense,
+    grouped,
+    horizon,
+    looks,
+    motion_names,
+    wrapped,
+)
 from stickslip.plots.core.label_placement import Curve, label_curves, label_ends
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, INK, MUTED, SURFACE, label_at, shade
@@ -22,6 +35,9 @@ __all__ = [
     "draw_friction_velocity",
     "draw_run",
     "draw_runs",
+    "plot_friction_velocity",
+    "plot_run",
+    "plot_runs",
 ]
 
 RUN_SIZES: Final = Sizes(wide=(880, 440), narrow=(358, 440))
@@ -190,3 +206,155 @@ def draw_runs(
         label_ends(axes, last, [(y, wrapped(ns, 30), look[ns[0]].colour) for y, ns in groups])
 
     return draw
+
+
+def plot_run(
+    run: Trajectory,
+    ax: PanelTarget = None,
+    *,
+    slip: str | None = None,
+    rate: str | None = None,
+    until: float | None = None,
+    normal_force: bool = False,
+    band: Band | None = None,
+) -> Panels:
+    """Plot displacement, velocity, friction and perhaps normal force of a run against time.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    ax : sequence of Axes, Figure or SubFigure, optional
+        Three Axes, or four with the normal force; a new figure if not given.
+    slip, rate : str, optional
+        Names of the coordinate and its rate; ``"x"`` and ``"v"``, or the first ones of the run, if
+        not given.
+    until : float, optional
+        Last time shown [s]; some time after the body has arrived if not given.
+    normal_force : bool
+        Whether the normal force has a panel too.
+    band : Band, optional
+        Where 95 % of the runs lie that have a law's parameters from its estimates; shown pale.
+
+    Returns
+    -------
+    array of Axes (3,) or (4,)
+        The panels; times at rest are shaded, and events are dots.
+
+    Raises
+    ------
+    InputError
+        If `ax` is no Axes or has another number of panels.
+    UnknownNameError
+        If the run has no such column.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from stickslip import Coulomb, SpringBlock, simulate
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> run = simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=1.0)
+    >>> [axes.get_ylabel() for axes in plot_run(run, Figure())]
+    ['displacement, m', 'velocity, m/s', 'friction, N']
+    """
+    check_type("run", run, Trajectory)
+    slip, rate = motion_names(run, slip, rate)
+    draw = draw_run(
+        run, slip=slip, rate=rate, until=until, normal_force=normal_force, band=band
+    )  # fmt: skip
+    return on_panels(draw, ax, (FORCE_SIZES if normal_force else RUN_SIZES)["wide"])
+
+
+def plot_friction_velocity(
+    run: Trajectory,
+    ax: Target = None,
+    *,
+    slip: str | None = None,
+    rate: str | None = None,
+    until: float | None = None,
+) -> Axes:
+    """Plot friction against velocity along a run.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+    slip, rate, until
+        As in `plot_run`.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel; a ring is where the run begins, a dot where it ends.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from stickslip import Coulomb, SpringBlock, simulate
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> run = simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=1.0)
+    >>> plot_friction_velocity(run, Figure().add_subplot()).get_xlabel()
+    'velocity, m/s'
+    """
+    check_type("run", run, Trajectory)
+    slip, rate = motion_names(run, slip, rate)
+    draw = draw_friction_velocity(run, slip=slip, rate=rate, until=until)
+    return on_axes(draw, ax, FRICTION_SIZES["wide"])
+
+
+def plot_runs(
+    runs: Mapping[str, Trajectory],
+    ax: Target = None,
+    *,
+    column: str | None = None,
+    title: str | None = None,
+    chosen: str | None = None,
+    until: float | None = None,
+) -> Axes:
+    """Plot one column of several runs against time.
+
+    Parameters
+    ----------
+    runs : mapping of str to Trajectory
+        The runs by name.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+    column : str, optional
+        What is drawn; the coordinate that `plot_run` shows if not given.
+    title : str, optional
+        What it is called; ``"displacement"`` or the name of the column if not given.
+    chosen : str, optional
+        The run that stands out; the first if not given.
+    until : float, optional
+        Last time shown [s].
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel; each run is named where it ends.
+
+    Raises
+    ------
+    InputError
+        If there is no run.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from stickslip import Coulomb, SpringBlock, simulate
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> laws = {f"{mu}": Coulomb(kinetic_coefficient=mu) for mu in (0.2, 0.3)}
+    >>> runs = {name: simulate(rig, law, t_end=1.0) for name, law in laws.items()}
+    >>> len(plot_runs(runs, Figure()).lines)
+    2
+    """
+    if not runs:
+        raise InputError("plot_runs needs at least one run, got none.")
+    for run in runs.values():
+        check_type("runs", run, Trajectory)
+    shown = coordinate_name(next(iter(runs.values())), column)
+    title = title or (shown.replace("_", " ") if column else "displacement")
+    draw = draw_runs(runs, column=shown, title=title, chosen=chosen, until=until)
+    return on_axes(draw, ax, FRICTION_SIZES["wide"])

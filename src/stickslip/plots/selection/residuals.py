@@ -79,8 +79,7 @@ def draw_residuals(panels: Sequence[ResidualPanel], label: str) -> Draw:
         if narrow:
             places = list(figure.subplots(len(panels), 1, squeeze=False).flat)
         elif len(panels) == 3:
-            grid = figure.add_gridspec(2, 2)
-            places = [figure.add_subplot(cell) for cell in (grid[0, :], grid[1, 0], grid[1, 1])]
+            places = list(figure.subplot_mosaic("AA;BC").values())
         else:
             places = list(figure.subplots(1, len(panels), squeeze=False).flat)
         for axes, panel in zip(places, panels, strict=True):

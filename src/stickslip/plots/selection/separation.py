@@ -1,20 +1,27 @@
 """Travel that each fitted law predicts at other settings of the rig."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stickslip.errors import InputError
 from stickslip.formatting import scale_of
+from stickslip.identification.travels.model import trials_of
+from stickslip.plots.core.arguments import check_type
+from stickslip.plots.core.axes import Target, on_axes
 from stickslip.plots.core.helpers import Array, Look, Sizes, grouped, looks, wrapped
 from stickslip.plots.core.label_placement import Curve, label_curves, label_ends
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import INK, MUTED, STICK, SURFACE, label_at
+from stickslip.quantities import parameters
+from stickslip.selection import TravelVerdict
 from stickslip.selection.design.discriminating_settings import Separation
 
-__all__ = ["SEPARATION_SIZES", "draw_separation"]
+__all__ = ["SEPARATION_SIZES", "draw_proposal", "draw_separation", "plot_separation"]
 
 SEPARATION_SIZES: Final = Sizes(wide=(880, 320), narrow=(358, 300))
 
@@ -127,3 +134,79 @@ def _measured(axes: Axes, points: Sequence[tuple[float, float]]) -> None:
         axes.plot([x], [y], "o", color=INK, markersize=6, markeredgecolor=SURFACE, zorder=5)
         if index == 0:
             label_at(axes, x, y, "measured", INK, offset=(-8, 10), align="right")
+
+
+def draw_proposal(verdict: TravelVerdict) -> Draw:
+    """Return a drawing of what the laws of a verdict predict, and where to measure next.
+
+    Parameters
+    ----------
+    verdict : TravelVerdict
+        A verdict with a proposal.
+
+    Returns
+    -------
+    callable
+        Draws the best law, its rivals, what was measured, and the settings to measure.
+
+    Raises
+    ------
+    InputError
+        If the verdict has no proposal.
+    """
+    proposal = verdict.proposal
+    if proposal is None or not verdict.separations:
+        raise InputError(
+            "the verdict proposes no measurement, so predictions of laws cannot be drawn:"
+            " no law is named, or there is none to tell it from."
+        )
+    names = (proposal.best, *proposal.rivals)
+    rows = [
+        replace(row, predicted={name: row.predicted[name] for name in names})
+        for row in verdict.separations
+    ]
+    measured = []
+    for trial in trials_of(verdict.mechanism, verdict.measurement, verdict.t_end):
+        settings = {path: value for path, _, value in parameters(trial.mechanism, "mechanism")}
+        if settings.get(rows[0].path) is not None:
+            measured.append((float(settings[rows[0].path]), trial.travel))
+    return draw_separation(
+        rows,
+        proposal.best,
+        measured,
+        proposed=[row.value for row in proposal.settings],
+        titles={candidate.name: candidate.title for candidate in verdict.candidates},
+    )
+
+
+def plot_separation(verdict: TravelVerdict, ax: Target = None) -> Axes:
+    """Plot the travel that each law of a verdict predicts against the setting of the rig.
+
+    Parameters
+    ----------
+    verdict : TravelVerdict
+        A selection by travels, with a proposal.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel, with what was measured and a band at each setting to measure next.
+
+    Raises
+    ------
+    InputError
+        If the verdict proposes no measurement.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Dahl, Measurement, SpringBlock, select
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> laws = [Coulomb(kinetic_coefficient=0.25), "viscous"]
+    >>> verdict = select(rig, Measurement(travel=0.20, uncertainty=0.005), laws)
+    >>> plot_separation(verdict, Figure()).get_ylabel()
+    'travel, m'
+    """
+    check_type("verdict", verdict, TravelVerdict)
+    return on_axes(draw_proposal(verdict), ax, SEPARATION_SIZES["wide"])

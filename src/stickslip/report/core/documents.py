@@ -1,23 +1,24 @@
 """The frame of a report: a page, its sections, and the opening with the verdict."""
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import partial
 from typing import ClassVar, Final, TypeAlias, final
 
 from stickslip.errors import InputError
 from stickslip.report.core.blocks import Block, Fact, Note, at_most_three
+from stickslip.report.core.versions import versions
 
 __all__ = [
     "LawLine",
     "Opening",
+    "Origin",
     "Page",
     "Section",
     "SectionMaker",
     "failed_section",
     "made_sections",
-    "selection_document",
 ]
 
 _ID: Final = re.compile(r"[a-z][a-z0-9-]*")
@@ -191,6 +192,33 @@ class Page:
         return any(isinstance(block, Opening) for part in self.sections for block in part.blocks)
 
 
+@final
+@dataclass(frozen=True, kw_only=True)
+class Origin:
+    """Where the numbers of a page are from, and how to get them again.
+
+    Examples
+    --------
+    >>> Origin(title="Slider", data="slider.csv, 6 s").title
+    'Slider'
+    """
+
+    title: str
+    """What was measured."""
+    data: str
+    """The data in one line."""
+    file: str = ""
+    """Name of the file, at the right of the top line; the title if not given."""
+    digest: str = ""
+    """SHA-256 of the inputs."""
+    files: Mapping[str, str] = field(default_factory=dict)
+    """SHA-256 of each file of data by its name."""
+    commands: tuple[str, ...] = ()
+    """Commands that give this page again."""
+    versions: Mapping[str, str] = field(default_factory=versions)
+    """Versions by name of the software."""
+
+
 SectionMaker: TypeAlias = partial[Section] | partial[Section | None]
 """A function ``..._section`` with its arguments."""
 
@@ -240,31 +268,3 @@ def failed_section(name: str, error: Exception) -> Section:
     title = name.replace("_", " ").capitalize()
     note = Note(title="This section could not be made.", text=text)
     return Section(id=name.replace("_", "-"), nav=title, heading=title, blocks=(note,))
-
-
-def selection_document(
-    sections: Sequence[Section], *, title: str, subject: str, versions: Mapping[str, str]
-) -> Page:
-    """Return the report of a selection from its sections.
-
-    Examples
-    --------
-    >>> from stickslip.report import Paragraph
-    >>> text = (Paragraph(text="Coulomb friction predicts all of it."),)
-    >>> page = selection_document(
-    ...     [Section(id="scores", nav="Scores", heading="One wins", blocks=text)],
-    ...     title="Slider",
-    ...     subject="slider.toml",
-    ...     versions={"stickslip": "0.1.0"},
-    ... )
-    >>> page.title, len(page.sections)
-    ('Friction model selection: Slider', 1)
-    """
-    version = versions.get("stickslip", "")
-    return Page(
-        title=f"Friction model selection: {title}",
-        subject=subject or title,
-        sections=tuple(sections),
-        footer=f"Written by {f'stickslip {version}'.strip()}. This file is complete: it loads"
-        " nothing and runs no script.",
-    )

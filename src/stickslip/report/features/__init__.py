@@ -1,5 +1,5 @@
-"""The report of a selection on features of stick-slip: a verdict as a page."""
+"""What the page of a selection on features of stick-slip shows."""
 
-from stickslip.report.features.page import feature_document, feature_page
+from stickslip.report.features.sections import sections
 
-__all__ = ["feature_document", "feature_page"]
+__all__ = ["sections"]

@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from typing import Literal
 
 from stickslip.formatting import estimate, in_words, number, percent, quantity
-from stickslip.report.core.blocks import Block, Caption, Code, KeyValue, KeyValues, References
-from stickslip.report.core.documents import Section
+from stickslip.report.core.blocks import KeyValue, KeyValues
+from stickslip.report.core.documents import Origin, Section
+from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Cell, Column, Row, Table
 from stickslip.report.features.texts import typeset_lines
-from stickslip.report.travels.appendix import law_references
 from stickslip.selection import FeatureVerdict, OtherSpeed
 
 __all__ = ["next_section", "record_section", "reproduce_section"]
@@ -108,30 +108,15 @@ def _speed(one: OtherSpeed, names: Sequence[str]) -> Row:
     return Row(cells=(*cells, percent(one.separation)))
 
 
-def reproduce_section(
-    verdict: FeatureVerdict, commands: Sequence[str], versions: Mapping[str, str], digest: str
-) -> Section:
+def reproduce_section(verdict: FeatureVerdict, origin: Origin) -> Section:
     """Return the section with commands, the rig file of the fit, data and references."""
-    blocks: list[Block] = []
-    if commands:
-        blocks.append(Code(text="\n".join(f"$ {command}" for command in commands)))
     fit = verdict.best.fit if verdict.best else None
-    items = []
+    code, items = [], []
     if fit is not None:
-        blocks.append(Code(text=fit.to_toml().strip()))
-        blocks.append(Caption(text="The fitted block and law, as a file that simulations take."))
+        code.append((fit.to_toml().strip(), "Fitted block and law, as a file for simulations."))
         text = f"{fit.runs:,} limit cycles simulated for the chosen law"
         items.append(KeyValue(key="Runs", value=text))
     if verdict.measurement.provenance:
         items.append(KeyValue(key="Data", value=verdict.measurement.provenance))
-    items += [KeyValue(key=name, value=version) for name, version in versions.items()]
-    if digest:
-        items.append(KeyValue(key="Hash of the inputs", value=f"`{digest}`"))
-    if items:
-        blocks.append(KeyValues(items=tuple(items)))
-    sources = law_references([c.law for c in verdict.candidates if c.law is not None], {})
-    if sources:
-        blocks += [References(items=sources), Caption(text="What the laws come from.")]
-    return Section(
-        id="reproduce", nav="Reproduce and cite", heading="Reproduce and cite", blocks=tuple(blocks)
-    )
+    laws = [c.law for c in verdict.candidates if c.law is not None]
+    return reproduce(origin, code=code, items=items, references=law_references(laws, {}))

@@ -10,9 +10,9 @@ from stickslip.identification import FeatureFit
 from stickslip.identification.features.features import load_of
 from stickslip.plots.core.svg import inline_svg
 from stickslip.plots.runs.spring_force import PULL_SIZES, Excerpt, Half, draw_pull
+from stickslip.plots.selection.fit_data import thinned
 from stickslip.report.core.blocks import Figure
 from stickslip.report.core.documents import Section
-from stickslip.report.records.plot_data import thinned
 from stickslip.selection import FeatureVerdict
 
 __all__ = ["force_section"]

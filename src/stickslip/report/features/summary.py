@@ -14,12 +14,12 @@ from stickslip.selection.feature_wording import share_parts, share_text
 __all__ = ["opening_section"]
 
 
-def opening_section(verdict: FeatureVerdict, kicker: str) -> Section:
+def opening_section(verdict: FeatureVerdict, kicker: str, remark: str = "") -> Section:
     """Return the section that a reader may stop after."""
     best, words = verdict.best, verdict.words
     fit = best.fit if best else None
     told = fit is not None and best is not None and not best.dropped
-    (lede,) = typeset_lines([f"{words.lede} {words.no_score}".strip()], verdict)
+    (lede,) = typeset_lines([f"{words.lede} {words.no_score} {remark}".strip()], verdict)
     opening = Opening(
         kicker=kicker,
         verdict=words.verdict,

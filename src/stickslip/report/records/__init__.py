@@ -1,5 +1,5 @@
-"""The report of a selection on records: a verdict as a page."""
+"""What the page of a selection on records shows."""
 
-from stickslip.report.records.page import record_document, record_page
+from stickslip.report.records.sections import sections
 
-__all__ = ["record_document", "record_page"]
+__all__ = ["sections"]

@@ -9,10 +9,10 @@ from stickslip.formatting import in_words, number, significant, with_unit
 from stickslip.identification import RecordFit
 from stickslip.plots.core.svg import inline_svg
 from stickslip.plots.data.record import Channel, draw_record, record_sizes
+from stickslip.plots.selection.fit_data import speeds_of, thinned
 from stickslip.report.core.blocks import Block, Figure, KeyValue, KeyValues
 from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Column, Number, Row, Table
-from stickslip.report.records.plot_data import speeds_of, thinned
 from stickslip.report.records.texts import (
     symbols_of,
     typeset,

@@ -9,10 +9,11 @@ from stickslip.friction import BristleLaw, DirectionDependent
 from stickslip.identification import RecordFit
 from stickslip.plots.core.svg import inline_svg
 from stickslip.plots.laws.curves import characteristic
-from stickslip.plots.laws.friction_map import MAP_SIZES, MapLaw, draw_friction_map
+from stickslip.plots.laws.friction_map import MAP_SIZES
+from stickslip.plots.selection.fit_data import MapPoints, map_points, offset_of, sampled
+from stickslip.plots.selection.fits import draw_fitted_map
 from stickslip.report.core.blocks import Figure
 from stickslip.report.core.documents import Section
-from stickslip.report.records.plot_data import MapPoints, map_points, offset_of, sampled
 from stickslip.report.records.texts import rival_of
 from stickslip.selection import RecordCandidate, RecordVerdict
 from stickslip.selection.record_wording import in_sentence
@@ -31,26 +32,17 @@ def map_section(verdict: RecordVerdict) -> Section | None:
     points = map_points(best.fit) if best.fit else None
     if best.fit is None or points is None or not np.any(points.velocity):
         return None
-    laws = {best.title: MapLaw(best.fit.law, offset_of(best.fit))}
+    laws = {best.title: best.fit}
     if rival is not None and rival.fit is not None:
-        laws[rival.title] = MapLaw(rival.fit.law, offset_of(rival.fit))
-    shown = sampled(len(points.velocity))
-    draw = draw_friction_map(
-        points.velocity[shown],
-        points.friction[shown],
-        laws,
-        points.load,
-        chosen=best.title,
-        trend=points.trend[shown],
-        units=(best.fit.measurement.unit("velocity"), best.fit.measurement.unit("friction")),
-    )
+        laws[rival.title] = rival.fit
+    draw = draw_fitted_map(points, laws)
     svg = inline_svg(
         draw,
         alt=f"Friction against velocity, measured and by {' and '.join(laws)}",
         prefix="map-figure",
         **MAP_SIZES,
     )
-    caption = _caption(points, len(shown), laws, best.title)
+    caption = _caption(points, len(sampled(len(points.velocity))), laws, best.title)
     figure = Figure(svg=svg, caption=caption)
     return Section(id="map", nav="Friction map", heading=_heading(best, points), blocks=(figure,))
 
@@ -108,7 +100,7 @@ def _viscous_parts_differ(fit: RecordFit) -> bool:
     return abs(found[0].value - found[1].value) > sum(e.half_width for e in found)
 
 
-def _caption(points: MapPoints, shown: int, laws: dict[str, MapLaw], chosen: str) -> str:
+def _caption(points: MapPoints, shown: int, laws: dict[str, RecordFit], chosen: str) -> str:
     count = len(points.velocity)
     some = f"{shown:,} of {count:,}" if shown < count else f"{count:,}"
     if points.measured:

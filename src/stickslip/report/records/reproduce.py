@@ -1,7 +1,6 @@
 """How to have the report again, and whom to cite."""
 
 import textwrap
-from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Final
 
@@ -9,11 +8,12 @@ import stickslip
 from stickslip.errors import UnknownNameError
 from stickslip.friction import FrictionLaw
 from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.validation import LAW
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
-from stickslip.report.core.blocks import Block, Caption, Code, KeyValue, KeyValues, References
-from stickslip.report.core.documents import Section
-from stickslip.report.travels.appendix import law_references
+from stickslip.report.core.blocks import KeyValue
+from stickslip.report.core.documents import Origin, Section
+from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.selection import RecordVerdict
 from stickslip.selection.candidates import specifications
 
@@ -23,45 +23,23 @@ WIDTH: Final = 66
 """Letters of a line of code, which a page shows without scrolling."""
 
 
-def reproduce_section(
-    verdict: RecordVerdict,
-    commands: Sequence[str],
-    versions: Mapping[str, str],
-    digest: str,
-    files: Mapping[str, str],
-) -> Section:
+def reproduce_section(verdict: RecordVerdict, origin: Origin) -> Section:
     """Return the section with commands, the selection and the law as code, data and references."""
-    blocks: list[Block] = []
-    if commands:
-        blocks.append(Code(text="\n".join(f"$ {command}" for command in commands)))
-    blocks.append(Code(text=python_lines(verdict)))
     names = "`record` is" if verdict.second is None else "`record` and `second` are"
-    blocks.append(
-        Caption(
-            text=f"The selection in Python; {names} what `load_measurement` reads, with the"
-            " columns, units and gains of the data. Laws that have start values, as those of a rig"
-            " file, are given instead of their names."
-        )
+    caption = (
+        f"The selection in Python; {names} what `load_measurement` reads, with the columns, units"
+        " and gains of the data. Laws that have start values, as those of a rig file, are given"
+        " instead of their names."
     )
+    code = [(python_lines(verdict), caption)]
     fit = verdict.closest.fit
     if fit is not None:
-        blocks.append(Code(text=_as_code(fit.law)))
-        blocks.append(Code(text=fit.to_toml().strip()))
-        blocks.append(Caption(text="The fitted law as code, and as a file that simulations take."))
-    items = _data(verdict)
-    items += [KeyValue(key=name, value=version) for name, version in versions.items()]
-    items += [KeyValue(key=f"SHA-256 of {name}", value=f"`{one}`") for name, one in files.items()]
-    if digest:
-        items.append(KeyValue(key="Hash of the inputs", value=f"`{digest}`"))
-    if items:
-        blocks.append(KeyValues(items=tuple(items)))
+        code.append((_as_code(fit.law), ""))
+        code.append(
+            (fit.to_toml().strip(), "The fitted law as code, and as a file for simulations.")
+        )
     laws = [c.law for c in verdict.candidates if c.law is not None]
-    sources = law_references(laws, {})
-    if sources:
-        blocks += [References(items=sources), Caption(text="What the laws come from.")]
-    return Section(
-        id="reproduce", nav="Reproduce and cite", heading="Reproduce and cite", blocks=tuple(blocks)
-    )
+    return reproduce(origin, code=code, items=_data(verdict), references=law_references(laws, {}))
 
 
 def python_lines(verdict: RecordVerdict) -> str:
@@ -72,7 +50,7 @@ def python_lines(verdict: RecordVerdict) -> str:
     built = _built(verdict.mechanism)
     kind = type(verdict.mechanism).__name__
     names = [*sorted([kind if built else "load_rig", "RecordSettings"]), "select"]
-    parts = [built or 'load_rig("rig.toml").mechanism', "record", *_laws(verdict)]
+    parts = [built or 'load_rig("rig.toml").mechanism', _laws(verdict), "record"]
     parts += _asked(verdict)
     parts.append(f"settings={_settings(verdict.settings)}")
     parts += ["validate=second"] if verdict.second is not None else []
@@ -96,32 +74,32 @@ def _built(mechanism: Mechanism) -> str:
     return f"{type(mechanism).__name__}({', '.join(found)})"
 
 
-def _laws(verdict: RecordVerdict) -> list[str]:
-    """Return the argument with the laws by name; none if these are all that there usually are.
+def _laws(verdict: RecordVerdict) -> str:
+    """Return the argument with the laws by name; None if these are all that there usually are.
 
     Laws whose names say nothing are left to oneself.
     """
     names = [one.name for one in verdict.candidates]
     if {*names} == {one.name for one in specifications(None)}:
-        return []
+        return "None"
     try:
         specifications(names)
     except UnknownNameError:
-        return ["laws"]
+        return "laws"
     said = ", ".join(f'"{name}"' for name in names)
-    return ["\n...      ".join(textwrap.wrap(f"[{said}]", WIDTH, break_on_hyphens=False))]
+    return "\n...      ".join(textwrap.wrap(f"[{said}]", WIDTH, break_on_hyphens=False))
 
 
 def _asked(verdict: RecordVerdict) -> list[str]:
     """Return the arguments on what was looked for and what was scored."""
     fit = verdict.closest.fit
     paths = [e.path for e in fit.estimates] if fit else []
-    unknown = [
-        f'"{path.removeprefix("mechanism.")}"'
+    varied = [
+        f'"{path}"'
         for path in paths
         if path.startswith("mechanism.") and path != "mechanism.offset"
     ]
-    parts = [f"unknown=[{', '.join(unknown)}]"] if unknown else []
+    parts = [f'vary=["{LAW}", {", ".join(varied)}]'] if varied else []
     parts.append(f'purpose="{verdict.purpose.name}"')
     parts += [f"horizon={verdict.plan.horizon!r}"] if verdict.plan.length else []
     return parts + ([f'route="{fit.route}"'] if fit else [])

@@ -2,11 +2,18 @@
 
 import numpy as np
 
-from stickslip.formatting import joined, number, percent, quantity, scale_of, significant
+from stickslip.formatting import joined, number, percent, quantity, significant
 from stickslip.identification import RecordFit
 from stickslip.identification.force_map.problem import ForceMap
 from stickslip.identification.residuals.trends import has_trend, ljung_box, noise_floor
 from stickslip.plots.core.svg import inline_svg
+from stickslip.plots.selection.fit_data import (
+    block_edges,
+    errors_of,
+    is_timed,
+    residual_panels,
+    rows_of,
+)
 from stickslip.plots.selection.residuals import (
     ERROR_SIZES,
     ResidualPanel,
@@ -16,22 +23,11 @@ from stickslip.plots.selection.residuals import (
 )
 from stickslip.report.core.blocks import Block, Figure
 from stickslip.report.core.documents import Section
-from stickslip.report.records.plot_data import (
-    Rows,
-    block_edges,
-    errors_of,
-    is_timed,
-    panel_of,
-    rows_of,
-    sampled,
-)
 from stickslip.report.records.texts import rival_of
 from stickslip.selection import RecordVerdict
 
 __all__ = ["residuals_section"]
 
-DOTS = 1000
-"""Residuals drawn in each panel at most."""
 FLOOR = 10.0
 """Residuals over what noise would leave from which a missing trend alone says too little."""
 
@@ -60,22 +56,14 @@ def residuals_section(verdict: RecordVerdict) -> Section | None:
 
 def _panels(fit: RecordFit, factor: float) -> tuple[dict[str, ResidualPanel], list[str]]:
     """Return the panels by what residuals are drawn against, and with which they have a trend."""
-    rows: Rows = rows_of(fit)
-    residual = factor * rows.residual
-    shown = sampled(len(residual), DOTS)
-    found, trends = {}, []
+    panels, rows = residual_panels(fit, factor), rows_of(fit)
     against = {"time": rows.t, "velocity": rows.velocity, "position": rows.position}
-    for name, x in against.items():
-        if x is None or np.ptp(x) == 0.0:
-            continue
-        by, shown_unit = scale_of(x, "s" if name == "time" else fit.measurement.unit(name))
-        label = f"{name}, {shown_unit}"
-        panel = panel_of(label, by * x, residual, fit.inference.effective, shown)
-        if len(panel.centre):
-            found[name] = panel
-            if has_trend(residual, x):
-                trends.append(name)
-    return found, trends
+    trends = [
+        name
+        for name in panels
+        if (x := against[name]) is not None and has_trend(factor * rows.residual, x)
+    ]
+    return panels, trends
 
 
 def _heading(fit: RecordFit, panels: list[str], trends: list[str]) -> str:

@@ -19,10 +19,10 @@ from stickslip.friction import (
     Viscous,
 )
 from stickslip.identification import Estimate, RecordFit
+from stickslip.plots.selection.fit_data import map_points, offset_of
 from stickslip.quantities import fields_of
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import LawLine, Opening, Section
-from stickslip.report.records.plot_data import map_points, offset_of
 from stickslip.report.records.texts import (
     label_of,
     paired,

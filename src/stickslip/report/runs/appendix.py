@@ -1,23 +1,20 @@
 """The end of the report of a run: the law and its doubt, certificate, how to reproduce it."""
 
-from stickslip.experiments.estimates import HARD
+from stickslip.experiments.estimates import HARD, equated
 from stickslip.formatting import interval, number
 from stickslip.quantities import parameters
 from stickslip.report.core.blocks import (
     Block,
     Caption,
-    Code,
-    KeyValue,
     KeyValues,
     Math,
     Note,
-    References,
 )
 from stickslip.report.core.certificates import evidence
-from stickslip.report.core.documents import Section
+from stickslip.report.core.documents import Origin, Section
+from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.runs.subject import RunReport
-from stickslip.report.travels.appendix import law_references
 
 __all__ = ["certificate_section", "law_section", "reproduce_section"]
 
@@ -32,6 +29,9 @@ def law_section(about: RunReport) -> Section:
         label = f"{name.replace('_', ' ').capitalize()} ${one.symbol}$"
         unit = "none" if one.unit == "1" else one.unit
         rows.append(Row(cells=(label, number(value, 4), unit, span, how)))
+    for name, (own, other) in equated(law).items():
+        label = f"{name.replace('_', ' ').capitalize()} ${own}$"
+        rows.append(Row(cells=(label, f"${other}$", "none", "—", "assumed, not measured")))
     kind = "95 %" if about.estimates is None else about.estimates.interval
     columns = (
         Column(head="parameter"),
@@ -105,15 +105,12 @@ def certificate_section(about: RunReport) -> Section:
 
 def reproduce_section(about: RunReport) -> Section:
     """Return commands, versions, hashes and the sources of the law."""
-    blocks: list[Block] = []
-    if about.commands:
-        blocks.append(Code(text="\n".join(f"$ {command}" for command in about.commands)))
-    items = [KeyValue(key=name, value=version) for name, version in about.versions.items()]
-    items += [KeyValue(key=f"Hash of {name}", value=f"`{x}`") for name, x in about.digests.items()]
-    if items:
-        blocks.append(KeyValues(items=tuple(items)))
-    sources = law_references([about.law], {"paper": ["criteria"]})
-    if sources:
-        blocks.append(References(items=sources))
-    nav = "Reproduce and cite"
-    return Section(id="reproduce", nav=nav, heading=nav, blocks=tuple(blocks))
+    references = law_references([about.law], {"paper": ["criteria"]})
+    origin = Origin(
+        title=about.rig.title,
+        data="",
+        files=about.digests,
+        commands=about.commands,
+        versions=about.versions,
+    )
+    return reproduce(origin, references=references)

@@ -1,5 +1,6 @@
 """The motion in figures and tables: run, cycles, events, criteria."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -22,6 +23,7 @@ from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Cell, Column, Row, Table
 from stickslip.report.runs.subject import RunReport
 from stickslip.sweep import DrivenCycle
+from stickslip.trajectory import Trajectory
 
 __all__ = [
     "animation_section",
@@ -54,10 +56,12 @@ def motion_section(about: RunReport) -> Section:
     force = about.run["normal_force"]
     varies = bool(np.ptp(force) > 1e-9 * np.abs(force).max(initial=0.0))
     what = "Displacement, velocity, friction" + (" and normal force" if varies else "")
-    caption = f"**{what}** against time; yellow: the body sticks."
+    caption = f"**{what}** against time"
     until = None
     if len(about.cycles) > MOST_DRAWN:
         until = about.cycles[DRAWN].begin
+    caption += "; yellow: the body sticks." if _sticks(about.run, until=until) else "."
+    if until is not None:
         caption += f" Of {len(about.cycles)} cycles the first {DRAWN} are shown."
     if about.band is not None:
         caption += (
@@ -94,19 +98,26 @@ def motion_section(about: RunReport) -> Section:
     return Section(id="motion", nav="Motion", heading="The motion", blocks=blocks)
 
 
+def _sticks(run: Trajectory, begin: float = -math.inf, until: float | None = None) -> bool:
+    """Whether a stick phase, which figures shade yellow, is in what they show."""
+    end = math.inf if until is None else until
+    return any(start < end and stop > begin for start, stop in run.stick_spans())
+
+
 def cycles_section(about: RunReport) -> Section | None:
     """Return the travel of each cycle of the drives, None without whole cycles."""
     cycles = about.cycles
     if not cycles:
         return None
     last = cycles[-1]
+    end = min(last.begin + last.period, about.run.span[1])
     runs = {about.law.title: about.run}
     figure = Figure(
         svg=inline_svg(
             draw_cycles(
                 runs,
                 chosen=about.law.title,
-                cycle=(last.begin, min(last.begin + last.period, about.run.span[1])),
+                cycle=(last.begin, end),
                 slip=about.slip,
                 rate=about.rate,
             ),
@@ -115,7 +126,7 @@ def cycles_section(about: RunReport) -> Section | None:
             **CYCLE_SIZES,
         ),
         caption="**All cycles, and the velocity in the last one**, near zero if the body moves back"
-        " in it. Yellow: the body sticks.",
+        " in it." + (" Yellow: the body sticks." if _sticks(about.run, last.begin, end) else ""),
     )
     blocks: list[Block] = [figure, _cycle_table(about)]
     if len(cycles) > FIRST_ROWS + LAST_ROWS:
@@ -198,10 +209,9 @@ def animation_section(about: RunReport) -> Section | None:
         size=STACKED,
         narrow=PHONE,
     )
-    caption = (
-        f"**The first {quantity(length, 's')}**, to scale, {pace}. The sliding body is yellow"
-        " where it sticks; arrows are forces."
-    )
+    sticks = "The sliding body is yellow where it sticks; arrows"
+    said = sticks if _sticks(about.run, until=until) else "Arrows"
+    caption = f"**The first {quantity(length, 's')}**, to scale, {pace}. {said} are forces."
     block = Animation(html=html, caption=caption)
     return Section(id="animation", nav="Animation", heading="Animation", blocks=(block,))
 

@@ -1,5 +1,6 @@
 """The opening of the report of a run: how it ended, how far the body came."""
 
+from stickslip.experiments.estimates import equated
 from stickslip.formatting import count, quantity, span
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import Opening, Section
@@ -89,6 +90,11 @@ def _cannot_tell(about: RunReport) -> tuple[str, ...]:
     said = []
     if about.law_file:
         said.append("Whether this contact has the friction of the one on which the law was fitted.")
+    said += [
+        f"By how much static friction exceeds sliding friction: ${own}$ was neither measured nor"
+        f" given, and is taken equal to ${other}$."
+        for own, other in equated(about.law).values()
+    ]
     if about.estimates is None:
         said.append("The uncertainty of the motion: the law has no intervals.")
     elif about.band is None:

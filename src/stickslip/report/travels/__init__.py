@@ -1,5 +1,5 @@
-"""The report of a selection: a verdict as a page."""
+"""What the page of a selection on travels shows."""
 
-from stickslip.report.travels.page import selection_page
+from stickslip.report.travels.sections import sections
 
-__all__ = ["selection_page"]
+__all__ = ["sections"]

@@ -1,47 +1,37 @@
 """The end of the report: what to measure next, parameters, certificate, and how to reproduce it."""
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
-from typing import Final
+from collections.abc import Mapping
 
 from stickslip import formatting
 from stickslip.formatting import fixed, joined, scale_of, within
-from stickslip.friction import SOURCES, FrictionLaw
-from stickslip.identification.travels.model import trials_of
 from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.selection.separation import SEPARATION_SIZES, draw_separation
-from stickslip.quantities import fields_of, parameters
+from stickslip.plots.selection.separation import SEPARATION_SIZES, draw_proposal
+from stickslip.quantities import fields_of
 from stickslip.report.core.blocks import (
     Block,
-    Caption,
     Code,
     Figure,
     KeyValue,
     KeyValues,
     Math,
-    Reference,
-    References,
 )
 from stickslip.report.core.certificates import evidence
-from stickslip.report.core.documents import Section
+from stickslip.report.core.documents import Origin, Section
+from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.travels.texts import (
     estimate_range,
+    measured_band,
 )
 from stickslip.selection import TravelVerdict
 from stickslip.selection.design.discriminating_settings import Proposal
 
 __all__ = [
     "certificate_section",
-    "law_references",
     "next_section",
     "parameters_section",
     "reproduce_section",
 ]
-
-AUTHORS: Final = re.compile(r"(?<=[^\W\d_]{3})\. ")
-"""The end of the authors: a full stop after a surname, not after an initial."""
 
 
 def next_section(verdict: TravelVerdict) -> Section | None:
@@ -83,20 +73,6 @@ def next_section(verdict: TravelVerdict) -> Section | None:
 def _separation_figure(
     verdict: TravelVerdict, proposal: Proposal, unit: str, titles: Mapping[str, str]
 ) -> Figure:
-    names = (proposal.best, *proposal.rivals)
-    rows = [
-        replace(row, predicted={name: row.predicted[name] for name in names})
-        for row in verdict.separations
-    ]
-    path = rows[0].path
-    trials = trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)
-    settings = [
-        next((v for p, _, v in parameters(t.mechanism, "mechanism") if p == path), None)
-        for t in trials
-    ]
-    measured = [
-        (float(s), t.travel) for s, t in zip(settings, trials, strict=True) if s is not None
-    ]
     still = [titles[name] for name in proposal.rivals if name not in proposal.apart]
     caption = f"**Predicted travel** of each law as fitted, against the {proposal.what}."
     if still and proposal.settings:
@@ -106,13 +82,7 @@ def _separation_figure(
         apart = formatting.quantity(proposal.widest, "m", 2)
         caption += f" They differ by at most {apart} at new settings."
     svg = inline_svg(
-        draw_separation(
-            rows,
-            proposal.best,
-            measured,
-            proposed=[row.value for row in proposal.settings],
-            titles=titles,
-        ),
+        draw_proposal(verdict),
         alt=f"Travel predicted by each law against the {proposal.what} in {unit}",
         prefix="separation",
         **SEPARATION_SIZES,
@@ -207,7 +177,8 @@ def certificate_section(verdict: TravelVerdict) -> Section:
 
 def _data(verdict: TravelVerdict) -> KeyValue:
     records = verdict.measurement.records()
-    half = records[0].uncertainty.get("travel")
+    band = measured_band(verdict)
+    half = 0.5 * (band[1] - band[0]) if band else 0.0
     doubt = f"± {formatting.quantity(half, 'm', 1)}" if half else "without a stated uncertainty"
     if len(records) == 1:
         kind = {"rounding": "its rounding", "standard": "standard error", "interval": "interval"}
@@ -219,46 +190,7 @@ def _data(verdict: TravelVerdict) -> KeyValue:
     return KeyValue(key="Data", value=text, mark="ok" if distinct > 1 else "warn")
 
 
-def reproduce_section(
-    verdict: TravelVerdict, commands: Sequence[str], versions: Mapping[str, str], digest: str
-) -> Section:
+def reproduce_section(verdict: TravelVerdict, origin: Origin) -> Section:
     """Return the section with commands, versions, hash and references."""
-    blocks: list[Block] = []
-    if commands:
-        blocks.append(Code(text="\n".join(f"$ {command}" for command in commands)))
-    items = [KeyValue(key=name, value=version) for name, version in versions.items()]
-    if digest:
-        items.append(KeyValue(key="Hash of the inputs", value=f"`{digest}`"))
-    if items:
-        blocks.append(KeyValues(items=tuple(items)))
-    blocks.append(References(items=_references(verdict)))
-    blocks.append(Caption(text="What the laws and criteria of this report come from."))
-    return Section(
-        id="reproduce", nav="Reproduce and cite", heading="Reproduce and cite", blocks=tuple(blocks)
-    )
-
-
-def _references(verdict: TravelVerdict) -> tuple[Reference, ...]:
     laws = [candidate.law for candidate in verdict.candidates]
-    return law_references(laws, {"paper": ["criteria"]})
-
-
-def law_references(
-    laws: Iterable[FrictionLaw], first: Mapping[str, Sequence[str]]
-) -> tuple[Reference, ...]:
-    """Return the sources of laws with the laws they are for, after those given by key."""
-    used = {key: list(who) for key, who in first.items()}
-    for law in laws:
-        for key in law.sources:
-            used.setdefault(key, []).append(law.title)
-    return tuple(
-        _reference(SOURCES[key], joined(who)) for key, who in used.items() if key in SOURCES
-    )
-
-
-def _reference(text: str, note: str) -> Reference:
-    """Return a citation in parts: authors, title, where."""
-    parts = AUTHORS.split(text.rstrip("."), maxsplit=1)
-    authors, rest = parts if len(parts) == 2 else ("", text.rstrip("."))
-    title, _, where = rest.partition(". ")
-    return Reference(authors=authors, title=title, where=where, note=note)
+    return reproduce(origin, references=law_references(laws, {"paper": ["criteria"]}))

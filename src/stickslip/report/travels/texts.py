@@ -7,6 +7,7 @@ import numpy as np
 from stickslip.formatting import Scale, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate
+from stickslip.identification.travels.model import Trial, trials_of
 from stickslip.quantities import fields_of
 from stickslip.selection import Candidate, TravelVerdict
 from stickslip.selection.verdict import score_scale
@@ -55,22 +56,19 @@ def slip_and_rate(verdict: TravelVerdict) -> tuple[str, str]:
 
 
 def travels(verdict: TravelVerdict) -> tuple[float, ...]:
-    """Return the measured travels [m], one a record."""
-    return tuple(
-        float(np.mean(record.travel))
-        for record in verdict.measurement.records()
-        if record.travel is not None
-    )
+    """Return the measured travels [m], one a reading, whatever quantity was read."""
+    return tuple(trial.travel for trial in _trials(verdict))
 
 
 def measured_band(verdict: TravelVerdict) -> tuple[float, float] | None:
     """Return the range of the first measured travel [m], None if it has no stated doubt."""
-    record = verdict.measurement.records()[0]
-    half = float(record.uncertainty.get("travel", 0.0))
-    if not half or record.travel is None:
-        return None
-    travel = travels(verdict)[0]
-    return travel - half, travel + half
+    first = _trials(verdict)[0]
+    half = first.half_width
+    return (first.travel - half, first.travel + half) if half else None
+
+
+def _trials(verdict: TravelVerdict) -> tuple[Trial, ...]:
+    return trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)
 
 
 def largest_difference(verdict: TravelVerdict, candidate: Candidate) -> float | None:

@@ -19,6 +19,7 @@ __all__ = [
     "knob_of",
     "predictions",
     "propose",
+    "rounded_setting",
     "separations",
     "unit_of",
     "words_of",
@@ -45,6 +46,18 @@ def unit_of(unit: str) -> tuple[str, float]:
     (('mm', 1000.0), ('N', 1.0), '°')
     """
     return {"m": ("mm", 1e3), "rad": ("°", math.degrees(1.0))}.get(unit, (unit, 1.0))
+
+
+def rounded_setting(value: float, unit: str) -> float:
+    """Return a setting [SI] with three digits in the unit that it is read in.
+
+    Examples
+    --------
+    >>> rounded_setting(0.0123456, "m"), math.degrees(rounded_setting(0.314, "rad"))
+    (0.0123, 18.0)
+    """
+    _, factor = unit_of(unit)
+    return float(f"{factor * value:.3g}") / factor
 
 
 def words_of(path: str) -> str:
@@ -247,8 +260,8 @@ def separations(
     knob = knob_of(mechanism, trials)
     if knob is None or not laws:
         return ()
-    path, *_, value = knob
-    settings = _settings(mechanism, path, value, trials, factors)
+    path, _, unit, value = knob
+    settings = _settings(mechanism, path, unit, value, trials, factors)
     initial = trials[0].initial if trials else {}
     per_cycle = bool(trials and trials[0].cycles)
     return predictions(
@@ -320,6 +333,7 @@ def predictions(
 def _settings(
     mechanism: Mechanism,
     path: str,
+    unit: str,
     value: float,
     trials: Sequence[Trial],
     factors: Sequence[float],
@@ -333,7 +347,7 @@ def _settings(
         tried.append(BEYOND[1] * done[-1])
     new = [f for f in tried if all(abs(f - share) > SAME * share for share in done)]
     rows = [(float(f"{share * value:.12g}"), True) for share in done]
-    rows += [(float(f"{f * value:.3g}"), False) for f in new]
+    rows += [(rounded_setting(f * value, unit), False) for f in new]
     return sorted(rows, key=lambda row: row[0] / value)
 
 

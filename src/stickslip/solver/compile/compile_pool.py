@@ -30,6 +30,16 @@ class Process:
 
     It is a program of its own and no fork, which threads would not survive; unlike the processes of
     `multiprocessing` it never runs the caller's script again.
+
+    Parameters
+    ----------
+    python : str
+        Path of the interpreter.
+
+    Raises
+    ------
+    CompilationError
+        If the process cannot be started.
     """
 
     def __init__(self, python: str) -> None:
@@ -94,7 +104,18 @@ class Process:
 
 
 def compile_all(parts: Sequence[Part], jobs: int, report: Report) -> None:
-    """Compile parts in processes of their own, the first ones first."""
+    """Compile parts in processes of their own, the first ones first.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        What is compiled, in this order.
+    jobs : int
+        Processes at a time.
+    report : Report
+        Called when a part begins, with None, and when it is done, with whether it was compiled;
+        False if it was there.
+    """
     python = _python()
     if python is None:
         for part in parts:

@@ -107,6 +107,20 @@ def parts_of(model: Model, *, runs: bool = True, ensembles: bool) -> list[Part]:
     """Return what single runs of a model need, or ensembles, or both; the equations come last.
 
     Of a model with slopes, what sensitivities need.
+
+    Parameters
+    ----------
+    model : Model
+        Equations of a mechanism with a law.
+    runs : bool, default True
+        Whether single runs are wanted.
+    ensembles : bool
+        Whether ensembles are wanted.
+
+    Returns
+    -------
+    list of Part
+        Kernels of the model's shape, then its equations.
     """
     if model.has_slopes:
         entries = (SENSES if runs else ()) + (SENSED_ENSEMBLES if ensembles else ())

@@ -33,6 +33,9 @@ __all__ = [
 
 MACHINE_CODE = "__pycache__"
 """Folder beside a module where numba keeps what it compiled."""
+LONGEST_WAIT = 600.0
+"""Waiting for another process that compiles a module [s]: kernels take some 20 s of processor time,
+so that one which takes longer is taken to hang."""
 
 
 def cache_directory() -> Path:
@@ -51,7 +54,20 @@ _LOADING = threading.RLock()
 
 
 def module_of(text: str, *, compiled: bool = False) -> ModuleType:
-    """Return the module of a text, from memory, from its file, or new."""
+    """Return the module of a text, from memory, from its file, or new.
+
+    Parameters
+    ----------
+    text : str
+        Program text.
+    compiled : bool, default False
+        Whether the module is for numba, which keeps machine code beside its file.
+
+    Returns
+    -------
+    ModuleType
+        The module; one object in a process for each text.
+    """
     name = name_of(text)
     with _LOADING:  # a module is known by its name before it is whole
         known = sys.modules.get(name)
@@ -150,19 +166,20 @@ def is_writable() -> bool:
 
 @contextlib.contextmanager
 def locked(text: str) -> Iterator[None]:
-    """Let one process at a time compile a module, where the file system knows locks.
+    """Let one process at a time compile a module, on every operating system.
 
-    The lock is on the file of the module, and dies with its process.
+    The operating system drops the lock when its process ends. Where there is no lock to be had (a
+    read-only folder, a file system without locks), or an owner hangs, the module is compiled twice,
+    which is safe: files are replaced as a whole.
     """
-    path = cache_directory() / f"{name_of(text)}.py"
-    with contextlib.ExitStack() as stack:
-        with contextlib.suppress(ImportError, OSError):  # then it is compiled twice, which is safe
-            import fcntl
+    from filelock import FileLock
 
-            if not path.exists():
-                _write(path, text)
-            file = stack.enter_context(path.open("rb"))
-            fcntl.flock(file, fcntl.LOCK_EX)
+    path = cache_directory() / f"{name_of(text)}.lock"
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            # No fallback to a file that merely exists, which would outlive a dead owner.
+            stack.enter_context(FileLock(path, timeout=LONGEST_WAIT, fallback_to_soft=False))
         yield
 
 
@@ -185,6 +202,18 @@ def is_kept(text: str, entry: str) -> bool:
     """Whether the machine code of a function is in files that this kind of processor can load.
 
     It is if an earlier process said so and the files that it named are still there.
+
+    Parameters
+    ----------
+    text : str
+        Program text of the module.
+    entry : str
+        Name of the function.
+
+    Returns
+    -------
+    bool
+        Whether nothing needs to be compiled.
     """
     try:
         lines = _stamp(text, entry).read_text("utf-8").splitlines()
@@ -195,7 +224,17 @@ def is_kept(text: str, entry: str) -> bool:
 
 
 def keep(text: str, entry: str, files: Iterable[Path]) -> None:
-    """Note which files hold the machine code of a function, unless nothing can be noted."""
+    """Note which files hold the machine code of a function, unless nothing can be noted.
+
+    Parameters
+    ----------
+    text : str
+        Program text of the module.
+    entry : str
+        Name of the function.
+    files : iterable of Path
+        Files of its machine code.
+    """
     folder = cache_directory()
     lines = [str(f.relative_to(folder) if f.is_relative_to(folder) else f) for f in files]
     with contextlib.suppress(OSError):

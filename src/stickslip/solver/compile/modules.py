@@ -39,6 +39,18 @@ def load_compiled(model: Model, *, ensembles: bool = False) -> Compiled:
 
     Only the first process that runs a model waits for its equations, and only the first that runs
     any of its shape for the kernels.
+
+    Parameters
+    ----------
+    model : Model
+        Equations of a mechanism with a law.
+    ensembles : bool, default False
+        Whether for ensembles, or else for single runs.
+
+    Returns
+    -------
+    Compiled
+        The module of the kernels and the address of the equations.
     """
     parts = parts_of(model, runs=not ensembles, ensembles=ensembles)
     waiting(parts)
@@ -50,12 +62,33 @@ def load_compiled(model: Model, *, ensembles: bool = False) -> Compiled:
 
 
 def is_loaded(model: Model, *, ensembles: bool = False) -> bool:
-    """Whether this process has the compiled tier of a model already."""
+    """Whether this process has the compiled tier of a model already.
+
+    Parameters
+    ----------
+    model : Model
+        Equations of a mechanism with a law.
+    ensembles : bool, default False
+        Whether for ensembles, or else for single runs.
+
+    Returns
+    -------
+    bool
+        Whether nothing needs to be loaded or compiled.
+    """
     return all(part.is_ready() for part in parts_of(model, runs=not ensembles, ensembles=ensembles))
 
 
 def waiting(parts: Sequence[Part], processes: int = 1) -> None:
-    """Tell who watches that these are compiled and how long it takes, if it is worth a word."""
+    """Tell who watches that these are compiled and how long it takes, if it is worth a word.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        What is about to be loaded.
+    processes : int, default 1
+        How many compile at a time, by which the estimate is divided.
+    """
     absent = [part for part in parts if not part.is_ready() and not part.is_kept()]
     seconds = sum(part.seconds() for part in absent) / processes
     if seconds < SHORT:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.formatting import scale_of
 from stickslip.identification import RecordFit
 from stickslip.identification.force_map.problem import ForceMap
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics
@@ -26,6 +27,7 @@ __all__ = [
     "map_points",
     "offset_of",
     "panel_of",
+    "residual_panels",
     "rows_of",
     "sampled",
     "speeds_of",
@@ -38,6 +40,8 @@ Array: TypeAlias = NDArray[np.float64]
 MOST_POINTS: Final = 2400
 SEED: Final = 0
 BINS: Final = 16
+DOTS: Final = 1000
+"""Residuals drawn in each panel at most."""
 FEWEST: Final = 10
 """Rows of a bin from which its mean is shown."""
 STEADY: Final = 0.05
@@ -139,7 +143,7 @@ def map_points(fit: RecordFit) -> MapPoints | None:
             ),
         )
     try:
-        found = inverse_dynamics(fit.mechanism, fit.measurement, unknown=())
+        found = inverse_dynamics(fit.mechanism, fit.measurement, vary=())
         load_now = load_of(fit.mechanism)
     except InputError:  # too short, without a position, or of several coordinates
         return None
@@ -179,7 +183,7 @@ def speeds_of(fit: RecordFit, record: Measurement) -> tuple[Array, Array] | None
     if "position" not in record.quantities():
         return None
     try:
-        found = inverse_dynamics(fit.mechanism, record, unknown=())
+        found = inverse_dynamics(fit.mechanism, record, vary=())
     except InputError:  # too short to be filtered
         position = np.asarray(record.values("position"), dtype=float)
         return record.time, np.gradient(position, record.time)
@@ -278,3 +282,20 @@ def panel_of(
     return ResidualPanel(
         label, x[shown], residual[shown], np.array(centre), np.array(mean), np.array(doubt)
     )
+
+
+def residual_panels(fit: RecordFit, factor: float) -> dict[str, ResidualPanel]:
+    """Return residuals, times a factor, against time, velocity and position, where known."""
+    rows = rows_of(fit)
+    residual = factor * rows.residual
+    shown = sampled(len(residual), DOTS)
+    found = {}
+    against = {"time": rows.t, "velocity": rows.velocity, "position": rows.position}
+    for name, x in against.items():
+        if x is None or np.ptp(x) == 0.0:
+            continue
+        by, unit = scale_of(x, "s" if name == "time" else fit.measurement.unit(name))
+        panel = panel_of(f"{name}, {unit}", by * x, residual, fit.inference.effective, shown)
+        if len(panel.centre):
+            found[name] = panel
+    return found

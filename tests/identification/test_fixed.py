@@ -1,4 +1,4 @@
-"""Parameters of a law that a fit takes as known."""
+"""Parameters of a law that a fit holds at given values."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ TABLE = Measurement(velocity=VELOCITY, friction=2.0 * np.sign(VELOCITY) + 3.0 * 
 def test_measured_friction_is_fitted_beside_a_known_slope():
     known = {"viscous_coefficient": 3.0}
     result = fit(
-        Axis(inertia=1.0), CoulombViscous, TABLE, free=["kinetic_coefficient"], known=known
+        Axis(inertia=1.0), CoulombViscous, TABLE, vary=["kinetic_coefficient"], fixed=known
     )
     assert result.law.viscous_coefficient == 3.0
     assert result.law.kinetic_coefficient == pytest.approx(2.0, rel=1e-6)  # the data are exact
@@ -26,24 +26,31 @@ def test_measured_friction_is_fitted_beside_a_known_slope():
 def test_a_wrong_known_slope_is_what_the_level_makes_up_for():
     known = {"viscous_coefficient": 0.0}
     result = fit(
-        Axis(inertia=1.0), CoulombViscous, TABLE, free=["kinetic_coefficient"], known=known
+        Axis(inertia=1.0), CoulombViscous, TABLE, vary=["kinetic_coefficient"], fixed=known
     )
     # least squares of 2 + 3 |v| by one number: the mean of |v| is 0.5
     assert result.law.kinetic_coefficient == pytest.approx(2.0 + 3.0 * 0.5, rel=0.01)
 
 
 def test_a_travel_is_fitted_beside_a_known_slope():
-    result = fit(BLOCK, CoulombViscous, READING, known={"viscous_coefficient": 0.0})
+    result = fit(BLOCK, CoulombViscous, READING, fixed={"viscous_coefficient": 0.0})
     # without a viscous part the spring's energy is mu m g s
     expected = 0.5 * 100.0 * 0.1**2 / (9.81 * 0.2)
     assert result.law.kinetic_coefficient == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_name_that_the_law_does_not_have_is_refused():
-    with pytest.raises(UnknownNameError, match="parameter of Viscous in known"):
-        fit(BLOCK, Viscous, READING, known={"viscos_coefficient": 1.0})
+    with pytest.raises(UnknownNameError, match="in fixed 'viscos_coefficient'"):
+        fit(BLOCK, Viscous, READING, fixed={"viscos_coefficient": 1.0})
 
 
-def test_an_instance_has_its_values_already():
-    with pytest.raises(InputError, match="known is for a type of law"):
-        fit(BLOCK, Viscous(viscous_coefficient=1.0), READING, known={"viscous_coefficient": 1.0})
+def test_a_fixed_value_replaces_that_of_an_instance():
+    law = CoulombViscous(kinetic_coefficient=0.1, viscous_coefficient=2.0)
+    result = fit(BLOCK, law, READING, fixed={"viscous_coefficient": 0.0})
+    expected = 0.5 * 100.0 * 0.1**2 / (9.81 * 0.2)  # as for the type, above
+    assert result.law.kinetic_coefficient == pytest.approx(expected, rel=1e-6)
+
+
+def test_all_of_a_law_fixed_leaves_nothing_to_fit():
+    with pytest.raises(InputError, match="there is nothing to fit"):
+        fit(BLOCK, Viscous, READING, fixed={"viscous_coefficient": 1.0})

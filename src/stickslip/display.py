@@ -1,0 +1,210 @@
+"""What results have in common: a plot, and a short page in notebooks.
+
+Plots stand above results in the order of imports, so this module asks for `stickslip.plots` by
+name, when a plot is drawn. Nothing is imported before.
+"""
+
+import html
+import importlib
+import math
+import warnings
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast, final
+
+from stickslip.errors import InputError
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    import numpy as np
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure, SubFigure
+    from numpy.typing import NDArray
+
+__all__ = [
+    "Displayed",
+    "InPanels",
+    "OnAxes",
+    "Summary",
+    "html_of",
+    "paragraphs",
+    "require_library",
+    "summary_of_table",
+]
+
+Drawn_co = TypeVar("Drawn_co", covariant=True)
+"""What a plot of a result is: Axes, or an array of them."""
+
+MOST_ROWS = 12
+"""Rows of a table in a notebook at most."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Summary:
+    """A result in short, as a notebook shows it."""
+
+    sentence: str = ""
+    """Status or verdict."""
+    head: Sequence[str] = ()
+    """Names of the columns; none where the first column names the rows."""
+    rows: Sequence[Sequence[object]] = ()
+    """Texts and numbers."""
+    notes: Sequence[str] = ()
+    """Sentences below the table."""
+
+
+class Displayed(ABC, Generic[Drawn_co]):
+    """A result that draws itself, and that a notebook shows in short."""
+
+    @abstractmethod
+    def _summary(self) -> Summary:
+        """Return status or verdict, and a small table."""
+
+    @final
+    def plot(
+        self, ax: "Axes | Figure | SubFigure | Sequence[Axes] | NDArray[np.object_] | None" = None
+    ) -> Drawn_co:
+        """Draw the result as `stickslip.plots.plot` does.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, sequence of Axes, or (Sub)Figure, optional
+            Where to draw; a sequence for a plot of several panels. A new figure if not given.
+
+        Returns
+        -------
+        matplotlib Axes or array of Axes
+            The panels. The functions of `stickslip.plots` for one kind of result have options.
+
+        Raises
+        ------
+        InputError
+            If `ax` is nothing of the kind, or has another number of panels.
+        """
+        return cast("Drawn_co", _plots().plot(self, ax))
+
+    @final
+    def _repr_html_(self) -> str:
+        return html_of(self._summary, self)
+
+
+class OnAxes(Displayed["Axes"], ABC):
+    """A result whose plot has one panel."""
+
+
+class InPanels(Displayed["NDArray[np.object_]"], ABC):
+    """A result whose plot has several panels."""
+
+
+def html_of(summary: Any, result: object) -> str:
+    """Return a summary and a small figure of a result; never raises.
+
+    Parameters
+    ----------
+    summary : callable
+        Returns the `Summary`. Where it fails, the text form of the result stands instead.
+    result : object
+        What is drawn; where that fails, there is no figure.
+
+    Examples
+    --------
+    >>> html_of(lambda: Summary(rows=[("runs", 3)]), "no result")
+    '<table><tr><th>runs</th><td>3</td></tr></table>'
+    """
+    try:
+        page = _page(summary())
+    except Exception:  # a notebook shows a result, whatever is wrong with it
+        return f"<pre>{html.escape(_text(result))}</pre>"
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return page + str(_plots().thumbnail(result))
+    except Exception:  # what cannot be drawn is told by the table
+        return page
+
+
+def paragraphs(lines: Iterable[str]) -> str:
+    """Return lines as paragraphs of a page.
+
+    Examples
+    --------
+    >>> paragraphs(["a < b"])
+    '<p>a &lt; b</p>'
+    """
+    return "".join(f"<p>{html.escape(line)}</p>" for line in lines)
+
+
+def summary_of_table(sentence: str, table: "pd.DataFrame", notes: Sequence[str] = ()) -> Summary:
+    """Return the summary of a result that has a table."""
+    rows = table.itertuples(index=False, name=None)
+    return Summary(sentence=sentence, head=[*map(str, table.columns)], rows=[*rows], notes=notes)
+
+
+def require_library(name: str, extra: str, otherwise: str = "") -> "ModuleType":
+    """Return a library that not all users have installed.
+
+    Parameters
+    ----------
+    name : str
+        Name of the library.
+    extra : str
+        The extra of this package that brings it.
+    otherwise : str
+        What does without it, as an end of the sentence.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+
+    Examples
+    --------
+    >>> require_library("nonsense", "xarray", "use to_dataframe")
+    Traceback (most recent call last):
+    ...
+    stickslip.errors.InputError: nonsense is not installed: pip install 'stickslip[xarray]', or
+    use to_dataframe.
+    """
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        other = f", or {otherwise}" if otherwise else ""
+        raise InputError(
+            f"{name} is not installed: pip install 'stickslip[{extra}]'{other}."
+        ) from None
+
+
+def _plots() -> Any:
+    return importlib.import_module("stickslip.plots")
+
+
+def _page(summary: Summary) -> str:
+    rows = [f"<tr>{_cells(row, named=not summary.head)}</tr>" for row in summary.rows[:MOST_ROWS]]
+    head = "".join(f"<th>{html.escape(name)}</th>" for name in summary.head)
+    head = f"<tr>{head}</tr>" if head else ""
+    left = len(summary.rows) - len(rows)
+    notes = [*([f"{left} more rows."] if left > 0 else []), *summary.notes]
+    table = f"<table>{head}{''.join(rows)}</table>" if rows else ""
+    return paragraphs([summary.sentence] if summary.sentence else []) + table + paragraphs(notes)
+
+
+def _cells(row: Sequence[object], *, named: bool) -> str:
+    tags = ["th" if named and place == 0 else "td" for place in range(len(row))]
+    cells = zip(tags, map(_cell, row), strict=True)
+    return "".join(f"<{tag}>{html.escape(text)}</{tag}>" for tag, text in cells)
+
+
+def _cell(value: object) -> str:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return "—"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _text(result: object) -> str:
+    try:
+        return repr(result)
+    except Exception:
+        return object.__repr__(result)

@@ -1,0 +1,187 @@
+"""Drawings on the user's axes: `plot_*` functions are drawings of this package put there."""
+
+from collections.abc import Sequence
+from typing import Any, Final, TypeAlias, cast
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.plots.core import theme
+from stickslip.plots.core.svg import Draw, Size
+
+__all__ = ["PanelTarget", "Panels", "Target", "on_axes", "on_panels"]
+
+Panels: TypeAlias = NDArray[np.object_]
+"""Axes (n,) in the order of reading."""
+Target: TypeAlias = Axes | Figure | SubFigure | None
+"""Where a plot of one panel is drawn."""
+PanelTarget: TypeAlias = Axes | Figure | SubFigure | Sequence[Axes] | Panels | None
+"""Where a plot of several panels is drawn."""
+
+PER_INCH: Final = 88
+"""CSS pixels of a page per inch of a new figure: the widest ones are 10 inches."""
+NARROW_BELOW: Final = 500
+"""Width of axes [CSS px] below which curves are named inside them."""
+
+
+def on_panels(draw: Draw, ax: PanelTarget, size: Size) -> Panels:
+    """Draw on given axes, into a given figure, or into a new figure of pyplot.
+
+    Parameters
+    ----------
+    draw : callable
+        Draws into a figure.
+    ax : Axes, sequence of Axes, Figure or SubFigure, optional
+        Where. A new figure is made if not given; it is not shown.
+    size : tuple of float
+        Width and height of a new figure, as of one in a page.
+
+    Returns
+    -------
+    array of Axes (n,)
+        The panels.
+
+    Raises
+    ------
+    InputError
+        If `ax` is nothing of the kind, or has another number of panels than the plot.
+
+    Examples
+    --------
+    >>> figure = Figure()
+    >>> upper, lower = figure.subplots(2)
+    >>> draw = lambda figure, narrow: [axes.plot([0, 1]) for axes in figure.subplots(2)]
+    >>> [*on_panels(draw, [upper, lower], (880, 300))] == [upper, lower]
+    True
+    """
+    if ax is None:
+        from matplotlib import pyplot as plt
+
+        dpi = mpl.rcParams["figure.dpi"]  # the user's: the house style counts in CSS pixels
+        with theme.house_style():
+            inches = (size[0] / PER_INCH, size[1] / PER_INCH)
+            new = plt.figure(figsize=inches, dpi=dpi, layout="constrained", facecolor=theme.SURFACE)
+            try:
+                panels = _drawn(draw, new, None, narrow=False)
+                new.draw_without_rendering()  # makes the ticks, in this style
+            except BaseException:
+                plt.close(new)
+                raise
+        return panels
+    figure: Figure | SubFigure
+    given: list[Axes] | None
+    if isinstance(ax, Figure | SubFigure):
+        figure, given, width = ax, None, ax.bbox.width
+    else:
+        given = _axes_of(ax)
+        figure = cast("Figure", given[0].get_figure(root=True))
+        width = min(one.get_window_extent().width for one in given)
+    with theme.house_style():
+        return _drawn(draw, figure, given, narrow=width * 72 / figure.dpi < NARROW_BELOW)
+
+
+def on_axes(draw: Draw, ax: Target, size: Size) -> Axes:
+    """Draw what has a single panel, as `on_panels` does.
+
+    Examples
+    --------
+    >>> axes = Figure().add_subplot()
+    >>> on_axes(lambda figure, narrow: figure.add_subplot().plot([0, 1]), axes, (9, 3)) is axes
+    True
+    """
+    (axes,) = on_panels(draw, ax, size)
+    return cast("Axes", axes)
+
+
+def _axes_of(ax: object) -> list[Axes]:
+    """Return the axes that were given, in one list."""
+    found = [ax] if isinstance(ax, Axes) else list(np.ravel(np.asarray(ax, dtype=object)))
+    if not found or not all(isinstance(one, Axes) for one in found):
+        raise InputError(
+            "ax must be matplotlib Axes, a sequence of them for a plot of several panels, or a"
+            f" Figure, got {ax!r}."
+        )
+    axes = cast("list[Axes]", found)
+    if any(one.get_figure(root=True) is None for one in axes):
+        raise InputError("ax belongs to no figure any more: it was removed.")
+    return axes
+
+
+def _drawn(
+    draw: Draw, figure: Figure | SubFigure, given: list[Axes] | None, *, narrow: bool
+) -> Panels:
+    stage = _Stage(figure, given)
+    draw(cast("Figure", stage), narrow)
+    if given is not None and len(stage.panels) != len(given):
+        raise _miscounted(len(stage.panels), len(given))
+    shown = [axes for axes in stage.panels if axes.get_visible()]
+    panels = np.empty(len(shown), dtype=object)
+    panels[:] = shown
+    return panels
+
+
+def _miscounted(wanted: int, got: int) -> InputError:
+    what = "one Axes" if wanted == 1 else f"a sequence of {wanted} Axes"
+    panels = "1 panel" if wanted == 1 else f"{wanted} panels"
+    return InputError(f"this plot has {panels}: ax must be {what} or a Figure, got {got} Axes.")
+
+
+class _Stage:
+    """Stands in for the figure of a drawing: gives out the axes of the user, or new ones.
+
+    Drawings ask a figure for axes and for little else; what else they ask goes to the figure that
+    the axes are in.
+    """
+
+    def __init__(self, figure: Figure | SubFigure, given: list[Axes] | None) -> None:
+        self.figure = figure
+        self.given = given
+        self.panels: list[Axes] = []
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.figure, name)
+
+    def add_subplot(self, *place: Any, **layout: Any) -> Axes:
+        """Return the next panel."""
+        if self.given is None:
+            self.panels.append(self.figure.add_subplot(*place, **layout))
+        else:
+            count = len(self.panels) + 1
+            if count > len(self.given):
+                raise _miscounted(count, len(self.given))
+            self.panels.append(self.given[count - 1])
+        return self.panels[-1]
+
+    def subplots(
+        self, rows: int = 1, columns: int = 1, *, squeeze: bool = True, **layout: Any
+    ) -> Any:
+        """Return a grid of panels; there must be as many as were given."""
+        if self.given is None:
+            grid = self.figure.subplots(rows, columns, squeeze=False, **layout)
+        else:
+            grid = np.empty((rows, columns), dtype=object)
+            grid.flat[:] = self._all(rows * columns)
+        self.panels += grid.flat
+        if not squeeze:
+            return grid
+        return grid.item() if grid.size == 1 else grid.squeeze()
+
+    def subplot_mosaic(self, mosaic: str, **layout: Any) -> dict[str, Axes]:
+        """Return panels by letter, those of the mosaic in the order of reading."""
+        if self.given is None:
+            found = self.figure.subplot_mosaic(mosaic, **layout)
+        else:
+            letters = list(dict.fromkeys(letter for letter in mosaic if letter != ";"))
+            found = dict(zip(letters, self._all(len(letters)), strict=True))
+        self.panels += found.values()
+        return found
+
+    def _all(self, count: int) -> list[Axes]:
+        given = self.given or []
+        if len(given) != count:
+            raise _miscounted(count, len(given))
+        return given

@@ -1,0 +1,105 @@
+"""The plot of any result, by its type."""
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Final
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stickslip.characterize import PreslidingLoop
+from stickslip.control import ClosedLoop
+from stickslip.display import InPanels
+from stickslip.errors import InputError
+from stickslip.friction import FrictionLaw
+from stickslip.identification import Fit, TrialComparison
+from stickslip.optimisation import Optimum
+from stickslip.plots.core.axes import Panels, PanelTarget
+from stickslip.plots.core.svg import standalone_svg
+from stickslip.plots.data.trials import plot_trials
+from stickslip.plots.laws.curves import plot_law, plot_presliding
+from stickslip.plots.runs.closed_loop import plot_closed_loop
+from stickslip.plots.runs.ensembles import plot_band, plot_ensemble
+from stickslip.plots.runs.profiles import plot_profile
+from stickslip.plots.runs.run import plot_run
+from stickslip.plots.selection.fits import plot_fit, plot_verdict
+from stickslip.plots.sweep_maps import plot_sweep
+from stickslip.selection import Verdict
+from stickslip.sweep import Band, Basins, Bifurcation, VelocityMap
+from stickslip.trajectory import Ensemble, Trajectory
+
+__all__ = ["PLOTS", "plot", "thumbnail"]
+
+PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
+    {
+        Trajectory: plot_run,
+        Ensemble: plot_ensemble,
+        Band: plot_band,
+        ClosedLoop: plot_closed_loop,
+        Fit: plot_fit,
+        TrialComparison: plot_trials,
+        Verdict: plot_verdict,
+        PreslidingLoop: plot_presliding,
+        FrictionLaw: plot_law,
+        VelocityMap: plot_sweep,
+        Bifurcation: plot_sweep,
+        Basins: plot_sweep,
+        Optimum: plot_profile,
+    }
+)
+"""The plot of each kind of result."""
+
+SMALL: Final = (560, 300)
+SMALL_PANELS: Final = (560, 440)
+"""Sizes of a figure below a table, of one panel and of several [CSS px]."""
+
+
+def plot(result: object, ax: PanelTarget = None) -> Axes | Panels:
+    """Plot a result by the function for its type, which has options.
+
+    Parameters
+    ----------
+    result : Trajectory, Ensemble, Fit, Verdict, FrictionLaw, ...
+        What is plotted; the keys of ``stickslip.plots.PLOTS``.
+    ax : Axes, sequence of Axes, Figure or SubFigure, optional
+        Where; a sequence for a plot of several panels. A new figure if not given.
+
+    Returns
+    -------
+    matplotlib Axes or array of Axes
+        The panels.
+
+    Raises
+    ------
+    InputError
+        If there is no plot for the type.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from stickslip import Coulomb
+    >>> plot(Coulomb(kinetic_coefficient=0.25), Figure()).get_title("left")
+    'Coulomb'
+    """
+    for kind, draw in PLOTS.items():
+        if isinstance(result, kind):
+            return draw(result, ax)
+    names = ", ".join(kind.__name__ for kind in PLOTS)
+    raise InputError(f"there is no plot for a {type(result).__name__}; there is one for {names}.")
+
+
+def thumbnail(result: object) -> str:
+    """Return a small figure of a result as an SVG element.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> thumbnail(Coulomb(kinetic_coefficient=0.25))[:4]
+    '<svg'
+    """
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        plot(result, figure)
+
+    size = SMALL_PANELS if isinstance(result, InPanels) else SMALL
+    return standalone_svg(draw, size=size)

@@ -1,0 +1,94 @@
+"""How to make a page again, and what to cite: the end of every page."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
+
+from stickslip.formatting import joined
+from stickslip.friction import SOURCES, FrictionLaw
+from stickslip.report.core.blocks import (
+    Block,
+    Caption,
+    Code,
+    KeyValue,
+    KeyValues,
+    Reference,
+    References,
+)
+from stickslip.report.core.documents import Origin, Section
+
+__all__ = ["law_references", "reproduce"]
+
+AUTHORS: Final = re.compile(r"(?<=[^\W\d_]{3})\. ")
+"""The end of the authors: a full stop after a surname, not after an initial."""
+HEADING: Final = "Reproduce and cite"
+
+
+def reproduce(
+    origin: Origin,
+    *,
+    code: Sequence[tuple[str, str]] = (),
+    items: Sequence[KeyValue] = (),
+    references: Sequence[Reference] = (),
+) -> Section:
+    """Return the section with commands, code, versions, hashes and references.
+
+    Parameters
+    ----------
+    origin : Origin
+        Commands, versions and hashes.
+    code : sequence of (str, str)
+        Listings, each with a caption or an empty one.
+    items : sequence of KeyValue
+        What else a repetition needs to know.
+    references : sequence of Reference
+        What laws and criteria come from.
+
+    Examples
+    --------
+    >>> section = reproduce(
+    ...     Origin(title="Block", data="one travel", commands=("stickslip select",))
+    ... )
+    >>> section.blocks[0].text
+    '$ stickslip select'
+    """
+    blocks: list[Block] = []
+    if origin.commands:
+        blocks.append(Code(text="\n".join(f"$ {command}" for command in origin.commands)))
+    for text, caption in code:
+        blocks.append(Code(text=text))
+        if caption:
+            blocks.append(Caption(text=caption))
+    known = [*items, *(KeyValue(key=name, value=one) for name, one in origin.versions.items())]
+    known += [
+        KeyValue(key=f"SHA-256 of {name}", value=f"`{x}`") for name, x in origin.files.items()
+    ]
+    if origin.digest:
+        known.append(KeyValue(key="Hash of the inputs", value=f"`{origin.digest}`"))
+    if known:
+        blocks.append(KeyValues(items=tuple(known)))
+    if references:
+        text = "What the laws and criteria of this page come from."
+        blocks += [References(items=tuple(references)), Caption(text=text)]
+    return Section(id="reproduce", nav=HEADING, heading=HEADING, blocks=tuple(blocks))
+
+
+def law_references(
+    laws: Iterable[FrictionLaw], first: Mapping[str, Sequence[str]]
+) -> tuple[Reference, ...]:
+    """Return the sources of laws with the laws they are for, after those given by key."""
+    used = {key: list(who) for key, who in first.items()}
+    for law in laws:
+        for key in law.sources:
+            used.setdefault(key, []).append(law.title)
+    return tuple(
+        _reference(SOURCES[key], joined(who)) for key, who in used.items() if key in SOURCES
+    )
+
+
+def _reference(text: str, note: str) -> Reference:
+    """Return a citation in parts: authors, title, where."""
+    parts = AUTHORS.split(text.rstrip("."), maxsplit=1)
+    authors, rest = parts if len(parts) == 2 else ("", text.rstrip("."))
+    title, _, where = rest.partition(". ")
+    return Reference(authors=authors, title=title, where=where, note=note)

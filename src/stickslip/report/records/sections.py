@@ -1,0 +1,48 @@
+"""Sections of the page of a selection on records."""
+
+from functools import partial
+
+from stickslip.report.core.documents import Origin, SectionMaker
+from stickslip.report.records.appendix import dropped_section, next_section, record_section
+from stickslip.report.records.certificate import certificate_section
+from stickslip.report.records.friction import map_section
+from stickslip.report.records.loops import loops_section
+from stickslip.report.records.parameters import parameters_section
+from stickslip.report.records.reproduce import reproduce_section
+from stickslip.report.records.residuals import residuals_section
+from stickslip.report.records.scores import scores_section
+from stickslip.report.records.summary import opening_section
+from stickslip.report.records.trials import trials_section
+from stickslip.report.records.validation_record import second_section
+from stickslip.selection import RecordVerdict
+
+__all__ = ["sections"]
+
+
+def sections(verdict: RecordVerdict, origin: Origin, remark: str = "") -> tuple[SectionMaker, ...]:
+    """Return what makes the sections of a page, in the order in which a reader decides.
+
+    Parameters
+    ----------
+    verdict : RecordVerdict
+        What `stickslip.select` gave; every number of the page is computed from it.
+    origin : Origin
+        Where it is from.
+    remark : str
+        A sentence of one's own, at the end of the lede.
+    """
+    return (
+        partial(opening_section, verdict, origin.data, remark),
+        partial(map_section, verdict),
+        partial(loops_section, verdict),
+        partial(scores_section, verdict),
+        partial(second_section, verdict),
+        partial(trials_section, verdict),
+        partial(parameters_section, verdict),
+        partial(residuals_section, verdict),
+        partial(dropped_section, verdict),
+        partial(record_section, verdict),
+        partial(certificate_section, verdict),
+        partial(next_section, verdict),
+        partial(reproduce_section, verdict, origin),
+    )

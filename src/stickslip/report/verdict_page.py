@@ -1,0 +1,86 @@
+"""The page of a selection, by whatever laws were compared."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from stickslip.errors import InputError
+from stickslip.report.core.documents import Origin, Page, Section, SectionMaker, made_sections
+
+if TYPE_CHECKING:
+    from stickslip.selection import Verdict
+
+__all__ = ["verdict_page"]
+
+LAST = ("next_section", "certificate_section", "reproduce_section")
+"""What stays at the end, after sections of one's own."""
+
+
+def verdict_page(
+    verdict: "Verdict",
+    origin: Origin,
+    *,
+    remark: str = "",
+    lead: Sequence[Section | SectionMaker] = (),
+    extra: Sequence[Section | SectionMaker] = (),
+) -> Page:
+    """Return the page of a selection, section by section.
+
+    Parameters
+    ----------
+    verdict : Verdict
+        What `stickslip.select` gave; every number of the page is computed from it.
+    origin : Origin
+        Where it is from, and how to make it again.
+    remark : str
+        A sentence of one's own, at the end of the lede.
+    lead, extra : sequence of Section or partial
+        Sections of one's own, or functions that make them: after the verdict, and before what to
+        measure next.
+
+    Returns
+    -------
+    Page
+        The page; a section without content is left out, one that fails becomes one line.
+
+    Raises
+    ------
+    InputError
+        If there is no page of what was given.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Measurement, SpringBlock, select
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+    >>> verdict = select(rig, [Coulomb], reading, t_end=1.0)
+    >>> page = verdict_page(verdict, Origin(title="Block", data="one travel"))
+    >>> page.title, page.sections[0].id, page.sections[-1].id
+    ('Friction model selection: Block', 'verdict', 'reproduce')
+    """
+    first, *others = _makers(verdict)(verdict, origin, remark)
+    before = [one for one in others if one.func.__name__ not in LAST]
+    after = [one for one in others if one.func.__name__ in LAST]
+    version = origin.versions.get("stickslip", "")
+    return Page(
+        title=f"Friction model selection: {origin.title}",
+        subject=origin.file or origin.title,
+        sections=made_sections(first, *lead, *before, *extra, *after),
+        footer=f"Written by {f'stickslip {version}'.strip()}. This file is complete: it loads"
+        " nothing and runs no script.",
+    )
+
+
+def _makers(verdict: object) -> Callable[[Any, Origin, str], tuple[SectionMaker, ...]]:
+    """Return what lists the sections of the page of a verdict."""
+    # sections draw figures of fits: they are imported where a page is asked for
+    from stickslip.report import features, records, travels
+    from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict
+
+    known: dict[type, Callable[[Any, Origin, str], tuple[SectionMaker, ...]]] = {
+        TravelVerdict: travels.sections,
+        RecordVerdict: records.sections,
+        FeatureVerdict: features.sections,
+    }
+    if type(verdict) not in known:
+        raise InputError(f"a report is of a verdict of `select`, got {type(verdict).__name__}.")
+    return known[type(verdict)]

@@ -1,0 +1,264 @@
+"""What the check of docstrings finds, and that its lists of slots are what kernels do."""
+
+import ast
+import inspect
+import textwrap
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import pytest
+from tools import docstrings, slots
+
+from stickslip import Coulomb, EventDriven, LuGre, Pulse, SpringBlock, Stribeck, simulate
+from stickslip.formulation import formulate
+from stickslip.solver.backend import runner_of
+
+GOOD = '''
+def height(along: float, off: float) -> float:
+    """Return a height.
+
+    Parameters
+    ----------
+    along : float
+        Place along the ground [m].
+    off : float
+        Distance from it [m].
+
+    Returns
+    -------
+    float
+        Height [m].
+
+    Raises
+    ------
+    ValueError
+        If it is negative.
+    """
+    if along < 0.0:
+        raise ValueError
+    return along + off
+
+
+class Point:
+    """A point."""
+
+    x: float
+    """Place [m]."""
+'''
+
+
+def faults(source: str) -> list[str]:
+    return [fault for _, _, fault in docstrings.faults(ast.parse(source))]
+
+
+def test_complete_docstrings_have_no_fault() -> None:
+    assert faults(GOOD) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fault"),
+    [
+        ("along : float", "across : float", "instead of along, off"),
+        ("def height(along", "def height(far: int, along", "instead of far, along, off"),
+        ("    off : float\n        Distance from it [m].\n", "", "instead of along, off"),
+        ("off : float\n", "off\n", "no type or no word of off"),
+        ("        Distance from it [m].\n", "", "no type or no word of off"),
+        ("Parameters\n    ----------", "Takes\n    -----", "no section Parameters"),
+        ("Returns\n    -------\n    float\n        Height [m].", "", "no section Returns"),
+        ("ValueError\n        If it", "KeyError\n        If it", "no ValueError in"),
+        ('\n    """Place [m]."""', "", "no word on x"),
+    ],
+)
+def test_a_gap_in_a_docstring_is_a_fault(old: str, new: str, fault: str) -> None:
+    changed = GOOD.replace(old, new, 1)
+    assert changed != GOOD
+    assert any(fault in found for found in faults(changed)), faults(changed)
+
+
+def test_private_functions_overrides_and_single_arguments_need_no_sections() -> None:
+    source = """
+    def _inner(a: int, b: int) -> int:
+        return a + b
+
+    def one(a: int) -> int:
+        '''Return it.'''
+        return a
+
+    class Kind(Base):
+        '''A kind.'''
+
+        @override
+        def add(self, a: int, b: int) -> int:
+            return a + b
+    """
+    assert faults(textwrap.dedent(source)) == []
+
+
+def test_a_kernel_must_list_the_slots_that_it_touches() -> None:
+    source = """
+    def rises(guard, w):
+        '''Whether one guard is positive.
+
+        Reads: {}.
+        '''
+    """
+    for told, expected in (("SAMPLED", 0), ("SAMPLED, Y", 1)):
+        tree = ast.parse(textwrap.dedent(source.format(told)))
+        assert len([*docstrings.faults(tree, kernel=True)]) == expected
+
+
+class Watched(list[float]):
+    """A vector that tells the kernel at work which of its places are read and written."""
+
+    frames: list["Frame"]
+
+    def __getitem__(self, place: Any) -> Any:
+        if self.frames:
+            self.frames[-1].read({(self.name, place)})
+        return super().__getitem__(place)
+
+    def __setitem__(self, place: Any, value: Any) -> None:
+        if self.frames:
+            self.frames[-1].written.add((self.name, place))
+        super().__setitem__(place, value)
+
+    def __init__(self, name: str, values: Sequence[float], frames: list["Frame"]) -> None:
+        super().__init__(values)
+        self.name, self.frames = name, frames
+
+
+class Frame:
+    """What one call has read, of what it did not write itself before, and written."""
+
+    def __init__(self) -> None:
+        self.reads: set[tuple[str, int]] = set()
+        self.written: set[tuple[str, int]] = set()
+
+    def read(self, places: set[tuple[str, int]]) -> None:
+        self.reads |= places - self.written
+
+
+class Watch:
+    """Runs the kernels of a plain module and collects which slots each of them touched."""
+
+    def __init__(self, module: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.frames: list[Frame] = []
+        self.reads: dict[str, set[str]] = {}
+        self.writes: dict[str, set[str]] = {}
+        self.places: dict[tuple[str, str], set[str]] = {}
+        order = slots.layout()
+        self.starts = [(getattr(module, name), name) for name in order["w"][1:]]
+        self.wholes = {getattr(module, name): name for name in order["whole"]}
+        self.room = module.PARAMETER_ROOM
+        for name in slots.kernels():
+            if hasattr(module, name):
+                monkeypatch.setattr(module, name, self._wrapped(name, getattr(module, name)))
+        for entry in ("run", "sense"):
+            own = getattr(module, entry)
+            monkeypatch.setattr(
+                module, f"enter_{entry}", self._entered(own, slots.kernels()[entry])
+            )
+
+    def _entered(self, function: Any, kernel: slots.Kernel) -> Callable[..., Any]:
+        def entered(*arguments: Any) -> Any:
+            given = dict(zip(kernel.parameters, arguments, strict=True))
+            vectors = {n: Watched(n, given[n], self.frames) for n in slots.VECTORS if n in given}
+            answer = function(*(given | vectors).values())
+            for name, vector in vectors.items():
+                given[name][:] = vector
+            return answer
+
+        return entered
+
+    def _wrapped(self, name: str, function: Any) -> Callable[..., Any]:
+        def wrapped(*arguments: Any) -> Any:
+            self.frames.append(Frame())
+            answer = function(*arguments)
+            frame = self.frames.pop()
+            if self.frames:
+                self.frames[-1].read(frame.reads)
+                self.frames[-1].written |= frame.written
+            self.reads.setdefault(name, set()).update(map(self.slot, frame.reads))
+            self.writes.setdefault(name, set()).update(map(self.slot, frame.written))
+            kernel = slots.kernels()[name]
+            given = dict(zip(kernel.parameters, arguments, strict=True))
+            for one in slots.PLACES & given.keys():
+                self.places.setdefault((name, one), set()).add(self.slot(("w", given[one])))
+            return answer
+
+        return wrapped
+
+    def slot(self, place: tuple[str, int]) -> str:
+        """Return the name of a place; what equations read of every run has none of its own."""
+        vector, index = place
+        if vector == "whole":
+            return self.wholes[index]
+        if index < self.room:
+            return slots.DRIVES
+        return [name for at, name in self.starts if at <= index][-1]  # slots before it may be empty
+
+    def told(self, name: str, found: set[str]) -> set[str]:
+        """Return the slots of a list, places behind SIZE as one, and those of parameters."""
+        answer = {slots.DRIVES}
+        known = {name for _, name in self.starts} | set(self.wholes.values())
+        for one in found:
+            if one.startswith("<"):
+                answer |= self.places.get((name, one[1:-1]), set())
+            else:
+                answer.add(one if one in known else "SIZE")
+        return answer
+
+
+BLOCK = {"mass": 1.0, "stiffness": 100.0, "drive": Pulse(level=10.0, duration=0.1)}
+RUNS = {
+    "linear": (
+        SpringBlock(**BLOCK),
+        Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35),
+    ),
+    "stops": (
+        SpringBlock(**BLOCK, upper_stop=0.03, restitution=0.5),
+        Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35),
+    ),
+    "smooth": (
+        SpringBlock(**BLOCK),
+        Stribeck(kinetic_coefficient=0.2, static_coefficient=0.4, stribeck_velocity=0.05),
+    ),
+    "stiff": (
+        SpringBlock(**BLOCK),
+        LuGre(
+            kinetic_coefficient=0.2,
+            static_coefficient=0.3,
+            stribeck_velocity=0.01,
+            bristle_stiffness=1e3,
+            bristle_damping=10.0,
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", RUNS)
+def test_kernels_touch_no_slot_but_those_that_they_list(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    block, law = RUNS[kind]
+    models = [formulate(block, law, slopes=slopes) for slopes in (False, True)]
+    watches = [Watch(runner_of(model, compiled=False).module, monkeypatch) for model in models]
+    run = simulate(block, law, t_end=0.6, y0={"x": 0.02}, solver=EventDriven(tier="python"))
+    run.sensitivity("x", "kinetic_coefficient")
+    seen = set()
+    for watch in watches:
+        for name in watch.reads:
+            seen.add(name)
+            listed = slots.effects(name)
+            assert watch.reads[name] <= watch.told(name, listed.reads), f"{name} reads"
+            assert watch.writes[name] <= watch.told(name, listed.writes), f"{name} writes"
+    assert {"run", "advance", "finish_step", "handle_event", "sense"} <= seen
+
+
+def test_every_kernel_is_found() -> None:
+    from stickslip.kernels import driver, step
+
+    for module in (driver, step):
+        for name, function in inspect.getmembers(module, inspect.isfunction):
+            if function.__module__ == module.__name__:
+                assert name in slots.kernels()

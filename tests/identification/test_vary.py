@@ -1,0 +1,256 @@
+"""Which parameters a fit varies and which it holds: `vary` and `fixed`."""
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Axis,
+    Coulomb,
+    CoulombViscous,
+    Limits,
+    Measurement,
+    PendulumCart,
+    SpringBlock,
+    Stribeck,
+    TowedBlock,
+    Viscous,
+    compare_trials,
+    fit,
+    inverse_dynamics,
+    optimise_profile,
+    plan,
+    sample_posterior,
+    select,
+    simulate,
+)
+from stickslip.drives import Sampled
+from stickslip.errors import InputError, ParameterError, RenamedError, UnknownNameError
+from stickslip.identification import compare_features, fit_features, fit_rate_state
+from stickslip.identification.records.route_choice import choose_route
+from stickslip.identification.validation import LAW, Parameters
+from stickslip.paper.audit import audit
+from stickslip.selection import select_features, select_records, select_travels
+
+AXIS = Axis(inertia=2.0)
+BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+READING = Measurement(travel=0.2, uncertainty=0.005)
+V = np.linspace(-1.0, 1.0, 200)
+TABLE = Measurement(velocity=V, friction=2.0 * np.sign(V) + 3.0 * V + 0.25)
+
+
+@pytest.fixture(scope="module")
+def driven():
+    """Return a record of an axis of 2 kg with friction of 3 N and 4 N s/m."""
+    t = np.linspace(0.0, 4.0, 4001)
+    force = 10.0 * np.sin(2.0 * np.pi * 0.8 * t) + 4.0 * np.sin(2.0 * np.pi * 2.1 * t)
+    law = CoulombViscous(kinetic_coefficient=3.0, viscous_coefficient=4.0)
+    drive = Sampled(times=t, values=force, hold="first")
+    run = simulate(Axis(inertia=2.0, drive=drive), law, t_end=4.0)
+    return Measurement(time=t, position=run.at(t)["x"], force=force)
+
+
+def varied(names, law=CoulombViscous, mechanism=AXIS, fixed=None):
+    found = Parameters.of(mechanism, law, names, fixed)
+    return found.free, found.unknown
+
+
+def test_full_paths_last_names_and_patterns_stand_for_the_same():
+    slope = ("friction.viscous_coefficient",)
+    for name in ("viscous_coefficient", slope[0], "visc*", "friction.v*", ["*s_coefficient"]):
+        assert varied(name) == (slope, ())
+    assert varied("inertia", Coulomb(kinetic_coefficient=1.0)) == ((), ("mechanism.inertia",))
+    assert varied(None) == varied(LAW) == (None, ())
+    assert varied([LAW, "inertia"]) == (None, ("mechanism.inertia",))
+    assert varied([LAW, "exponent"], Stribeck) == ((LAW, "friction.exponent"), ())
+
+
+def test_a_pattern_leaves_out_what_is_fixed():
+    fixed = {"viscous_coefficient": 1.0, "damping": 0.5}
+    free, own = varied(["friction.[kv]*", "mechanism.*"], fixed=fixed)
+    assert free == ("friction.kinetic_coefficient",)
+    assert "mechanism.damping" not in own
+    assert {"mechanism.inertia", "mechanism.offset"} <= set(own)
+
+
+@pytest.mark.parametrize(
+    ("names", "fixed", "error", "words"),
+    [
+        ("inertai", None, UnknownNameError, "in vary 'inertai'. Did you mean 'inertia'"),
+        ("frict.*", None, UnknownNameError, "parameter in vary 'frict.*'"),
+        (LAW, {"inertai": 1.0}, UnknownNameError, "parameter in fixed 'inertai'"),
+        (["inertia", LAW], {"inertia": 1.0}, InputError, "inertia is in vary and in fixed"),
+        (LAW, {"inertia": -1.0}, ParameterError, "Axis.inertia (J) must be"),
+        (LAW, {"viscous_coefficient": "1"}, ParameterError, "must be a number"),
+        (LAW, {"inertia": 1.0, "mechanism.inertia": 1.0}, InputError, "inertia twice"),
+        (LAW, ["inertia"], InputError, "fixed takes values by name"),
+        ({"inertia"}, None, InputError, "vary takes a name or a list of names"),
+        ([1], None, InputError, "vary takes a name or a list of names"),
+        ("inertia", None, InputError, "vary names no parameter of CoulombViscous"),
+    ],
+)
+def test_what_cannot_be_varied_or_fixed_is_refused(names, fixed, error, words):
+    with pytest.raises(error) as caught:
+        Parameters.of(Axis(inertia=1.0), CoulombViscous, names, fixed)
+    symbol = str(caught.value).replace("(m)", "(J)")
+    assert words in symbol
+
+
+def test_a_trial_does_not_override_what_is_fixed():
+    trials = tuple(
+        Measurement(travel=s, uncertainty=0.01, overrides={"mechanism.compression": x})
+        for s, x in ((0.2, 0.1), (0.1, 0.07))
+    )
+    with pytest.raises(InputError, match=r"sets mechanism\.compression, which is in fixed too"):
+        fit(BLOCK, Coulomb, Measurement(trials=trials), fixed={"compression": 0.1})
+
+
+def test_a_fixed_mechanism_is_that_of_the_fit():
+    stiff = fit(BLOCK, Coulomb, READING, fixed={"mechanism.stiffness": 50.0})
+    # half m g mu s of the energy of the spring: mu goes with the stiffness
+    expected = 0.5 * 50.0 * 0.1**2 / (9.81 * 0.2)
+    assert stiff.mechanism.stiffness == 50.0
+    assert stiff.law.kinetic_coefficient == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("route", ["shooting", "inverse-dynamics"])
+def test_the_mass_is_held_unless_it_is_varied(driven, route):
+    held = fit(AXIS, CoulombViscous, driven, route=route)
+    assert held.mechanism.inertia == 2.0
+    # a hundredth: inverse dynamics loses some tenths of a per cent at reversals
+    freed = fit(
+        Axis(inertia=1.7), CoulombViscous, driven, vary=[LAW, "mechanism.inertia"], route=route
+    )
+    assert freed.mechanism.inertia == pytest.approx(2.0, rel=0.01)
+
+
+def test_friction_is_held_where_only_the_mass_is_varied(driven):
+    law = CoulombViscous(kinetic_coefficient=3.0, viscous_coefficient=4.0)
+    found = fit(Axis(inertia=1.7), law, driven, vary="inertia", route="shooting")
+    assert found.law == law
+    assert found.mechanism.inertia == pytest.approx(2.0, rel=1e-3)  # the record has no noise
+
+
+@pytest.mark.parametrize("route", ["shooting", "inverse-dynamics"])
+def test_an_offset_is_fitted_unless_it_is_fixed(driven, route):
+    found = fit(AXIS, CoulombViscous, driven, route=route)
+    assert "mechanism.offset" in found.unknowns.paths
+    held = fit(AXIS, CoulombViscous, driven, fixed={"offset": 0.5}, route=route)
+    assert "mechanism.offset" not in held.unknowns.paths
+    assert held.mechanism.offset == 0.5
+    assert held.rms > found.rms
+
+
+def test_a_fixed_level_of_the_usual_ones_is_held(driven):
+    fixed = {"viscous_coefficient": 4.0}
+    for route in ("shooting", "inverse-dynamics"):
+        found = fit(AXIS, CoulombViscous, driven, fixed=fixed, route=route)
+        assert found.law.viscous_coefficient == 4.0
+        assert "friction.viscous_coefficient" not in found.unknowns.paths
+        assert found.law.kinetic_coefficient == pytest.approx(3.0, rel=0.01)
+    map_ = fit(AXIS, CoulombViscous, TABLE, fixed={"viscous_coefficient": 3.0})
+    assert map_.law.viscous_coefficient == 3.0
+    assert map_.law.kinetic_coefficient == pytest.approx(2.0, rel=1e-6)  # the data are exact
+
+
+def test_more_than_the_usual_parameters_may_be_varied():
+    usual = fit(AXIS, Stribeck, TABLE).unknowns.paths
+    more = fit(AXIS, Stribeck, TABLE, vary=[LAW, "exponent"]).unknowns.paths
+    assert "friction.exponent" not in usual
+    assert set(more) <= {*usual, "friction.exponent", "friction.stribeck_velocity"}
+    assert "friction.kinetic_coefficient" in more
+
+
+def test_a_selection_varies_and_holds_what_is_said_of_the_mechanism(driven):
+    found = select(
+        Axis(inertia=1.7), ["coulomb-viscous"], driven, vary=[LAW, "inertia"],
+        fixed={"offset": 0.0},
+    )  # fmt: skip
+    paths = found.best.fit.unknowns.paths
+    assert "mechanism.inertia" in paths
+    assert "mechanism.offset" not in paths
+    with pytest.raises(InputError, match="vary must contain 'friction"):
+        select(AXIS, None, driven, vary="inertia")
+    with pytest.raises(InputError, match="where laws are compared"):
+        select(AXIS, None, driven, vary=[LAW, "friction.exponent"])
+    with pytest.raises(InputError, match="where laws are compared"):
+        select(AXIS, None, driven, fixed={"friction.exponent": 1.0})
+
+
+def test_travels_hold_the_mechanism():
+    for verb in (fit, select):
+        with pytest.raises(InputError, match="trav"):
+            verb(BLOCK, "coulomb", READING, vary=[LAW, "mass"])
+
+
+TOWED = TowedBlock(mass=0.03, stiffness=1000.0, speed=4e-3)
+
+
+@pytest.fixture(scope="module")
+def pulled():
+    """Return the force of the spring on a block of 30 g."""
+    law = Coulomb(kinetic_coefficient=0.28, static_coefficient=0.32)
+    t = np.linspace(0.5, 4.5, 8001)
+    run = simulate(TOWED, law, t_end=4.5).at(t)
+    return Measurement(time=t, spring_force=1000.0 * (4e-3 * t - run["x"]))
+
+
+def test_features_hold_the_mass_unless_it_is_varied_as_fit_does(pulled):
+    heavy = TowedBlock(mass=0.036, stiffness=1000.0, speed=4e-3, load=0.03 * 9.81)
+    for verb in (fit_features, fit):
+        held = verb(heavy, Coulomb, pulled)
+        assert held.mechanism.mass == 0.036
+        assert any("The mass was held" in line for line in held.sentences)
+    (compared,) = compare_features(heavy, [Coulomb], pulled)
+    assert compared.mechanism.mass == 0.036
+    freed = fit_features(heavy, Coulomb, pulled, vary=[LAW, "mechanism.mass"])
+    assert freed.mechanism.mass == pytest.approx(0.03, rel=0.03)
+    fixed = fit_features(heavy, Coulomb, pulled, fixed={"mass": 0.03, "static_coefficient": 0.32})
+    assert fixed.mechanism.mass == 0.03
+    assert fixed.law.static_coefficient == 0.32
+    assert [one.path for one in fixed.estimates] == ["friction.kinetic_coefficient"]
+
+
+FORMER = [
+    (fit, (AXIS, Coulomb, TABLE), ("free", "known", "unknown", "watch")),
+    (compare_trials, (AXIS, Coulomb, TABLE), ("free", "known", "unknown", "watch")),
+    (fit_features, (TOWED, Coulomb, TABLE), ("free", "unknown", "watch")),
+    (compare_features, (TOWED, [Coulomb], TABLE), ("unknown",)),
+    (select, (AXIS, None, TABLE), ("unknown", "watch", "compiling")),
+    (select_records, (AXIS, None, TABLE), ("unknown", "watch")),
+    (select_features, (TOWED, None, TABLE), ("unknown", "watch")),
+    (select_travels, (BLOCK, None, READING), ("watch", "compiling")),
+    (choose_route, (AXIS, TABLE), ("unknown",)),
+    (inverse_dynamics, (AXIS, TABLE), ("unknown",)),
+    (fit_rate_state, (TABLE,), ("watch",)),
+    (sample_posterior, (None,), ("watch",)),
+    (optimise_profile, (PendulumCart, Coulomb, Limits), ("watch",)),
+    (audit, (), ("watch",)),
+]
+NEW = {"free": "vary", "unknown": "vary", "known": "fixed"}
+
+
+@pytest.mark.parametrize(
+    ("verb", "arguments", "name"),
+    [
+        pytest.param(verb, arguments, name, id=f"{verb.__name__}-{name}")
+        for verb, arguments, names in FORMER
+        for name in names
+    ],
+)
+def test_a_former_argument_is_refused_by_its_new_name(verb, arguments, name):
+    with pytest.raises(RenamedError) as caught:
+        verb(*arguments, **{name: None})
+    assert f"{verb.__name__}: `{name}` is now `{NEW.get(name, 'progress')}`" in str(caught.value)
+    assert isinstance(caught.value, (TypeError, InputError))
+
+
+@pytest.mark.parametrize("verb", [select, select_records, select_features, select_travels, plan])
+def test_the_former_order_is_refused_by_the_new_one(verb):
+    for laws in ((), ([Coulomb],)):
+        with pytest.raises(RenamedError, match=r"\(mechanism, laws, measurement\)"):
+            verb(BLOCK, READING, *laws)
+
+
+def test_the_law_stands_before_the_measurement_in_fit_too():
+    with pytest.raises(RenamedError, match=r"fit\(mechanism, law, measurement\)"):
+        fit(BLOCK, READING, Viscous)
