@@ -110,7 +110,7 @@ def test_one_verdict_has_one_held_out_error(capsys):
     noise = 0.02 * np.random.default_rng(1).normal(size=len(speed))
     record = Measurement(velocity=speed, friction=0.3 * np.sign(speed) + 0.5 * speed + noise)
     verdict = select(
-        Axis(inertia=1.0), record, ["coulomb", "coulomb-viscous"], settings=RecordSettings(starts=1)
+        Axis(inertia=1.0), ["coulomb", "coulomb-viscous"], record, settings=RecordSettings(starts=1)
     )
     best = verdict.closest
     told = verdict.scale.estimate(best.score, best.score_error)
