@@ -334,7 +334,7 @@ def test_python_gets_the_remarks_of_the_command(walk):
     law = carried(load_rig("law.toml"), cart.mechanism)
     run = simulate(cart.mechanism, law.law, t_end=cart.t_end)
     assert said == [plain(one) for one in (*law.remarks, *extrapolations(law, cart.mechanism, run))]
-    assert len(said) == 2
+    assert len(said) == 3
 
 
 def test_a_law_on_its_own_mechanism_is_extrapolated_beyond_its_speed(walk):

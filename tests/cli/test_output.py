@@ -7,6 +7,7 @@ import sys
 import pytest
 from rich.console import Console
 
+from stickslip.cli import console as output
 from stickslip.cli.console import command_line, show_table
 
 ROW = ["friction.kinetic_coefficient", "mu_k", "3.859 × 10⁻⁶", "N s/m", "−0.00029 to 0.00026"]
@@ -18,7 +19,7 @@ def shown(monkeypatch, *, terminal, width):
     console = Console(
         file=file, width=width, force_terminal=terminal, color_system=None, soft_wrap=True
     )
-    monkeypatch.setattr(console, "stdout", lambda: console)
+    monkeypatch.setattr(output, "stdout", lambda: console)
     show_table("", HEADS, [ROW], whole=HEADS[1:])
     return file.getvalue()
 

@@ -195,7 +195,7 @@ def pushed(run):
 def test_the_bar_has_the_unit_of_the_route_that_is_taken_and_its_reason_is_said(run, pushed):
     rig = load_rig(pushed)
     asked = Asked(data=(), reading=Reading(), validate=None, vary=(), fixed=(), how=How())
-    assert residuals(measured(rig, asked, given=True))(1.0) == "1.00 N"
+    assert residuals(measured(rig, asked, given=True))(1.0) == "1 N"
     _, out, _ = run("fit", pushed, "--law", "coulomb-viscous", *ONCE)
     assert "Fitted by inverse dynamics, because Coulomb + viscous friction leaves" in " ".join(
         out.split()

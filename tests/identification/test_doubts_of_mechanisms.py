@@ -212,7 +212,7 @@ def test_laws_are_compared_by_the_scatter_where_readings_state_nothing(doubts, m
     draw = np.random.default_rng(5)
     settings = np.repeat([0.05, 0.07, 0.09, 0.11], 3)
     s = mu_of(100.0, 1.0, settings, 0.25) * (1.0 - 1.1 * settings) + 0.002 * draw.normal(size=12)
-    trials = trials_of(BLOCK, travels(settings, np.round(s, 4), None, doubts))
+    trials = trials_of(BLOCK, travels(settings, np.round(s, 4), None, doubts), 10.0)
     found = []
     for factor in (1.0, 10.0):
         errors, stated = standard_errors(trials)
@@ -298,7 +298,7 @@ def test_a_rig_file_states_them(tmp_path):
         ('"2 %"', "0", r"\(u_k\) must be above 0 N/m"),
         ('"2 %"', '"-1 %"', r"\(u_k\) must be above 0"),
         ('"2 %" }', '"2 %", vary = true }', "vary = true and an uncertainty"),
-        ("uncertainty = 0.0005", "uncertainy = 0.0005", "keys value and unknown or uncertainty"),
+        ("uncertainty = 0.0005", "uncertainy = 0.0005", "keys value and vary or uncertainty"),
         ('value = "60 mm", ', "", "compression.uncertainty"),
     ],
 )

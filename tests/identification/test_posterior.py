@@ -138,6 +138,6 @@ def test_a_sampler_that_is_not_installed_names_what_to_install(fit, monkeypatch)
     def missing(name):
         raise ImportError(name)
 
-    monkeypatch.setattr(posterior.importlib, "import_module", missing)
+    monkeypatch.setattr("stickslip.display.importlib.import_module", missing)
     with pytest.raises(InputError, match=r"pip install 'stickslip\[bayes\]'"):
         sample_posterior(fit)

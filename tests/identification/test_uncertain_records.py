@@ -88,7 +88,7 @@ CASES = {
         AXIS, pushed, CoulombViscous, {"route": "inverse-dynamics"}, {J: 2e-3, K: 0.03, N: 0.2},
     ),
     "cart": (
-        CART, swung, Coulomb, {"free": ["kinetic_coefficient"]},
+        CART, swung, Coulomb, {"vary": ["kinetic_coefficient"]},
         {"mechanism.cart_mass": 2e-3, "mechanism.ball_mass": 5e-4, "mechanism.length": 5e-4},
     ),
 }  # fmt: skip
@@ -157,7 +157,7 @@ def _levels(found):
 def test_intervals_hold_the_truth_where_a_mass_is_off_by_its_uncertainty():
     error = 0.005
     record = swung(replace(CART, cart_mass=0.5 + error))
-    options = {"free": ["kinetic_coefficient"]}
+    options = {"vary": ["kinetic_coefficient"]}
     promised = fit(CART, Coulomb, record, **options).estimate("kinetic_coefficient")
     found = fit(CART, Coulomb, replace(record, doubts={"cart_mass": error}), **options)
     level = found.estimate("kinetic_coefficient")
@@ -238,8 +238,6 @@ def test_uncertainties_without_effect_are_refused():
     t = np.linspace(0.0, 10.0, 2000)
     towed = TowedBlock(mass=0.03, stiffness=1000.0, speed=4e-3)
     pull = Measurement(time=t, spring_force=0.08 + 0.01 * (t % 0.1), doubts={"mass": 1e-3})
-    for verb in (fit, select):
-        law = Coulomb if verb is fit else [Coulomb]
-        args = (towed, law, pull) if verb is fit else (towed, pull, law)
+    for verb, law in ((fit, Coulomb), (select, [Coulomb])):
         with pytest.raises(InputError, match="not propagated into intervals of fits to features"):
-            verb(*args)
+            verb(towed, law, pull)

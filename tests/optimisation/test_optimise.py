@@ -207,7 +207,7 @@ def test_limits_that_no_motion_keeps_are_said_to_be_so(cart, law):
         ({"evaluations": 0}, "at least 1"),
         ({"kind": 3}, "kind must be one of three-phase"),
         ({"state": 3}, "state must be the path of a file, got 3"),
-        ({"watch": 3}, "watch must be callable"),
+        ({"progress": 3}, "progress must be callable"),
     ],
 )
 def test_bad_arguments_are_told_with_a_cure(capsule, law, change, message):

@@ -78,9 +78,9 @@ def results():
         "band": band_of(BLOCK, LAW, known, t_end=1.0, count=20),
         "record fit": fit(Axis(inertia=1.0), CoulombViscous, table),
         "travel fit": fit(BLOCK, Coulomb, Measurement(travel=0.20, uncertainty=0.005)),
-        "record verdict": select(Axis(inertia=1.0), table, ["coulomb", "coulomb-viscous"]),
+        "record verdict": select(Axis(inertia=1.0), ["coulomb", "coulomb-viscous"], table),
         "travel verdict": select(
-            BLOCK, Measurement(travel=0.20, uncertainty=0.005), ["coulomb", "viscous"]
+            BLOCK, ["coulomb", "viscous"], Measurement(travel=0.20, uncertainty=0.005)
         ),
         "map": velocity_map(),
         "bifurcation": bifurcation(

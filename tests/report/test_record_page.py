@@ -188,7 +188,7 @@ def test_every_figure_is_drawn_for_both_widths_and_says_what_it_shows(html):
 
 
 def test_titles_and_data_are_escaped(verdict):
-    html = page_of(verdict, title="<script>alert(1)</script>", data="a < b & c", subject="<b>x")
+    html = page_of(verdict, title="<script>alert(1)</script>", data="a < b & c", file="<b>x")
     assert "<script" not in html
     assert "&lt;script&gt;alert(1)" in html
     assert "a &lt; b &amp; c" in html

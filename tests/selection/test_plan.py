@@ -336,7 +336,7 @@ def test_a_law_under_which_the_body_creeps_on_is_left_out_and_named():
     sheet = plan(replace(BLOCK, incline=0.17), ["coulomb", "viscous"])
     assert list(sheet.laws) == ["coulomb"]
     assert any("Viscous friction is left out" in line for line in sheet.remarks)
-    assert any("does not come to rest within 10 s" in line for line in sheet.remarks)
+    assert any("does not bring the body to rest: at t_end = 10 s" in line for line in sheet.remarks)
 
 
 def test_bristles_that_ring_are_at_rest():

@@ -228,7 +228,7 @@ def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:
     >>> from stickslip import Axis, Measurement, select
     >>> v = np.linspace(-1.0, 1.0, 400)
     >>> table = Measurement(velocity=v, friction=2.0 * np.sign(v) + 0.1 * np.cos(50.0 * v))
-    >>> verdict = select(Axis(inertia=1.0), table, ["coulomb", "viscous"])
+    >>> verdict = select(Axis(inertia=1.0), ["coulomb", "viscous"], table)
     >>> plot_verdict(verdict, Figure()).get_xlabel()
     'held-out error, N'
     """

@@ -204,7 +204,7 @@ def plot_separation(verdict: TravelVerdict, ax: Target = None) -> Axes:
     >>> from stickslip import Coulomb, Dahl, Measurement, SpringBlock, select
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> laws = [Coulomb(kinetic_coefficient=0.25), "viscous"]
-    >>> verdict = select(rig, Measurement(travel=0.20, uncertainty=0.005), laws)
+    >>> verdict = select(rig, laws, Measurement(travel=0.20, uncertainty=0.005))
     >>> plot_separation(verdict, Figure()).get_ylabel()
     'travel, m'
     """
