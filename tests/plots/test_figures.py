@@ -337,6 +337,6 @@ def test_a_closed_loop_shows_its_reference_and_what_breaks_it_away() -> None:
     loop = closed_loop(Axis(inertia=1.0), law, pid, period=0.01, t_end=8.0)
     draw = draw_closed_loop(loop, reference=lambda t: 0.1, level=1.5, since=1.0)
     drawn = inline_svg(draw, alt="A loop", prefix="loop", **LOOP_SIZES)
-    for text in ("x, mm", "reference", "command, N", "break-away", "shaded: at rest"):
+    for text in ("x, m", "reference", "command, N", "break-away", "shaded: at rest"):
         assert text in drawn
     assert drawn == inline_svg(draw, alt="A loop", prefix="loop", **LOOP_SIZES)

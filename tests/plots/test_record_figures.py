@@ -56,8 +56,8 @@ def test_pieces_show_predictions_over_the_data_and_errors_below_in_one_range():
         above, below = (axes[0], axes[1]) if narrow else (axes[0], axes[2])
         last = axes[3]
         assert set(series(above)) == {DATA, C1, C2}
-        np.testing.assert_allclose(series(below)[C1][1], 1.0, rtol=1e-9)  # mm, measured less
-        np.testing.assert_allclose(series(below)[C2][1], -2.0, rtol=1e-9)
+        np.testing.assert_allclose(series(below)[C1][1], 1e-3, rtol=1e-9)  # m, measured less
+        np.testing.assert_allclose(series(below)[C2][1], -2e-3, rtol=1e-9)
         assert below.get_ylim() == last.get_ylim()
 
 

@@ -65,7 +65,7 @@ def test_an_interval_that_reaches_zero_is_a_doubt(verdict):
 
 def test_a_parameter_that_is_not_bounded_is_left_out_of_the_headline():
     verdict = select(RIG, [VISCOUS], READINGS)
-    assert verdict.sentence == "Use Coulomb + viscous friction with mu_k = 0.254."
+    assert verdict.sentence == "Use Coulomb + viscous friction with mu_k = 0.2537."
     assert verdict.words.cannot_tell[0].startswith("$sigma_2$: ")
     assert not any("sigma_2" in line for line in verdict.words.settles)
 

@@ -159,7 +159,7 @@ def plot_closed_loop(
     >>> control = PID(proportional=100.0, derivative=10.0, reference=0.1)
     >>> loop = closed_loop(Axis(inertia=1.0), law, control, period=1e-2, t_end=1.0)
     >>> [axes.get_title("left") for axes in plot_closed_loop(loop, Figure())]
-    ['x, mm', 'command, N']
+    ['x, m', 'command, N']
     """
     check_type("loop", loop, ClosedLoop)
     draw = draw_closed_loop(
