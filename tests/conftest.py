@@ -35,12 +35,23 @@ def data_dir() -> Path:
     pytest.skip(reason)
 
 
-@pytest.fixture(autouse=True, scope="session")
-def sections_raise() -> None:
-    """What fails in a section of a report becomes a line for users; in tests it is an error."""
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup() -> None:
+    """Let a section of a report that fails raise in tests; for users it becomes one line.
+
+    Hooks of set-up and teardown hold for this folder alone: the examples in docstrings, which may
+    run in the same process, see what users see.
+    """
     from stickslip.report.core import documents
 
     documents.CAUGHT = ()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_teardown() -> None:
+    from stickslip.report.core import documents
+
+    documents.CAUGHT = (Exception,)
 
 
 PARTS_OF_THE_AUDIT = ("requirements", "step_travels", "consequences", "bristle_rows")
