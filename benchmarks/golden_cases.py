@@ -87,7 +87,7 @@ IN_PYTHON = '''
 """The verdict and its page by public functions instead of the command."""
 
 from stickslip import load_rig, select
-from stickslip.report import write_report
+from stickslip import write_report
 
 rig = load_rig("block.toml")
 verdict = select(rig.mechanism, ["coulomb", "viscous"], rig.measurement)

@@ -36,7 +36,7 @@ from stickslip import (
 )
 from stickslip.errors import StickslipError
 from stickslip.quantities import vary
-from stickslip.selection import Candidate, TravelVerdict
+from stickslip.selection import TravelCandidate, TravelVerdict
 
 RESULTS = "travel_truth.jsonl"
 ROUTE = "travels"
@@ -201,7 +201,7 @@ def judge(
     return row | {"right": _right(row)}
 
 
-def _error(rig: TravelRig, candidate: Candidate) -> float:
+def _error(rig: TravelRig, candidate: TravelCandidate) -> float:
     """Return the root mean square error of a fit on fresh travels [m]."""
     if candidate.fit is None:
         return math.inf
@@ -213,7 +213,7 @@ def _error(rig: TravelRig, candidate: Candidate) -> float:
     return math.sqrt(float(np.mean(np.square(errors))))
 
 
-def _invented(candidate: Candidate) -> bool:
+def _invented(candidate: TravelCandidate) -> bool:
     """Whether a law has parameters that must be known and that nobody measured, gave or fitted."""
     fitted = 0 if candidate.fit is None else len(candidate.fit.estimates)
     return fitted < PARAMETERS[candidate.name]
@@ -228,7 +228,7 @@ def _right(row: Mapping[str, Any]) -> bool:
     return named == row["truth"] or (simpler and errors[named] <= best + row["error"])
 
 
-def _covered(rig: TravelRig, candidate: Candidate) -> list[dict[str, Any]]:
+def _covered(rig: TravelRig, candidate: TravelCandidate) -> list[dict[str, Any]]:
     """Return for each bounded estimate whether its interval holds the true value."""
     rows = []
     for estimate in candidate.fit.estimates if candidate.fit else ():

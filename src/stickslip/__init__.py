@@ -100,7 +100,7 @@ HOMES = {
     "compensation": "control",
     "dynamics_at": "control",
     "ensemble": "simulation",
-    "fit": "identification",
+    "fit": "routes",
     "inverse_dynamics": "identification",
     "limit_cycle": "control",
     "load_measurement": "experiments",
@@ -109,9 +109,9 @@ HOMES = {
     "plan": "selection",
     "rig_schema": "experiments",
     "sample_posterior": "identification",
-    "select": "selection",
+    "select": "routes",
     "simulate": "simulation",
-    "write_report": "report",
+    "write_report": "routes",
 }
 
 __all__ = sorted([*HOMES, "__version__"])  # noqa: PLE0605  # read off the table above

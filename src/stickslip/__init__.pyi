@@ -54,7 +54,6 @@ from stickslip.identification import RecordSettings as RecordSettings
 from stickslip.identification import TravelFit as TravelFit
 from stickslip.identification import TrialComparison as TrialComparison
 from stickslip.identification import compare_trials as compare_trials
-from stickslip.identification import fit as fit
 from stickslip.identification import inverse_dynamics as inverse_dynamics
 from stickslip.identification import sample_posterior as sample_posterior
 from stickslip.mechanisms import Axis as Axis
@@ -77,14 +76,15 @@ from stickslip.optimisation import Limits as Limits
 from stickslip.optimisation import Optimum as Optimum
 from stickslip.optimisation import optimise_profile as optimise_profile
 from stickslip.plots import animate as animate
-from stickslip.report import write_report as write_report
+from stickslip.routes import fit as fit
+from stickslip.routes import select as select
+from stickslip.routes import write_report as write_report
 from stickslip.selection import FeatureVerdict as FeatureVerdict
 from stickslip.selection import Plan as Plan
 from stickslip.selection import RecordVerdict as RecordVerdict
 from stickslip.selection import TravelVerdict as TravelVerdict
 from stickslip.selection import Verdict as Verdict
 from stickslip.selection import plan as plan
-from stickslip.selection import select as select
 from stickslip.simulation import ensemble as ensemble
 from stickslip.simulation import simulate as simulate
 from stickslip.solver import EventCount as EventCount

@@ -126,7 +126,7 @@ REVEALED = (
     "Posterior",
     "TravelVerdict | RecordVerdict | FeatureVerdict",
     "str",
-    "Candidate | None",
+    "TravelCandidate | None",
     "Checks",
     "Ensemble",
     "ndarray[tuple[Any, ...], dtype[float64]]",

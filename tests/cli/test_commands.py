@@ -416,7 +416,7 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_work(
     def never(*_arguments, **_options):
         raise AssertionError("the work began")
 
-    monkeypatch.setattr(stickslip.cli.select, "select", never)
+    monkeypatch.setattr(stickslip.cli.select, "_selected", never)
     monkeypatch.setattr(stickslip.cli.paper, "audit", never)
     (tmp_path / "taken").write_text("mine")
     assert "cannot be written" in complaint(run, command, "-o", output)

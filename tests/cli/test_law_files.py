@@ -23,8 +23,8 @@ from stickslip import (
 )
 from stickslip.cli import main
 from stickslip.cli.console import plain
+from stickslip.cli.select import show_verdict
 from stickslip.cli.simulate import _event_rows
-from stickslip.cli.verdict_tables import show_verdict
 from stickslip.experiments import LawEstimates, carried, extrapolations
 from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.trajectory import Event

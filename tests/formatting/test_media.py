@@ -101,10 +101,10 @@ def test_one_verdict_has_one_held_out_error(capsys):
     """The fault: "0.02 N, standard error 0.00073 N" in one place, "0.0195 ± 0.0007 N" elsewhere."""
     import numpy as np
 
-    from stickslip.cli.verdict_tables import show_verdict
+    from stickslip.cli.select import show_verdict
     from stickslip.report import render
     from stickslip.report.core.documents import Origin
-    from stickslip.report.verdict_page import verdict_page
+    from stickslip.routes.page import verdict_page
 
     speed = np.linspace(-0.3, 0.3, 120)
     noise = 0.02 * np.random.default_rng(1).normal(size=len(speed))

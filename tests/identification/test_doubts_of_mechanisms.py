@@ -22,8 +22,8 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
-from stickslip.identification.fitting import fit_trials
 from stickslip.identification.travels import several_travels as least_squares_of_travels
+from stickslip.identification.travels.fit import fit_trials
 from stickslip.identification.travels.model import standard_errors, trials_of
 from stickslip.selection.admissibility import improves
 

@@ -9,7 +9,7 @@ from stickslip.formatting import quantity, unbroken
 from stickslip.paper import beside
 from stickslip.report import render
 from stickslip.report.core.documents import Origin
-from stickslip.report.verdict_page import verdict_page
+from stickslip.routes.page import verdict_page
 from stickslip.selection.fixed_step_comparison import rounded_step
 
 TEXT = """

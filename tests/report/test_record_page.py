@@ -36,7 +36,7 @@ from stickslip.report.records.reproduce import python_lines
 from stickslip.report.records.residuals import _panels, residuals_section
 from stickslip.report.records.summary import law_lines, level_at, levels_at_speed
 from stickslip.report.records.texts import rival_of, typeset
-from stickslip.report.verdict_page import verdict_page
+from stickslip.routes.page import verdict_page
 from stickslip.selection.candidates import specifications
 from stickslip.selection.record_wording import in_sentence
 

@@ -27,7 +27,7 @@ from stickslip.report.core import documents, markup
 from stickslip.report.core.documents import Origin
 from stickslip.report.core.page import render
 from stickslip.report.travels.runs import steps_heading
-from stickslip.report.verdict_page import verdict_page
+from stickslip.routes.page import verdict_page
 from stickslip.selection import compare_fixed_steps
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)

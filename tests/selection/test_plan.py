@@ -22,7 +22,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError
-from stickslip.identification.fitting import fit_trials
+from stickslip.identification.travels.fit import fit_trials
 from stickslip.identification.travels.model import trials_of
 from stickslip.selection.admissibility import improves
 from stickslip.selection.lab_sheet import Plan

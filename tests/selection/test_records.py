@@ -31,7 +31,7 @@ from stickslip.identification.records.fit import settled
 from stickslip.identification.records.fitting import fit_record
 from stickslip.report import render
 from stickslip.report.core.documents import Origin
-from stickslip.report.verdict_page import verdict_page
+from stickslip.routes.page import verdict_page
 from stickslip.selection.applicability import one_way
 from stickslip.selection.cross_validation import Plan, cross_validate, plan_of
 from stickslip.selection.identifiable import settled_estimates, traded

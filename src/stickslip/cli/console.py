@@ -15,9 +15,9 @@ from rich.text import Text
 
 from stickslip.documents import document, json_text, write_file, write_folder
 from stickslip.errors import InputError
+from stickslip.formatting import NO_VALUE
 
 __all__ = [
-    "NONE",
     "command_line",
     "document",
     "json_text",
@@ -33,8 +33,6 @@ __all__ = [
     "write_folder",
 ]
 
-NONE = "—"
-"""A cell without a value."""
 GAP = 2
 """Spaces between columns."""
 FOLDED = 16
@@ -97,7 +95,7 @@ def show_table(
 
 
 def _is_number(cell: str) -> bool:
-    return cell in ("", NONE) or cell[0].isdigit() or cell[0] in "-−.+"
+    return cell in ("", NO_VALUE) or cell[0].isdigit() or cell[0] in "-−.+"
 
 
 def print_json(content: Mapping[str, Any]) -> None:

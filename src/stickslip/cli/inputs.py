@@ -1,29 +1,30 @@
 """What `select` and `fit` share: what was measured, how it is fitted, what is to be said of it."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import final
 
 from stickslip.cli.console import note, plain, show_table, stdout
+from stickslip.cli.interrupts import Interrupts
+from stickslip.cli.progress import Searching, Watching
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Checks, Measurement, Rig, check
+from stickslip.experiments import Checks, Measurement, Rig
 from stickslip.experiments.hashing import with_files
 from stickslip.experiments.parameter_paths import all_paths
 from stickslip.experiments.readers.reader_options import Reading
 from stickslip.experiments.records import read_data
 from stickslip.experiments.units import read_number
-from stickslip.formatting import percent, unit_text, within
+from stickslip.formatting import unit_text, within
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate, RecordSettings
-from stickslip.identification.features.features import by_features
-from stickslip.identification.records.fitting import route_of
-from stickslip.identification.records.route_choice import RouteChoice, RouteName, choose_route
-from stickslip.identification.validation import LAW, Parameters, covers, law_quantities
+from stickslip.identification.records.route_choice import RouteName
+from stickslip.identification.validation import LAW, covers, law_quantities
 from stickslip.quantities import full_path
-from stickslip.selection.record_wording import error_text
+from stickslip.routes import AnyRoute, Options, Request, refuse_unused, route_of
 from stickslip.selection.records import PurposeName
 from stickslip.selection.verdict import Wording
 
@@ -32,10 +33,10 @@ __all__ = [
     "How",
     "Measured",
     "measured",
-    "residuals",
     "show_estimates",
     "show_open",
     "show_warnings",
+    "watching",
 ]
 
 
@@ -62,9 +63,9 @@ class How:
             raise InputError(f"--hold must be zero or first, got {self.hold!r}.")
 
     @property
-    def way(self) -> str | None:
-        """The route, as far as it is asked for; a law to compensate with is one of its force."""
-        return "inverse-dynamics" if self.purpose == "compensate" and not self.route else self.route
+    def given(self) -> tuple[str, ...]:
+        """Names of the options that say something."""
+        return tuple(f.name for f in fields(self) if getattr(self, f.name) is not None)
 
     def settings(self, rig: Rig) -> RecordSettings:
         """Return settings of fits to records: as asked, or else as the rig says."""
@@ -97,15 +98,10 @@ class Measured:
     fixed: Mapping[str, float]
     digest: str
     """SHA-256 of the rig and of all files that were read."""
-    features: bool = False
-    """Whether features are compared: of the force of a spring that pulls a block."""
-    route: RouteChoice | None = None
-    """How records are fitted; None for travels and features."""
-
-    @property
-    def travels(self) -> bool:
-        """Whether distances to rest were measured, and nothing in time."""
-        return bool(self.measurement.travelled)
+    route: AnyRoute
+    """What fits and compares such a measurement."""
+    options: Options
+    """What is said of how, with what is chosen for the measurement."""
 
 
 def measured(
@@ -138,38 +134,37 @@ def measured(
         validate = read_data([asked.validate], alike, mechanism=rig.mechanism)
     vary, fixed = _parameters(rig, asked, law)
     files = [*asked.data, *([] if asked.validate is None else [asked.validate])]
-    found = Measured(
+    how = asked.how
+    route = route_of(measurement, how.route)
+    said = Options(
+        route=how.route,
+        settings=how.settings(rig),
+        purpose=how.purpose,
+        horizon=how.horizon,
+        validate=validate,
+        assumed=rig.assumed or None,
+        t_end=rig.t_end,
+    )
+    options = said.only(route.uses)
+    refuse = partial(refuse_unused, route, mark="--")
+    refuse([*how.given, *(["validate"] if asked.validate else [])], options)
+    if not given and "t_end" not in route.uses:  # the bundled rig is a block with a travel
+        raise InputError(
+            "a record needs a rig file that says what moves: give one with a [mechanism], such as"
+            ' type = "axis" and inertia = { value = "80 kg", vary = true }.'
+        )
+    request = Request(mechanism=rig.mechanism, measurement=measurement, vary=vary, fixed=fixed)
+    options = route.resolved(request, options, law)
+    refuse(how.given, options)
+    return Measured(
         measurement=measurement,
         validate=validate,
         vary=vary,
         fixed=fixed,
         digest=with_files(rig.digest, files),
-        features=by_features(measurement, asked.how.route),
+        route=route,
+        options=options,
     )
-    if found.features:
-        _check_features(asked.how)
-    if found.travels:
-        _check_travels(asked.how)
-    elif not given:
-        raise InputError(
-            "a record needs a rig file that says what moves: give one with a [mechanism], such as"
-            ' type = "axis" and inertia = { value = "80 kg", vary = true }.'
-        )
-    elif not found.features:
-        chosen = _route(rig, found, asked.how, law)
-        _check_records(asked.how, chosen)
-        found = replace(found, route=chosen)
-    return found
-
-
-def _check_features(how: How) -> None:
-    """Refuse what features have no use for."""
-    for name in ("purpose", "horizon", "segment", "hold", "starts"):
-        if getattr(how, name) is not None:
-            raise InputError(
-                f"--{name} is for records of motion or friction; the force of a spring is compared"
-                " by its features."
-            )
 
 
 def _parameters(
@@ -224,51 +219,19 @@ def _number(text: str) -> float | str:
         return text
 
 
-def _route(
-    rig: Rig, found: Measured, how: How, law: FrictionLaw | type[FrictionLaw] | None
-) -> RouteChoice:
-    """Return how records are fitted: as asked, or else as their motion allows."""
-    settings, measurement = how.settings(rig), found.measurement
-    rubbed = "friction" in measurement.quantities() and not how.route
-    asked = None if rubbed else how.way
-    faulty = check(measurement, mechanism=rig.mechanism).worst == "error"
-    if asked is not None or rubbed or faulty:  # what is faulty is refused where it is fitted
-        return RouteChoice(route=route_of(measurement, asked), settings=settings)
-    chosen = Parameters.of(rig.mechanism, law, found.vary, found.fixed, measurement=measurement)
-    vary = [LAW, *chosen.unknown]
-    return choose_route(chosen.mechanism, measurement, vary=vary, settings=settings)
+@contextmanager
+def watching(names: Sequence[str], found: Measured) -> Iterator[Watching | Searching]:
+    """Show how far the fits of laws are; where searches can be ended early, Ctrl-C does so."""
+    if found.route.counts_runs:
+        with Watching(names, "Fitting") as counting:
+            yield counting
+        return
 
+    def text(error: float) -> str:
+        return found.route.residual_text(error, found.measurement, found.options)
 
-def _check_records(how: How, chosen: RouteChoice) -> None:
-    """Refuse what the route that records take has no use for."""
-    way, why = chosen.route, f", because {chosen.reason}" if chosen.reason else ""
-    without = {"shooting": (), "inverse-dynamics": ("segment",), "force-map": ("segment", "hold")}
-    for name in without[way]:
-        if getattr(how, name) is not None:
-            raise InputError(
-                f"--{name} is for simulated segments (--route shooting); here the route is {way},"
-                f" which fits friction along the measured motion{why}: leave it out."
-            )
-
-
-def _check_travels(how: How) -> None:
-    """Refuse what travels have no use for."""
-    for name in ("purpose", "horizon", "route", "segment", "hold", "starts", "seed"):
-        if getattr(how, name) is not None:
-            raise InputError(
-                f"--{name} is for records in time or of friction; what was measured here is travel."
-            )
-
-
-def residuals(found: Measured) -> Callable[[float], str]:
-    """Return what puts residuals into words, with the unit of what predictions are compared to."""
-    if found.features:
-        return lambda error: f"features off by {percent(error)}"
-    known = found.measurement.quantities()
-    quantity = next((name for name in ("position", "velocity") if name in known), "friction")
-    if found.route is not None and found.route.route != "shooting":
-        quantity = "friction"
-    return partial(error_text, quantity=quantity, turning=found.measurement.turning)
+    with Interrupts() as interrupts, Searching(names, text, interrupts) as bar:
+        yield bar
 
 
 def show_warnings(checks: Checks) -> None:

@@ -1,9 +1,9 @@
 """``stickslip select``."""
 
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
 import typer
 
@@ -12,26 +12,37 @@ from stickslip.cli.console import (
     document,
     note,
     overrides,
+    plain,
     print_json,
     refuse_overwriting,
+    show_table,
+    stdout,
 )
-from stickslip.cli.inputs import Asked, Measured, measured, residuals
-from stickslip.cli.interrupts import Interrupts
+from stickslip.cli.inputs import (
+    Asked,
+    Measured,
+    measured,
+    show_estimates,
+    show_open,
+    show_warnings,
+    watching,
+)
 from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.process_pool import workers
-from stickslip.cli.progress import Searching, Watching
-from stickslip.cli.verdict_tables import AnyVerdict, show_verdict
-from stickslip.errors import InputError
+from stickslip.cli.trials import show_trials
 from stickslip.experiments import Rig, load_rig
 from stickslip.experiments.hashing import of_files
 from stickslip.friction import FrictionLaw
 from stickslip.report import Page, render
 from stickslip.report.core.documents import Origin
-from stickslip.report.verdict_page import verdict_page
-from stickslip.report.writing import DOCUMENT, write_verdict
-from stickslip.selection import Candidate, TravelVerdict, candidate_names, select
+from stickslip.routes import SelectRequest, refuse_unused, route_named, verdict_page
+from stickslip.routes.report import DOCUMENT, write_verdict
+from stickslip.selection import Verdict
 
-__all__ = ["NO_LAW", "laws_of", "run"]
+if TYPE_CHECKING:
+    from stickslip.selection import TravelCandidate, TravelVerdict
+
+__all__ = ["NO_LAW", "laws_of", "run", "show_verdict"]
 
 NO_LAW = 3
 """Exit code where no law is recommended."""
@@ -56,11 +67,10 @@ def run(
         refuse_overwriting(output, output, force=force)
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     found = measured(rig, asked, given=path is not None)
-    if found.travels and jobs is not None:
-        raise InputError("--jobs is for records; travels are fitted one after the other.")
-    if enforce and not found.travels:
-        raise InputError("--enforce is for travels: the criteria of the paper judge these.")
-    verdict = _selected(rig, found, asked, laws_of(rig, laws), jobs or 1)
+    needed = {"jobs": jobs is not None, "enforce": enforce}
+    asked_for = [name for name, given in needed.items() if given]
+    refuse_unused(found.route, asked_for, found.options, mark="--")
+    verdict = _selected(rig, found, laws_of(rig, laws), jobs or 1)
     content = document("select", {"rig": rig.title, "digest": found.digest, **verdict.to_dict()})
     page_code = 0
     if as_json:
@@ -79,7 +89,7 @@ def run(
     if verdict.best is None or getattr(verdict.best, "dropped", False):
         note("No law is recommended; the verdict gives the reason.")
         raise typer.Exit(NO_LAW)
-    if enforce and isinstance(verdict, TravelVerdict) and not _criteria_hold(verdict.best):
+    if enforce and not _criteria_hold(cast("TravelCandidate | None", verdict.best)):
         note("A criterion of the paper fails for the law that is named; the report says which.")
         raise typer.Exit(CRITERIA_FAILED)
     leave_unless_drawn(page_code)
@@ -98,38 +108,51 @@ def laws_of(
 def _selected(
     rig: Rig,
     found: Measured,
-    asked: Asked,
     laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | str] | None,
     jobs: int,
-) -> AnyVerdict:
+) -> Verdict:
     """Select with bars; of records, Ctrl-C once ends the search with what there is."""
-    names = candidate_names(found.measurement, laws)
-    with ExitStack() as stack:
-        watch: Watching | Searching
-        if found.travels:
-            watch = stack.enter_context(Watching(names, "Fitting"))
-        else:
-            interrupts = stack.enter_context(Interrupts())
-            watch = stack.enter_context(Searching(names, residuals(found), interrupts))
-        return select(
-            rig.mechanism,
-            laws,
-            found.measurement,
+    names = found.route.candidates(laws, found.measurement)
+    with watching(names, found) as watch, workers(min(jobs, len(names))) as executor:
+        request = SelectRequest(
+            mechanism=rig.mechanism,
+            laws=laws,
+            measurement=found.measurement,
             vary=found.vary,
             fixed=found.fixed,
-            assumed=rig.assumed,
-            purpose=asked.how.purpose or "simulate",
-            horizon=asked.how.horizon,
-            route=found.route or asked.how.route,
-            validate=found.validate,
-            settings=asked.how.settings(rig),
-            t_end=rig.t_end,
             progress=watch,
-            executor=stack.enter_context(workers(min(jobs, len(names)))),
+            executor=executor,
         )
+        verdict: Verdict = found.route.select(request, found.options)
+        return verdict
 
 
-def _page(verdict: AnyVerdict, rig: Rig, found: Measured, asked: Asked, *, of_paper: bool) -> Page:
+def show_verdict(verdict: Verdict) -> None:
+    """Print the verdict, the comparison, the parameters of the law that is named, what is open."""
+    words, console = verdict.words, stdout()
+    table = route_named(verdict.route).comparison(verdict)
+    if table.checks:
+        show_warnings(table.checks)
+    console.print(f"\n{plain(words.verdict)}", markup=False, style="bold")
+    console.print(plain(words.lede), markup=False)
+    if words.no_score:
+        console.print(words.no_score, markup=False, style="dim")
+    console.print()
+    rows = [[plain(cell) for cell in row] for row in table.rows]
+    show_table("", table.heads, rows, whole=table.heads if table.fitted else ())
+    if table.notes:
+        console.print()
+    for line in table.notes:
+        console.print(f"  {plain(line)}", markup=False)
+    if table.fitted:
+        title, estimates = table.fitted
+        console.print(f"\n{title}", markup=False, style="bold")
+        show_estimates(estimates)
+    show_trials(table.trials)
+    show_open(words)
+
+
+def _page(verdict: Verdict, rig: Rig, found: Measured, asked: Asked, *, of_paper: bool) -> Page:
     """Return the page of a verdict; of the bundled rig it says too where its paper errs."""
     origin = Origin(
         title=rig.title or verdict.mechanism.name.replace("-", " ").capitalize(),
@@ -139,14 +162,15 @@ def _page(verdict: AnyVerdict, rig: Rig, found: Measured, asked: Asked, *, of_pa
         files=of_files([*asked.data, *([asked.validate] if asked.validate else [])]),
         commands=(command_line(),),
     )
-    if of_paper and isinstance(verdict, TravelVerdict):
+    if of_paper:
         from stickslip.paper import beside
 
-        remark, lead, extra = beside(replace(rig, digest=found.digest), verdict)
+        own = cast("TravelVerdict", verdict)  # the bundled rig has travels
+        remark, lead, extra = beside(replace(rig, digest=found.digest), own)
         return verdict_page(verdict, origin, remark=remark, lead=lead, extra=extra)
     return verdict_page(verdict, origin)
 
 
-def _criteria_hold(best: Candidate | None) -> bool:
+def _criteria_hold(best: "TravelCandidate | None") -> bool:
     seen = best.criteria if best else None
     return bool(seen and seen.velocity_never_negative and seen.displacement_never_decreases)

@@ -5,6 +5,7 @@ Spaces are ordinary ones. A page keeps lines from ending within a number by `unb
 
 from stickslip.formatting.numbers import (
     MINUS,
+    NO_VALUE,
     NOT_FINITE,
     UNBOUNDED,
     EstimateText,
@@ -44,6 +45,7 @@ __all__ = [
     "MINUS",
     "NOT_FINITE",
     "NO_BREAK_SPACE",
+    "NO_VALUE",
     "UNBOUNDED",
     "EstimateText",
     "Scale",

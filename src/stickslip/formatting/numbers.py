@@ -21,6 +21,7 @@ from stickslip.errors import InputError
 __all__ = [
     "MINUS",
     "NOT_FINITE",
+    "NO_VALUE",
     "PLAIN_POWERS",
     "UNBOUNDED",
     "EstimateText",
@@ -41,6 +42,8 @@ __all__ = [
 
 MINUS: Final = "\N{MINUS SIGN}"
 NOT_FINITE: Final = "not finite"
+NO_VALUE: Final = "—"
+"""A cell of a table without a value."""
 UNBOUNDED: Final = "unbounded"
 PLAIN_POWERS: Final = range(-4, 7)
 DIGITS_OF_A_FLOAT: Final = 15

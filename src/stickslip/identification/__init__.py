@@ -3,7 +3,6 @@
 from stickslip.identification.features.features import StickSlipFeatures, features_of
 from stickslip.identification.features.fit import compare_features, fit_features
 from stickslip.identification.features.result import FeatureFit
-from stickslip.identification.fitting import fit
 from stickslip.identification.rate_state.fit import fit_rate_state
 from stickslip.identification.rate_state.law import (
     RateState,
@@ -12,10 +11,12 @@ from stickslip.identification.rate_state.law import (
 )
 from stickslip.identification.rate_state.result import RateStateFit
 from stickslip.identification.records.fit import Prediction, RecordFit, Score
+from stickslip.identification.records.fitting import fit_records
 from stickslip.identification.records.posterior import Posterior, sample_posterior
 from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.results import Estimate, Fit
 from stickslip.identification.series.inverse_dynamics import InverseDynamics, inverse_dynamics
+from stickslip.identification.travels.fit import fit_travels
 from stickslip.identification.travels.result import TravelFit
 from stickslip.identification.travels.start_values import starting_law
 from stickslip.identification.trials.comparison import TrialComparison, compare_trials
@@ -39,9 +40,10 @@ __all__ = [
     "compare_features",
     "compare_trials",
     "features_of",
-    "fit",
     "fit_features",
     "fit_rate_state",
+    "fit_records",
+    "fit_travels",
     "inverse_dynamics",
     "sample_posterior",
     "simulate_velocity_steps",

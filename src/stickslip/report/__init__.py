@@ -25,7 +25,6 @@ from stickslip.report.core.markup import inline, mathml, symbol, symbol_text
 from stickslip.report.core.page import render, write
 from stickslip.report.core.sparklines import Axis, Mark, RowPlot
 from stickslip.report.core.tables import Blank, Cell, Column, Correlations, Name, Number, Row, Table
-from stickslip.report.writing import write_report
 
 __all__ = [
     "Animation",
@@ -67,5 +66,4 @@ __all__ = [
     "symbol",
     "symbol_text",
     "write",
-    "write_report",
 ]

@@ -8,9 +8,9 @@ from stickslip.selection.lab_sheet import Plan
 from stickslip.selection.planning import plan
 from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
 from stickslip.selection.records import PURPOSES, select_records
-from stickslip.selection.selecting import candidate_names, select
+from stickslip.selection.travel_verdict import TravelCandidate, TravelVerdict
 from stickslip.selection.travels import select_travels
-from stickslip.selection.verdict import Candidate, TravelVerdict, Verdict
+from stickslip.selection.verdict import Candidate, Verdict
 
 __all__ = [
     "PURPOSES",
@@ -23,13 +23,12 @@ __all__ = [
     "Plan",
     "RecordCandidate",
     "RecordVerdict",
+    "TravelCandidate",
     "TravelVerdict",
     "Verdict",
-    "candidate_names",
     "compare_fixed_steps",
     "criteria_of",
     "plan",
-    "select",
     "select_features",
     "select_records",
     "select_travels",

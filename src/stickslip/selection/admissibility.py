@@ -8,7 +8,7 @@ from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate, TravelFit
 from stickslip.quantities import fields_of, parameters
-from stickslip.selection.verdict import Candidate
+from stickslip.selection.travel_verdict import TravelCandidate
 
 __all__ = ["chosen", "doubts", "improves", "limit_of", "mark_passed_over", "told_apart"]
 
@@ -17,7 +17,7 @@ LEVEL = 0.975
 it has a bound at 0, where half of such fits end."""
 
 
-def doubts(candidate: Candidate) -> dict[str, str]:
+def doubts(candidate: TravelCandidate) -> dict[str, str]:
     """Return why each fitted parameter that the data do not settle is in doubt, by field name."""
     found = {}
     for estimate in candidate.fit.estimates if candidate.fit else ():
@@ -78,7 +78,7 @@ def improves(richer: TravelFit, simpler: TravelFit, extra: int) -> bool:
     return simpler.deviance(factor) - richer.deviance(factor) > float(needed)
 
 
-def chosen(candidates: Sequence[Candidate]) -> Candidate | None:
+def chosen(candidates: Sequence[TravelCandidate]) -> TravelCandidate | None:
     """Return the simplest law that no richer one improves on significantly, None without any.
 
     Parameters that were neither measured, given nor fitted count: a law that has them is taken only
@@ -86,14 +86,14 @@ def chosen(candidates: Sequence[Candidate]) -> Candidate | None:
     list had one more.
     """
     fitted = [c for c in candidates if c.fit is not None and not c.dropped]
-    best: Candidate | None = None
+    best: TravelCandidate | None = None
     for one in sorted([c for c in fitted if not c.invented] or fitted, key=_size):
         if best is None or _improves(one, best):
             best = one
     return best
 
 
-def _size(candidate: Candidate) -> tuple[int, bool, int]:
+def _size(candidate: TravelCandidate) -> tuple[int, bool, int]:
     """Return the number of parameters that readings or guesses pay for, and of all.
 
     Of laws with as many, those that hold a body at rest come first, since it did come to rest.
@@ -102,18 +102,20 @@ def _size(candidate: Candidate) -> tuple[int, bool, int]:
     return candidate.parameters, not law.break_away(1.0) > 0, len([*parameters(law, "friction")])
 
 
-def _improves(one: Candidate, other: Candidate) -> bool:
+def _improves(one: TravelCandidate, other: TravelCandidate) -> bool:
     assert one.fit is not None
     assert other.fit is not None
     return improves(one.fit, other.fit, max(one.parameters - other.parameters, 1))
 
 
-def told_apart(candidate: Candidate, best: Candidate) -> bool:
+def told_apart(candidate: TravelCandidate, best: TravelCandidate) -> bool:
     """Whether the readings speak for the best law against another one beyond their uncertainty."""
     return candidate.fit is None or bool(candidate.dropped) or _improves(best, candidate)
 
 
-def mark_passed_over(candidates: Sequence[Candidate], best: Candidate) -> list[Candidate]:
+def mark_passed_over(
+    candidates: Sequence[TravelCandidate], best: TravelCandidate
+) -> list[TravelCandidate]:
     """Mark which laws are not told apart from the best, and why they are not taken."""
     return [
         c
@@ -123,7 +125,7 @@ def mark_passed_over(candidates: Sequence[Candidate], best: Candidate) -> list[C
     ]
 
 
-def _reason(candidate: Candidate, best: Candidate) -> str:
+def _reason(candidate: TravelCandidate, best: TravelCandidate) -> str:
     """Return why a law is not taken whatever it leaves; empty if it leaves too much."""
     if candidate.invented and not best.invented:
         fields = fields_of(type(candidate.law))

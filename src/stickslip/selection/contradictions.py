@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stickslip.formatting import joined, number, quantity, scale_of
 from stickslip.identification.travels.model import Trial
 from stickslip.quantities import fields_of, parameters
-from stickslip.selection.verdict import Candidate, misfit
+from stickslip.selection.travel_verdict import TravelCandidate, misfit
 
 __all__ = ["Contradiction", "closest_of", "contradiction"]
 
@@ -39,14 +39,14 @@ class Contradiction:
     """What to check, in sentences."""
 
 
-def closest_of(candidates: Sequence[Candidate]) -> Candidate | None:
+def closest_of(candidates: Sequence[TravelCandidate]) -> TravelCandidate | None:
     """Return the fitted law that leaves least; one with invented values if there is no other."""
     fitted = [c for c in candidates if c.fit is not None and not c.dropped]
     return min([c for c in fitted if not c.invented] or fitted, key=misfit, default=None)
 
 
 def contradiction(
-    trials: Sequence[Trial], closest: Candidate, candidates: Sequence[Candidate] = ()
+    trials: Sequence[Trial], closest: TravelCandidate, candidates: Sequence[TravelCandidate] = ()
 ) -> Contradiction | None:
     """Return why several readings are explained by no law, None if the closest explains them.
 
@@ -54,9 +54,9 @@ def contradiction(
     ----------
     trials : sequence of Trial
         The readings.
-    closest : Candidate
+    closest : TravelCandidate
         The law that the readings call for, with its fit.
-    candidates : sequence of Candidate
+    candidates : sequence of TravelCandidate
         All laws; what was not fitted of them may be what is wrong.
     """
     if closest.fit is None or len(trials) < 2:
@@ -127,7 +127,7 @@ def _repeats(
     )
 
 
-def _found(trials: Sequence[Trial], closest: Candidate) -> tuple[str, ...]:
+def _found(trials: Sequence[Trial], closest: TravelCandidate) -> tuple[str, ...]:
     """Return what is suspicious about single readings, the most telling first."""
     assert closest.fit is not None
     predicted = closest.fit.predicted
@@ -162,7 +162,7 @@ def _found(trials: Sequence[Trial], closest: Candidate) -> tuple[str, ...]:
     return tuple(found[:2])
 
 
-def _usual(candidates: Sequence[Candidate]) -> str:
+def _usual(candidates: Sequence[TravelCandidate]) -> str:
     """Return what else may be wrong: the rig, and the parameters that travels do not fit."""
     held = {
         quantity.symbol: None

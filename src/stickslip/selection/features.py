@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from stickslip.errors import ConvergenceError, InputError, SimulationError
+from stickslip.errors import ConvergenceError, SimulationError
 from stickslip.experiments import Checks, Measurement
 from stickslip.formatting import ratio, signed_percent
 from stickslip.friction import Coulomb, FrictionLaw, LuGre, Stribeck
@@ -20,7 +20,7 @@ from stickslip.identification import (
     fit_features,
 )
 from stickslip.identification.estimation.containment import FittedLaw
-from stickslip.identification.features.features import ROUTE, refuse_uncertainties
+from stickslip.identification.features.features import refuse_uncertainties
 from stickslip.identification.features.fit import free_of
 from stickslip.identification.features.result import MISSED
 from stickslip.identification.features.scores import as_good, error_of_score, room_of
@@ -62,20 +62,12 @@ def select_features(
     *,
     vary: str | Sequence[str] | None = None,
     fixed: Mapping[str, float] | None = None,
-    purpose: str = "simulate",
-    horizon: float | None = None,
-    route: str | None = None,
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
     progress: RecordWatch | None = None,
     executor: Executor | None = None,
 ) -> FeatureVerdict:
     """Select a law for the force of a spring that pulls a block; arguments as in `select`."""
-    if purpose != "simulate" or horizon is not None or route not in (None, ROUTE):
-        raise InputError(
-            "features of stick-slip are compared over half a record: leave out purpose, horizon and"
-            " other routes."
-        )
     refuse_uncertainties(measurement)
     parameters = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
     mechanism = parameters.mechanism

@@ -20,7 +20,7 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import joined, number, quantity
 from stickslip.friction import LAWS, Coulomb, FrictionLaw, law_type
 from stickslip.identification import TravelFit, starting_law
-from stickslip.identification.fitting import fit_trials, payable
+from stickslip.identification.travels.fit import fit_trials, payable
 from stickslip.identification.travels.model import (
     LEAST_ERROR,
     TravelModel,

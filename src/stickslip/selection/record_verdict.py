@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, final
+from typing import Any, final
 
 from typing_extensions import override
 
@@ -18,10 +18,7 @@ from stickslip.identification.records.settings import RecordSettings
 from stickslip.selection.choice import TRUSTED, reduces_to
 from stickslip.selection.cross_validation import CrossValidation, Plan
 from stickslip.selection.design.experiments import Experiment
-from stickslip.selection.verdict import Verdict, plain, score_scale
-
-if TYPE_CHECKING:
-    import pandas as pd
+from stickslip.selection.verdict import Candidate, Verdict, plain, score_scale
 
 __all__ = ["Purpose", "RecordCandidate", "RecordVerdict", "SecondRecord"]
 
@@ -69,24 +66,12 @@ class SecondRecord:
 
 
 @final
-@dataclass(frozen=True, kw_only=True)
-class RecordCandidate:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class RecordCandidate(Candidate[RecordFit]):
     """One law on a record: its fit, its held-out error, and whether it may be taken."""
 
-    name: str
-    """Key of the candidate."""
-    title: str
-    """Name in running text."""
-    fit: RecordFit | None
-    """The fit; None if there is none."""
     validation: CrossValidation | None
     """Held-out errors; None without a fit."""
-    dropped: str = ""
-    """Why it may not be taken, in words; empty if it may."""
-    doubt: str = ""
-    """What speaks against it although it is taken, since nothing else predicts as well."""
-    outcome: str = ""
-    """What became of it, for tables."""
     second: Score | None = None
     """Error on the record given to validate, if there is one."""
     left_out: tuple[str, ...] = ()
@@ -99,6 +84,7 @@ class RecordCandidate:
     """The candidates that the law contains: name -> name of their law."""
 
     @property
+    @override
     def parameters(self) -> int:
         """Number of unknowns that were fitted, whether or not the record identifies them."""
         return len(self.fit.unknowns) if self.fit else 0
@@ -143,12 +129,12 @@ class RecordCandidate:
         return self.fit.law if self.fit else None
 
     @property
+    @override
     def fitted_law(self) -> FittedLaw | None:
-        """The fit as searches of richer laws begin from it."""
         return self.fit.fitted_law if self.fit else None
 
+    @override
     def to_row(self) -> Mapping[str, Any]:
-        """Return the candidate as a row of `Verdict.to_dataframe`."""
         return {
             "law": self.name,
             "parameters": self.parameters,
@@ -159,8 +145,8 @@ class RecordCandidate:
             "outcome": self.outcome,
         }
 
+    @override
     def to_dict(self) -> Mapping[str, Any]:
-        """Return the candidate as plain numbers and strings."""
         validation = self.validation
         return {
             "law": self.name,
@@ -184,13 +170,9 @@ class RecordCandidate:
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
-class RecordVerdict(Verdict):
+class RecordVerdict(Verdict[RecordCandidate]):
     """A verdict on records in time, or on measured friction."""
 
-    candidates: tuple[RecordCandidate, ...]
-    """All laws tried, least held-out error first."""
-    best: RecordCandidate | None
-    """The law to use; None if the verdict recommends none."""
     reference: RecordCandidate | None
     """Coulomb and viscous friction, whatever the record says."""
     control: RecordCandidate | None
@@ -219,6 +201,7 @@ class RecordVerdict(Verdict):
     """Estimates of the best law from the first and the second half of the record, by path."""
 
     @property
+    @override
     def closest(self) -> RecordCandidate:
         """What the rule of choice takes: `best`, or what comes closest to the record."""
         taken = self.best or self.not_recommended
@@ -240,6 +223,12 @@ class RecordVerdict(Verdict):
     def unit(self) -> str:
         """SI unit of the scores."""
         return self.measurement.unit(self.quantity)
+
+    @property
+    @override
+    def route(self) -> str:
+        assert self.closest.fit is not None  # what was not fitted is not the closest
+        return self.closest.fit.route
 
     @property
     @override
@@ -276,26 +265,12 @@ class RecordVerdict(Verdict):
         return len(validation.losses) if validation else 0
 
     @override
-    def __repr__(self) -> str:
-        fitted = sum(candidate.fit is not None for candidate in self.candidates)
-        return (
-            f"<Verdict: {self.sentence}\n {fitted} of {len(self.candidates)} candidates fitted;"
-            f" {self.purpose.scored}>"
-        )
+    def _basis(self) -> str:
+        return f"; {self.purpose.scored}"
 
     @override
-    def to_dataframe(self) -> "pd.DataFrame":
-        import pandas as pd
-
-        return pd.DataFrame([candidate.to_row() for candidate in self.candidates])
-
-    @override
-    def to_dict(self) -> Mapping[str, Any]:
+    def _details(self) -> Mapping[str, Any]:
         return {
-            **self._head(),
-            "best": self.best.name if self.best else None,
-            "closest": self.closest.name,
-            "ranked": True,
             "purpose": self.purpose.name,
             "seed": self.settings.seed,
             "scored": self.purpose.scored,
@@ -307,7 +282,6 @@ class RecordVerdict(Verdict):
             "horizon": self.plan.horizon,
             "picks_of_other_criteria": dict(self.picks),
             "second_record": asdict(self.on_second) if self.on_second else None,
-            "candidates": [candidate.to_dict() for candidate in self.candidates],
             "control": self.control.to_dict() if self.control else None,
             "checks": self.checks.to_dict(),
             "model_errors": [one.to_dict() for one in self.model_errors],

@@ -17,6 +17,7 @@ from stickslip.identification import RecordFit
 from stickslip.identification.estimation.containment import FittedLaw
 from stickslip.identification.records.fit import check_horizon
 from stickslip.identification.records.fitting import fit_record
+from stickslip.identification.records.problems import Route
 from stickslip.identification.records.route_choice import (
     RouteChoice,
     asked_for,
@@ -64,7 +65,15 @@ from stickslip.selection.record_verdict import (
 )
 from stickslip.selection.record_wording import outcomes, record_wording
 
-__all__ = ["LEFT_OUT", "PURPOSES", "PurposeName", "RecordWatch", "checked", "select_records"]
+__all__ = [
+    "LEFT_OUT",
+    "PURPOSES",
+    "PurposeName",
+    "RecordWatch",
+    "checked",
+    "select_records",
+    "way_for",
+]
 
 RecordWatch: TypeAlias = Callable[[str, float], object]
 """Called with a candidate and the least residual so far, not a number before it begins.
@@ -109,8 +118,7 @@ def select_records(
     parameters = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
     mechanism = parameters.mechanism
     checks = checked(mechanism, measurement, validate)
-    if purpose == "compensate" and route is None and "friction" not in measurement.quantities():
-        route = "inverse-dynamics"
+    route = route or way_for(purpose, measurement)
     chosen = _laws(laws, measurement)
     if route is None:
         route = choose_route(
@@ -166,6 +174,19 @@ def _tried(
     return by(choice.alternative, why), [
         replace(one, fit=replace(one.fit, route_reason=why)) if one.fit else one for one in others
     ]
+
+
+def way_for(purpose: str | None, measurement: Measurement) -> Route | None:
+    """Return how records are fitted for a purpose: one that compensates needs the force itself.
+
+    Examples
+    --------
+    >>> way_for("compensate", Measurement(time=[0.0, 1.0], position=[0.0, 1.0], force=[1.0, 1.0]))
+    'inverse-dynamics'
+    """
+    if purpose != "compensate" or "friction" in measurement.quantities():
+        return None
+    return "inverse-dynamics"
 
 
 def _aim(purpose: PurposeName, horizon: float | None) -> float:
@@ -442,6 +463,7 @@ def _verdict(
             trials=trials,
         ),
         candidates=tuple(ordered),
+        ranked=True,
         best=closest if recommended else None,
         not_recommended=None if recommended else closest,
         reference=next((c for c in ordered if c.name == REFERENCE), None),

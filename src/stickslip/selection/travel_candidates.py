@@ -5,14 +5,14 @@ from collections.abc import Callable, Mapping, Sequence
 
 from stickslip.errors import ConvergenceError, ParameterError, SimulationError
 from stickslip.friction import FrictionLaw
-from stickslip.identification.fitting import check_rest, fit_trials, payable
+from stickslip.identification.travels.fit import check_rest, fit_trials, payable
 from stickslip.identification.travels.model import TravelModel, Trial
 from stickslip.identification.travels.result import TravelFit
 from stickslip.identification.travels.start_values import Start, required_of, starting_points
 from stickslip.quantities import fields_of, parameters, vary
 from stickslip.selection.criteria import Criteria, criteria_of
 from stickslip.selection.leave_one_out import held_out_errors, root_mean_square
-from stickslip.selection.verdict import Candidate
+from stickslip.selection.travel_verdict import TravelCandidate
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory
 
@@ -30,10 +30,10 @@ def try_law(
     *,
     t_end: float,
     ordinary: bool,
-    simpler: Sequence[Candidate] = (),
+    simpler: Sequence[TravelCandidate] = (),
     free: Sequence[str] | None = None,
     watch: Watch | None = None,
-) -> Candidate:
+) -> TravelCandidate:
     """Fit one law; a law that cannot be fitted or run is kept with the reason.
 
     Parameters
@@ -48,7 +48,7 @@ def try_law(
         Time after which a body counts as stopped [s].
     ordinary : bool
         Whether nobody gave the values of the law.
-    simpler : sequence of Candidate
+    simpler : sequence of TravelCandidate
         Laws that were fitted before: a law that contains one also starts from its fit, and so
         never leaves more than it.
     free : sequence of str, optional
@@ -58,8 +58,8 @@ def try_law(
     """
     report = None if watch is None else (lambda runs: watch(name, runs))
     _, given = _seen(trials[0], law, t_end)
-    candidate = Candidate(
-        name=name, law=law, given=given, fit=None, run=None, criteria=None, dropped="",
+    candidate = TravelCandidate(
+        name=name, title=law.title, law=law, given=given, fit=None, run=None, criteria=None,
         score=None, score_error=None, ordinary=ordinary,
     )  # fmt: skip
     names = payable(law, trials) if free is None else free
@@ -90,7 +90,7 @@ def _starts(
     law: FrictionLaw,
     names: Sequence[str],
     trials: Sequence[Trial],
-    simpler: Sequence[Candidate],
+    simpler: Sequence[TravelCandidate],
     t_end: float,
     *,
     scanned: bool,
@@ -111,7 +111,9 @@ def _starts(
     return [*found, *starting_points(TravelModel(law, names, t_end), trials)]
 
 
-def _scaled(law: FrictionLaw, invented: Sequence[str], simpler: Sequence[Candidate]) -> FrictionLaw:
+def _scaled(
+    law: FrictionLaw, invented: Sequence[str], simpler: Sequence[TravelCandidate]
+) -> FrictionLaw:
     """Return a law whose ordinary level at rest is as far above sliding as it is by default."""
     fitted = {e.path: e.value for c in reversed(simpler) if c.fit for e in c.fit.estimates}
     level = fitted.get("friction.kinetic_coefficient", 0.0)
@@ -132,8 +134,8 @@ def _absent(law: FrictionLaw, path: str) -> float:
 
 
 def with_held_out(
-    candidate: Candidate, trials: Sequence[Trial], *, t_end: float, watch: Watch | None = None
-) -> Candidate:
+    candidate: TravelCandidate, trials: Sequence[Trial], *, t_end: float, watch: Watch | None = None
+) -> TravelCandidate:
     """Return a candidate with its held-out errors; the same where trials repeat one setting."""
     if candidate.fit is None or len({trial.setting for trial in trials}) < 2:
         return candidate

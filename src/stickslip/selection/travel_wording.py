@@ -15,7 +15,8 @@ from stickslip.selection.admissibility import doubts
 from stickslip.selection.contradictions import Contradiction
 from stickslip.selection.design.discriminating_settings import Proposal
 from stickslip.selection.limits import limit_text
-from stickslip.selection.verdict import Candidate, Wording, misfit
+from stickslip.selection.travel_verdict import TravelCandidate, misfit
+from stickslip.selection.verdict import Wording
 
 __all__ = ["estimate_text", "wording"]
 
@@ -46,8 +47,8 @@ DOUBT_NAMES = {
 
 def wording(
     trials: Sequence[Trial],
-    candidates: Sequence[Candidate],
-    best: Candidate | None,
+    candidates: Sequence[TravelCandidate],
+    best: TravelCandidate | None,
     proposal: Proposal | None,
     against: Contradiction | None,
     *,
@@ -86,13 +87,13 @@ def estimate_text(estimate: Estimate) -> str:
     return f"${estimate.quantity.symbol}$ = {with_unit(value, estimate.quantity.unit)}"
 
 
-def _with_estimates(candidate: Candidate, without: Collection[str] = ()) -> str:
+def _with_estimates(candidate: TravelCandidate, without: Collection[str] = ()) -> str:
     found = candidate.fit.estimates if candidate.fit else ()
     said = [estimate_text(e) for e in found if e.path.rpartition(".")[2] not in without]
     return f"{candidate.title} friction" + (f" with {' and '.join(said)}" if said else "")
 
 
-def _nothing_fits(candidates: Sequence[Candidate]) -> tuple[str, str]:
+def _nothing_fits(candidates: Sequence[TravelCandidate]) -> tuple[str, str]:
     errors = {c.title: c.given.relative_error for c in candidates}
     known = {title: abs(error) for title, error in errors.items() if error is not None}
     if not known:
@@ -109,13 +110,15 @@ def _nothing_fits(candidates: Sequence[Candidate]) -> tuple[str, str]:
     )
 
 
-def _why(candidate: Candidate) -> str:
+def _why(candidate: TravelCandidate) -> str:
     """Return why a candidate is out, as a sentence."""
     return candidate.dropped.rstrip(".") + "."
 
 
 def _tie(
-    explained: Sequence[Candidate], candidates: Sequence[Candidate], best: Candidate
+    explained: Sequence[TravelCandidate],
+    candidates: Sequence[TravelCandidate],
+    best: TravelCandidate,
 ) -> tuple[str, str]:
     others = len(explained) - 1
     if len(candidates) == 1:
@@ -143,7 +146,7 @@ def _tie(
 
 
 def _ranked(
-    trials: Sequence[Trial], explained: Sequence[Candidate], best: Candidate
+    trials: Sequence[Trial], explained: Sequence[TravelCandidate], best: TravelCandidate
 ) -> tuple[str, str]:
     equals = [c.title for c in explained if c is not best and not c.distinguished]
     doubt = ""
@@ -164,7 +167,7 @@ def _lower(line: str) -> str:
     return line[:1].lower() + line[1:]
 
 
-def _fit_quality(best: Candidate) -> str:
+def _fit_quality(best: TravelCandidate) -> str:
     """Say how residuals compare with the uncertainty of the readings."""
     if best.fit is None:
         return ""
@@ -182,7 +185,7 @@ def _fit_quality(best: Candidate) -> str:
     return ""
 
 
-def _remarks(explained: Sequence[Candidate], best: Candidate) -> str:
+def _remarks(explained: Sequence[TravelCandidate], best: TravelCandidate) -> str:
     """Say of the closest law that is passed over why it is, and of the best what is invented."""
     said = ""
     if best.invented:
@@ -196,7 +199,9 @@ def _remarks(explained: Sequence[Candidate], best: Candidate) -> str:
     return said
 
 
-def _unsettled(explained: Sequence[Candidate], best: Candidate | None) -> dict[str, str]:
+def _unsettled(
+    explained: Sequence[TravelCandidate], best: TravelCandidate | None
+) -> dict[str, str]:
     """Return by symbol what is in doubt of a fitted parameter, that of the best law first."""
     found: dict[str, str] = {}
     for c in sorted(explained, key=lambda c: c is not best):
@@ -206,13 +211,13 @@ def _unsettled(explained: Sequence[Candidate], best: Candidate | None) -> dict[s
     return found
 
 
-def _mean_force(candidate: Candidate) -> float:
+def _mean_force(candidate: TravelCandidate) -> float:
     """Return work taken by friction over the travel [N]."""
     seen = candidate.criteria or candidate.given
     return abs(seen.work_friction / seen.travel) if seen.travel else 0.0
 
 
-def _settles(trials: Sequence[Trial], best: Candidate | None) -> tuple[str, ...]:
+def _settles(trials: Sequence[Trial], best: TravelCandidate | None) -> tuple[str, ...]:
     if best is None or best.fit is None or best.criteria is None:
         return ()
     seen = best.criteria
@@ -231,7 +236,7 @@ def _settles(trials: Sequence[Trial], best: Candidate | None) -> tuple[str, ...]
     return tuple(lines[:3])
 
 
-def _range_line(estimate: Estimate, best: Candidate) -> str:
+def _range_line(estimate: Estimate, best: TravelCandidate) -> str:
     name = estimate.path.rpartition(".")[2]
     given = getattr(best.law, name)
     symbol = f"${estimate.quantity.symbol}$"
@@ -246,8 +251,8 @@ def _range_line(estimate: Estimate, best: Candidate) -> str:
 
 
 def _cannot_tell(
-    explained: Sequence[Candidate],
-    best: Candidate | None,
+    explained: Sequence[TravelCandidate],
+    best: TravelCandidate | None,
     unsettled: Mapping[str, str],
     reading: float,
     *,
@@ -266,7 +271,7 @@ def _cannot_tell(
     return tuple(lines[:3]) or ("How friction behaves at speeds and loads that were not measured.",)
 
 
-def _given_lines(explained: Sequence[Candidate], reading: float) -> list[str]:
+def _given_lines(explained: Sequence[TravelCandidate], reading: float) -> list[str]:
     """Say which parameters taken as given the travel depends on, and on which it does not."""
     moved: dict[str, float] = {}
     for c in explained:
@@ -286,7 +291,7 @@ def _given_lines(explained: Sequence[Candidate], reading: float) -> list[str]:
     return lines
 
 
-def _symbols(explained: Sequence[Candidate], names: set[str]) -> str:
+def _symbols(explained: Sequence[TravelCandidate], names: set[str]) -> str:
     found = {
         name: fields_of(type(c.law))[name].symbol
         for c in explained
@@ -297,7 +302,7 @@ def _symbols(explained: Sequence[Candidate], names: set[str]) -> str:
 
 
 def _measure_next(
-    explained: Sequence[Candidate], best: Candidate | None, proposal: Proposal | None
+    explained: Sequence[TravelCandidate], best: TravelCandidate | None, proposal: Proposal | None
 ) -> tuple[str, ...]:
     lines = [] if proposal is None else [proposal.line({c.name: c.title for c in explained})]
     assumed = {name for c in explained for name in c.assumed}

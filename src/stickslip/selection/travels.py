@@ -5,13 +5,13 @@ from collections.abc import Mapping, Sequence
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.friction import LAWS, FrictionLaw
+from stickslip.friction import LAWS, FrictionLaw, law_type
 from stickslip.identification import starting_law
-from stickslip.identification.precompile import compile_for
 from stickslip.identification.travels.model import Trial, standard_errors, trials_of
+from stickslip.identification.travels.precompile import compile_for
 from stickslip.identification.travels.result import TravelFit
 from stickslip.identification.travels.start_values import required_of
-from stickslip.identification.validation import arguments
+from stickslip.identification.validation import Laws, Parameters, arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.selection.admissibility import chosen, mark_passed_over
@@ -24,8 +24,8 @@ from stickslip.selection.design.discriminating_settings import (
     separations,
 )
 from stickslip.selection.travel_candidates import Watch, try_law, with_held_out
+from stickslip.selection.travel_verdict import TravelCandidate, TravelVerdict, misfit
 from stickslip.selection.travel_wording import wording
-from stickslip.selection.verdict import Candidate, TravelVerdict, misfit
 from stickslip.solver import Progress
 
 __all__ = ["select_travels"]
@@ -41,9 +41,11 @@ UNSTATED = 0.02
 @arguments
 def select_travels(
     mechanism: Mechanism,
-    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None,
+    laws: Laws | None,
     measurement: Measurement,
     *,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
     assumed: Mapping[str, Sequence[str]] | None = None,
     t_end: float = 10.0,
     progress: Watch | None = None,
@@ -55,11 +57,15 @@ def select_travels(
     mechanism : Mechanism
         What was measured.
     laws : mapping or sequence, or None
-        The candidates; instances bring start values and assumptions, types take ordinary ones.
-        None and an empty mapping stand for Coulomb, viscous, both, Stribeck, Dahl and LuGre.
+        The candidates; instances bring start values and assumptions, types and names take ordinary
+        ones. None and an empty mapping stand for Coulomb, viscous, both, Stribeck, Dahl and LuGre.
         Parameters that a type cannot do without, and that are not fitted, count as invented.
     measurement : Measurement
         One travel or several trials.
+    vary : str or sequence of str, optional
+        ``"friction.*"``, as travels cannot tell parameters of the mechanism from friction.
+    fixed : mapping of str to float, optional
+        Values of parameters of the mechanism that are held.
     assumed : mapping of str to sequence of str, optional
         By name of the law, parameters whose values were assumed, not measured. They are fitted
         where no law explains the travels and there are more settings than fitted parameters.
@@ -88,6 +94,13 @@ def select_travels(
     >>> verdict.best.name, verdict.ranked
     ('coulomb', False)
     """
+    varied = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
+    if varied.unknown:
+        raise InputError(
+            "vary takes no parameters of the mechanism where travels are compared: give more trials"
+            " instead."
+        )
+    mechanism = varied.mechanism
     trials = trials_of(mechanism, measurement, t_end)
     if isinstance(laws, Mapping) and not laws:
         laws = None  # a rig file without friction values: the command tries the usual laws too
@@ -97,7 +110,7 @@ def select_travels(
     scored = len({trial.setting for trial in trials}) > 1
     ordinary = _ordinary(laws)
     compile_for(trials, named.values(), progress=_compiling(progress))
-    candidates: list[Candidate] = []
+    candidates: list[TravelCandidate] = []
     for name in sorted(named, key=lambda one: len(required_of(type(named[one])))):
         law, usual = named[name], name in ordinary
         candidates.append(
@@ -139,28 +152,32 @@ def _compiling(progress: Watch | None) -> Progress | None:
     return lambda done, total, what: progress(f"compiling: {what}", done / max(total, 1))
 
 
-def _named(
-    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None,
-) -> dict[str, FrictionLaw]:
+def _named(laws: Laws | None) -> dict[str, FrictionLaw]:
     if isinstance(laws, Mapping):
         return dict(laws)
-    chosen = [LAWS[name] for name in PLAIN] if laws is None else list(laws)
+    chosen = _kinds(laws)
     made = [starting_law(law) if isinstance(law, type) else law for law in chosen]
     check_apart([law.name for law in made])
     return {law.name: law for law in made}
 
 
-def _ordinary(
-    laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw]] | None,
-) -> set[str]:
+def _ordinary(laws: Laws | None) -> set[str]:
     """Return the names of the laws whose values nobody gave."""
     if isinstance(laws, Mapping):
         return set()
-    chosen = [LAWS[name] for name in PLAIN] if laws is None else list(laws)
-    return {law.name for law in chosen if isinstance(law, type)}
+    return {law.name for law in _kinds(laws) if isinstance(law, type)}
 
 
-def _plainest(candidates: Sequence[Candidate]) -> Candidate | None:
+def _kinds(
+    laws: Sequence[FrictionLaw | type[FrictionLaw] | str] | None,
+) -> list[FrictionLaw | type[FrictionLaw]]:
+    """Return laws with the types that names stand for."""
+    return [
+        law_type(one) if isinstance(one, str) else one for one in (PLAIN if laws is None else laws)
+    ]
+
+
+def _plainest(candidates: Sequence[TravelCandidate]) -> TravelCandidate | None:
     """Return the law that explains the data with the fewest parameters.
 
     Laws that can hold a body at rest come first, since it did come to rest.
@@ -170,23 +187,25 @@ def _plainest(candidates: Sequence[Candidate]) -> Candidate | None:
     return min(holding or explained, key=_size, default=None)
 
 
-def _size(candidate: Candidate) -> int:
+def _size(candidate: TravelCandidate) -> int:
     return len(list(parameters(candidate.law, "friction")))
 
 
-def _repeats_of(candidates: Sequence[Candidate], trials: Sequence[Trial]) -> Contradiction | None:
+def _repeats_of(
+    candidates: Sequence[TravelCandidate], trials: Sequence[Trial]
+) -> Contradiction | None:
     """Return what speaks against repeats of one setting."""
     plainest = _plainest(candidates)
     return None if plainest is None else contradiction(trials, plainest, candidates)
 
 
 def _freed(
-    candidates: Sequence[Candidate],
+    candidates: Sequence[TravelCandidate],
     trials: Sequence[Trial],
     assumed: Mapping[str, Sequence[str]],
     t_end: float,
     watch: Watch | None,
-) -> list[Candidate]:
+) -> list[TravelCandidate]:
     """Fit what was invented or assumed too, where the readings call for more and pay for it.
 
     That is where the law that they call for so far leaves more than their uncertainty, and there
@@ -213,7 +232,7 @@ def _freed(
     return found
 
 
-def _to_free(candidate: Candidate, assumed: Sequence[str], settings: int) -> list[str]:
+def _to_free(candidate: TravelCandidate, assumed: Sequence[str], settings: int) -> list[str]:
     """Return the paths to fit where ordinary or assumed values may be wrong.
 
     Of assumed values those come first that move the travel most.
@@ -238,11 +257,11 @@ def _leaves_much(fit: TravelFit) -> bool:
 
 
 def _ranked(
-    candidates: Sequence[Candidate],
+    candidates: Sequence[TravelCandidate],
     trials: Sequence[Trial],
     t_end: float,
     watch: Watch | None,
-) -> tuple[list[Candidate], Candidate | None, Contradiction | None]:
+) -> tuple[list[TravelCandidate], TravelCandidate | None, Contradiction | None]:
     """Choose, order the others by held-out error, and return what speaks against the choice.
 
     Laws with invented parameters are not scored, unless there is no other.
@@ -273,8 +292,8 @@ def _ranked(
 
 def _proposal(
     trials: Sequence[Trial],
-    candidates: Sequence[Candidate],
-    best: Candidate,
+    candidates: Sequence[TravelCandidate],
+    best: TravelCandidate,
     predictions: Sequence[Separation],
 ) -> Proposal | None:
     """Propose what tells the best law from those not distinguished from it, or else from others."""

@@ -1,39 +1,29 @@
-"""What a selection gives back."""
+"""What a selection gives back, whatever was measured."""
 
 import html
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
 from statistics import median_high
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, Generic, final
 
-from typing_extensions import override
+from typing_extensions import TypeVar, override
 
 from stickslip.display import OnAxes, Summary, summary_of_table
 from stickslip.experiments import Measurement
-from stickslip.formatting import EstimateText, Scale, number, scale_of
-from stickslip.friction import FrictionLaw
-from stickslip.identification import TravelFit
+from stickslip.formatting import EstimateText, Scale, count, scale_of
+from stickslip.identification import Fit
+from stickslip.identification.estimation.containment import FittedLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import fields_of, parameters
-from stickslip.selection.criteria import Criteria
-from stickslip.selection.design.discriminating_settings import Proposal, Separation
-from stickslip.trajectory import Trajectory
+from stickslip.quantities import parameters
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = [
-    "Candidate",
-    "TravelVerdict",
-    "Verdict",
-    "Wording",
-    "misfit",
-    "plain",
-    "score_scale",
-    "score_text",
-]
+__all__ = ["Candidate", "Verdict", "Wording", "plain", "score_scale", "score_text"]
+
+Fit_co = TypeVar("Fit_co", bound=Fit, default=Fit, covariant=True)
 
 
 def score_scale(scores: Iterable[float | None], unit: str) -> Scale:
@@ -66,111 +56,57 @@ def score_text(scale: Scale, score: float | None, error: float | None = None) ->
 
 
 @dataclass(frozen=True, kw_only=True)
-class Candidate:
-    """One law: as given, as fitted, and what it does with each."""
+class Candidate(ABC, Generic[Fit_co]):
+    """One law of a selection: its fit, its held-out error, and whether it may be taken."""
 
     name: str
-    """Registry name."""
-    law: FrictionLaw
-    """The law as given."""
-    given: Criteria
-    """What the mechanism does with it; in the first trial where there are several."""
-    fit: TravelFit | None
-    """The fit; None if no value explains the measurement."""
-    run: Trajectory | None
-    """The fitted run; of the first trial where there are several."""
-    criteria: Criteria | None
-    """What the fitted run does; of the first trial too."""
-    dropped: str
-    """Why the law is out, empty if it is in."""
-    score: float | None
-    """Held-out error [m], root mean square over trials; None where no trial is left to judge."""
-    score_error: float | None
-    """Its standard error [m]."""
-    held_out: tuple[float, ...] = ()
-    """Held-out error of each trial [m]."""
-    ordinary: bool = False
-    """Whether the values of the law are ordinary start values that nobody gave."""
-    influence: Mapping[str, float] = field(default_factory=dict)
-    """How far each parameter taken as given moves the travel [m] when changed by half."""
-    assumed: tuple[str, ...] = ()
-    """Names of the parameters that were neither measured nor fitted."""
-    invented: tuple[str, ...] = ()
-    """Names of the parameters that the law cannot do without and that were neither measured, given
-    nor fitted."""
-    passed_over: str = ""
-    """Why the law is not taken whatever its score; empty if it may be."""
-    distinguished: bool = True
-    """Whether the readings tell the law from the best one beyond their uncertainty."""
-
-    @property
-    def title(self) -> str:
-        """Name of the law in running text."""
-        return self.law.title
-
-    @property
-    def unscored(self) -> str:
-        """Why there is no held-out error, in words; empty if there is one."""
-        if self.score is not None:
-            return ""
-        if self.dropped:
-            return self.dropped
-        if self.invented:
-            names = " and ".join(f"${fields_of(type(self.law))[n].symbol}$" for n in self.invented)
-            verb = "was" if len(self.invented) == 1 else "were"
-            return f"not judged: {names} {verb} assumed, not fitted"
-        return "no held-out trials: all trials repeat one setting"
+    """Key of the candidate."""
+    title: str
+    """Name in running text."""
+    fit: Fit_co | None
+    """The fit; None if there is none."""
+    dropped: str = ""
+    """Why it may not be taken, in words; empty if it may."""
+    doubt: str = ""
+    """What speaks against it although it is taken, since nothing else predicts as well."""
+    outcome: str = ""
+    """What became of it, for tables."""
 
     @property
     def parameters(self) -> int:
-        """Number of parameters that were fitted or invented."""
-        return (len(self.fit.estimates) if self.fit else 0) + len(self.invented)
+        """Number of parameters that were fitted."""
+        return len(self.fit.estimates) if self.fit else 0
+
+    @property
+    def fitted_law(self) -> FittedLaw | None:
+        """The fit as searches of richer laws begin from it, if they can."""
+        return None
+
+    @abstractmethod
+    def to_row(self) -> Mapping[str, Any]:
+        """Return the candidate as a row of `Verdict.to_dataframe`."""
+
+    @abstractmethod
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the candidate as plain numbers and strings."""
 
     @override
     def __str__(self) -> str:
-        """Return the law, what was fitted and how well it predicts, in one line."""
-        if self.dropped or self.fit is None:
-            return f"{self.title}: dropped, {self.dropped}"
-        score = "" if self.score is None else f"; held-out error {number(1e3 * self.score, 2)} mm"
-        return f"{self.title}: {', '.join(map(str, self.fit.estimates))}{score}"
+        """Return the law and what became of it."""
+        became = f"dropped, {self.dropped}" if self.dropped else self.outcome
+        return f"{self.title}: {plain(became)}"
 
+    @final
     @override
     def __repr__(self) -> str:
         return f"<Candidate {self}>"
 
+    @final
     def _repr_html_(self) -> str:
         return f"<p>{html.escape(str(self))}</p>"
 
-    def to_row(self) -> Mapping[str, Any]:
-        """Return the candidate as a row of `Verdict.to_dataframe`."""
-        found = self.fit.estimates if self.fit else ()
-        return {
-            "law": self.name,
-            "parameters": ", ".join(f"{e.quantity.symbol} = {number(e.value)}" for e in found),
-            "range": ", ".join(estimate.range for estimate in found),
-            "travel": self.criteria.travel if self.criteria else None,
-            "score": self.score,
-        }
 
-    def to_dict(self) -> Mapping[str, Any]:
-        """Return the candidate as plain numbers and strings."""
-        law = self.fit.law if self.fit else self.law
-        return {
-            "law": self.name,
-            "dropped": self.dropped,
-            "passed_over": plain(self.passed_over),
-            "score": self.score,
-            "score_error": self.score_error,
-            "held_out": list(self.held_out),
-            "parameters": {path: value for path, _, value in parameters(law, "friction")},
-            "taken_as_given": list(self.assumed),
-            "invented": list(self.invented),
-            "distinguished": self.distinguished,
-            "influence_on_travel": dict(self.influence),
-            "fit": self.fit.to_dict() if self.fit else None,
-            "criteria_as_given": asdict(self.given),
-            "criteria_fitted": asdict(self.criteria) if self.criteria else None,
-        }
+Candidate_co = TypeVar("Candidate_co", bound=Candidate, default=Candidate, covariant=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,7 +128,7 @@ class Wording:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Verdict(OnAxes, ABC):
+class Verdict(OnAxes, ABC, Generic[Candidate_co]):
     """Which law to use, how the others compare, and what the data cannot tell."""
 
     mechanism: Mechanism
@@ -201,6 +137,12 @@ class Verdict(OnAxes, ABC):
     """The measurement."""
     words: Wording
     """The verdict in words."""
+    candidates: tuple[Candidate_co, ...]
+    """All laws tried, in the order of their rank where there is one."""
+    best: Candidate_co | None
+    """The law to use; None if the verdict names none."""
+    ranked: bool
+    """Whether held-out errors decided."""
 
     @property
     @final
@@ -208,27 +150,31 @@ class Verdict(OnAxes, ABC):
         """What to do, in one or two plain sentences."""
         return plain(self.words.verdict)
 
+    @property
     @abstractmethod
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return the candidates as a pandas DataFrame, a row each."""
-
-    @abstractmethod
-    def to_dict(self) -> Mapping[str, Any]:
-        """Return the verdict as plain numbers and strings, ready for JSON."""
+    def route(self) -> str:
+        """How the measurement was fitted: a name of its route."""
 
     @property
     @abstractmethod
     def score_unit(self) -> str:
         """SI unit of the scores; ``"1"`` for relative ones."""
 
-    @final
-    @override
-    def _summary(self) -> Summary:
-        return summary_of_table(self.sentence, self.to_dataframe())
+    @property
+    def closest(self) -> Candidate_co | None:
+        """The best law, or what comes closest to the measurement where none is named."""
+        return self.best
 
     @final
-    def _head(self) -> dict[str, Any]:
-        """Return what all verdicts say, as plain texts."""
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the candidates as a pandas DataFrame, a row each."""
+        import pandas as pd
+
+        return pd.DataFrame([candidate.to_row() for candidate in self.candidates])
+
+    @final
+    def to_dict(self) -> Mapping[str, Any]:
+        """Return the verdict as plain numbers and strings, ready for JSON."""
         return {
             "verdict": self.sentence,
             "why": plain(self.words.lede),
@@ -240,87 +186,35 @@ class Verdict(OnAxes, ABC):
                 "type": self.mechanism.name,
                 **{path: value for path, _, value in parameters(self.mechanism, "mechanism")},
             },
-        }
-
-
-@final
-@dataclass(frozen=True, kw_only=True, repr=False)
-class TravelVerdict(Verdict):
-    """A verdict on travels."""
-
-    candidates: tuple[Candidate, ...]
-    """All laws tried, best first where there is a ranking."""
-    best: Candidate | None
-    """The law to use; None if none explains the measurement."""
-    ranked: bool
-    """Whether scores decided."""
-    separations: tuple[Separation, ...]
-    """Predictions for measurements not yet made, in the order of the setting."""
-    proposal: Proposal | None
-    """The settings to measure next; None where there is no law to name or no other to tell from."""
-    t_end: float
-    """Time after which a body counts as stopped [s]."""
-
-    @property
-    def explained(self) -> tuple[Candidate, ...]:
-        """The candidates that reproduce the measurement."""
-        return tuple(candidate for candidate in self.candidates if not candidate.dropped)
-
-    @property
-    def closest(self) -> Candidate | None:
-        """The best law, or the one that would be taken if the readings did not contradict it."""
-        return self.best or next((c for c in self.explained if c.fit is not None), None)
-
-    @property
-    @override
-    def score_unit(self) -> str:
-        return "m"
-
-    @override
-    def __repr__(self) -> str:
-        count, trials = len(self.candidates), len(self.measurement.records())
-        judged = "ranked by held-out error" if self.ranked else "not ranked"
-        return (
-            f"<Verdict: {self.sentence}\n"
-            f" {len(self.explained)} of {count} laws explain {trials}"
-            f" trial{'s' if trials > 1 else ''}; {judged}>"
-        )
-
-    @override
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return the candidates as a pandas DataFrame.
-
-        Its columns are ``law``, ``parameters``, ``range``, ``travel`` [m] of the first trial as
-        fitted, and ``score`` [m], which is empty where nothing is ranked.
-        """
-        import pandas as pd
-
-        frame = pd.DataFrame([candidate.to_row() for candidate in self.candidates])
-        return frame.astype({"travel": float, "score": float})
-
-    @override
-    def to_dict(self) -> Mapping[str, Any]:
-        return {
-            **self._head(),
             "best": self.best.name if self.best else None,
             "closest": self.closest.name if self.closest else None,
             "ranked": self.ranked,
+            "route": self.route,
             "candidates": [candidate.to_dict() for candidate in self.candidates],
-            "proposal": self.proposal.to_dict() if self.proposal else None,
-            "next_measurements": [separation.to_dict() for separation in self.separations],
+            **self._details(),
         }
 
+    @abstractmethod
+    def _details(self) -> Mapping[str, Any]:
+        """Return what only verdicts of this route say, as plain numbers and strings."""
 
-def misfit(candidate: Candidate) -> float:
-    """Return the root mean square of the residuals of a fit [m].
+    @abstractmethod
+    def _basis(self) -> str:
+        """Return on what the verdict rests, after the number of candidates that were fitted."""
 
-    Parameters
-    ----------
-    candidate : Candidate
-        A candidate with a fit.
-    """
-    residuals = candidate.fit.residuals if candidate.fit else ()
-    return math.sqrt(sum(r * r for r in residuals) / max(len(residuals), 1))
+    @final
+    @override
+    def _summary(self) -> Summary:
+        return summary_of_table(self.sentence, self.to_dataframe())
+
+    @final
+    @override
+    def __repr__(self) -> str:
+        fitted = sum(candidate.fit is not None for candidate in self.candidates)
+        return (
+            f"<Verdict: {self.sentence}\n {fitted} of {count(len(self.candidates), 'candidate')}"
+            f" fitted{self._basis()}>"
+        )
 
 
 def plain(text: str) -> str:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
-from stickslip.experiments.preconditions import refuse_unused
+from stickslip.experiments.preconditions import refuse_faults, refuse_unused, with_doubts
 from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw, laws
 from stickslip.identification.estimates import (
@@ -48,11 +48,11 @@ from stickslip.identification.series.applied_force import driven, drives_itself,
 from stickslip.identification.series.measured_load import as_loaded
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import Hold
-from stickslip.identification.validation import LAW
+from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
 
-__all__ = ["ROUTES", "RecordSettings", "fit_record", "route_of"]
+__all__ = ["ROUTES", "RecordSettings", "fit_record", "fit_records", "route_of"]
 
 Array = NDArray[np.float64]
 
@@ -90,6 +90,44 @@ def route_of(measurement: Measurement, route: str | None = None) -> Route:
             )
         raise UnknownNameError("route", route, (*ROUTES, FEATURES))
     return "force-map" if "friction" in measurement.quantities() else "shooting"
+
+
+@arguments
+def fit_records(
+    mechanism: Mechanism,
+    law: FrictionLaw | type[FrictionLaw],
+    measurement: Measurement,
+    *,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    route: str | RouteChoice | None = None,
+    settings: RecordSettings | None = None,
+    progress: Watch | None = None,
+) -> RecordFit:
+    """Fit a law to records in time or measured friction; arguments as in `stickslip.fit`.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> table = Measurement(velocity=[-0.1, 0.1, 0.2, 0.3], friction=[-2.0, 2.0, 2.0, 2.0])
+    >>> fit_records(Axis(inertia=1.0), Coulomb, table).route
+    'force-map'
+    """
+    chosen = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
+    refuse_faults(measurement, chosen.mechanism)
+    with with_doubts(measurement, chosen.mechanism, of=ConvergenceError):
+        return fit_record(
+            chosen.mechanism,
+            chosen.law,
+            measurement,
+            unknown=chosen.unknown,
+            free=chosen.free,
+            known=chosen.known,
+            route=route,
+            settings=settings,
+            held=chosen.held,
+            watch=progress,
+        )
 
 
 def fit_record(

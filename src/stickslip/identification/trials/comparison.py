@@ -12,13 +12,14 @@ from typing_extensions import override
 from stickslip.display import InPanels, Summary, summary_of_table
 from stickslip.errors import ConvergenceError, InputError, SimulationError, StickslipError
 from stickslip.experiments import Measurement
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification.estimates import bounds_met, estimates_of
 from stickslip.identification.estimation.jackknife import Displaced, infer, quantile_of
 from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.estimation.problem import Held, Linearised, Part
-from stickslip.identification.fitting import fit
+from stickslip.identification.features.features import by_features
 from stickslip.identification.records.fit import RecordFit, scale_of
+from stickslip.identification.records.fitting import fit_records
 from stickslip.identification.records.route_choice import RouteName
 from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.trials.condition_lines import ConditionLine, line_over
@@ -209,9 +210,10 @@ def compare_trials(
     (False, ['friction.kinetic_coefficient'])
     """
     _refuse(measurement)
-    joint = fit(
+    kind = law_type(law) if isinstance(law, str) else law
+    joint = fit_records(
         mechanism,
-        law,
+        kind,
         measurement,
         vary=vary,
         fixed=fixed,
@@ -219,8 +221,6 @@ def compare_trials(
         settings=settings,
         progress=progress,
     )
-    if not isinstance(joint, RecordFit):
-        raise InputError(NOT_ALONE)
     return comparison_of(joint)
 
 
@@ -232,7 +232,7 @@ NOT_ALONE = (
 
 
 def _refuse(measurement: Measurement) -> None:
-    if measurement.travelled:
+    if measurement.travelled or by_features(measurement):
         raise InputError(NOT_ALONE)
     if len(measurement.records()) < 2:
         raise InputError("trials are compared where there are at least two; this is one record.")

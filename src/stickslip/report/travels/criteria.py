@@ -15,7 +15,7 @@ from stickslip.report.core.blocks import Block, Note, Paragraph, Subheading
 from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Cell, Column, Row, Table
 from stickslip.report.travels.spring_back import elastic_returns
-from stickslip.selection import Candidate, Criteria, TravelVerdict
+from stickslip.selection import Criteria, TravelCandidate, TravelVerdict
 
 __all__ = ["criteria_section"]
 
@@ -54,12 +54,13 @@ def _passes(seen: Criteria) -> bool:
     return seen.velocity_never_negative and seen.displacement_never_decreases
 
 
-def _failing(rows: Sequence[tuple[Candidate, Criteria]]) -> list[str]:
+def _failing(rows: Sequence[tuple[TravelCandidate, Criteria]]) -> list[str]:
     return list(dict.fromkeys(c.title for c, seen in rows if not _passes(seen)))
 
 
 def _agreement(
-    given: Sequence[tuple[Candidate, Criteria]], fitted: Sequence[tuple[Candidate, Criteria]]
+    given: Sequence[tuple[TravelCandidate, Criteria]],
+    fitted: Sequence[tuple[TravelCandidate, Criteria]],
 ) -> str:
     """Return the sentence for fitted rows without anything to compare, else nothing."""
     shown = [_cells(seen) for _, seen in fitted]
@@ -74,7 +75,7 @@ def _agreement(
     )
 
 
-def _heading(rows: Sequence[tuple[Candidate, Criteria]], springs: Sequence[str]) -> str:
+def _heading(rows: Sequence[tuple[TravelCandidate, Criteria]], springs: Sequence[str]) -> str:
     failing = _failing(rows)
     count = len({c.name for c, _ in rows})
     if not failing:
@@ -92,7 +93,7 @@ def _heading(rows: Sequence[tuple[Candidate, Criteria]], springs: Sequence[str])
     return f"The body moves back with {in_words(len(failing))} of {in_words(count)} models"
 
 
-def _note(rows: Sequence[tuple[Candidate, Criteria]], springs: Sequence[str]) -> Note:
+def _note(rows: Sequence[tuple[TravelCandidate, Criteria]], springs: Sequence[str]) -> Note:
     slowest = {
         name: min(seen.least_velocity for c, seen in rows if c.title == name) for name in springs
     }
@@ -118,7 +119,7 @@ def _pulled(names: Sequence[str]) -> Note:
 
 def _table(
     verdict: TravelVerdict,
-    rows: Sequence[tuple[Candidate, Criteria]],
+    rows: Sequence[tuple[TravelCandidate, Criteria]],
     *,
     with_error: bool = False,
 ) -> Table:

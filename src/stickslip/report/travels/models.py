@@ -4,7 +4,17 @@ import math
 from itertools import chain
 from typing import Final
 
-from stickslip.formatting import Scale, fixed, in_words, number, quantity, span, with_unit, within
+from stickslip.formatting import (
+    NO_VALUE,
+    Scale,
+    fixed,
+    in_words,
+    number,
+    quantity,
+    span,
+    with_unit,
+    within,
+)
 from stickslip.identification import Estimate
 from stickslip.plots.core.svg import inline_svg
 from stickslip.plots.runs.travel_comparison import TRAVEL_SIZES, draw_travels
@@ -21,14 +31,13 @@ from stickslip.report.travels.texts import (
     slip_and_rate,
     travels,
 )
-from stickslip.selection import Candidate, TravelVerdict
+from stickslip.selection import TravelCandidate, TravelVerdict
 from stickslip.selection.verdict import score_text
 
 __all__ = ["models_section"]
 
 CLOSE: Final = 0.02
 """Share of the travel below which a difference on the way is called close."""
-NONE: Final = "—"
 
 
 def models_section(verdict: TravelVerdict) -> Section:
@@ -73,7 +82,7 @@ def _rounded_up(value: float) -> str:
     return number(math.ceil(value / place - 1e-9) * place)
 
 
-def _figure(verdict: TravelVerdict, best: Candidate) -> Figure:
+def _figure(verdict: TravelVerdict, best: TravelCandidate) -> Figure:
     runs = {c.title: c.run for c in verdict.explained if c.run is not None}
     slip, _ = slip_and_rate(verdict)
     draw = draw_travels(runs, best.title, band=measured_band(verdict), slip=slip)
@@ -135,15 +144,15 @@ def _columns(verdict: TravelVerdict, axis: Axis | None) -> tuple[Column, ...]:
     return (Column(head="model"), *(others if verdict.best else others[:-1]))
 
 
-def _cells(verdict: TravelVerdict, candidate: Candidate) -> list[Cell]:
+def _cells(verdict: TravelVerdict, candidate: TravelCandidate) -> list[Cell]:
     name = Name(text=candidate.title)
     if candidate.fit is None or candidate.criteria is None:
         given = fixed(candidate.given.travel, 3)
         reason = f"dropped: {candidate.dropped}"
         if verdict.ranked:
             return [name, "no value", reason]
-        cells: list[Cell] = [name, "no value", NONE, reason, f"{given} as given"]
-        return [*cells, NONE] if verdict.best else cells
+        cells: list[Cell] = [name, "no value", NO_VALUE, reason, f"{given} as given"]
+        return [*cells, NO_VALUE] if verdict.best else cells
     estimates = candidate.fit.estimates
     values = [f"${e.quantity.symbol}$ = {_value(e)}" for e in estimates]
     assumed = assumptions(candidate)
@@ -156,12 +165,12 @@ def _cells(verdict: TravelVerdict, candidate: Candidate) -> list[Cell]:
         assumed += "; not distinguished"
     if verdict.ranked:
         return [name, Name(text=fitted, aside=ranges), assumed]
-    cells = [name, fitted, ranges or NONE, assumed]
+    cells = [name, fitted, ranges or NO_VALUE, assumed]
     cells.append(fixed(candidate.criteria.travel, 3))
     if verdict.best is None:
         return cells
     gap = largest_difference(verdict, candidate)
-    apart = NONE if gap is None or candidate is verdict.best else number(1e3 * gap)
+    apart = NO_VALUE if gap is None or candidate is verdict.best else number(1e3 * gap)
     return [*cells, apart]
 
 
@@ -170,7 +179,7 @@ def _value(estimate: Estimate) -> str:
     return with_unit(value, estimate.quantity.unit)
 
 
-def _score_cells(candidate: Candidate, scale: Scale, is_best: bool) -> list[Cell]:
+def _score_cells(candidate: TravelCandidate, scale: Scale, is_best: bool) -> list[Cell]:
     if candidate.score is None:
         return [Name(text="no score", aside=candidate.unscored), RowPlot(marks=())]
     score, error = (scale.factor * part for part in (candidate.score, candidate.score_error or 0.0))

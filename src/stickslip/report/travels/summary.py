@@ -8,8 +8,9 @@ from stickslip.report.travels.texts import (
     score_scale_of,
     travels,
 )
-from stickslip.selection import Candidate, TravelVerdict
-from stickslip.selection.verdict import misfit, score_text
+from stickslip.selection import TravelCandidate, TravelVerdict
+from stickslip.selection.travel_verdict import misfit
+from stickslip.selection.verdict import score_text
 
 __all__ = ["opening_section"]
 
@@ -42,7 +43,7 @@ def _facts(verdict: TravelVerdict) -> tuple[Fact, ...]:
     return tuple(fact for fact in facts if fact is not None)[:3]
 
 
-def _estimate(best: Candidate) -> Fact | None:
+def _estimate(best: TravelCandidate) -> Fact | None:
     if best.fit is None or not best.fit.estimates:
         return None
     estimate = best.fit.estimates[0]
@@ -59,7 +60,7 @@ def _estimate(best: Candidate) -> Fact | None:
     )
 
 
-def _as_given(best: Candidate) -> Fact | None:
+def _as_given(best: TravelCandidate) -> Fact | None:
     error = best.given.relative_error
     if error is None or best.fit is None or not best.fit.estimates or best.ordinary:
         return None  # nobody gave the values of an ordinary law
@@ -73,7 +74,7 @@ def _as_given(best: Candidate) -> Fact | None:
     )
 
 
-def _score(verdict: TravelVerdict, best: Candidate) -> Fact:
+def _score(verdict: TravelVerdict, best: TravelCandidate) -> Fact:
     scale = score_scale_of(verdict)
     value, doubt = score_text(scale, best.score, best.score_error)
     count = len(verdict.measurement.records())

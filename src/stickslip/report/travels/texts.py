@@ -9,7 +9,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate
 from stickslip.identification.travels.model import Trial, trials_of
 from stickslip.quantities import fields_of
-from stickslip.selection import Candidate, TravelVerdict
+from stickslip.selection import TravelCandidate, TravelVerdict
 from stickslip.selection.verdict import score_scale
 
 __all__ = [
@@ -30,7 +30,7 @@ def estimate_range(estimate: Estimate) -> str:
     return f"{text}: {estimate.reason}" if estimate.reason and not estimate.bounded else text
 
 
-def assumptions(candidate: Candidate) -> str:
+def assumptions(candidate: TravelCandidate) -> str:
     """Return the parameters that were neither measured nor fitted, with their values."""
     law: FrictionLaw = candidate.fit.law if candidate.fit else candidate.law
     quantities = fields_of(type(law))
@@ -71,7 +71,7 @@ def _trials(verdict: TravelVerdict) -> tuple[Trial, ...]:
     return trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)
 
 
-def largest_difference(verdict: TravelVerdict, candidate: Candidate) -> float | None:
+def largest_difference(verdict: TravelVerdict, candidate: TravelCandidate) -> float | None:
     """Return how far a law is from the chosen one on the way at most [m]."""
     if verdict.best is None or verdict.best.run is None or candidate.run is None:
         return None

@@ -1,13 +1,10 @@
 """The page of a selection, by whatever laws were compared."""
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
 
-from stickslip.errors import InputError
 from stickslip.report.core.documents import Origin, Page, Section, SectionMaker, made_sections
-
-if TYPE_CHECKING:
-    from stickslip.selection import Verdict
+from stickslip.routes.registry import route_named
+from stickslip.selection import Verdict
 
 __all__ = ["verdict_page"]
 
@@ -16,7 +13,7 @@ LAST = ("next_section", "certificate_section", "reproduce_section")
 
 
 def verdict_page(
-    verdict: "Verdict",
+    verdict: Verdict,
     origin: Origin,
     *,
     remark: str = "",
@@ -42,11 +39,6 @@ def verdict_page(
     Page
         The page; a section without content is left out, one that fails becomes one line.
 
-    Raises
-    ------
-    InputError
-        If there is no page of what was given.
-
     Examples
     --------
     >>> from stickslip import Coulomb, Measurement, SpringBlock, select
@@ -57,7 +49,7 @@ def verdict_page(
     >>> page.title, page.sections[0].id, page.sections[-1].id
     ('Friction model selection: Block', 'verdict', 'reproduce')
     """
-    first, *others = _makers(verdict)(verdict, origin, remark)
+    first, *others = route_named(verdict.route).sections(verdict, origin, remark)
     before = [one for one in others if one.func.__name__ not in LAST]
     after = [one for one in others if one.func.__name__ in LAST]
     version = origin.versions.get("stickslip", "")
@@ -68,19 +60,3 @@ def verdict_page(
         footer=f"Written by {f'stickslip {version}'.strip()}. This file is complete: it loads"
         " nothing and runs no script.",
     )
-
-
-def _makers(verdict: object) -> Callable[[Any, Origin, str], tuple[SectionMaker, ...]]:
-    """Return what lists the sections of the page of a verdict."""
-    # sections draw figures of fits: they are imported where a page is asked for
-    from stickslip.report import features, records, travels
-    from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict
-
-    known: dict[type, Callable[[Any, Origin, str], tuple[SectionMaker, ...]]] = {
-        TravelVerdict: travels.sections,
-        RecordVerdict: records.sections,
-        FeatureVerdict: features.sections,
-    }
-    if type(verdict) not in known:
-        raise InputError(f"a report is of a verdict of `select`, got {type(verdict).__name__}.")
-    return known[type(verdict)]

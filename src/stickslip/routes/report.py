@@ -2,27 +2,23 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stickslip.documents import document, json_text, write_folder
 from stickslip.errors import InputError
 from stickslip.report.core.documents import Origin
 from stickslip.report.core.page import render
-from stickslip.report.verdict_page import verdict_page
-
-if TYPE_CHECKING:
-    from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict
+from stickslip.routes.page import verdict_page
+from stickslip.selection import Verdict
 
 __all__ = ["LAW", "PAGE", "write_report", "write_verdict"]
 
 PAGE, DOCUMENT, LAW = "index.html", "verdict.json", "law.toml"
 """What is written into a folder."""
 
-# Blocks and pages are imported for much else: what fits laws is imported where it is asked for.
-
 
 def write_report(
-    verdict: "RecordVerdict | FeatureVerdict | TravelVerdict",
+    verdict: Verdict,
     folder: str | Path,
     *,
     title: str = "",
@@ -80,8 +76,6 @@ def write_report(
     >>> f"{law.kinetic_coefficient:.3f}"
     '0.255'
     """
-    from stickslip.selection import Verdict
-
     if not isinstance(verdict, Verdict):
         raise InputError(f"a report is of a verdict of `select`, got {type(verdict).__name__}.")
     folder = Path(folder)
@@ -106,7 +100,7 @@ def write_report(
 
 def write_verdict(
     folder: Path,
-    verdict: "RecordVerdict | FeatureVerdict | TravelVerdict",
+    verdict: Verdict,
     content: Mapping[str, Any],
 ) -> None:
     """Write a verdict as its document and its law, over those of an earlier one.

@@ -1,0 +1,136 @@
+"""Fits a law to travels: distances to rest, or per cycle of a drive."""
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.experiments import Measurement
+from stickslip.friction import FrictionLaw
+from stickslip.identification.travels.model import (
+    TravelModel,
+    Trial,
+    standard_errors,
+    trials_of,
+    under_cycles,
+)
+from stickslip.identification.travels.precompile import compile_for
+from stickslip.identification.travels.result import TravelFit
+from stickslip.identification.travels.several_travels import fit_several
+from stickslip.identification.travels.single_travel import fit_one
+from stickslip.identification.travels.start_values import (
+    Start,
+    starting_law,
+    with_known,
+)
+from stickslip.identification.validation import LAW, Parameters, arguments
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters
+
+__all__ = ["check_rest", "fit_travels", "fit_trials", "payable"]
+
+PAID_BY_TRAVEL = ("kinetic_coefficient", "viscous_coefficient")
+"""Travels tell a level and a slope with speed; what shapes the curve needs a velocity trace."""
+PAID_BY_CYCLES = "static_coefficient"
+"""Travels of a drive that repeats itself tell the level at rest too: it breaks away every cycle."""
+
+
+@arguments
+def fit_travels(
+    mechanism: Mechanism,
+    law: FrictionLaw | type[FrictionLaw],
+    measurement: Measurement,
+    *,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    t_end: float = 10.0,
+    progress: Callable[[float], object] | None = None,
+) -> TravelFit:
+    """Fit a law to travels by runs to rest; arguments and errors as in `stickslip.fit`.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock, Viscous
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> found = fit_travels(rig, Viscous, Measurement(travel=0.20, uncertainty=0.005))
+    >>> print(f"{found.law.viscous_coefficient:.2f}")
+    5.73
+    """
+    chosen = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
+    if chosen.unknown:
+        raise InputError("a few travels cannot tell parameters of the mechanism from friction.")
+    given = chosen.law
+    start = with_known(starting_law(given), chosen.known) if isinstance(given, type) else given
+    trials = trials_of(chosen.mechanism, measurement, t_end)
+    free = _travel_paths(start, trials, chosen.free, chosen.known)
+    found = fit_trials(start, trials, free=free, t_end=t_end, watch=progress)
+    check_rest(found, t_end)
+    return found
+
+
+def _travel_paths(
+    law: FrictionLaw,
+    trials: Sequence[Trial],
+    free: Sequence[str] | None,
+    fixed: Collection[str],
+) -> list[str]:
+    """Return the paths of the parameters to fit, with the default of the law where it is asked."""
+    found = list(free) if free is not None else [LAW]
+    usual = payable(law, trials, fixed) if LAW in found else []
+    found = list(dict.fromkeys([*usual, *(path for path in found if path != LAW)]))
+    if not found:
+        raise InputError(f"there is nothing to fit: name a parameter of {law.title} in vary.")
+    return found
+
+
+def fit_trials(
+    law: FrictionLaw,
+    trials: Sequence[Trial],
+    *,
+    free: Sequence[str] | None = None,
+    starts: Sequence[Start] | None = None,
+    t_end: float = 10.0,
+    watch: Callable[[int], object] | None = None,
+) -> TravelFit:
+    """Fit to trials as `fit` does to a measurement.
+
+    Where there are several, searches begin at `starts`, or at points found by a scan of the
+    parameters if none are given.
+    """
+    names = payable(law, trials) if free is None else [_path(law, name) for name in free]
+    if len(names) > len(trials):
+        raise InputError(
+            f"{len(trials)} travel(s) cannot fix {len(names)} parameters: vary fewer of"
+            f" {', '.join(names)}, or measure more trials."
+        )
+    model = TravelModel(law, names, t_end, watch)
+    if len(trials) == 1:
+        return fit_one(model, trials[0])
+    compile_for(trials, [law])
+    return fit_several(model, trials, starts)
+
+
+def check_rest(found: TravelFit, t_end: float) -> None:
+    """Refuse a fit to travels to rest with whose law the body still moves at ``t_end``."""
+    errors, _ = standard_errors(found.trials)
+    TravelModel(found.law, (), t_end).check_rest(found.trials, (), errors)
+
+
+def payable(law: FrictionLaw, trials: Sequence[Trial], fixed: Collection[str] = ()) -> list[str]:
+    """Return the paths of the parameters that the trials can pay for, one left over if possible.
+
+    A law without a level at rest of its own is not given one; what is fixed, by name, is left out.
+    """
+    different = len({trial.setting for trial in trials})
+    order = [name for name in law.fit_order if name not in fixed]
+    names = [name for name in order if name in PAID_BY_TRAVEL] or order[:1]
+    standing = PAID_BY_CYCLES not in fixed and getattr(law, PAID_BY_CYCLES, None) is not None
+    if under_cycles(trials) and standing:
+        names.append(PAID_BY_CYCLES)
+    return [f"friction.{name}" for name in names[: max(1, different - 1)]]
+
+
+def _path(law: FrictionLaw, name: str) -> str:
+    paths = [path for path, _, _ in parameters(law, "friction")]
+    full = name if name.startswith("friction.") else f"friction.{name}"
+    if full not in paths:
+        raise UnknownNameError(f"parameter of {type(law).__name__}", name, paths)
+    return full

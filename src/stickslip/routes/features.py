@@ -1,0 +1,143 @@
+"""The force of a spring that pulls a block, compared by features of stick-slip."""
+
+import math
+from typing import final
+
+from typing_extensions import override
+
+from stickslip.experiments import Measurement
+from stickslip.formatting import NO_VALUE, percent, quantity, signed_percent
+from stickslip.identification import FeatureFit, fit_features
+from stickslip.identification.features.features import COMPARED, ROUTE, by_features
+from stickslip.identification.validation import Laws
+from stickslip.report.core.documents import Origin, SectionMaker
+from stickslip.routes.route import (
+    Comparison,
+    FitRequest,
+    FitSummary,
+    Options,
+    Route,
+    SelectRequest,
+)
+from stickslip.selection import FeatureCandidate, FeatureVerdict, select_features
+from stickslip.selection.feature_wording import share_parts
+from stickslip.selection.features import feature_laws
+
+__all__ = ["FeatureRoute"]
+
+SHORT = {"standard_deviation": "deviation"}
+"""Heads of columns, which are to fit on a terminal of 80 characters."""
+UNITS = {"frequency": "Hz"}
+"""Of features that have one."""
+
+
+@final
+class FeatureRoute(Route[FeatureFit, FeatureVerdict]):
+    """Limit cycles of a towed block, fitted to frequency, mean and standard deviation."""
+
+    names = (ROUTE,)
+    measured = "the force of a spring"
+    uses = frozenset({"route", "settings", "seed", "validate", "jobs"})
+
+    @override
+    def serves(self, measurement: Measurement) -> bool:
+        return by_features(measurement)
+
+    @override
+    def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
+        return [one.name for one in feature_laws(laws)]
+
+    @override
+    def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
+        return f"features off by {percent(error)}"
+
+    @override
+    def fit(self, request: FitRequest, options: Options) -> FeatureFit:
+        return fit_features(
+            request.mechanism,
+            request.law,
+            request.measurement,
+            vary=request.vary,
+            fixed=request.fixed,
+            seed=0 if options.settings is None else options.settings.seed,
+            progress=request.progress,
+        )
+
+    @override
+    def select(self, request: SelectRequest, options: Options) -> FeatureVerdict:
+        return select_features(
+            request.mechanism,
+            request.laws,
+            request.measurement,
+            vary=request.vary,
+            fixed=request.fixed,
+            validate=options.validate,
+            settings=options.settings,
+            progress=request.progress,
+            executor=request.executor,
+        )
+
+    @override
+    def comparison(self, verdict: FeatureVerdict) -> Comparison:
+        second = any(one.second for one in verdict.candidates)
+        heads = ["law", "free", "held-out, %", *(SHORT.get(name, name) for name in COMPARED)]
+        heads += ["second"] if second else []
+        rows = [_row(one, one.name, second=second) for one in verdict.candidates]
+        if verdict.control:
+            name = f"{verdict.control.name}, nominal"
+            rows.append(_row(verdict.control, name, second=second))
+        best = verdict.best
+        return Comparison(
+            heads=heads,
+            rows=rows,
+            notes=[f"{one.name}: {one.outcome}" for one in verdict.candidates],
+            checks=verdict.checks,
+            fitted=(best.title, best.fit.estimates) if best and best.fit else None,
+        )
+
+    @override
+    def summary(
+        self, fit: FeatureFit, validate: Measurement | None = None, horizon: float | None = None
+    ) -> FitSummary:
+        second = {} if validate is None else fit.judged(validate)
+        heads = ["feature of F/N", "first half", "fitted", "second half", "off by"]
+        heads += ["second record off by"] if second else []
+        rows = []
+        for name in COMPARED:
+            cells = [_sized(name, getattr(fit.observed, name)), _sized(name, fit.predicted[name])]
+            cells += ["" if fit.held_out is None else _sized(name, getattr(fit.held_out, name))]
+            cells += [signed_percent(fit.held_out_errors[name]) if fit.held_out_errors else ""]
+            cells += [signed_percent(second[name])] if second else []
+            rows.append([name.replace("_", " "), *cells])
+        return FitSummary(
+            heads=heads,
+            rows=rows,
+            open=("What the features say", fit.sentences),
+            second=second or None,
+        )
+
+    @override
+    def sections(
+        self, verdict: FeatureVerdict, origin: Origin, remark: str
+    ) -> tuple[SectionMaker, ...]:
+        from stickslip.report.features import sections  # figures are loaded where a page is made
+
+        return sections(verdict, origin, remark)
+
+
+def _row(one: FeatureCandidate, name: str, *, second: bool) -> list[str]:
+    def shown(value: float | None) -> str:
+        return NO_VALUE if value is None or not math.isfinite(value) else signed_percent(value)
+
+    cells = [
+        name,
+        str(one.parameters) if one.fit else NO_VALUE,
+        " ".join(share_parts(one)).strip() if one.fit else NO_VALUE,
+        *(shown(one.errors.get(feature)) for feature in COMPARED),
+    ]
+    size = math.sqrt(sum(e**2 for e in one.second.values()) / max(len(one.second), 1))
+    return cells + ([percent(size) if one.second else NO_VALUE] if second else [])
+
+
+def _sized(name: str, value: float) -> str:
+    return quantity(value, UNITS.get(name, "1"))

@@ -1,0 +1,209 @@
+"""Records in time, and measured friction."""
+
+import math
+from dataclasses import replace
+from typing import final
+
+from typing_extensions import override
+
+from stickslip.experiments import Measurement, check
+from stickslip.formatting import NO_VALUE, quantity
+from stickslip.friction import FrictionLaw
+from stickslip.identification import RecordFit, RecordSettings, Score, fit_records
+from stickslip.identification.records.fitting import ROUTES, route_of
+from stickslip.identification.records.route_choice import RouteChoice, asked_for, choose_route
+from stickslip.identification.trials.comparison import compared
+from stickslip.identification.validation import LAW, Laws, Parameters
+from stickslip.report.core.documents import Origin, SectionMaker
+from stickslip.routes.route import (
+    Comparison,
+    FitRequest,
+    FitSummary,
+    Options,
+    Request,
+    Route,
+    SelectRequest,
+)
+from stickslip.selection import RecordCandidate, RecordVerdict, select_records
+from stickslip.selection.candidates import specifications
+from stickslip.selection.record_wording import error_text, route_text
+from stickslip.selection.records import way_for
+from stickslip.selection.verdict import score_text
+
+__all__ = ["RecordRoute"]
+
+WITHOUT_EFFECT = {
+    "shooting": frozenset[str](),
+    "inverse-dynamics": frozenset({"segment"}),
+    "force-map": frozenset({"segment", "hold"}),
+}
+"""Settings that a way to fit records has no use for."""
+
+
+@final
+class RecordRoute(Route[RecordFit, RecordVerdict]):
+    """Simulated segments, measured friction along the motion, or friction by inverse dynamics."""
+
+    names = ROUTES
+    measured = "records of motion or friction"
+    uses = frozenset(
+        {"route", "settings", "purpose", "horizon", "validate"}
+        | {"segment", "resolution", "hold", "starts", "seed", "jobs"}
+    )
+
+    @override
+    def serves(self, measurement: Measurement) -> bool:
+        return not measurement.travelled
+
+    @override
+    def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
+        return [one.name for one in specifications(laws)]
+
+    @override
+    def resolved(
+        self, request: Request, options: Options, law: FrictionLaw | type[FrictionLaw] | None = None
+    ) -> Options:
+        """Return the options with the way to fit the records, and with its settings."""
+        settings = options.settings or RecordSettings()
+        if isinstance(options.route, RouteChoice):
+            return options
+        measurement = request.measurement
+        asked = options.route or way_for(options.purpose, measurement)
+        faulty = check(measurement, mechanism=request.mechanism).worst == "error"
+        if asked is not None or faulty:  # what is faulty is refused where it is fitted
+            choice = RouteChoice(route=route_of(measurement, asked), settings=settings)
+            return replace(options, route=choice)
+        chosen = Parameters.of(
+            request.mechanism, law, request.vary, request.fixed, measurement=measurement
+        )
+        vary = [LAW, *chosen.unknown]
+        choice = choose_route(chosen.mechanism, measurement, vary=vary, settings=settings)
+        return replace(options, route=choice)
+
+    @override
+    def why_unused(self, name: str, options: Options) -> str:
+        choice = options.route
+        if isinstance(choice, RouteChoice) and name in WITHOUT_EFFECT[choice.route]:
+            why = f", because {choice.reason}" if choice.reason else ""
+            return (
+                f"is for simulated segments (route shooting); here the route is {choice.route},"
+                f" which fits friction along the measured motion{why}: leave it out."
+            )
+        return ""
+
+    @override
+    def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
+        known = measurement.quantities()
+        compared_ = next((name for name in ("position", "velocity") if name in known), "friction")
+        if asked_for(options.route) not in (None, "shooting"):
+            compared_ = "friction"
+        return error_text(error, quantity=compared_, turning=measurement.turning)
+
+    @override
+    def fit(self, request: FitRequest, options: Options) -> RecordFit:
+        return fit_records(
+            request.mechanism,
+            request.law,
+            request.measurement,
+            vary=request.vary,
+            fixed=request.fixed,
+            route=options.route,
+            settings=options.settings,
+            progress=request.progress,
+        )
+
+    @override
+    def select(self, request: SelectRequest, options: Options) -> RecordVerdict:
+        return select_records(
+            request.mechanism,
+            request.laws,
+            request.measurement,
+            vary=request.vary,
+            fixed=request.fixed,
+            purpose=options.purpose or "simulate",
+            horizon=options.horizon,
+            route=options.route,
+            validate=options.validate,
+            settings=options.settings,
+            progress=request.progress,
+            executor=request.executor,
+        )
+
+    @override
+    def comparison(self, verdict: RecordVerdict) -> Comparison:
+        second = any(candidate.second for candidate in verdict.candidates)
+        unit = verdict.scale.unit
+        heads = ["law", "free", f"held-out error, {unit}", f"last third, {unit}"]
+        heads += [f"second record, {unit}"] if second else []
+        notes = [f"{one.name}: {one.outcome}" for one in verdict.candidates]
+        closest = verdict.closest
+        title = closest.title + ("" if verdict.best else ", closest but not recommended")
+        return Comparison(
+            heads=heads,
+            rows=[_row(c, verdict, second=second) for c in verdict.candidates],
+            notes=[*notes, *verdict.missing],
+            checks=verdict.checks,
+            fitted=(title, closest.fit.estimates) if closest.fit else None,
+            trials=verdict.trials,
+        )
+
+    @override
+    def summary(
+        self, fit: RecordFit, validate: Measurement | None = None, horizon: float | None = None
+    ) -> FitSummary:
+        compared_, found = fit.problem.quantity, fit.found
+
+        def text(error: float) -> str:
+            return error_text(error, quantity=compared_, turning=fit.measurement.turning)
+
+        second = None if validate is None else fit.score(validate, horizon=horizon)
+        lines = [f"Residual of {compared_}: {text(fit.rms)}"]
+        if second is not None:
+            lines.append(f"On the second record: {text(second.rms)}, {_predicted(fit, second)}")
+        lines.append(f"Restarts: {_restarts(found.agreeing, len(found.costs))}")
+        lines += [line for line in (*fit.remarks, route_text(fit)) if line]
+        return FitSummary(
+            lines=lines,
+            findings=[f"Error of the model: {error}" for error in fit.model_errors],
+            open=("Cannot tell", fit.sentences),
+            second=None if second is None else second.rms,
+            trials=compared(fit),
+        )
+
+    @override
+    def sections(
+        self, verdict: RecordVerdict, origin: Origin, remark: str
+    ) -> tuple[SectionMaker, ...]:
+        from stickslip.report.records import sections  # figures are loaded where a page is made
+
+        return sections(verdict, origin, remark)
+
+
+def _row(candidate: RecordCandidate, verdict: RecordVerdict, *, second: bool) -> list[str]:
+    scale = verdict.scale
+
+    def shown(value: float | None) -> str:
+        return NO_VALUE if value is None or not math.isfinite(value) else scale.number(value)
+
+    seen = candidate.validation
+    score = " ".join(score_text(scale, candidate.score, candidate.score_error)).strip()
+    cells = [
+        candidate.name,
+        str(candidate.parameters) if candidate.fit else NO_VALUE,
+        score if candidate.fit else NO_VALUE,
+        shown(seen.extrapolation if seen else None),
+    ]
+    return cells + ([shown(candidate.second.rms if candidate.second else None)] if second else [])
+
+
+def _predicted(fit: RecordFit, second: Score) -> str:
+    """Return how a second record was predicted: where friction is, bristles run through it."""
+    if fit.route == "shooting":
+        return f"over {quantity(second.horizon, 's')} at a time"
+    return "along the measured motion"
+
+
+def _restarts(agreeing: int, starts: int) -> str:
+    if starts == 1:
+        return "none, a single start"
+    return f"{agreeing} of {starts} starts end at the least residual"

@@ -1,0 +1,134 @@
+"""Travels: distances to rest, or per cycle of a drive."""
+
+from typing import final
+
+from typing_extensions import override
+
+from stickslip.experiments import Measurement
+from stickslip.formatting import NO_VALUE, interval, quantity, significant
+from stickslip.identification import TravelFit, fit_travels
+from stickslip.identification.travels.model import Trial, quantities_read, trials_of
+from stickslip.identification.validation import Laws
+from stickslip.report.core.documents import Origin, SectionMaker
+from stickslip.routes.route import (
+    Comparison,
+    FitRequest,
+    FitSummary,
+    Options,
+    Route,
+    SelectRequest,
+)
+from stickslip.selection import TravelCandidate, TravelVerdict, select_travels
+from stickslip.selection.travels import PLAIN
+
+__all__ = ["TravelRoute"]
+
+T_END = 10.0
+"""Time after which a body counts as stopped [s]."""
+
+
+@final
+class TravelRoute(Route[TravelFit, TravelVerdict]):
+    """Runs to rest, fitted to distances."""
+
+    names = ("travel",)
+    measured = "travels"
+    uses = frozenset({"assumed", "t_end", "enforce"})
+    counts_runs = True
+
+    @override
+    def serves(self, measurement: Measurement) -> bool:
+        return bool(measurement.travelled)
+
+    @override
+    def why_unused(self, name: str, options: Options) -> str:
+        if name == "validate":
+            return "takes a second record, and travels have none: give more trials instead."
+        return ""
+
+    @override
+    def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
+        return [one if isinstance(one, str) else one.name for one in laws or PLAIN]
+
+    @override
+    def fit(self, request: FitRequest, options: Options) -> TravelFit:
+        return fit_travels(
+            request.mechanism,
+            request.law,
+            request.measurement,
+            vary=request.vary,
+            fixed=request.fixed,
+            t_end=T_END if options.t_end is None else options.t_end,
+            progress=request.progress,
+        )
+
+    @override
+    def select(self, request: SelectRequest, options: Options) -> TravelVerdict:
+        return select_travels(
+            request.mechanism,
+            request.laws,
+            request.measurement,
+            vary=request.vary,
+            fixed=request.fixed,
+            assumed=options.assumed,
+            t_end=T_END if options.t_end is None else options.t_end,
+            progress=request.progress,
+        )
+
+    @override
+    def comparison(self, verdict: TravelVerdict) -> Comparison:
+        trials = trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)
+        read = quantities_read(trials)
+        heads = [
+            "law",
+            "fitted",
+            "range",
+            "travel",
+            *([read] if read else []),
+            "velocity never < 0",
+        ]
+        heads += ["held-out error, mm"] if verdict.ranked else []
+        everyone = verdict.candidates
+        notes = [f"{c.title}: {c.unscored}" for c in everyone if verdict.ranked and c.unscored]
+        first = trials[0] if read else None
+        rows = [_row(c, first, ranked=verdict.ranked) for c in everyone]
+        return Comparison(heads=heads, rows=rows, notes=notes)
+
+    @override
+    def summary(
+        self, fit: TravelFit, validate: Measurement | None = None, horizon: float | None = None
+    ) -> FitSummary:
+        rows, read = [], quantities_read(fit.trials)
+        for trial, *pair in zip(fit.trials, fit.measured, fit.predicted, strict=True):
+            rows.append([quantity(travel, "m") for travel in pair])
+            rows[-1] += [trial.as_read(travel) for travel in pair] if read else []
+        heads = ["measured travel", "predicted"]
+        return FitSummary(
+            heads=[*heads, f"measured {read}", "predicted"] if read else heads, rows=rows
+        )
+
+    @override
+    def sections(
+        self, verdict: TravelVerdict, origin: Origin, remark: str
+    ) -> tuple[SectionMaker, ...]:
+        from stickslip.report.travels import sections  # figures are loaded where a page is made
+
+        return sections(verdict, origin, remark)
+
+
+def _row(candidate: TravelCandidate, first: Trial | None, *, ranked: bool) -> list[str]:
+    """Return a row; with the first trial, where other quantities than travels were read."""
+    if candidate.fit is None or candidate.criteria is None:
+        rest = 3 + (first is not None) + ranked
+        return [candidate.title, "no value fits", *[NO_VALUE] * rest]
+    found = candidate.fit.estimates
+    cells = [
+        candidate.title,
+        ", ".join(f"{e.quantity.symbol} = {significant(e.value, 3)}" for e in found),
+        ", ".join(interval(e.low, e.high) for e in found),
+        quantity(candidate.criteria.travel, "m"),
+        *([] if first is None else [first.as_read(candidate.criteria.travel)]),
+        "yes" if candidate.criteria.velocity_never_negative else "no",
+    ]
+    score = NO_VALUE if candidate.score is None else significant(1e3 * candidate.score, 3)
+    return cells + ([score] if ranked else [])

@@ -1,0 +1,222 @@
+"""The verbs `fit` and `select`: each asks the route of the measurement once."""
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from typing import cast
+
+from typing_extensions import TypeVar
+
+from stickslip.experiments import Measurement
+from stickslip.friction import FrictionLaw, law_type
+from stickslip.identification import Fit, RecordSettings
+from stickslip.identification.records.route_choice import RouteChoice, RouteName
+from stickslip.identification.validation import Laws, arguments, check_given, laws_of
+from stickslip.mechanisms import Mechanism
+from stickslip.routes.registry import refuse_unused, route_of
+from stickslip.routes.route import FitRequest, Options, SelectRequest
+from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict
+from stickslip.selection.records import PurposeName
+
+__all__ = ["fit", "select"]
+
+AnyLaw = TypeVar("AnyLaw", bound=FrictionLaw, default=FrictionLaw)
+"""The type of law that a fit was given; a name could stand for any."""
+
+
+@arguments
+def fit(
+    mechanism: Mechanism,
+    law: AnyLaw | type[AnyLaw] | str,
+    measurement: Measurement,
+    *,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    route: RouteName | RouteChoice | None = None,
+    settings: RecordSettings | None = None,
+    t_end: float | None = None,
+    progress: Callable[[float], object] | None = None,
+) -> Fit[AnyLaw]:
+    """Fit parameters of a law to what was measured.
+
+    Travels are fitted by runs to rest; records in time by simulated segments; friction that was
+    measured directly along the measured motion; the force of a spring that pulls a block by its
+    features, since no law follows irregular stick-slip sample by sample.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured; trials may override its parameters.
+    law : FrictionLaw, type or str
+        An instance, whose values are the start and, for parameters that are not varied, the
+        assumption; or a type or its name, for which start values are found: in a record, or
+        ordinary ones for travels.
+    measurement : Measurement
+        Travels, records in time, measured friction, or the force of a spring.
+    vary : str or sequence of str, optional
+        Parameters to fit, all others are held: full paths such as ``"mechanism.inertia"``, last
+        names that are unique, and patterns with ``*``. ``"friction.*"``, which is all if not given,
+        stands for what is fitted of the law by default: of records its `fit_order`, of travels as
+        much of that as different trials can pay for, of features what shapes a limit cycle. A
+        constant offset, which sensors and cables have, is fitted to records unless it is fixed.
+        Parameters of the mechanism are for records and features.
+    fixed : mapping of str to float, optional
+        Values of parameters that are held, of law and mechanism, by the same names.
+    route : {"shooting", "force-map", "inverse-dynamics", "features"} or RouteChoice, optional
+        How records are fitted, or what `choose_route` returned for them, with its settings; chosen
+        by `choose_route` if not given.
+    settings : RecordSettings, optional
+        Segments, starts and seed of fits to records; of these, features have the seed only.
+    t_end : float, optional
+        Time after which a body whose travel to rest was measured counts as stopped [s]; 10 s if not
+        given.
+    progress : callable, optional
+        Called with the number of runs so far for travels, for records with the least root mean
+        square so far; there, False ends the search with the best so far.
+
+    Returns
+    -------
+    Fit
+        A `TravelFit`, a `RecordFit` or a `FeatureFit`: the fitted law, estimates with intervals,
+        predictions.
+
+    Raises
+    ------
+    InputError
+        If the measurement does not serve, as by the errors of `stickslip.check`, or a name is not
+        known.
+    ConvergenceError
+        If no value of the parameters gives what was measured, or a body whose travel to rest was
+        measured still moves at ``t_end``.
+
+    Examples
+    --------
+    >>> from stickslip import Measurement, SpringBlock, Viscous
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> result = fit(rig, Viscous, Measurement(travel=0.20, uncertainty=0.005))
+    >>> print(f"{result.law.viscous_coefficient:.2f}")
+    5.73
+    """
+    check_given("fit", mechanism, measurement)
+    way = route_of(measurement, route)
+    options = Options(route=route, settings=settings, t_end=t_end)
+    refuse_unused(way, options.given, options)
+    request = FitRequest(
+        mechanism=mechanism,
+        law=law_type(law) if isinstance(law, str) else law,
+        measurement=measurement,
+        vary=vary,
+        fixed=fixed,
+        progress=progress,
+    )
+    found = way.fit(request, options)
+    return cast("Fit[AnyLaw]", found)  # a fit changes the numbers of a law, not its type
+
+
+@arguments
+def select(
+    mechanism: Mechanism,
+    laws: Laws | FrictionLaw | type[FrictionLaw] | str | None,
+    measurement: Measurement,
+    *,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    assumed: Mapping[str, Sequence[str]] | None = None,
+    purpose: PurposeName | None = None,
+    horizon: float | None = None,
+    route: RouteName | RouteChoice | None = None,
+    validate: Measurement | None = None,
+    settings: RecordSettings | None = None,
+    t_end: float | None = None,
+    progress: Callable[[str, float], object] | None = None,
+    executor: Executor | None = None,
+) -> TravelVerdict | RecordVerdict | FeatureVerdict:
+    """Fit every law to a measurement, compare them on what they have not seen, and name one.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured.
+    laws : mapping, sequence or a single law, or None
+        The candidates, as instances, types or names; instances bring start values and, for
+        travels, assumptions. None stands for the usual ones: for travels Coulomb, viscous, both,
+        Stribeck, Dahl and LuGre, for records ten, for features of stick-slip those with a step
+        above sliding.
+    measurement : Measurement
+        One travel or several trials; or records in time of position, velocity and force; or
+        friction, measured directly; or one record of the force of a spring that pulls a block.
+    vary : str or sequence of str, optional
+        ``"friction.*"``, which is all if not given, for the parameters that `fit` fits of each law
+        by default, and parameters of the mechanism to fit too, such as ``"mechanism.inertia"``.
+    fixed : mapping of str to float, optional
+        Values of parameters of the mechanism that are held.
+    assumed : mapping of str to sequence of str, optional
+        By name of the law, parameters whose values were assumed, not measured, such as those of
+        `Rig.assumed`: for travels, they are fitted where no law explains the readings without.
+    purpose : {"simulate", "position", "compensate"}, optional
+        What the law is for, of records; to simulate if not given. It sets what is scored: motion
+        over 4 s, motion over 1 s, or the friction force.
+    horizon : float, optional
+        Length of the stretches that are predicted [s], if not that of the purpose.
+    route : {"shooting", "force-map", "inverse-dynamics", "features"} or RouteChoice, optional
+        How records are fitted, or what `choose_route` returned for them, with its settings; chosen
+        by `choose_route` if not given.
+    validate : Measurement, optional
+        A second record, which no fit sees; each law's error on it is reported.
+    settings : RecordSettings, optional
+        Segments, starts and seed of fits to records; of these, features have the seed only.
+    t_end : float, optional
+        Time after which a body whose travel to rest was measured counts as stopped [s]; 10 s if not
+        given.
+    progress : callable, optional
+        Called with the name of a law and the number of its runs, or the least residual so far; for
+        travels also with ``"compiling: ..."`` and the share that is done, if equations have to be
+        compiled. For records, False ends the search with the best so far; what was fitted is still
+        judged.
+    executor : concurrent.futures.Executor, optional
+        Fits laws to records at the same time, with the same result; processes, since threads gain
+        nothing. A law's residual is then told only when its search ends.
+
+    Returns
+    -------
+    TravelVerdict, RecordVerdict or FeatureVerdict
+        Candidates, the law to use, what the data settle and what they cannot tell.
+
+    Raises
+    ------
+    InputError
+        If there is no law to try, or the measurement cannot decide.
+    ConvergenceError
+        If no law can be fitted to a record.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Measurement, SpringBlock, Viscous
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> reading = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
+    >>> verdict = select(rig, [Coulomb, Viscous], reading)
+    >>> verdict.best.name, [candidate.name for candidate in verdict.candidates]
+    ('coulomb', ['coulomb', 'viscous'])
+    """
+    check_given("select", mechanism, measurement)
+    way = route_of(measurement, route)
+    options = Options(
+        route=route,
+        settings=settings,
+        purpose=purpose,
+        horizon=horizon,
+        validate=validate,
+        assumed=assumed or None,
+        t_end=t_end,
+    )
+    refuse_unused(way, options.given, options)
+    request = SelectRequest(
+        mechanism=mechanism,
+        laws=laws_of(laws),
+        measurement=measurement,
+        vary=vary,
+        fixed=fixed,
+        progress=progress,
+        executor=executor,
+    )
+    verdict: TravelVerdict | RecordVerdict | FeatureVerdict = way.select(request, options)
+    return verdict

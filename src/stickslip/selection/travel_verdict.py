@@ -1,0 +1,170 @@
+"""What a selection on travels gives back."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, final
+
+from typing_extensions import override
+
+from stickslip.formatting import count, number
+from stickslip.friction import FrictionLaw
+from stickslip.identification import TravelFit
+from stickslip.quantities import fields_of, parameters
+from stickslip.selection.criteria import Criteria
+from stickslip.selection.design.discriminating_settings import Proposal, Separation
+from stickslip.selection.verdict import Candidate, Verdict, plain
+from stickslip.trajectory import Trajectory
+
+__all__ = ["TravelCandidate", "TravelVerdict", "misfit"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False)
+class TravelCandidate(Candidate[TravelFit]):
+    """One law on travels: as given, as fitted, and what it does with each."""
+
+    law: FrictionLaw
+    """The law as given."""
+    given: Criteria
+    """What the mechanism does with it; in the first trial where there are several."""
+    run: Trajectory | None
+    """The fitted run; of the first trial where there are several."""
+    criteria: Criteria | None
+    """What the fitted run does; of the first trial too."""
+    score: float | None
+    """Held-out error [m], root mean square over trials; None where no trial is left to judge."""
+    score_error: float | None
+    """Its standard error [m]."""
+    held_out: tuple[float, ...] = ()
+    """Held-out error of each trial [m]."""
+    ordinary: bool = False
+    """Whether the values of the law are ordinary start values that nobody gave."""
+    influence: Mapping[str, float] = field(default_factory=dict)
+    """How far each parameter taken as given moves the travel [m] when changed by half."""
+    assumed: tuple[str, ...] = ()
+    """Names of the parameters that were neither measured nor fitted."""
+    invented: tuple[str, ...] = ()
+    """Names of the parameters that the law cannot do without and that were neither measured, given
+    nor fitted."""
+    passed_over: str = ""
+    """Why the law is not taken whatever its score; empty if it may be."""
+    distinguished: bool = True
+    """Whether the readings tell the law from the best one beyond their uncertainty."""
+
+    @property
+    def unscored(self) -> str:
+        """Why there is no held-out error, in words; empty if there is one."""
+        if self.score is not None:
+            return ""
+        if self.dropped:
+            return self.dropped
+        if self.invented:
+            names = " and ".join(f"${fields_of(type(self.law))[n].symbol}$" for n in self.invented)
+            verb = "was" if len(self.invented) == 1 else "were"
+            return f"not judged: {names} {verb} assumed, not fitted"
+        return "no held-out trials: all trials repeat one setting"
+
+    @property
+    @override
+    def parameters(self) -> int:
+        """Number of parameters that were fitted or invented."""
+        return (len(self.fit.estimates) if self.fit else 0) + len(self.invented)
+
+    @override
+    def __str__(self) -> str:
+        """Return the law, what was fitted and how well it predicts, in one line."""
+        if self.dropped or self.fit is None:
+            return f"{self.title}: dropped, {self.dropped}"
+        score = "" if self.score is None else f"; held-out error {number(1e3 * self.score, 2)} mm"
+        return f"{self.title}: {', '.join(map(str, self.fit.estimates))}{score}"
+
+    @override
+    def to_row(self) -> Mapping[str, Any]:
+        found = self.fit.estimates if self.fit else ()
+        return {
+            "law": self.name,
+            "parameters": ", ".join(f"{e.quantity.symbol} = {number(e.value)}" for e in found),
+            "range": ", ".join(estimate.range for estimate in found),
+            "travel": self.criteria.travel if self.criteria else math.nan,
+            "score": math.nan if self.score is None else self.score,
+        }
+
+    @override
+    def to_dict(self) -> Mapping[str, Any]:
+        law = self.fit.law if self.fit else self.law
+        return {
+            "law": self.name,
+            "dropped": self.dropped,
+            "passed_over": plain(self.passed_over),
+            "score": self.score,
+            "score_error": self.score_error,
+            "held_out": list(self.held_out),
+            "parameters": {path: value for path, _, value in parameters(law, "friction")},
+            "taken_as_given": list(self.assumed),
+            "invented": list(self.invented),
+            "distinguished": self.distinguished,
+            "influence_on_travel": dict(self.influence),
+            "fit": self.fit.to_dict() if self.fit else None,
+            "criteria_as_given": asdict(self.given),
+            "criteria_fitted": asdict(self.criteria) if self.criteria else None,
+        }
+
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False)
+class TravelVerdict(Verdict[TravelCandidate]):
+    """A verdict on travels."""
+
+    separations: tuple[Separation, ...]
+    """Predictions for measurements not yet made, in the order of the setting."""
+    proposal: Proposal | None
+    """The settings to measure next; None where there is no law to name or no other to tell from."""
+    t_end: float
+    """Time after which a body counts as stopped [s]."""
+
+    @property
+    def explained(self) -> tuple[TravelCandidate, ...]:
+        """The candidates that reproduce the measurement."""
+        return tuple(candidate for candidate in self.candidates if not candidate.dropped)
+
+    @property
+    @override
+    def closest(self) -> TravelCandidate | None:
+        """The best law, or the one that would be taken if the readings did not contradict it."""
+        return self.best or next((c for c in self.explained if c.fit is not None), None)
+
+    @property
+    @override
+    def route(self) -> str:
+        return "travel"
+
+    @property
+    @override
+    def score_unit(self) -> str:
+        return "m"
+
+    @override
+    def _basis(self) -> str:
+        trials = count(len(self.measurement.records()), "trial")
+        judged = "ranked by held-out error" if self.ranked else "not ranked"
+        return f", {len(self.explained)} explain {trials}; {judged}"
+
+    @override
+    def _details(self) -> Mapping[str, Any]:
+        return {
+            "proposal": self.proposal.to_dict() if self.proposal else None,
+            "next_measurements": [separation.to_dict() for separation in self.separations],
+        }
+
+
+def misfit(candidate: TravelCandidate) -> float:
+    """Return the root mean square of the residuals of a fit [m].
+
+    Parameters
+    ----------
+    candidate : TravelCandidate
+        A candidate with a fit.
+    """
+    residuals = candidate.fit.residuals if candidate.fit else ()
+    return math.sqrt(sum(r * r for r in residuals) / max(len(residuals), 1))
