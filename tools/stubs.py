@@ -9,7 +9,7 @@ from collections import defaultdict
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parent.parent / "src"
-PACKAGES = ("stickslip", "stickslip.plots")
+PACKAGES = ("stickslip", "stickslip.outputs", "stickslip.plots", "stickslip.results")
 EXTRA = {"stickslip": ("__version__",)}
 """Public names of which there is no module: texts."""
 
@@ -29,11 +29,17 @@ def homes(package: str) -> dict[str, str]:
     raise SystemExit(f"{package}/__init__.py has no table HOMES.")
 
 
+def root(package: str) -> str:
+    """Return the package below which the table names modules: its own, or the whole."""
+    text = (folder(package) / "__init__.py").read_text(encoding="utf-8")
+    return package if "attach(__name__" in text else "stickslip"
+
+
 def stub(package: str) -> str:
     """Return the text of the `__init__.pyi` of a package."""
     modules = defaultdict(list)
     for name, module in homes(package).items():
-        modules[f"{package}.{module}"].append(name)
+        modules[f"{root(package)}.{module}"].append(name)
     extra = EXTRA.get(package, ())
     lines = [
         "# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.",

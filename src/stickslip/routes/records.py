@@ -198,7 +198,7 @@ def _row(candidate: RecordCandidate, verdict: RecordVerdict, *, second: bool) ->
 
 def _predicted(fit: RecordFit, second: Score) -> str:
     """Return how a second record was predicted: where friction is, bristles run through it."""
-    if fit.route == "shooting":
+    if fit.problem.simulates:
         return f"over {quantity(second.horizon, 's')} at a time"
     return "along the measured motion"
 

@@ -72,7 +72,7 @@ def plan_of(fit: RecordFit, *, horizon: float, folds: int = FOLDS) -> Plan:
         return Plan(folds=min(folds, len(spans)), gap=0.0, horizon=horizon, length=0.0)
     length = float(np.sum(spans[:, 2] - spans[:, 1]))
     block = length / folds
-    if fit.route == "shooting":
+    if fit.problem.simulates:
         _check_block(fit.measurement, block, length, folds)
     correlated = length / fit.inference.effective
     return Plan(

@@ -227,7 +227,7 @@ def _without_stated(measurement: Measurement, route: str | None) -> Measurement:
 
 def _has_control(fit: RecordFit) -> bool:
     """Whether a fit without friction has anything to look for."""
-    return fit.route == "shooting" and any(
+    return fit.problem.simulates and any(
         path.startswith("mechanism.") for path in fit.unknowns.paths
     )
 

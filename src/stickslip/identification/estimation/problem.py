@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol, final
+from typing import Any, Protocol, Self, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -156,6 +156,29 @@ class RecordProblem(Problem):
     @abstractmethod
     def measured(self) -> Array:
         """What was measured of the quantity compared, of each row (n,)."""
+
+    @property
+    @abstractmethod
+    def variation(self) -> float:
+        """Sum of squares of what a law is to explain: of what was measured, less what is free."""
+
+    @property
+    def simulates(self) -> bool:
+        """Whether motion is predicted from its start; else friction along the measured motion."""
+        return False
+
+    @property
+    def few(self) -> "RecordProblem | None":
+        """Some segments, on which starts are compared; None where that saves little.
+
+        Friction is compared on all rows: what a filter for fewer of them leaves of presliding
+        leads elsewhere.
+        """
+        return None
+
+    @abstractmethod
+    def with_unknowns(self, unknowns: Unknowns) -> Self:
+        """Return the same with other bounds or start values of the unknowns."""
 
     @abstractmethod
     def carried(self, seen: Linearised) -> Array:

@@ -17,6 +17,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.experiments.differentiation import noise_of, step_of
 from stickslip.experiments.slicing import between_gaps
+from stickslip.identification.estimation.parameters import Unknowns
 from stickslip.identification.force_map.bristle_integration import Path
 from stickslip.identification.force_map.data import (
     SEGMENTS,
@@ -160,6 +161,10 @@ class Balanced:
         """Return the problem that is fitted: rows that slip, since rests only judge a law."""
         own = balanced(self.mechanism, record, hold=self.hold, segment=length, slipping=True)
         return replace(self.problem.along(own, record), mass=mass_of(self.mechanism))
+
+    def with_unknowns(self, unknowns: Unknowns) -> "Balanced":
+        """Return what builds the same with other bounds or start values of the unknowns."""
+        return replace(self, problem=self.problem.with_unknowns(unknowns))
 
     def at(self, values: Array) -> "Balanced":
         """Return what derives friction with the mass among values (p,); residuals stay the same."""

@@ -102,6 +102,16 @@ class ForceMap(RecordProblem):
 
     @property
     @override
+    def variation(self) -> float:
+        """That of friction about its mean."""
+        return float(np.sum((self.measured - np.mean(self.measured)) ** 2))
+
+    @override
+    def with_unknowns(self, unknowns: Unknowns) -> "ForceMap":
+        return replace(self, unknowns_=unknowns)
+
+    @property
+    @override
     def spans(self) -> Array:
         found = []
         for one in self.stretches:

@@ -4,7 +4,7 @@ import math
 import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol, final
+from typing import TYPE_CHECKING, Any, Protocol, Self, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +47,12 @@ class Build(Protocol):
 
     def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
         """Return the problem of a record as it is fitted: perhaps some of its rows only."""
+
+    def with_unknowns(self, unknowns: Unknowns) -> Self:
+        """Return what builds the same with other bounds or start values of the unknowns."""
+
+    def at(self, values: Array) -> Self:
+        """Return what builds problems from here on, where the fit ended (p,)."""
 
 
 @final
@@ -277,7 +283,7 @@ class RecordFit(Fit[Law_co]):
             check_horizon(horizon)
         if measurement is not None:
             refuse_unused(measurement, inside(self.mechanism, measurement))
-            compared = self.problem.quantity if self.route == "shooting" else ""
+            compared = self.problem.quantity if self.problem.simulates else ""
             refuse_lack(self.measurement, measurement, compared=compared)
         problem = self.build(self.measurement if measurement is None else measurement, horizon)
         return problem, settled(problem, self.values)

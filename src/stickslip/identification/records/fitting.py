@@ -29,7 +29,6 @@ from stickslip.identification.estimation.jackknife import infer
 from stickslip.identification.estimation.levenberg_marquardt import Found, Watch, search
 from stickslip.identification.estimation.parameters import Unknowns
 from stickslip.identification.features.features import ROUTE as FEATURES
-from stickslip.identification.force_map.force_balance import Balanced
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.level_units import in_forces, turned_as
 from stickslip.identification.records.problems import Prepared, Route, Wanted, prepared
@@ -46,7 +45,6 @@ from stickslip.identification.residuals.tests import model_errors
 from stickslip.identification.residuals.trends import noise_floor
 from stickslip.identification.series.applied_force import driven, drives_itself, inside
 from stickslip.identification.series.measured_load import as_loaded
-from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import Hold
 from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
@@ -234,9 +232,9 @@ def _fitted_by(
     if contained is None:
         contained = _simpler_fits(way, wanted, watch)
     ready, found, first = _searched(way, wanted, contained, watch, rival)
-    if isinstance(ready.build, Balanced):
-        build = ready.build.at(found.best.values)
-        ready = replace(ready, build=build, problem=build.fitted(measurement))
+    build = ready.build.at(found.best.values)
+    if build is not ready.build:
+        ready = replace(ready, build=build, problem=build.fitted(measurement, None))
     contained = reachable(ready.start, ready.problem.unknowns, contained)
     kind = _kind_of(wanted.law)
     failure = search_failure(kind, found.best.cost, len(found.best.residual), contained)
@@ -266,7 +264,7 @@ def _searched(
     ready = replace(ready, tried=(*nested, *ready.tried))
     ready, found = _widened(ready, wanted.settings, watch, rival)
     first = found
-    if way == "shooting" and not driven(wanted.measurement):
+    if ready.problem.simulates and not driven(wanted.measurement):
         ready, found = _lengthened(ready, found, wanted.measurement, wanted.settings, watch)
         again = starts_from(kind, ready.problem.unknowns, contained, ready.load)
         found = _best_of(ready, found, again, watch)
@@ -378,7 +376,7 @@ def _widened(
         starts=settings.starts,
         seed=settings.seed,
         tried=ready.tried,
-        few=ready.few,
+        few=ready.problem.few,
         rival=rival,
         watch=watch,
     )
@@ -392,7 +390,7 @@ def _widened(
             wide.problem,
             starts=settings.starts,
             seed=settings.seed,
-            few=wide.few,
+            few=wide.problem.few,
             rival=rival,
             watch=watch,
         )
@@ -423,7 +421,7 @@ def _lengthened(
             continue
         longer = ready.build(measurement, length)
         near = longer.unknowns.starting_at(found.best.values)
-        problem = replace(longer, unknowns_=near) if isinstance(longer, Shooting) else longer
+        problem = longer.with_unknowns(near)
         try:
             again = search(problem, starts=1, watch=watch)
         except ConvergenceError as error:

@@ -1,12 +1,13 @@
 """The problems that records become, by route, and where their searches begin."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias
+from typing import Generic, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import TypeVar
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
@@ -30,12 +31,12 @@ from stickslip.identification.series.start_values import (
     mechanism_unknowns,
     scales_of,
 )
-from stickslip.identification.shooting.multiple_shooting import Shooting, few_of
+from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import measured_quantity, segments_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
 
-__all__ = ["Prepared", "Route", "Wanted", "prepared"]
+__all__ = ["Prepared", "Route", "Wanted", "prepared", "simulated"]
 
 Array = NDArray[np.float64]
 SOME = 2_500
@@ -58,13 +59,16 @@ class Wanted:
     """Parameters of the mechanism that are not to be fitted, such as an offset."""
 
 
+P_co = TypeVar("P_co", bound=RecordProblem, default=RecordProblem, covariant=True)
+
+
 @dataclass(frozen=True)
-class Prepared:
+class Prepared(Generic[P_co]):
     """A problem and where its search begins."""
 
     mechanism: Mechanism
     start: FrictionLaw
-    problem: RecordProblem
+    problem: P_co
     build: Build
     tried: tuple[Array, ...] = ()
     """Further start values (p,), the best first."""
@@ -73,32 +77,20 @@ class Prepared:
     length: float | None = None
     """Length of its segments [s], if it is not that of the settings."""
 
-    @property
-    def few(self) -> RecordProblem | None:
-        """Some segments, on which starts are compared; None where that saves little.
-
-        Friction is compared on all rows: what a filter for fewer of them leaves of presliding
-        leads elsewhere.
-        """
-        return few_of(self.problem)
-
-    def looking_for(self, unknowns: Unknowns) -> "Prepared":
+    def looking_for(self, unknowns: Unknowns) -> "Prepared[P_co]":
         """Return the same with other bounds or start values of the unknowns."""
-        if isinstance(self.build, _Shot):
-            assert isinstance(self.problem, Shooting)
-            shot = replace(self.build, unknowns=unknowns)
-            return replace(self, problem=replace(self.problem, unknowns_=unknowns), build=shot)
-        assert isinstance(self.problem, ForceMap)
-        assert isinstance(self.build, _Rubbed | Balanced)
-        problem = replace(self.problem, unknowns_=unknowns)
-        return replace(self, problem=problem, build=replace(self.build, problem=problem))
+        return replace(
+            self,
+            problem=self.problem.with_unknowns(unknowns),
+            build=self.build.with_unknowns(unknowns),
+        )
 
 
 # What builds problems is no closure, so that fits can cross processes.
 
 
 @dataclass(frozen=True)
-class _Shot:
+class _ShootingBuilder:
     """Builds the shooting problem of a record."""
 
     mechanism: Mechanism
@@ -108,7 +100,7 @@ class _Shot:
     quantity: str
     """What runs are compared with, in every record alike."""
 
-    def __call__(self, record: Measurement, length: float | None) -> RecordProblem:
+    def __call__(self, record: Measurement, length: float | None) -> Shooting:
         return Shooting(
             law=self.law,
             unknowns_=self.unknowns,
@@ -123,12 +115,18 @@ class _Shot:
             quantity_=self.quantity,
         )
 
-    def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
+    def fitted(self, record: Measurement, length: float | None) -> Shooting:
         return self(record, length)
+
+    def with_unknowns(self, unknowns: Unknowns) -> "_ShootingBuilder":
+        return replace(self, unknowns=unknowns)
+
+    def at(self, _values: Array) -> "_ShootingBuilder":
+        return self
 
 
 @dataclass(frozen=True)
-class _Rubbed:
+class _ForceMapBuilder:
     """Builds the problem of a record of friction."""
 
     mechanism: Mechanism
@@ -140,6 +138,12 @@ class _Rubbed:
     def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
         own = stretches_of(self.mechanism, record, segment=length, samples=SAMPLES)
         return self.problem.along(own, record)
+
+    def with_unknowns(self, unknowns: Unknowns) -> "_ForceMapBuilder":
+        return replace(self, problem=self.problem.with_unknowns(unknowns))
+
+    def at(self, _values: Array) -> "_ForceMapBuilder":
+        return self
 
 
 def _rows(settings: RecordSettings, length: float | None) -> int:
@@ -157,12 +161,11 @@ def prepared(route: Route, wanted: Wanted) -> Prepared:
     InputError
         If the record does not serve, or a name is not known.
     """
-    if route == "shooting":
-        return _shooting(wanted)
-    return _mapped(wanted) if route == "force-map" else _derived(wanted)
+    return PROBLEMS[route](wanted)
 
 
-def _shooting(wanted: Wanted) -> Prepared:
+def simulated(wanted: Wanted) -> Prepared[Shooting]:
+    """Return the problem of simulated segments."""
     measurement = wanted.measurement
     quantity = measured_quantity(measurement)
     under_load = loaded(wanted.mechanism, measurement)
@@ -183,7 +186,7 @@ def _shooting(wanted: Wanted) -> Prepared:
     if scales.nominal is not None:
         masses = (p for p in unknowns.paths if p in ("mechanism.inertia", "mechanism.mass"))
         further = (dict.fromkeys(masses, scales.nominal), *further)
-    build = _Shot(mechanism, start, unknowns, wanted.settings, quantity)
+    build = _ShootingBuilder(mechanism, start, unknowns, wanted.settings, quantity)
     tried = tuple(
         np.array([other.get(p, v) for p, v in zip(unknowns.paths, unknowns.start, strict=True)])
         for other in further
@@ -196,9 +199,8 @@ def _shooting(wanted: Wanted) -> Prepared:
         tried = (*surplus_starts(problem), *tried)
     near = _by_inverse_dynamics(wanted, unknowns)
     if near is not None:
-        assert isinstance(problem, Shooting)
         tried = (unknowns.start, *tried)
-        problem = replace(problem, unknowns_=unknowns.starting_at(near))
+        problem = problem.with_unknowns(unknowns.starting_at(near))
     return Prepared(mechanism, start, problem, build, tried, scales.load)
 
 
@@ -242,7 +244,7 @@ def _refuse_overrides(measurement: Measurement, unknowns: Unknowns) -> None:
                 )
 
 
-def _mapped(wanted: Wanted) -> Prepared:
+def _mapped(wanted: Wanted) -> Prepared[ForceMap]:
     """Return the problem of friction that was measured."""
     if wanted.unknown:
         raise InputError(
@@ -259,12 +261,12 @@ def _mapped(wanted: Wanted) -> Prepared:
         known=wanted.known,
         held=[path for path in wanted.held if path == "mechanism.offset"],
     )
-    problem = replace(problem, unknowns_=problem.unknowns.starting_at(starts[0]))
-    build = _Rubbed(mechanism, problem)
+    problem = problem.with_unknowns(problem.unknowns.starting_at(starts[0]))
+    build = _ForceMapBuilder(mechanism, problem)
     return Prepared(mechanism, problem.law, problem, build, starts[1:], _load(problem))
 
 
-def _derived(wanted: Wanted) -> Prepared:
+def _derived(wanted: Wanted) -> Prepared[ForceMap]:
     """Return the problem of friction that inverse dynamics finds, the mass looked for with it."""
     mechanism, measurement, hold = wanted.mechanism, wanted.measurement, wanted.settings.hold
     mass = inertia_of(mechanism, measurement, wanted.unknown)
@@ -280,8 +282,15 @@ def _derived(wanted: Wanted) -> Prepared:
         held=[path for path in wanted.held if path == "mechanism.offset"],
         mass=mass,
     )
-    problem = replace(problem, unknowns_=problem.unknowns.starting_at(starts[0]))
+    problem = problem.with_unknowns(problem.unknowns.starting_at(starts[0]))
     if mass is not None:
         _refuse_overrides(measurement, problem.unknowns)
     build = Balanced(mechanism, problem, hold)
     return Prepared(mechanism, problem.law, problem, build, starts[1:], _load(problem))
+
+
+PROBLEMS: Mapping[Route, Callable[[Wanted], Prepared]] = {
+    "shooting": simulated,
+    "force-map": _mapped,
+    "inverse-dynamics": _derived,
+}

@@ -49,7 +49,7 @@ def refitted(fit: RecordFit, first: float, last: float) -> Linearised | None:
 
 
 def _decays(fit: RecordFit) -> bool:
-    return fit.route == "shooting" and not driven(fit.measurement)
+    return fit.problem.simulates and not driven(fit.measurement)
 
 
 def halves_of(fit: RecordFit) -> Halves | None:

@@ -19,10 +19,10 @@ from stickslip.formatting import number, percent
 from stickslip.friction import CoulombViscous
 from stickslip.identification.estimation.levenberg_marquardt import improve, search
 from stickslip.identification.records.fit import RecordFit, settled
-from stickslip.identification.records.problems import Route, Wanted, prepared
+from stickslip.identification.records.problems import Route, Wanted, prepared, simulated
 from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.series.applied_force import driven, drives_itself
-from stickslip.identification.shooting.multiple_shooting import Segment, Shooting
+from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.validation import Parameters
 from stickslip.mechanisms import Mechanism
 
@@ -88,12 +88,7 @@ def unexplained_share(fit: RecordFit) -> float:
     Of simulated segments, that of their motion about a straight line, as their first position and
     velocity are fitted; of friction, that of its variation about its mean.
     """
-    problem = fit.problem
-    if isinstance(problem, Shooting):
-        whole = sum(_curved(segment) for segment in problem.segments)
-    else:
-        whole = float(np.sum((problem.measured - np.mean(problem.measured)) ** 2))
-    return math.sqrt(fit.found.best.cost / max(whole, 1e-300))
+    return math.sqrt(fit.found.best.cost / max(fit.problem.variation, 1e-300))
 
 
 def better_route(fits: Sequence[RecordFit], others: Sequence[RecordFit]) -> str:
@@ -226,12 +221,9 @@ def _simulated(
 ) -> _Simulated | None:
     """Return what Coulomb and viscous friction leaves; None where that cannot be said."""
     try:
-        problem = prepared(
-            "shooting", _plain_fit(mechanism, measurement, unknown, settings)
-        ).problem
+        problem = simulated(_plain_fit(mechanism, measurement, unknown, settings)).problem
     except StickslipError:
         return None  # what is wrong with the record is said where it is fitted
-    assert isinstance(problem, Shooting)
     return _motion_left(problem)
 
 
@@ -316,7 +308,7 @@ def _motion_left(problem: Shooting) -> _Simulated:
     count = len(problem.segments)
     step = max(1, math.ceil(count / LOOKED_AT))
     few = replace(problem, segments=problem.segments[::step])
-    moved = sum(_curved(segment) for segment in few.segments)
+    moved = few.variation
     seen = settled(few, few.unknowns.start)
     for starts in (1, STARTS):
         enough = SUSPECT if starts == 1 else UNPREDICTED
@@ -328,9 +320,3 @@ def _motion_left(problem: Shooting) -> _Simulated:
             return _Simulated(values={}, left=math.inf)
     values = dict(zip(few.unknowns.paths, seen.values.tolist(), strict=True))
     return _Simulated(values=values, left=math.sqrt(seen.cost / max(moved, 1e-300)))
-
-
-def _curved(segment: Segment) -> float:
-    """Return the sum of squares of the motion of a segment less a straight line."""
-    line = np.polyfit(segment.times, segment.measured, 1)
-    return float(np.sum((segment.measured - np.polyval(line, segment.times)) ** 2))

@@ -18,7 +18,7 @@ from stickslip.errors import ParameterError
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.estimation.containment import not_whole
 from stickslip.identification.estimation.parameters import Unknowns
-from stickslip.identification.estimation.problem import STEEPEST, Linearised, Problem, RecordProblem
+from stickslip.identification.estimation.problem import STEEPEST, Linearised, RecordProblem
 from stickslip.identification.shooting.first_deflections import deflection_slopes, first_deflection
 from stickslip.identification.shooting.initial_states import (
     CLEARLY,
@@ -33,7 +33,7 @@ from stickslip.solver import EventDriven
 from stickslip.solver.event_driven import BareRun
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Segment", "Shooting", "few_of"]
+__all__ = ["Segment", "Shooting", "curvature_of"]
 
 Array = NDArray[np.float64]
 
@@ -114,6 +114,36 @@ class Shooting(RecordProblem):
     @override
     def measured(self) -> Array:
         return np.concatenate([s.measured for s in self.segments])
+
+    @property
+    @override
+    def variation(self) -> float:
+        """That of the motion about a straight line: first position and velocity are fitted."""
+        return sum(curvature_of(segment) for segment in self.segments)
+
+    @property
+    @override
+    def simulates(self) -> bool:
+        return True
+
+    @property
+    @override
+    def few(self) -> "Shooting | None":
+        """Segments spread over a long record; None if it is short.
+
+        They are drawn one from each of as many stretches: every third, say, would be the same phase
+        of a motion that repeats itself.
+        """
+        if len(self.segments) < 2 * FEW:
+            return None
+        random = np.random.default_rng(0)
+        edges = np.linspace(0, len(self.segments), FEW + 1).astype(int)
+        chosen = [int(random.integers(a, b)) for a, b in pairwise(edges.tolist())]
+        return replace(self, segments=tuple(self.segments[k] for k in chosen))
+
+    @override
+    def with_unknowns(self, unknowns: Unknowns) -> "Shooting":
+        return replace(self, unknowns_=unknowns)
 
     @override
     def linearise(
@@ -230,18 +260,10 @@ class Shooting(RecordProblem):
         )
 
 
-def few_of(problem: Problem) -> Shooting | None:
-    """Return some segments of a long record, spread over it; None if it is short.
-
-    They are drawn one from each of as many stretches: every third, say, would be the same phase of
-    a motion that repeats itself.
-    """
-    if not isinstance(problem, Shooting) or len(problem.segments) < 2 * FEW:
-        return None
-    random = np.random.default_rng(0)
-    edges = np.linspace(0, len(problem.segments), FEW + 1).astype(int)
-    chosen = [int(random.integers(a, b)) for a, b in pairwise(edges.tolist())]
-    return replace(problem, segments=tuple(problem.segments[k] for k in chosen))
+def curvature_of(segment: Segment) -> float:
+    """Return the sum of squares of the motion of a segment less a straight line."""
+    line = np.polyfit(segment.times, segment.measured, 1)
+    return float(np.sum((segment.measured - np.polyval(line, segment.times)) ** 2))
 
 
 def _may_rest(segment: Segment, quantity: str) -> bool:

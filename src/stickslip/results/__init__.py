@@ -1,0 +1,30 @@
+"""Results: what the verbs return, for annotations and type tests."""
+
+from stickslip.lazy import attach
+
+HOMES = {
+    "Certificate": "trajectory",
+    "Checks": "experiments",
+    "Ensemble": "trajectory",
+    "Estimate": "identification",
+    "Event": "trajectory",
+    "FeatureFit": "identification",
+    "FeatureVerdict": "selection",
+    "Finding": "experiments",
+    "Fit": "identification",
+    "Optimum": "optimisation",
+    "Plan": "selection",
+    "RecordFit": "identification",
+    "RecordVerdict": "selection",
+    "Sensitivity": "solver",
+    "Status": "trajectory",
+    "Trajectory": "trajectory",
+    "TravelFit": "identification",
+    "TravelVerdict": "selection",
+    "TrialComparison": "identification",
+    "Verdict": "selection",
+}
+
+__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
+
+__getattr__, __dir__ = attach("stickslip", HOMES)
