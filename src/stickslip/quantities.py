@@ -177,12 +177,6 @@ class Quantity:
                 f"{label}: scale={self.scale!r} has no known size {unknown[0]!r}; known are"
                 f" {', '.join(SCALES)}, and products and quotients of them."
             )
-        unit = _sum((_unit_powers(SCALES[name]), power) for name, power in powers.items())
-        if self.scale != "none" and unit != _unit_powers(self.unit):
-            raise ParameterError(
-                f"{label}: its unit is {self.unit}, and that of scale={self.scale!r} is not."
-                ' Use scale="none" for start and bounds in the unit itself.'
-            )
         low, high = self.bounds
         within = low < high and (self.at_least is not None or low <= self.start <= high)
         if not (within and all(map(math.isfinite, (low, high, self.start)))):
@@ -193,6 +187,27 @@ class Quantity:
         if self.scale == "none" and self.at_least is None:
             for value in (self.start, high):
                 self.check("Quantity", "start and bounds", value)
+
+    def check_scale(self, owner: str, name: str) -> None:
+        """Refuse a scale that has another unit than the parameter.
+
+        Parameters
+        ----------
+        owner, name : str
+            Class and field that declare the quantity, for the error.
+
+        Raises
+        ------
+        ParameterError
+            If the units differ.
+        """
+        unit = _sum((_unit_powers(SCALES[name]), power) for name, power in self.powers.items())
+        if self.scale not in ("", "none") and unit != _unit_powers(self.unit):
+            raise ParameterError(
+                f"{owner}.{name} ({self.symbol}) has the unit {self.unit}, and"
+                f" scale={self.scale!r} has another one. Correct one of them, or use"
+                ' scale="none", with start and bounds in the unit itself.'
+            )
 
     @property
     def powers(self) -> Mapping[str, int]:
@@ -363,6 +378,7 @@ def fields_of(cls: type) -> Mapping[str, Quantity]:
             for hint in _alternatives(_hints(cls)[field.name]):
                 for mark in getattr(hint, "__metadata__", ()):
                     if isinstance(mark, Quantity):
+                        mark.check_scale(cls.__name__, field.name)
                         found[field.name] = mark
         _DECLARED[cls] = types.MappingProxyType(found)
     return _DECLARED[cls]

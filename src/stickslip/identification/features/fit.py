@@ -296,19 +296,12 @@ def _start(block: TowedBlock, law: FrictionLaw | type[FrictionLaw]) -> FrictionL
     }
     known = fields_of(type(start))
     for name, quantity in known.items():
-        base = quantity.at_least
-        if (
-            base is not None
-            and getattr(start, name) is None
-            and not _stands_on_top(known, quantity)
-        ):
-            changes[f"friction.{name}"] = 1.2 * getattr(start, base)
-        elif (
-            isinstance(law, type)
-            and quantity.scale in sizes
-            and quantity.allows(sizes[quantity.scale])
-        ):
-            changes[f"friction.{name}"] = sizes[quantity.scale]
+        base, size = quantity.at_least, sizes.get(quantity.scale)
+        if base is not None and not _stands_on_top(known, quantity):
+            if getattr(start, name) is None:
+                changes[f"friction.{name}"] = 1.2 * getattr(start, base)
+        elif isinstance(law, type) and size is not None and quantity.allows(size):
+            changes[f"friction.{name}"] = size
     return with_values(start, "friction", changes) if changes else start
 
 

@@ -119,9 +119,10 @@ def _spread(trials: Sequence[Trial]) -> list[Trial]:
 
 
 def _least(model: TravelModel, path: str, centre: float) -> float:
-    """Return the value at which a parameter does least: 0 where that is allowed, else its start."""
+    """Return the value at which a parameter does least: 0 where that is sure, else its start."""
     quantity = fields_of(type(model.law))[path.rpartition(".")[2]]
-    return centre if quantity.above is not None or quantity.at_least is not None else 0.0
+    kept = quantity.above is not None or quantity.at_least is not None or quantity.scale == "none"
+    return centre if kept else 0.0
 
 
 def doubling_slope(model: TravelModel, trials: Sequence[Trial], values: Start) -> float:
