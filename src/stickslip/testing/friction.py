@@ -106,6 +106,15 @@ def _fit_order(case: _Case) -> Iterator[str]:
     yield from (f"{name!r} stands there twice" for name in {*order} if order.count(name) > 1)
 
 
+def _ranges(case: _Case) -> Iterator[str]:
+    known, order = fields_of(type(case.law)), case.law.fit_order
+    yield from (
+        f"the Quantity of {name!r} has no scale, bounds and start: it cannot be fitted"
+        for name in order
+        if name in known and not known[name].scale
+    )
+
+
 def _opposes(case: _Case) -> Iterator[str]:
     for speed in case.speeds:
         for v in (speed, -speed):
@@ -236,6 +245,7 @@ FIRST: Suite[_Case] = {
     "every quantity is explained": lambda case: class_declarations.explained(case.law),
     "parameters are checked": lambda case: class_declarations.parameters_checked(case.law),
     "the order of fitting names parameters": _fit_order,
+    "parameters that are fitted have ranges": _ranges,
     "friction opposes slip": _opposes,
     "friction is affine in the load": _affine,
     "friction stays within the cone of the break-away level": _within_cone,
