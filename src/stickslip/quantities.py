@@ -10,12 +10,13 @@ import math
 import numbers
 import types
 import typing
-from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
 
 from stickslip.errors import ParameterError, StickslipError, UnknownNameError, nearest
 
 __all__ = [
+    "SCALES",
     "Converted",
     "Numbers",
     "Parametrised",
@@ -74,9 +75,37 @@ else:
             return types[1]
 
 
+SCALES: Mapping[str, str] = types.MappingProxyType(
+    {
+        "none": "",
+        "level": "1",
+        "level+": "1",
+        "level-": "1",
+        "load": "N",
+        "force": "N",
+        "slope": "N s/m",
+        "slope+": "N s/m",
+        "slope-": "N s/m",
+        "drag": "N s^2/m^2",
+        "speed": "m/s",
+        "displacement": "m",
+        "stiffness": "1/m",
+        "damping": "s/m",
+    }
+)
+"""Sizes that measurements tell, and their units; start values and bounds are multiples of one.
+
+``level`` is friction over the normal force, ``load``, and ``force`` is friction itself; ``slope``
+is its growth with speed and ``drag`` that with the squared speed. ``speed`` is the largest one.
+``displacement`` is that of presliding, ``stiffness`` and ``damping`` are those of bristles, over
+the normal force. ``+`` and ``-`` stand for forward and backward slip alone. With ``none``, start
+value and bounds are no multiples but values.
+"""
+
+
 @dataclasses.dataclass(frozen=True)
 class Quantity:
-    """What a number means: symbol, SI unit and allowed range.
+    """What a number means: symbol, SI unit, allowed range, and where a fit looks for it.
 
     Parameters
     ----------
@@ -94,11 +123,28 @@ class Quantity:
         A whole number here shapes the equations (an exponent, say) instead of standing in them.
     or_unit : str, optional
         SI unit where the same field is of the other kind of motion: straight, or about an axis.
+    scale : str, optional
+        What the parameter is proportional to in a measurement, one of `SCALES`, or a product or
+        quotient of them such as ``"displacement/speed"`` for a time. ``"none"`` for a pure number,
+        or for a value that is known beforehand. Parameters of a friction law need it to be fitted.
+    bounds : (float, float), optional
+        Least and largest value that a fit looks at, as multiples of the scale; of the surplus where
+        there is `at_least`.
+    start : float, optional
+        Value at which a fit begins, as a multiple of the scale.
+
+    Raises
+    ------
+    ParameterError
+        If only some of `scale`, `bounds` and `start` are given, or they contradict each other.
 
     Examples
     --------
     >>> Quantity("v_s", "m/s", above=0).range
     'above 0 m/s'
+    >>> v_s = Quantity("v_s", "m/s", above=0, scale="speed", bounds=(1e-3, 1.0), start=0.1)
+    >>> v_s.scaled_by({"speed": 0.5})
+    0.5
     >>> Quantity("mu_s", low=0, at_least="kinetic_coefficient").range
     'at least 0 and at least kinetic_coefficient'
     """
@@ -111,10 +157,88 @@ class Quantity:
     at_least: str | None = None
     structural: bool = False
     or_unit: str = ""
+    scale: str = ""
+    bounds: tuple[float, float] | None = None
+    start: float | None = None
+
+    def __post_init__(self) -> None:
+        if not self.scale and self.bounds is None and self.start is None:
+            return
+        label = f"Quantity {self.symbol!r}"
+        if not self.scale or self.bounds is None or self.start is None:
+            raise ParameterError(
+                f"{label}: a fit needs all of scale, bounds and start, such as"
+                ' scale="speed", bounds=(1e-3, 1.0), start=0.1.'
+            )
+        powers = self.powers
+        unknown = [name for name in powers if name not in SCALES]
+        if unknown:
+            raise ParameterError(
+                f"{label}: scale={self.scale!r} has no known size {unknown[0]!r}; known are"
+                f" {', '.join(SCALES)}, and products and quotients of them."
+            )
+        low, high = self.bounds
+        within = low < high and (self.at_least is not None or low <= self.start <= high)
+        if not (within and all(map(math.isfinite, (low, high, self.start)))):
+            raise ParameterError(
+                f"{label}: bounds must be two finite numbers with start between them, got"
+                f" bounds={self.bounds!r}, start={self.start!r}."
+            )
+        if self.scale == "none" and self.at_least is None:
+            for value in (self.start, high):
+                self.check("Quantity", "start and bounds", value)
+
+    def check_scale(self, owner: str, name: str) -> None:
+        """Refuse a scale that has another unit than the parameter.
+
+        Parameters
+        ----------
+        owner, name : str
+            Class and field that declare the quantity, for the error.
+
+        Raises
+        ------
+        ParameterError
+            If the units differ.
+        """
+        unit = _sum((_unit_powers(SCALES[name]), power) for name, power in self.powers.items())
+        if self.scale not in ("", "none") and unit != _unit_powers(self.unit):
+            raise ParameterError(
+                f"{owner}.{name} ({self.symbol}) has the unit {self.unit}, and"
+                f" scale={self.scale!r} has another one. Correct one of them, or use"
+                ' scale="none", with start and bounds in the unit itself.'
+            )
+
+    @property
+    def powers(self) -> Mapping[str, int]:
+        """The sizes that the scale is made of, and their powers."""
+        return _powers(self.scale)
+
+    def scaled_by(self, sizes: Mapping[str, float]) -> float:
+        """Return what start value and bounds are multiples of.
+
+        Parameters
+        ----------
+        sizes : mapping of str to float
+            The sizes that a measurement tells [SI], by name.
+
+        Returns
+        -------
+        float
+            Its value in the unit of the quantity; 1 if there is no scale.
+        """
+        return math.prod(
+            sizes[name] ** power for name, power in self.powers.items() if SCALES[name]
+        )
 
     def stands_in_equations(self, value: float | None) -> bool:
         """Whether `value` is a parameter of the equations and not part of their shape."""
         return value is not None and not (self.structural and float(value).is_integer())
+
+    def allows(self, value: float) -> bool:
+        """Whether `value` is a finite number in the allowed range."""
+        inside = self.low <= value <= self.high and (self.above is None or value > self.above)
+        return math.isfinite(value) and inside
 
     @property
     def range(self) -> str:
@@ -158,10 +282,33 @@ class Quantity:
         if isinstance(value, bool) or not isinstance(value, numbers.Real):
             raise ParameterError(f"{label} must be a number, {self.range}, got {value!r}.")
         number = float(value)
-        inside = self.low <= number <= self.high and (self.above is None or number > self.above)
-        if not (math.isfinite(number) and inside):
+        if not self.allows(number):
             raise ParameterError(f"{label} must be {self.range}, got {number:g}.")
         return number
+
+
+def _powers(text: str) -> dict[str, int]:
+    """Return names and powers of products and quotients such as ``force/displacement^2``."""
+    found: dict[str, int] = {}
+    for place, factors in enumerate(text.split("/")):
+        for factor in factors.replace("*", " ").split():
+            name, _, power = factor.partition("^")
+            sign = -1 if place else 1
+            found[name] = found.get(name, 0) + sign * (int(power) if power.isdigit() else 1)
+    return found
+
+
+def _unit_powers(unit: str) -> dict[str, int]:
+    return {name: power for name, power in _powers(unit).items() if name != "1" and power}
+
+
+def _sum(parts: Iterable[tuple[Mapping[str, int], int]]) -> dict[str, int]:
+    """Return the sum of powers, each times a number, without those that are 0."""
+    found: dict[str, int] = {}
+    for powers, times in parts:
+        for name, power in powers.items():
+            found[name] = found.get(name, 0) + times * power
+    return {name: power for name, power in found.items() if power}
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -231,6 +378,7 @@ def fields_of(cls: type) -> Mapping[str, Quantity]:
             for hint in _alternatives(_hints(cls)[field.name]):
                 for mark in getattr(hint, "__metadata__", ()):
                     if isinstance(mark, Quantity):
+                        mark.check_scale(cls.__name__, field.name)
                         found[field.name] = mark
         _DECLARED[cls] = types.MappingProxyType(found)
     return _DECLARED[cls]

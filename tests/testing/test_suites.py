@@ -198,7 +198,7 @@ class Plain(SetValuedLaw):
     sources: ClassVar[tuple[str, ...]] = ()
     fit_order: ClassVar[tuple[str, ...]] = ("mu",)
 
-    mu: Annotated[float, Quantity("mu", low=0)] = 0.2
+    mu: Annotated[float, Quantity("mu", low=0, scale="level", bounds=(0, 9), start=1)] = 0.2
 
     def sliding(self, speed, load):
         return self.mu * load + 0.0 * speed
@@ -217,7 +217,7 @@ class Brush(BristleLaw):
     sources: ClassVar[tuple[str, ...]] = ()
     fit_order: ClassVar[tuple[str, ...]] = ("mu",)
 
-    mu: Annotated[float, Quantity("mu", above=0)] = 0.2
+    mu: Annotated[float, Quantity("mu", above=0, scale="level", bounds=(0, 9), start=1)] = 0.2
     stiffness: Annotated[float, Quantity("sigma", "1/m", above=0)] = 1e3
 
     def force(self, velocity, bristles, load):
@@ -255,6 +255,11 @@ WRONG_LAWS = {
     "every quantity is explained": changed(Plain, __doc__="Nothing is said of parameters."),
     "parameters are checked": changed(Plain, __post_init__=lambda self: None),
     "the order of fitting names parameters": changed(Plain, fit_order=("nu",)),
+    "parameters that are fitted have ranges": changed(
+        Plain,
+        __annotations__={"mu": Annotated[float, Quantity("mu", low=0)]},
+        mu=0.2,
+    ),
     "friction opposes slip": changed(
         Plain, sliding=lambda self, speed, load: self.mu * load - 0.5 * speed
     ),

@@ -1,13 +1,13 @@
 """Coulomb friction: one level, whatever the speed."""
 
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, final
+from typing import ClassVar, final
 
 from typing_extensions import override
 
 from stickslip.friction.base import SetValuedLaw
+from stickslip.friction.coefficients import KineticCoefficient, StaticCoefficient
 from stickslip.maths import Scalar
-from stickslip.quantities import Quantity
 
 __all__ = ["Coulomb"]
 
@@ -31,11 +31,9 @@ class Coulomb(SetValuedLaw):
     sources: ClassVar[tuple[str, ...]] = ("coulomb1785", "morin1833")
     fit_order: ClassVar[tuple[str, ...]] = ("kinetic_coefficient",)
 
-    kinetic_coefficient: Annotated[float, Quantity("mu_k", low=0)]
+    kinetic_coefficient: KineticCoefficient
     """Friction force while sliding, over the normal force."""
-    static_coefficient: (
-        Annotated[float, Quantity("mu_s", low=0, at_least="kinetic_coefficient")] | None
-    ) = None
+    static_coefficient: StaticCoefficient | None = None
     """Largest friction force the contact holds at rest, over the normal force."""
 
     @override

@@ -1,13 +1,17 @@
 """Coulomb and viscous friction with a static level of its own."""
 
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, final
+from typing import ClassVar, final
 
 from typing_extensions import override
 
 from stickslip.friction.base import Containment, SetValuedLaw
+from stickslip.friction.coefficients import (
+    KineticCoefficient,
+    StaticCoefficient,
+    ViscousCoefficient,
+)
 from stickslip.maths import Scalar
-from stickslip.quantities import Quantity
 
 __all__ = ["CoulombViscousStatic"]
 
@@ -53,11 +57,11 @@ class CoulombViscousStatic(SetValuedLaw):
         ),
     )
 
-    kinetic_coefficient: Annotated[float, Quantity("mu_k", low=0)]
+    kinetic_coefficient: KineticCoefficient
     """Friction force over the normal force as the speed goes to zero."""
-    static_coefficient: Annotated[float, Quantity("mu_s", low=0, at_least="kinetic_coefficient")]
+    static_coefficient: StaticCoefficient
     """Largest friction force the contact holds at rest, over the normal force."""
-    viscous_coefficient: Annotated[float, Quantity("sigma_2", "N s/m", low=0)]
+    viscous_coefficient: ViscousCoefficient
     """Growth of the friction force with the slip speed."""
 
     @override

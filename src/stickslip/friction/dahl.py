@@ -6,6 +6,12 @@ from typing import Annotated, ClassVar, Self, final
 from typing_extensions import override
 
 from stickslip.friction.base import BristleLaw, Containment
+from stickslip.friction.coefficients import (
+    BristleStiffness,
+    PositiveKineticCoefficient,
+    ViscousCoefficient,
+    ViscousExponent,
+)
 from stickslip.friction.power_viscous import viscous_force
 from stickslip.maths import Scalar, power, sign
 from stickslip.quantities import Quantity
@@ -58,16 +64,18 @@ class Dahl(BristleLaw):
         ),
     )
 
-    kinetic_coefficient: Annotated[float, Quantity("mu_k", above=0)]
+    kinetic_coefficient: PositiveKineticCoefficient
     """Friction force over the normal force after long sliding."""
-    bristle_stiffness: Annotated[float, Quantity("sigma_0", "1/m", above=0)]
+    bristle_stiffness: BristleStiffness
     """Slope of friction against displacement at the start, over the normal force."""
-    exponent: Annotated[float, Quantity("n", above=0, structural=True)] = 1.0
+    exponent: Annotated[
+        float, Quantity("n", above=0, structural=True, scale="none", bounds=(0.2, 3.0), start=0.8)
+    ] = 1.0
     """Sharpness of yielding: 1 is Dahl's plain law, towards 0 elastic then perfectly plastic."""
-    viscous_coefficient: Annotated[float, Quantity("sigma_2", "N s/m", low=0)] = 0.0
+    viscous_coefficient: ViscousCoefficient = 0.0
     """Viscous part of the force at 1 m/s, over that speed: its growth with the slip speed where
     it is linear."""
-    viscous_exponent: Annotated[float, Quantity("p", low=0.2, high=1.5, structural=True)] = 1.0
+    viscous_exponent: ViscousExponent = 1.0
     """Power of the speed in the viscous part: 1 is linear, below 1 the lubricant thins."""
 
     @classmethod

@@ -59,13 +59,21 @@ class DirectionDependent(DirectionalLaw):
     )
     on_request: ClassVar[bool] = True
 
-    forward_kinetic_coefficient: Annotated[float, Quantity("mu_+", low=0)]
+    forward_kinetic_coefficient: Annotated[
+        float, Quantity("mu_+", low=0, scale="level+", bounds=(0.0, 100.0), start=1.0)
+    ]
     """Friction force over the normal force as a forward speed goes to zero."""
-    backward_kinetic_coefficient: Annotated[float, Quantity("mu_-", low=0)]
+    backward_kinetic_coefficient: Annotated[
+        float, Quantity("mu_-", low=0, scale="level-", bounds=(0.0, 100.0), start=1.0)
+    ]
     """The same for backward slip."""
-    forward_viscous_coefficient: Annotated[float, Quantity("sigma_+", "N s/m", low=0)] = 0.0
+    forward_viscous_coefficient: Annotated[
+        float, Quantity("sigma_+", "N s/m", low=0, scale="slope+", bounds=(0.0, 100.0), start=1.0)
+    ] = 0.0
     """Growth of the friction force with the speed of forward slip."""
-    backward_viscous_coefficient: Annotated[float, Quantity("sigma_-", "N s/m", low=0)] = 0.0
+    backward_viscous_coefficient: Annotated[
+        float, Quantity("sigma_-", "N s/m", low=0, scale="slope-", bounds=(0.0, 100.0), start=1.0)
+    ] = 0.0
     """The same for backward slip."""
 
     @override

@@ -6,6 +6,14 @@ from typing import Annotated, ClassVar, Self, final
 from typing_extensions import override
 
 from stickslip.friction.base import BristleLaw, Containment
+from stickslip.friction.coefficients import (
+    BristleStiffness,
+    FadingExponent,
+    PositiveKineticCoefficient,
+    StribeckVelocity,
+    ViscousCoefficient,
+    ViscousExponent,
+)
 from stickslip.friction.power_viscous import viscous_force
 from stickslip.friction.stribeck import fade
 from stickslip.maths import Scalar, sign
@@ -84,22 +92,34 @@ class LuGre(BristleLaw):
         ),
     )
 
-    kinetic_coefficient: Annotated[float, Quantity("mu_k", above=0)]
+    kinetic_coefficient: PositiveKineticCoefficient
     """Friction force over the normal force at speeds well above the Stribeck velocity."""
-    static_coefficient: Annotated[float, Quantity("mu_s", above=0, at_least="kinetic_coefficient")]
+    static_coefficient: Annotated[
+        float,
+        Quantity(
+            "mu_s",
+            above=0,
+            at_least="kinetic_coefficient",
+            scale="level",
+            bounds=(0.0, 10.0),
+            start=1.1,
+        ),
+    ]
     """Largest steady friction force over the normal force, at vanishing speed."""
-    stribeck_velocity: Annotated[float, Quantity("v_s", "m/s", above=0)]
+    stribeck_velocity: StribeckVelocity
     """Speed at which the static surplus has fallen to 1/e."""
-    bristle_stiffness: Annotated[float, Quantity("sigma_0", "1/m", above=0)]
+    bristle_stiffness: BristleStiffness
     """Stiffness of the bristles over the normal force."""
-    bristle_damping: Annotated[float, Quantity("sigma_1", "s/m", low=0)]
+    bristle_damping: Annotated[
+        float, Quantity("sigma_1", "s/m", low=0, scale="damping", bounds=(1e-3, 1e3), start=1.0)
+    ]
     """Damping of the bristles over the normal force."""
-    viscous_coefficient: Annotated[float, Quantity("sigma_2", "N s/m", low=0)] = 0.0
+    viscous_coefficient: ViscousCoefficient = 0.0
     """Viscous part of the force at 1 m/s, over that speed: its growth with the slip speed where
     it is linear."""
-    exponent: Annotated[float, Quantity("n", above=0, structural=True)] = 2.0
+    exponent: FadingExponent = 2.0
     """Shape of the Stribeck fading."""
-    viscous_exponent: Annotated[float, Quantity("p", low=0.2, high=1.5, structural=True)] = 1.0
+    viscous_exponent: ViscousExponent = 1.0
     """Power of the speed in the viscous part: 1 is linear, below 1 the lubricant thins."""
 
     @classmethod

@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, final
 from typing_extensions import override
 
 from stickslip.friction.base import Containment, SetValuedLaw
+from stickslip.friction.coefficients import KineticCoefficient, ViscousCoefficient
 from stickslip.maths import Scalar, power, where
 from stickslip.quantities import Quantity
 
@@ -94,11 +95,13 @@ class PowerViscous(SetValuedLaw):
     )
     on_request: ClassVar[bool] = True
 
-    kinetic_coefficient: Annotated[float, Quantity("mu_k", low=0)]
+    kinetic_coefficient: KineticCoefficient
     """Friction force over the normal force as the speed goes to zero."""
-    viscous_coefficient: Annotated[float, Quantity("sigma_2", "N s/m", low=0)]
+    viscous_coefficient: ViscousCoefficient
     """Speed-dependent part of the force at 1 m/s, over that speed."""
-    exponent: Annotated[float, Quantity("n", above=0, structural=True)] = 0.5
+    exponent: Annotated[
+        float, Quantity("n", above=0, structural=True, scale="none", bounds=(0.2, 3.0), start=0.8)
+    ] = 0.5
     """Power of the speed: 1 is viscous friction, below 1 the lubricant thins."""
 
     @override

@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, final
 from typing_extensions import override
 
 from stickslip.friction.base import Containment, SetValuedLaw
+from stickslip.friction.coefficients import KineticCoefficient, ViscousCoefficient
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity
 
@@ -50,11 +51,13 @@ class QuadraticDrag(SetValuedLaw):
     )
     on_request: ClassVar[bool] = True
 
-    kinetic_coefficient: Annotated[float, Quantity("mu_k", low=0)]
+    kinetic_coefficient: KineticCoefficient
     """Friction force over the normal force as the speed goes to zero."""
-    viscous_coefficient: Annotated[float, Quantity("sigma_2", "N s/m", low=0)] = 0.0
+    viscous_coefficient: ViscousCoefficient = 0.0
     """Growth of the friction force with the slip speed."""
-    quadratic_coefficient: Annotated[float, Quantity("c", "N s^2/m^2", low=0)] = 0.0
+    quadratic_coefficient: Annotated[
+        float, Quantity("c", "N s^2/m^2", low=0, scale="drag", bounds=(0.0, 100.0), start=0.1)
+    ] = 0.0
     """Growth of the friction force with the square of the slip speed."""
 
     @override

@@ -6,6 +6,13 @@ from typing import Annotated, ClassVar, final
 from typing_extensions import override
 
 from stickslip.friction.base import Containment, SetValuedLaw
+from stickslip.friction.coefficients import (
+    FadingExponent,
+    KineticCoefficient,
+    StaticCoefficient,
+    StribeckVelocity,
+    ViscousCoefficient,
+)
 from stickslip.maths import Scalar, exp, power, where
 from stickslip.quantities import Quantity
 
@@ -85,19 +92,30 @@ class Stribeck(SetValuedLaw):
         ),
     )
 
-    kinetic_coefficient: Annotated[float, Quantity("mu_k", low=0)]
+    kinetic_coefficient: KineticCoefficient
     """Friction force over the normal force once the static surplus has faded."""
-    static_coefficient: Annotated[float, Quantity("mu_s", low=0, at_least="kinetic_coefficient")]
+    static_coefficient: StaticCoefficient
     """Friction force over the normal force where sliding begins; what the contact holds at rest,
     unless a break-away level is given."""
-    stribeck_velocity: Annotated[float, Quantity("v_s", "m/s", above=0)]
+    stribeck_velocity: StribeckVelocity
     """Speed at which the static surplus has fallen to 1/e."""
-    viscous_coefficient: Annotated[float, Quantity("sigma_2", "N s/m", low=0)] = 0.0
+    viscous_coefficient: ViscousCoefficient = 0.0
     """Growth of the friction force with the slip speed."""
-    exponent: Annotated[float, Quantity("n", above=0, structural=True)] = 2.0
+    exponent: FadingExponent = 2.0
     """Shape of the fading: 1 Tustin, 2 Gaussian."""
     break_away_coefficient: (
-        Annotated[float, Quantity("mu_b", low=0, at_least="static_coefficient")] | None
+        Annotated[
+            float,
+            Quantity(
+                "mu_b",
+                low=0,
+                at_least="static_coefficient",
+                scale="level",
+                bounds=(0.0, 10.0),
+                start=1.2,
+            ),
+        ]
+        | None
     ) = None
     """Largest friction force the contact holds at rest, over the normal force, where that lies
     above the level at which sliding begins; equal to it if not given."""

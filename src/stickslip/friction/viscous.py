@@ -1,13 +1,13 @@
 """Viscous friction: in proportion to the speed, nothing at rest."""
 
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, final
+from typing import ClassVar, final
 
 from typing_extensions import override
 
 from stickslip.friction.base import SetValuedLaw
+from stickslip.friction.coefficients import ViscousCoefficient
 from stickslip.maths import Scalar
-from stickslip.quantities import Quantity
 
 __all__ = ["Viscous"]
 
@@ -29,7 +29,7 @@ class Viscous(SetValuedLaw):
     sources: ClassVar[tuple[str, ...]] = ("reynolds1886",)
     fit_order: ClassVar[tuple[str, ...]] = ("viscous_coefficient",)
 
-    viscous_coefficient: Annotated[float, Quantity("sigma_2", "N s/m", low=0)]
+    viscous_coefficient: ViscousCoefficient
     """Friction force over slip speed."""
 
     @override

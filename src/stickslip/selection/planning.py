@@ -36,7 +36,7 @@ from stickslip.identification.travels.start_values import doubling_slope, requir
 from stickslip.identification.validation import Laws, arguments, check_given, laws_of
 from stickslip.mechanisms import Mechanism
 from stickslip.mechanisms.base import stops_of
-from stickslip.quantities import Quantity, parameters, vary
+from stickslip.quantities import Quantity, fields_of, parameters, vary
 from stickslip.selection.admissibility import limit_of
 from stickslip.selection.design.discriminating_settings import (
     Separation,
@@ -393,15 +393,15 @@ def _candidates(
 def _ordinary(mechanism: Mechanism, kind: type[FrictionLaw], t_end: float) -> FrictionLaw:
     """Return a law with ordinary values; its viscous part is what it would be on this rig."""
     law = starting_law(kind)
-    if "viscous_coefficient" not in required_of(kind):
+    slopes = [name for name in required_of(kind) if fields_of(kind)[name].scale == "slope"]
+    if not slopes:
         return law
     beside = law if _has_level(law) else starting_law(Coulomb)
-    path = "friction.kinetic_coefficient"
-    level = {p: v for p, _, v in parameters(beside, "friction")}[path]
+    path, level = _levels(beside)[0]
     one = _trial(mechanism)
     slope = doubling_slope(TravelModel(beside, [path], t_end), [one], [level])
     share = VISCOUS if beside is law else 1.0
-    return vary(law, "friction", {"friction.viscous_coefficient": share * slope})
+    return vary(law, "friction", {f"friction.{slopes[0]}": share * slope})
 
 
 def _first(laws: Mapping[str, FrictionLaw]) -> str:
@@ -410,7 +410,16 @@ def _first(laws: Mapping[str, FrictionLaw]) -> str:
 
 
 def _has_level(law: FrictionLaw) -> bool:
-    return any(path == "friction.kinetic_coefficient" for path, _, _ in parameters(law, "friction"))
+    return bool(_levels(law))
+
+
+def _levels(law: FrictionLaw) -> list[tuple[str, float]]:
+    """Return paths and values of the levels of sliding."""
+    return [
+        (path, value)
+        for path, quantity, value in parameters(law, "friction")
+        if quantity.scale == "level" and quantity.at_least is None
+    ]
 
 
 def _levelled(

@@ -30,7 +30,7 @@ from stickslip.identification.series.applied_force import inside
 from stickslip.identification.trials.comparison import compared
 from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import vary
+from stickslip.quantities import fields_of, vary
 from stickslip.selection.applicability import one_way, unsuited_by
 from stickslip.selection.candidates import (
     REFERENCE,
@@ -83,8 +83,6 @@ which each candidate is told as ``"held-out blocks: <its name>, 2 of 10"``, is n
 was compared on other blocks than the rest could not be ranked.
 """
 
-SPARE = ("viscous_coefficient",)
-"""Fields that stand beside what makes a law that law; one that goes to 0 is left out."""
 PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
 PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
@@ -316,12 +314,13 @@ def _fitted(one: Specification, fit: RecordFit, left_out: Sequence[str]) -> Reco
 
 
 def _without_spare(fit: RecordFit, fitted: Callable[..., RecordFit]) -> RecordFit:
-    """Fit again without what stands beside what makes a law that law, where that went to 0."""
+    """Fit again without slopes that a law can do without, where they went to 0."""
     fields = type(fit.law).__dataclass_fields__
     spare = [
         f"friction.{name}"
-        for name in SPARE
-        if fit.at_bounds.get(f"friction.{name}") == "lower" and fields[name].default == 0.0
+        for name, quantity in fields_of(type(fit.law)).items()
+        if quantity.scale == "slope" and fields[name].default == 0.0
+        if fit.at_bounds.get(f"friction.{name}") == "lower"
     ]
     if not spare or fit.found.cancelled:
         return fit

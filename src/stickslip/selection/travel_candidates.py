@@ -116,13 +116,15 @@ def _scaled(
 ) -> FrictionLaw:
     """Return a law whose ordinary level at rest is as far above sliding as it is by default."""
     fitted = {e.path: e.value for c in reversed(simpler) if c.fit for e in c.fit.estimates}
-    level = fitted.get("friction.kinetic_coefficient", 0.0)
-    if level <= 0.0 or "static_coefficient" not in invented:
-        return law
-    values = {path: value for path, _, value in parameters(law, "friction")}
-    over = values["friction.static_coefficient"] / values["friction.kinetic_coefficient"]
-    changes = {"kinetic_coefficient": level, "static_coefficient": over * level}
-    return vary(law, "friction", {f"friction.{name}": one for name, one in changes.items()})
+    quantities = fields_of(type(law))
+    changes: dict[str, float] = {}
+    for name in invented:
+        base = quantities[name].at_least
+        level = fitted.get(f"friction.{base}", 0.0)
+        if base is not None and level > 0.0:
+            over = getattr(law, name) / getattr(law, base)
+            changes |= {f"friction.{base}": level, f"friction.{name}": over * level}
+    return vary(law, "friction", changes)
 
 
 def _absent(law: FrictionLaw, path: str) -> float:

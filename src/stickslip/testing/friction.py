@@ -89,7 +89,7 @@ def check_friction(
     >>> from stickslip import Stribeck
     >>> law = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.01)
     >>> check_friction(law, compiled=False)
-    <Stribeck: 19 checks passed>
+    <Stribeck: 20 checks passed>
     """
     if mirrored is None:
         mirrored = not isinstance(law, DirectionalLaw)
@@ -104,6 +104,15 @@ def _fit_order(case: _Case) -> Iterator[str]:
     known, order = fields_of(type(case.law)), case.law.fit_order
     yield from (f"{name!r} is no parameter" for name in order if name not in known)
     yield from (f"{name!r} stands there twice" for name in {*order} if order.count(name) > 1)
+
+
+def _ranges(case: _Case) -> Iterator[str]:
+    known, order = fields_of(type(case.law)), case.law.fit_order
+    yield from (
+        f"the Quantity of {name!r} has no scale, bounds and start: it cannot be fitted"
+        for name in order
+        if name in known and not known[name].scale
+    )
 
 
 def _opposes(case: _Case) -> Iterator[str]:
@@ -236,6 +245,7 @@ FIRST: Suite[_Case] = {
     "every quantity is explained": lambda case: class_declarations.explained(case.law),
     "parameters are checked": lambda case: class_declarations.parameters_checked(case.law),
     "the order of fitting names parameters": _fit_order,
+    "parameters that are fitted have ranges": _ranges,
     "friction opposes slip": _opposes,
     "friction is affine in the load": _affine,
     "friction stays within the cone of the break-away level": _within_cone,

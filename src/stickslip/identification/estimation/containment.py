@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from stickslip.formatting import number
 from stickslip.friction import DirectionalLaw, FrictionLaw, containment_of
 from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.quantities import fields_of
 
 __all__ = ["FittedLaw", "not_whole", "reachable", "search_failure", "starts_from"]
 
@@ -157,8 +158,9 @@ def _embedded(
     if issubclass(kind, DirectionalLaw):
         constant = sum(one.values.get(path, 0.0) for path in CONSTANTS)
         for name in values:
-            if name.endswith("kinetic_coefficient"):
-                values[name] += (1.0 if name.startswith("forward") else -1.0) * constant / load
+            scale = fields_of(kind)[name].scale
+            if scale in ("level+", "level-"):
+                values[name] += float(f"{scale[-1]}1") * constant / load
     point = {**beside, **{f"friction.{name}": value for name, value in values.items()}}
     stiff = [item for item in unknowns.items if item.path.partition(".")[2] in containment.limits]
     if not stiff:

@@ -23,7 +23,7 @@ from stickslip.identification.features.features import (
     refuse_uncertainties,
     towed,
 )
-from stickslip.identification.features.problem import FeatureProblem, has, unknowns_of
+from stickslip.identification.features.problem import FeatureProblem, unknowns_of
 from stickslip.identification.features.result import (
     FeatureFit,
     errors_of,
@@ -34,7 +34,7 @@ from stickslip.identification.features.scores import as_good, room_of
 from stickslip.identification.travels.start_values import starting_law, with_known
 from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism, TowedBlock
-from stickslip.quantities import fields_of
+from stickslip.quantities import Quantity, fields_of
 from stickslip.quantities import vary as with_values
 
 __all__ = ["compare_features", "fit_features", "free_of"]
@@ -42,8 +42,6 @@ __all__ = ["compare_features", "fit_features", "free_of"]
 Array: TypeAlias = NDArray[np.float64]
 Progress: TypeAlias = Callable[[int, int], object]
 
-FREE = ("kinetic_coefficient", "static_coefficient", "stribeck_velocity")
-"""Parameters that shape a limit cycle, as far as a law has them."""
 ALIKE = 2e-3
 """Ends whose features differ by no more than this are equally good: features are read to that."""
 MASS = "mechanism.mass"
@@ -81,8 +79,8 @@ def fit_features(
         One record with ``time`` and ``spring_force`` [N].
     vary : str or sequence of str, optional
         Parameters to fit, as for `fit`; all others are held. ``"friction.*"``, which is all if not
-        given, stands for kinetic and static coefficient and Stribeck velocity, as far as the law
-        has them.
+        given, stands for levels of friction and speeds of the law, such as kinetic and static
+        coefficient and Stribeck velocity.
     fixed : mapping of str to float, optional
         Values of parameters that are held, of law and mechanism.
     share : float
@@ -134,15 +132,15 @@ def fit_features(
     unknowns = unknowns_of(block, start, observed, unknown=chosen.unknown, free=names)
     if not len(unknowns):
         raise InputError(
-            f"there is nothing to fit: {start.title} has none of {', '.join(FREE)} that is not"
-            " fixed; name at least one parameter in vary."
+            f"there is nothing to fit: {start.title} has no level of friction and no speed that is"
+            " not fixed; name at least one parameter in vary."
         )
     problem = FeatureProblem(block=block, law=start, observed=observed, unknowns_=unknowns)
     return _result(problem, _searched(problem, points, seed, progress), held, measurement)
 
 
 def free_of(law: FrictionLaw | type[FrictionLaw]) -> list[str]:
-    """Return the names of the parameters of a law that features are fitted by.
+    """Return the names of the parameters of a law that features are fitted by: levels and speeds.
 
     Examples
     --------
@@ -151,7 +149,16 @@ def free_of(law: FrictionLaw | type[FrictionLaw]) -> list[str]:
     (['kinetic_coefficient', 'static_coefficient'], [])
     """
     known = fields_of(law if isinstance(law, type) else type(law))
-    return [name for name in FREE if name in known]
+    return [
+        name
+        for name, quantity in known.items()
+        if quantity.scale in ("level", "force", "speed") and not _stands_on_top(known, quantity)
+    ]
+
+
+def _stands_on_top(known: Mapping[str, Quantity], quantity: Quantity) -> bool:
+    """Whether a level must not fall below one that itself stands above another."""
+    return quantity.at_least is not None and known[quantity.at_least].at_least is not None
 
 
 @dataclass(frozen=True)
@@ -281,16 +288,20 @@ def _start(block: TowedBlock, law: FrictionLaw | type[FrictionLaw]) -> FrictionL
     load = load_of(block)
     start = starting_law(law, float(load)) if isinstance(law, type) else law
     changes: dict[str, float] = {}
-    if has(start, "static_coefficient") and getattr(start, "static_coefficient", None) is None:
-        level = getattr(start, "kinetic_coefficient", 0.25)
-        changes["friction.static_coefficient"] = 1.2 * level
-    if isinstance(law, type) and has(start, "bristle_stiffness"):
-        stiffness = 30.0 * block.stiffness / load
-        changes["friction.bristle_stiffness"] = stiffness
-        if has(start, "bristle_damping"):
-            changes["friction.bristle_damping"] = math.sqrt(stiffness * block.mass / load)
-    if isinstance(law, type) and has(start, "viscous_coefficient"):
-        changes["friction.viscous_coefficient"] = 0.0
+    stiffness = 30.0 * block.stiffness / load
+    sizes = {
+        "stiffness": stiffness,
+        "damping": math.sqrt(stiffness * block.mass / load),
+        "slope": 0.0,
+    }
+    known = fields_of(type(start))
+    for name, quantity in known.items():
+        base, size = quantity.at_least, sizes.get(quantity.scale)
+        if base is not None and not _stands_on_top(known, quantity):
+            if getattr(start, name) is None:
+                changes[f"friction.{name}"] = 1.2 * getattr(start, base)
+        elif isinstance(law, type) and size is not None and quantity.allows(size):
+            changes[f"friction.{name}"] = size
     return with_values(start, "friction", changes) if changes else start
 
 

@@ -15,7 +15,7 @@ from stickslip.identification.estimation.parameters import Unknown, Unknowns
 from stickslip.identification.estimation.problem import Linearised, Problem
 from stickslip.identification.features.features import COMPARED, StickSlipFeatures, load_of
 from stickslip.mechanisms import TowedBlock
-from stickslip.quantities import fields_of, full_path, parameters
+from stickslip.quantities import Quantity, full_path, parameters
 from stickslip.simulation import ensemble
 from stickslip.solver import EventDriven, Samples
 
@@ -24,7 +24,6 @@ __all__ = ["SETTLING", "FeatureProblem", "cycle_features", "unknowns_of"]
 Array: TypeAlias = NDArray[np.float64]
 Progress: TypeAlias = Callable[[int, int], object]
 
-KINETIC, STATIC = "friction.kinetic_coefficient", "friction.static_coefficient"
 SETTLING = 12
 """Observed periods after which the motion counts as a limit cycle."""
 WATCHED = 10
@@ -130,46 +129,60 @@ def unknowns_of(
     known = {path: quantity for path, quantity, _ in declared}
     values = {path: value for path, _, value in declared}
     paths = [full_path(name, known) for name in (*unknown, *free)]
-    kinetic = values.get(KINETIC, 0.0)
     items = []
     for path in paths:
-        start, low, high = _range(path, values[path], block, observed)
-        if path == KINETIC and STATIC not in paths:  # held, and nothing slides above it
-            high = min(high, values.get(STATIC, math.inf))
+        quantity = known[path]
+        above = "" if quantity.at_least is None else f"friction.{quantity.at_least}"
+        start, low, high = _range(path, quantity, values[path], block, observed)
+        holding = [
+            values[other]
+            for other, one in known.items()
+            if one.at_least is not None and f"friction.{one.at_least}" == path
+            if other not in paths
+        ]
+        if holding:  # what is held, and nothing slides above it
+            high = min(high, *holding)
             start, low = min(start, high), min(low, 0.5 * high)
-        stands = path == STATIC
-        if stands:
-            start += 0.9 * abs(observed.mean) if KINETIC in paths else kinetic
+        if above:
+            start += 0.9 * abs(observed.mean) if above in paths else values[above]
         items.append(
             Unknown(
                 path=path,
-                quantity=known[path],
+                quantity=quantity,
                 start=start,
                 low=low,
                 high=high,
                 log=True,
-                above=KINETIC if stands else "",
+                above=above,
             )
         )
-    return Unknowns(tuple(items), known={KINETIC: kinetic})
+    return Unknowns(tuple(items), known=values)
 
 
 def _range(
-    path: str, value: float, block: TowedBlock, observed: StickSlipFeatures
+    path: str, quantity: Quantity, value: float, block: TowedBlock, observed: StickSlipFeatures
 ) -> tuple[float, float, float]:
-    """Return start, least and largest value; of the static level its surplus."""
-    level = abs(observed.mean)
-    spread = max(observed.standard_deviation, 1e-3 * level)
-    if path == KINETIC:
-        return 0.9 * level, 0.3 * level, 1.5 * level
-    if path == STATIC:
+    """Return start, least and largest value; of the static level its surplus.
+
+    The spring and the speed of its end tell sizes more closely than the ranges of a law do, which
+    begin at its value.
+    """
+    size = load_of(block) if quantity.scale == "force" else 1.0
+    level = size * abs(observed.mean)
+    if quantity.at_least is not None:
+        spread = size * max(observed.standard_deviation, 1e-3 * abs(observed.mean))
         return spread, 0.01 * spread, 10.0 * spread
+    if quantity.scale in ("level", "force"):
+        return 0.9 * level, 0.3 * level, 1.5 * level
     if path == "mechanism.mass":
         return value, value / 10.0, value * 10.0
-    if path == "friction.stribeck_velocity":
+    if quantity.scale == "speed":
         return 2.0 * block.speed, 0.1 * block.speed, 50.0 * block.speed
     if value <= 0.0:
         raise InputError(f"a feature fit needs a value above 0 to start from, {path} is 0.")
+    if quantity.scale == "none" and not quantity.structural and quantity.bounds is not None:
+        low, high = quantity.bounds
+        return value, max(min(low, value), value / 1e3), max(high, value)
     return value, value / 30.0, value * 30.0
 
 
@@ -222,8 +235,3 @@ def _cycle(times: Array, force: Array) -> Array:
     whole = force[ups[0] + 1 : ups[-1] + 1]
     frequency = (len(ups) - 1) / (crossings[-1] - crossings[0])
     return np.array([frequency, float(whole.mean()), float(whole.std())])
-
-
-def has(law: FrictionLaw, name: str) -> bool:
-    """Return whether a law has a parameter of that name."""
-    return name in fields_of(type(law))

@@ -19,6 +19,7 @@ from stickslip.friction import BristleLaw
 from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.estimation.parameters import Unknown, Unknowns
 from stickslip.identification.estimation.perturbed_laws import with_arrays
+from stickslip.identification.estimation.ranges import is_level
 from stickslip.identification.force_map.bristle_integration import follow
 from stickslip.identification.force_map.data import Stretch
 from stickslip.identification.force_map.model import ForceMap
@@ -44,8 +45,7 @@ POLISHED = 7
 """Points of the grid from which a search goes downhill."""
 ROUNDS = 4
 """Steps downhill."""
-DAMPING = "s/m"
-"""Unit of what resists the motion of bristles, per load."""
+STIFF = "stiffness"
 MASS = 4
 """Column of accelerations."""
 KEPT = 3
@@ -109,7 +109,7 @@ def _best_of_each(
 
     Where a surplus goes to 0, its speed has no effect, and all of the best points may be such.
     """
-    speeds = [item.path for item in unknowns.items if item.quantity.unit == "m/s"]
+    speeds = [item.path for item in unknowns.items if item.quantity.scale == "speed"]
     order = sorted(range(len(rated)), key=lambda k: rated[k].cost)
     kept: dict[tuple[float, ...], _Rated] = {}
     for k in order:
@@ -124,7 +124,7 @@ def _has_memory(problem: ForceMap) -> bool:
 
 def _grid_points(unknowns: Unknowns, *, memory: bool) -> list[dict[str, float]]:
     """Return the points of the grid, by path of what is looked at in decades."""
-    fades = any(item.quantity.unit == "m/s" for item in unknowns.items)
+    fades = any(item.quantity.scale == "speed" for item in unknowns.items)
     axes = {
         item.path: FADINGS if fades and item.quantity.structural else _axis(item)
         for item in unknowns.items
@@ -139,7 +139,7 @@ def _axis(item: Unknown) -> Sequence[float]:
         return [item.start * factor for factor in SURPLUSES]
     if item.quantity.structural:
         return EXPONENTS
-    if item.quantity.unit == "m/s":
+    if item.quantity.scale == "speed":
         return [item.high / 10.0 * share for share in SPEEDS]
     inside = [item.start * factor for factor in STIFFNESSES]
     return [value for value in inside if item.low <= value <= item.high]
@@ -186,7 +186,7 @@ def _rated_with_memory(coarse: ForceMap, points: Sequence[dict[str, float]]) -> 
     base = vary(coarse.law, "friction", {p: float(values[0, k]) for k, p in paths})
     assert isinstance(base, BristleLaw)
     columns = {p: values[:, k] for k, p in paths}
-    damping = [item.path for item in unknowns.items if item.quantity.unit == DAMPING]
+    damping = [item.path for item in unknowns.items if item.quantity.scale == "damping"]
     law = with_arrays(base, columns)
     bare = with_arrays(base, columns | {path: 0.0 * columns[path] for path in damping})
     with np.errstate(all="ignore"):  # points that fail far out are rated infinite
@@ -241,19 +241,19 @@ def _scaled(coarse: ForceMap, values: Array, table: Array, measured: Array) -> _
     residual = measured - table @ [factor, damping, *found[2:]]
     new, undamped = values.copy(), None
     for k, item in enumerate(coarse.unknowns.items):
-        if item.quantity.unit in ("1", "1/m") and not item.quantity.structural:
+        if is_level(item.quantity):
             new[k] = factor * values[k]
-        elif item.quantity.unit == DAMPING:
+        elif item.quantity.scale == "damping":
             new[k] = damping * values[k]
             undamped = k if damping == 0.0 else undamped
-        elif item.quantity.unit == "N s/m":
+        elif item.quantity.scale == "slope":
             new[k] = max(factor * values[k] + float(found[3]), 0.0)
         elif k == constant:
             new[k] = float(found[2])
         elif item.path == coarse.inertia and table.shape[1] > MASS:
             new[k] = coarse.mass + float(found[MASS])
     stiffness = next(
-        (v for v, i in zip(new, coarse.unknowns.items, strict=True) if i.quantity.unit == "1/m"),
+        (v for v, i in zip(new, coarse.unknowns.items, strict=True) if i.quantity.scale == STIFF),
         0.0,
     )
     if undamped is not None and stiffness > 0.0 and coarse.mass > 0.0:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.estimation.ranges import Sizes, is_level, with_ranges
 from stickslip.identification.force_map.data import Stretch
 from stickslip.identification.validation import LAW
 from stickslip.quantities import Quantity, fields_of, full_path, parameters
@@ -30,7 +31,13 @@ HUBER = 1.345
 MOST_VISCOUS = 0.5
 """Share of friction at the largest speed that starts as viscous at most."""
 WIDE = 100.0
-"""How far bounds lie from the size that the data suggest."""
+"""How far bounds lie at least from the size that the data suggest."""
+FARTHER = 10.0
+"""How much farther up a parameter that spans decades is looked for than in records in time."""
+SOFTER = 0.01
+"""How much farther down a stiffness is: reversals more often suggest too high a one."""
+WHOLE = (0.02, 10.0)
+"""Exponents that are looked at, if allowed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,6 +73,41 @@ class Rough:
     """Whether there is slip in both directions."""
     sides: tuple["Rough", ...] = ()
     """The same of backward and of forward slip alone."""
+
+    @property
+    def sizes(self) -> Sizes:
+        """The sizes that the ranges of a law's parameters are multiples of."""
+        back, ahead = self.sides or (self, self)
+        level = max(self.force / self.load, 1e-12)
+        slope = self.force / self.speed
+        typical = {
+            "level": self.level,
+            "level+": ahead.level,
+            "level-": back.level,
+            "load": self.load,
+            "force": self.level * self.load,
+            "slope": self._slope,
+            "slope+": ahead._slope,
+            "slope-": back._slope,
+            "drag": 0.1 * slope / self.speed,
+            "speed": self.speed,
+            "displacement": self.level / self.stiffness,
+            "stiffness": self.stiffness,
+            "damping": 0.01 * self.level / self.speed,
+        }
+        reach = typical | {
+            **dict.fromkeys(("level", "level+", "level-"), level),
+            "force": self.force,
+            **dict.fromkeys(("slope", "slope+", "slope-"), slope),
+            "drag": slope / self.speed,
+            "displacement": level / self.stiffness,
+            "damping": 0.1 * level / self.speed,
+        }
+        return Sizes(typical=typical, reach=reach)
+
+    @property
+    def _slope(self) -> float:
+        return max(self.viscous, 1e-3 * self.force / self.speed)
 
     @classmethod
     def of(cls, stretches: Sequence[Stretch], *, offset: float | None = None) -> "Rough":
@@ -108,10 +150,10 @@ class Rough:
             if declared.name in known:
                 values[declared.name] = float(known[declared.name])
                 continue
-            if quantity.structural and not isinstance(declared.default, (int, float)):
-                values[declared.name] = 1.0
-            elif not quantity.structural and declared.name in _wanted(kind):
-                value = self._side(declared.name)._value(quantity)
+            needed = not isinstance(declared.default, (int, float))
+            if needed if quantity.structural else declared.name in _wanted(kind):
+                value = self.sizes.of(with_ranges(kind, declared.name)).start
+                value = min(max(value, quantity.low), quantity.high)
                 if quantity.at_least is not None and quantity.at_least in values:
                     value = values[quantity.at_least] * (1.0 + SURPLUS)
                 values[declared.name] = value
@@ -121,7 +163,7 @@ class Rough:
         """Return the parameters at some paths, and a constant force, to be looked for."""
         known = _values(law)
         items = [
-            self._unknown(path, quantity, value, known)
+            self._unknown(law, path, quantity, value, known)
             for path, (quantity, value) in known.items()
             if path in paths
         ]
@@ -138,61 +180,44 @@ class Rough:
             )
         return Unknowns(tuple(items), {path: value for path, (_, value) in known.items()})
 
-    def _side(self, name: str) -> "Rough":
-        """Return what holds for a parameter by its name: that of one direction, or of both."""
-        if not self.sides or not name.startswith(("forward", "backward")):
-            return self
-        return self.sides[1] if name.startswith("forward") else self.sides[0]
-
-    def _value(self, quantity: Quantity) -> float:
-        """Return a start value, by unit."""
-        sizes = {
-            "1": self.level,
-            "N": self.level * self.load,
-            "N s/m": max(self.viscous, 1e-3 * self.force / self.speed),
-            "N s^2/m^2": 1e-2 * self.force / self.speed**2,
-            "m/s": 0.1 * self.speed,
-            "1/m": self.stiffness,
-            "s/m": 0.01 * self.level / self.speed,
-        }
-        value = sizes.get(quantity.unit, 1.0)
-        return min(max(value, quantity.low), quantity.high)
-
     def _unknown(
         self,
+        law: FrictionLaw,
         path: str,
         quantity: Quantity,
         value: float,
-        known: dict[str, tuple[Quantity, float]],
+        known: Mapping[str, tuple[Quantity, float]],
     ) -> Unknown:
-        sizes = {
-            "1": max(self.force / self.load, 1e-12),
-            "N": self.force,
-            "N s/m": self.force / self.speed,
-            "N s^2/m^2": self.force / self.speed**2,
-            "s/m": self.force / self.load / self.speed,
-        }
-        low = quantity.low if quantity.above is None else quantity.above
-        if quantity.structural:
-            low, high = max(0.02, quantity.low), min(10.0, quantity.high)
-            return Unknown(path=path, quantity=quantity, start=value, low=low, high=high, log=True)
-        if quantity.unit in ("m/s", "1/m") and low >= 0.0:
-            size = self.speed if quantity.unit == "m/s" else max(self.stiffness, value)
-            wide = 1e3 if quantity.unit == "m/s" else 1e4
-            limits = (min(size, value) / wide, max(size, value) * (10.0 if wide < 1e4 else wide))
-            return Unknown(
-                path=path, quantity=quantity, start=value, low=limits[0], high=limits[1], log=True
-            )
-        high = WIDE * max(sizes.get(quantity.unit, np.inf), abs(value))
-        if quantity.above is not None:
-            low += 1e-9 * sizes.get(quantity.unit, 1.0)
+        ranged = quantity if quantity.scale else with_ranges(law, path.rpartition(".")[2])
+        assert ranged.bounds is not None
+        (least, most), reach = ranged.bounds, ranged.scaled_by(self.sizes.reach)
+        limit = quantity.low if quantity.above is None else quantity.above
         base = f"{path.rpartition('.')[0]}.{quantity.at_least}" if quantity.at_least else ""
-        if base and base in known:
+        above = base if base in known else ""
+        log = ranged.structural or (ranged.above is not None and least > 0.0)
+        if quantity.structural:
+            low, high = min(least, WHOLE[0]), max(most, WHOLE[1])
+        elif ranged.scale == "none":
+            low, high = min(least, value), max(most, value)
+        elif log:
+            size = value if is_level(quantity) else min(reach, value)
+            low = least * size * (SOFTER if is_level(quantity) else 1.0)
+            high = FARTHER * most * max(reach, value)
+        else:
+            size = max(reach, abs(value))
+            low = limit + (0.0 if quantity.above is None else 1e-9 * reach)
+            low, high = max(low, -WIDE * size), max(most * reach, WIDE * size)
+        if above:
             return Unknown(
-                path=path, quantity=quantity, start=value, low=0.0, high=high, above=base
+                path=path, quantity=quantity, start=value, low=0.0, high=high, above=above
             )
         return Unknown(
-            path=path, quantity=quantity, start=value, low=low, high=min(high, quantity.high)
+            path=path,
+            quantity=quantity,
+            start=value,
+            low=max(low, quantity.low),
+            high=min(high, quantity.high),
+            log=log,
         )
 
 

@@ -207,7 +207,8 @@ def simulated(wanted: Wanted) -> Prepared[Shooting]:
 def _acts_at_rest_alone(law: type[FrictionLaw]) -> bool:
     """Whether a law has a level at rest that no sliding tells of."""
     known = fields_of(law)
-    return "static_coefficient" in law.fit_order and "stribeck_velocity" not in known
+    above = any(known[name].at_least for name in law.fit_order)
+    return above and not any(quantity.scale == "speed" for quantity in known.values())
 
 
 def _by_inverse_dynamics(wanted: Wanted, unknowns: Unknowns) -> Array | None:

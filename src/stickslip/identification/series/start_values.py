@@ -10,8 +10,9 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import number
-from stickslip.friction import FrictionLaw
+from stickslip.friction import DirectionalLaw, FrictionLaw
 from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.estimation.ranges import Sizes, with_ranges
 from stickslip.identification.series.applied_force import driven
 from stickslip.identification.series.inertia import REVERSED
 from stickslip.identification.series.inverse_dynamics import (
@@ -28,10 +29,8 @@ __all__ = ["Scales", "law_unknowns", "mechanism_unknowns", "scales_of"]
 
 NUISANCE = {"offset"}
 """Parameters of a mechanism that are looked for whatever the law: sensors and cables have them."""
-FINEST, WIDEST = 1e-3, 1.0
-"""Bounds of velocities that shape a law, over the largest speed."""
-SHORTEST, LONGEST = 1e-6, 0.1
-"""Bounds of the length over which bristles give way, over the stroke."""
+PRESLIDING = 1e-3
+"""Length over which bristles give way, over the stroke."""
 ONE_WAY = 0.01
 """Share of samples that must go each way for a record to be two-sided."""
 REACH = 100.0
@@ -39,11 +38,9 @@ REACH = 100.0
 CREDIBLE = 1.0 / REACH
 """Share of the force from which a regressed level is one to start from: bounds go beyond the force.
 Below it, such as below 0, regression has mistaken the level for mass or slope."""
-GUESSED = ("kinetic_coefficient", "viscous_coefficient", "quadratic_coefficient")
-"""Ends of names of parameters whose upper bound follows from the regression alone. Bounds of others
-follow from what the record covers: the speeds, the stroke, the level."""
-FADING = (1.5, 0.3, 5.0)
-"""Start value and bounds of the exponent by which a static surplus fades: 1 Tustin, 2 Gaussian."""
+GUESSED = frozenset({"level", "level+", "level-", "force", "slope", "slope+", "slope-", "drag"})
+"""Scales whose upper bound follows from the regression alone. Bounds of others follow from what the
+record covers: the speeds, the stroke, the level."""
 SEEN = 1e-3
 """Share of the force that the inertia must take for its regression to say anything."""
 
@@ -172,7 +169,7 @@ def law_unknowns(
     Raises
     ------
     InputError
-        If a type of law has a parameter for which nothing is known to begin with.
+        If a parameter has no range and no value is given.
     """
     kind = law if isinstance(law, type) else type(law)
     known = known or {}
@@ -183,8 +180,9 @@ def law_unknowns(
         wanted |= {full_path(n, known_paths).partition(".")[2] for n in free if n != LAW}
         names = [name for name in (*kind.fit_order, *fields_of(kind)) if name in wanted]
         names = list(dict.fromkeys(names))
-    ranges = {name: _range(kind, name, scales) for name in names}
-    values = {name: start for name, (start, _, _) in ranges.items()}
+    sizes = _sizes(scales)
+    ranges = {name: sizes.of(with_ranges(law, name)) for name in names}
+    values = {name: one.start for name, one in ranges.items()}
     if not isinstance(law, type):
         values |= {n: v for n in names if (v := getattr(law, n)) is not None}
     else:
@@ -192,11 +190,13 @@ def law_unknowns(
     start = _made(kind, law, values)
     unknowns = []
     for name in names:
-        quantity, (_, low, high) = fields_of(kind)[name], ranges[name]
+        quantity, low, high = fields_of(kind)[name], ranges[name].low, ranges[name].high
         above = quantity.at_least or ""
         if above and getattr(start, above, None) is None:
             above = ""
         log = quantity.above is not None
+        if log and low <= 0.0:
+            low = 1e-6 * max(ranges[name].start, 1e-300)
         surplus = getattr(start, above) if above else 0.0
         unknowns.append(
             Unknown(
@@ -207,7 +207,7 @@ def law_unknowns(
                 high=max(high, 2.0 * values[name]),
                 log=log,
                 above=f"friction.{above}" if above else "",
-                guessed=name.endswith(GUESSED) and not above,
+                guessed=quantity.scale in GUESSED and not above,
             )
         )
     further = _further(kind, scales) if isinstance(law, type) else ()
@@ -237,58 +237,50 @@ def _made(
     return made
 
 
-def _range(kind: type[FrictionLaw], name: str, s: Scales) -> tuple[float, float, float]:
-    """Return start value and bounds of a parameter of a law."""
+def _sizes(s: Scales) -> Sizes:
+    """Return the sizes that the ranges of a law's parameters are multiples of."""
     level, slope = s.level / s.load, max(s.slope, 1e-3 * s.level / s.speed)
-    most = REACH * level
-    mu_ahead, mu_back = (value / s.load for value in s.levels)
-    steepest = REACH * slope + 10.0 * s.level / s.speed
-    known = {
-        "kinetic_coefficient": (level, 0.0, most),
-        "static_coefficient": (1.1 * level, 0.0, 10.0 * level),
-        "forward_kinetic_coefficient": (mu_ahead, 0.0, most),
-        "backward_kinetic_coefficient": (mu_back, 0.0, most),
-        "viscous_coefficient": (slope, 0.0, steepest),
-        "forward_viscous_coefficient": (s.slopes[0], 0.0, steepest),
-        "backward_viscous_coefficient": (s.slopes[1], 0.0, steepest),
-        "quadratic_coefficient": (0.1 * slope / s.speed, 0.0, steepest / s.speed),
-        "stribeck_velocity": (0.1 * s.speed, FINEST * s.speed, WIDEST * s.speed),
-        "bristle_stiffness": (
-            level / (1e-3 * s.stroke),
-            level / (LONGEST * s.stroke),
-            level / (SHORTEST * s.stroke),
-        ),
-        "bristle_damping": (
-            2.0 * (s.level / s.load / (1e-3 * s.stroke) * s.inertia / s.load) ** 0.5,
-            1e-3 * level / s.speed,
-            1e3 * level / s.speed,
-        ),
-        "exponent": FADING if "stribeck_velocity" in fields_of(kind) else (0.8, 0.2, 3.0),
-        "viscous_exponent": (0.6, 0.2, 1.5),
+    steepest = slope + 0.1 * s.level / s.speed
+    displacement = PRESLIDING * s.stroke
+    stiffness = level / displacement
+    typical = {
+        "level": level,
+        "level+": s.levels[0] / s.load,
+        "level-": s.levels[1] / s.load,
+        "load": s.load,
+        "force": s.level,
+        "slope": slope,
+        "slope+": s.slopes[0],
+        "slope-": s.slopes[1],
+        "drag": slope / s.speed,
+        "speed": s.speed,
+        "displacement": displacement,
+        "stiffness": stiffness,
+        "damping": 2.0 * (stiffness * s.inertia / s.load) ** 0.5,  # critical
     }
-    if name not in known:
-        symbol = fields_of(kind)[name].symbol
-        raise InputError(
-            f"nothing is known to begin {kind.__name__}.{name} ({symbol}) with: give an instance of"
-            f" {kind.__name__}, whose values are the start."
-        )
-    start, low, high = known[name]
-    quantity = fields_of(kind)[name]
-    if quantity.above is not None and low <= 0.0:
-        low = 1e-6 * max(start, 1e-300)
-    return start, low, high
+    reach = typical | {
+        **dict.fromkeys(("level+", "level-"), level),
+        **dict.fromkeys(("slope", "slope+", "slope-"), steepest),
+        "drag": steepest / s.speed,
+        "damping": level / s.speed,
+    }
+    return Sizes(typical=typical, reach=reach)
 
 
 def _further(kind: type[FrictionLaw], s: Scales) -> tuple[Mapping[str, float], ...]:
     """Return starts that differ in what no linear regression finds."""
-    fields = fields_of(kind)
     found: list[Mapping[str, float]] = []
     for velocity, length in ((0.03, 1e-4), (0.3, 1e-2)):
-        values = {}
-        if "stribeck_velocity" in fields:
-            values["friction.stribeck_velocity"] = velocity * s.speed
-        if "bristle_stiffness" in fields:
-            values["friction.bristle_stiffness"] = s.level / s.load / (length * s.stroke)
+        sizes = {
+            "speed": velocity * s.speed,
+            "stiffness": s.level / s.load / (length * s.stroke),
+            "displacement": length * s.stroke,
+        }
+        values = {
+            f"friction.{name}": sizes[quantity.scale]
+            for name, quantity in fields_of(kind).items()
+            if quantity.scale in sizes
+        }
         if values:
             found.append(values)
     return tuple(found)
@@ -311,7 +303,7 @@ def mechanism_unknowns(
         path: (quantity, value) for path, quantity, value in parameters(mechanism, "mechanism")
     }
     paths = [full_path(name, list(known)) for name in unknown]
-    if scales.two_sided and "forward_kinetic_coefficient" not in fields_of(type(law)):
+    if scales.two_sided and not isinstance(law, DirectionalLaw):
         paths += [f"mechanism.{n}" for n in NUISANCE if f"mechanism.{n}" in known]
     found = []
     for path in dict.fromkeys(path for path in paths if path not in held):

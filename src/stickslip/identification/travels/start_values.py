@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.identification.estimation.ranges import Sizes, with_ranges
 from stickslip.identification.travels.model import TravelModel, Trial
 from stickslip.identification.travels.single_travel import room_for
 from stickslip.quantities import fields_of, vary
@@ -29,19 +30,22 @@ Start: TypeAlias = Sequence[float]
 """Values of the free parameters where a search begins."""
 Array: TypeAlias = NDArray[np.float64]
 
-START = {
-    "kinetic_coefficient": 0.25,
-    "forward_kinetic_coefficient": 0.25,
-    "backward_kinetic_coefficient": 0.25,
-    "static_coefficient": 0.35,
-    "viscous_coefficient": 0.5,
-    "stribeck_velocity": 0.05,
-    "bristle_stiffness": 1e3,
-    "bristle_damping": 10.0,
+ORDINARY = {
+    "level": 0.25,
+    "level+": 0.25,
+    "level-": 0.25,
+    "slope": 0.5 / 9.81,
+    "slope+": 0.5 / 9.81,
+    "slope-": 0.5 / 9.81,
+    "drag": 1.0 / 9.81,
+    "speed": 0.5,
+    "displacement": 0.25e-3,
+    "stiffness": 1e3,
+    "damping": 10.0,
 }
-"""Dry metal on metal, per unit load; bristles give way by a quarter of a millimetre."""
-
-
+"""Dry metal on metal; slopes and drag are over the load. Bristles give way by 0.25 mm."""
+SURPLUS_AT_REST = 0.4
+"""What a level has over that which it does not fall below, over the latter."""
 LEVELS = (0.04, 12.0)
 """Least and largest friction level that is scanned, over its start value: from a ball bearing to
 rubber."""
@@ -85,7 +89,8 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     first, *others = model.free
     names = {path: path.rpartition(".")[2] for path in model.free}
     centre = {path: float(getattr(model.law, name) or 0.1) for path, name in names.items()}
-    span = SLOPES if names[first] == "viscous_coefficient" else LEVELS
+    quantities = {path: fields_of(type(model.law))[name] for path, name in names.items()}
+    span = SLOPES if quantities[first].scale == "slope" else LEVELS
     ends = span[0] * centre[first], span[1] * centre[first]
     low, high = room_for(model.law, names[first], model.free)
     levels = np.unique(np.clip(np.geomspace(*ends, COUNTS[span]), max(low, ends[0]), high))
@@ -95,7 +100,7 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     costs = _costs(table, trials)
     best = rows[int(np.argmin(costs))]
     centre |= {
-        p: doubling_slope(model, trials, best) for p in others if names[p] == "viscous_coefficient"
+        p: doubling_slope(model, trials, best) for p in others if quantities[p].scale == "slope"
     }
     scanned = len(others) <= 1 and span is LEVELS and not isinstance(model.law, BristleLaw)
     if scanned and _branched(table):
@@ -114,9 +119,10 @@ def _spread(trials: Sequence[Trial]) -> list[Trial]:
 
 
 def _least(model: TravelModel, path: str, centre: float) -> float:
-    """Return the value at which a parameter does least: 0 where that is allowed, else its start."""
+    """Return the value at which a parameter does least: 0 where that is sure, else its start."""
     quantity = fields_of(type(model.law))[path.rpartition(".")[2]]
-    return centre if quantity.above is not None or quantity.at_least is not None else 0.0
+    kept = quantity.above is not None or quantity.at_least is not None or quantity.scale == "none"
+    return centre if kept else 0.0
 
 
 def doubling_slope(model: TravelModel, trials: Sequence[Trial], values: Start) -> float:
@@ -145,10 +151,12 @@ def _beside(
         axes = []
         for path in model.free[1:]:
             name = path.rpartition(".")[2]
-            if name == "viscous_coefficient":
+            if quantities[name].scale == "slope":
                 axes.append([(1.0 - share) * centre[path]])
             elif quantities[name].at_least is not None:
                 axes.append([share * level * (1.0 + extra) for extra in (0.15, 0.5)])
+            elif quantities[name].scale == "none" and not quantities[name].structural:
+                axes.append(np.linspace(*quantities[name].bounds or (0.0, 1.0), 5).tolist())
             else:
                 axes.append([factor * centre[path] for factor in DECADES])
         found += [(share, list(rest)) for rest in itertools.product(*axes)]
@@ -242,17 +250,27 @@ def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
     load : float
         Normal force [N]; start values that are not per unit load scale with it.
 
+    Raises
+    ------
+    InputError
+        If a parameter that the law needs has no range.
+
     Examples
     --------
     >>> from stickslip import Coulomb
     >>> starting_law(Coulomb)
     Coulomb(kinetic_coefficient=0.25, static_coefficient=None)
     """
+    per_load = ("slope", "slope+", "slope-", "drag")
+    typical = ORDINARY | {name: ORDINARY[name] * load for name in per_load}
+    typical |= {"load": load, "force": ORDINARY["level"] * load}
+    sizes = Sizes(typical=typical, reach=typical)
     values: dict[str, Any] = {}
-    for name in fields_of(law):
-        required = law.__dataclass_fields__[name].default
-        if name in START and not isinstance(required, (float, int)) and required is not None:
-            values[name] = START[name] * (load / 9.81 if name == "viscous_coefficient" else 1.0)
+    for name in required_of(law):
+        quantity = with_ranges(law, name)
+        values[name] = sizes.of(quantity).start
+        if quantity.at_least in values:
+            values[name] = values[quantity.at_least] * (1.0 + SURPLUS_AT_REST)
     return law(**values)
 
 

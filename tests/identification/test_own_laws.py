@@ -1,0 +1,188 @@
+"""Laws of a user's own, whose parameter names the package has never heard of, on every route."""
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import numpy as np
+import pytest
+
+from stickslip import (
+    Axis,
+    Coulomb,
+    CoulombViscous,
+    Measurement,
+    Sampled,
+    SetValuedLaw,
+    SpringBlock,
+    TowedBlock,
+    fit,
+    select,
+    simulate,
+)
+from stickslip.errors import InputError
+from stickslip.identification import starting_law
+from stickslip.maths import exp
+from stickslip.quantities import Quantity, fields_of
+
+RATE = 200.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Weakening(SetValuedLaw):
+    """Friction that falls by a share of its level around a speed."""
+
+    name: ClassVar[str] = "weakening"
+    title: ClassVar[str] = "Weakening"
+    formula: ClassVar[str] = r"F = c N [1 - s (1 - e^{-v/v_0})]"
+    sources: ClassVar[tuple[str, ...]] = ()
+    fit_order: ClassVar[tuple[str, ...]] = ("grip", "fall", "knee_speed")
+
+    grip: Annotated[float, Quantity("c", low=0, scale="level", bounds=(0.0, 50.0), start=1.0)]
+    fall: Annotated[
+        float, Quantity("s", low=0, high=0.95, scale="none", bounds=(0.0, 0.95), start=0.2)
+    ]
+    knee_speed: Annotated[
+        float, Quantity("v_0", "m/s", above=0, scale="speed", bounds=(1e-3, 3.0), start=0.2)
+    ]
+
+    def sliding(self, speed, load):
+        return self.grip * load * (1.0 - self.fall * (1.0 - exp(-speed / self.knee_speed)))
+
+    def break_away(self, load):
+        return self.grip * load
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unranged(Weakening):
+    """The same, but nothing says where its knee is to be looked for."""
+
+    name: ClassVar[str] = "unranged"
+    knee_speed: Annotated[float, Quantity("v_0", "m/s", above=0)]
+
+
+TRUTH = Weakening(grip=4.0, fall=0.5, knee_speed=0.15)
+PATHS = tuple(f"friction.{name}" for name in fields_of(Weakening))
+
+
+def noisy(values, size, seed=7):
+    return values + size * np.random.default_rng(seed).normal(size=len(values))
+
+
+@pytest.fixture(scope="module")
+def driven():
+    """A record of an axis whose force is held between samples, with white noise of position."""
+    t = np.arange(0.0, 8.0, 1.0 / RATE)
+    force = 9.0 * np.sin(2.0 * math.pi * 0.5 * t) + 5.0 * np.sin(2.0 * math.pi * 1.3 * t)
+    axis = Axis(inertia=4.0, drive=Sampled(times=t.tolist(), values=force.tolist()))
+    run = simulate(axis, TRUTH, t_end=float(t[-1]))
+    return Measurement(time=t, position=noisy(run.at(t)["x"], 1e-6), force=force)
+
+
+@pytest.fixture(scope="module")
+def table():
+    """Friction against velocity, with noise."""
+    v = np.linspace(-0.8, 0.8, 801)
+    return Measurement(velocity=v, friction=noisy(TRUTH.force(v, 1.0), 0.05))
+
+
+def contains(found, path, true, widen=1.0):
+    """Whether an interval, widened about its value, holds the truth, and tells something."""
+    (one,) = (e for e in found.estimates if e.path == path)
+    assert one.low < one.high
+    assert one.high - one.low < true
+    return (
+        one.value - widen * (one.value - one.low)
+        <= true
+        <= (one.value + widen * (one.high - one.value))
+    )
+
+
+# Of three intervals of 95 % one misses in one test of seven: they are held at one and a half times
+# their width, which three standard errors are.
+WIDEN = 1.5
+
+
+@pytest.mark.parametrize("route", ["shooting", "inverse-dynamics"])
+@pytest.mark.parametrize("law", [Weakening, Unranged(grip=3.0, fall=0.3, knee_speed=0.3)])
+def test_a_driven_record_gives_a_law_of_ones_own_back(driven, route, law):
+    found = fit(Axis(inertia=4.0), law, driven, route=route)
+    assert type(found.law) is (law if isinstance(law, type) else type(law))
+    for path in PATHS:
+        assert contains(found, path, getattr(TRUTH, path.partition(".")[2]), WIDEN), found
+
+
+def test_a_force_map_gives_a_law_of_ones_own_back(table):
+    found = fit(Axis(inertia=1.0), Weakening, table)
+    for path in PATHS:
+        assert contains(found, path, getattr(TRUTH, path.partition(".")[2]), WIDEN), found
+
+
+def test_several_travels_give_a_law_of_ones_own_back():
+    truth = Weakening(grip=0.3, fall=0.4, knee_speed=0.2)
+    rig = SpringBlock(mass=1.0, stiffness=100.0)
+    trials = []
+    for compression in (0.05, 0.08, 0.1, 0.13, 0.16, 0.2):
+        run = simulate(
+            SpringBlock(mass=1.0, stiffness=100.0, compression=compression), truth, t_end=10.0
+        )
+        changes = {"mechanism.compression": compression}
+        travel = float(run["x"][-1] - run["x"][0])
+        trials.append(Measurement(travel=travel, uncertainty=1e-4, overrides=changes))
+    vary, fixed = ["grip", "fall"], {"knee_speed": 0.2}
+    found = fit(rig, Weakening, Measurement(trials=tuple(trials)), vary=vary, fixed=fixed)
+    for name in vary:
+        assert contains(found, f"friction.{name}", getattr(truth, name), WIDEN), found
+        # travels are exact here: what is left is where the search ends
+        assert getattr(found.law, name) == pytest.approx(getattr(truth, name), rel=0.02)
+
+
+def test_select_takes_a_law_of_ones_own_beside_those_of_the_package(table, driven):
+    for rig, record in ((Axis(inertia=1.0), table), (Axis(inertia=4.0), driven)):
+        verdict = select(rig, [Coulomb, CoulombViscous, Weakening], record)
+        assert verdict.best is not None
+        assert verdict.best.name == "weakening"
+
+
+def test_features_of_a_law_of_ones_own_are_levels_and_speeds():
+    block = TowedBlock(mass=0.03, stiffness=1000.0, speed=4e-3)
+    truth = Weakening(grip=0.32, fall=0.2, knee_speed=0.02)
+    t = np.linspace(0.5, 4.5, 8001)
+    run = simulate(block, truth, t_end=4.5).at(t)
+    record = Measurement(time=t, spring_force=1000.0 * (4e-3 * t - run["x"]))
+    found = fit(block, Weakening, record, vary=["grip", "fall"], fixed={"knee_speed": 0.02})
+    assert found.law.grip == pytest.approx(0.32, rel=0.03)
+    assert found.law.fall == pytest.approx(0.2, rel=0.1)
+
+
+def test_a_parameter_without_a_range_says_which_quantity_to_complete_and_how(table, driven):
+    said = (
+        r"^Unranged\.knee_speed \(v_0\) has no range to be looked for in: complete its Quantity,"
+        r' such as Quantity\("v_0", "m/s", above=0, scale="speed", bounds=\(1e-3, 1\.0\),'
+        r" start=0\.1\)"
+    )
+    for rig, record in ((Axis(inertia=1.0), table), (Axis(inertia=4.0), driven)):
+        with pytest.raises(InputError, match=said):
+            fit(rig, Unranged, record)
+    with pytest.raises(InputError, match=said):
+        starting_law(Unranged)
+    found = fit(Axis(inertia=1.0), Unranged, table, vary=["grip", "fall"],
+                fixed={"knee_speed": 0.15})  # fmt: skip
+    assert contains(found, "friction.grip", 4.0, WIDEN)
+
+
+def test_bounds_hold_where_a_law_declares_values(table):
+    """A pure number is not looked for outside its bounds, and the fit says that it met one."""
+    narrow = Quantity("s", low=0, high=0.95, scale="none", bounds=(0.0, 0.3), start=0.2)
+    kind = dataclasses.make_dataclass(
+        "Narrow",
+        [("fall", Annotated[float, narrow])],
+        bases=(Weakening,),
+        frozen=True,
+        kw_only=True,
+        namespace={"name": "narrow"},
+    )
+    found = fit(Axis(inertia=1.0), kind, table)
+    assert found.law.fall == pytest.approx(0.3, rel=1e-6)
+    assert found.at_bounds["friction.fall"] == "upper"

@@ -1,0 +1,142 @@
+"""Start values and bounds of the laws of the package, of sizes that a measurement told."""
+
+import pytest
+
+from stickslip.errors import ParameterError
+from stickslip.friction.registry import LAWS
+from stickslip.identification import starting_law
+from stickslip.identification.force_map.start_values import Rough
+from stickslip.identification.series.start_values import Scales, law_unknowns
+from stickslip.quantities import Quantity, fields_of
+
+SCALES = Scales(
+    load=2.0, level=4.0, levels=(3.0, 5.0), slope=0.5, slopes=(0.4, 0.6), offset=0.1, inertia=8.0,
+    speed=0.5, stroke=0.25,
+)  # fmt: skip
+SEEN = {
+    "offset": 0.0, "force": 4.4, "load": 2.0, "speed": 0.5, "two_sided": True, "stiffness": 1e4,
+}  # fmt: skip
+ROUGH = Rough(
+    level=2.0,
+    viscous=0.5,
+    sides=(Rough(level=2.5, viscous=0.6, **SEEN), Rough(level=1.5, viscous=0.4, **SEEN)),
+    **SEEN,
+)
+# Start and bounds of simulated segments by hand: the level is 4 N / 2 N, its bounds 0 and 100 times
+# it; steepest 100 * 0.5 + 10 * 4 / 0.5 N s/m; bristles give way by a thousandth of the stroke, from
+# a millionth to a tenth; their damping is critical, 2 sqrt(8000 / m * 8 kg / 2 N), and its bounds
+# 1e-3 and 1e3 times 2 / (0.5 m/s). Below are those of force maps: friction reaches 4.4 N / 2 N.
+SHOOTING = {
+    "kinetic_coefficient": (2.0, 0.0, 200.0),
+    "static_coefficient": (2.2, 0.0, 20.0),
+    "forward_kinetic_coefficient": (1.5, 0.0, 200.0),
+    "backward_kinetic_coefficient": (2.5, 0.0, 200.0),
+    "viscous_coefficient": (0.5, 0.0, 130.0),
+    "forward_viscous_coefficient": (0.4, 0.0, 130.0),
+    "backward_viscous_coefficient": (0.6, 0.0, 130.0),
+    "quadratic_coefficient": (0.1, 0.0, 260.0),
+    "stribeck_velocity": (0.05, 5e-4, 0.5),
+    "bristle_stiffness": (8e3, 80.0, 8e6),
+    "bristle_damping": (2.0 * 32000.0**0.5, 4e-3, 4e3),
+    "exponent": (1.5, 0.3, 5.0),
+    "viscous_exponent": (0.6, 0.2, 1.5),
+}
+SHARP = (0.8, 0.2, 3.0)
+"""Those of an exponent that is no fading of a static surplus."""
+MAPPED = {
+    "kinetic_coefficient": (2.0, 0.0, 220.0),
+    "static_coefficient": (2.4, 0.0, 240.0),
+    "forward_kinetic_coefficient": (1.5, 0.0, 220.0),
+    "backward_kinetic_coefficient": (2.5, 0.0, 250.0),
+    "viscous_coefficient": (0.5, 0.0, 880.0),
+    "forward_viscous_coefficient": (0.4, 0.0, 880.0),
+    "backward_viscous_coefficient": (0.6, 0.0, 880.0),
+    "quadratic_coefficient": (0.176, 0.0, 1760.0),
+    "stribeck_velocity": (0.05, 5e-5, 5.0),
+    "bristle_stiffness": (1e4, 1.0, 1e8),
+    "bristle_damping": (0.04, 0.0, 440.0),
+    "exponent": (None, 0.02, 10.0),
+    "viscous_exponent": (1.0, 0.2, 1.5),
+}
+TRAVELS = {
+    "kinetic_coefficient": 0.25,
+    "forward_kinetic_coefficient": 0.25,
+    "backward_kinetic_coefficient": 0.25,
+    "static_coefficient": 0.35,
+    "viscous_coefficient": 0.5,
+    "stribeck_velocity": 0.05,
+    "bristle_stiffness": 1e3,
+    "bristle_damping": 10.0,
+}
+
+
+@pytest.mark.parametrize("kind", LAWS.values(), ids=LAWS)
+def test_simulated_segments_look_where_they_did(kind):
+    names = [name for name in fields_of(kind) if name != "break_away_coefficient"]
+    _, items, _ = law_unknowns(kind, SCALES, names)
+    assert {item.path.partition(".")[2] for item in items} == set(names)
+    for item in items:
+        name = item.path.partition(".")[2]
+        sharp = name == "exponent" and "stribeck_velocity" not in names
+        start, low, high = SHARP if sharp else SHOOTING[name]
+        if item.quantity.above is not None and low == 0.0:
+            low = 1e-6 * start
+        assert (item.start, item.low, item.high) == pytest.approx((start, low, high), rel=1e-12)
+        assert item.log is (item.quantity.above is not None)
+        assert item.guessed is (name.endswith(("kinetic_coefficient", "viscous_coefficient"))
+                                or name == "quadratic_coefficient")  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", LAWS.values(), ids=LAWS)
+def test_force_maps_look_where_they_did(kind):
+    law = ROUGH.law(kind, {})
+    items = ROUGH.unknowns(law, [f"friction.{name}" for name in fields_of(kind)], None).items
+    assert items
+    for item in items:
+        name = item.path.partition(".")[2]
+        start, low, high = MAPPED[name]
+        start = getattr(law, name) if start is None else start
+        if item.quantity.above is not None and low == 0.0 and not item.above:
+            low = 1e-9 * 2.2
+        assert (item.start, item.low, item.high) == pytest.approx((start, low, high), rel=1e-12)
+        decades = ("stribeck_velocity", "bristle_stiffness", "exponent", "viscous_exponent")
+        assert item.log is (name in decades)
+
+
+@pytest.mark.parametrize("kind", LAWS.values(), ids=LAWS)
+def test_ordinary_laws_are_what_they_were(kind):
+    law = starting_law(kind, load=9.81)
+    for name, field in kind.__dataclass_fields__.items():
+        if name in fields_of(kind):
+            needed = not isinstance(field.default, int | float | None)
+            expected = TRAVELS[name] if needed else field.default
+            if expected is None:
+                assert getattr(law, name) is None
+            else:
+                assert getattr(law, name) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"scale": "speed"}, r"'v_s': a fit needs all of scale, bounds and start"),
+        ({"start": 0.1, "bounds": (0.0, 1.0)}, r"'v_s': a fit needs all of scale"),
+        (
+            {"scale": "velocity", "start": 0.1, "bounds": (0.0, 1.0)},
+            r"scale='velocity' has no known size 'velocity'; known are none, level,",
+        ),
+        ({"scale": "speed", "start": 2.0, "bounds": (0.1, 1.0)}, r"with start between them"),
+        ({"scale": "speed", "start": 0.1, "bounds": (1.0, 0.1)}, r"two finite numbers"),
+        ({"scale": "none", "start": 0.0, "bounds": (0.0, 1.0)}, r"must be above 0 m/s, got 0"),
+    ],
+)
+def test_a_range_that_contradicts_itself_is_refused(values, said):
+    with pytest.raises(ParameterError, match=said):
+        Quantity("v_s", "m/s", above=0, **values)
+
+
+def test_a_scale_is_a_product_of_sizes():
+    lag = Quantity("tau", "s", above=0, scale="displacement/speed", bounds=(0.1, 10.0), start=1.0)
+    assert lag.scaled_by({"displacement": 1e-3, "speed": 0.5}) == 2e-3
+    drag = Quantity("c", "N s^2/m^2", scale="force/speed^2", bounds=(0.0, 1.0), start=0.1)
+    assert drag.scaled_by({"force": 8.0, "speed": 2.0}) == 2.0
