@@ -23,14 +23,12 @@ from stickslip.identification.travels.start_values import (
 )
 from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import parameters
+from stickslip.quantities import fields_of, parameters
 
 __all__ = ["check_rest", "fit_travels", "fit_trials", "payable"]
 
-PAID_BY_TRAVEL = ("kinetic_coefficient", "viscous_coefficient")
-"""Travels tell a level and a slope with speed; what shapes the curve needs a velocity trace."""
-PAID_BY_CYCLES = "static_coefficient"
-"""Travels of a drive that repeats itself tell the level at rest too: it breaks away every cycle."""
+TOLD = ("level", "slope")
+"""Scales of what travels tell, a level and a slope with speed: the rest needs a velocity trace."""
 
 
 @arguments
@@ -120,11 +118,19 @@ def payable(law: FrictionLaw, trials: Sequence[Trial], fixed: Collection[str] = 
     A law without a level at rest of its own is not given one; what is fixed, by name, is left out.
     """
     different = len({trial.setting for trial in trials})
+    known = fields_of(type(law))
     order = [name for name in law.fit_order if name not in fixed]
-    names = [name for name in order if name in PAID_BY_TRAVEL] or order[:1]
-    standing = PAID_BY_CYCLES not in fixed and getattr(law, PAID_BY_CYCLES, None) is not None
-    if under_cycles(trials) and standing:
-        names.append(PAID_BY_CYCLES)
+    sliding = [name for name in order if known[name].at_least is None]
+    names = [name for name in sliding if known[name].scale in TOLD] or order[:1]
+    if under_cycles(trials):  # it breaks away in every cycle, which tells the level at rest too
+        names += [
+            name
+            for name in known
+            if known[name].at_least is not None
+            and known[name].scale == "level"
+            and name not in fixed
+            and getattr(law, name) is not None
+        ]
     return [f"friction.{name}" for name in names[: max(1, different - 1)]]
 
 
