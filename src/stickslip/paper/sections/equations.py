@@ -132,7 +132,8 @@ def _tests_text(found: PaperAudit) -> str:
         " so no error of sign acts on them; LuGre’s does, and there the sgn of (9) may have acted."
         " (6) to (10) omit the break-away force that the paper describes (III.B.1) and prints in"
         " (5): as they stand they would not start from rest. Table II has travels, so we infer that"
-        " the simulations used another rule for rest. (1) creeps where it should hold, by an amount"
+        " the simulations used another rule for rest. (3) and (4) are tried with their signed"
+        " coefficient, which was hardly simulated. (1) creeps where it should hold, by an amount"
         " that vanishes with the step."
     )
 

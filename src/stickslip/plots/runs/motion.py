@@ -107,7 +107,8 @@ def draw_motion(
             panel(axes, view, {})
         if narrow or len(views) > MOST_BESIDE:
             panels[0].margins(x=0, y=0.2)
-            label_curves(panels[0], named)
+            # The broad line is found without its name, so that the others choose first.
+            label_curves(panels[0], sorted(named, key=lambda curve: curve.text == chosen))
         else:
             label_ends(
                 panels[0],
