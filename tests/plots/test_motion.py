@@ -29,7 +29,7 @@ def panels(draw, narrow=False):
 
 
 def test_differences_are_those_from_the_chosen_run(runs):
-    view = MotionView("v", "difference", (0.1, 0.4), difference=True)
+    view = MotionView(column="v", title="difference", span=(0.1, 0.4), difference=True)
     (axes,) = panels(draw_motion(runs, views=[view], chosen="mu 0.2"))
     (curve,) = [line for line in axes.lines if len(line.get_xdata()) > 2]
     t, y = curve.get_data()
@@ -39,7 +39,10 @@ def test_differences_are_those_from_the_chosen_run(runs):
 
 
 def test_a_span_shows_that_part_alone(runs):
-    views = [MotionView("x", "displacement", (0.0, 2.0)), MotionView("v", "velocity", (0.3, 0.5))]
+    views = [
+        MotionView(column="x", title="displacement", span=(0.0, 2.0)),
+        MotionView(column="v", title="velocity", span=(0.3, 0.5)),
+    ]
     whole, part = panels(draw_motion(runs, views=views))
     assert whole.get_xlim()[1] == pytest.approx(2.0)
     assert part.get_xlim() == pytest.approx((0.3, 0.5), abs=1e-3)
@@ -67,10 +70,10 @@ def test_a_level_has_the_unit_of_its_panel():
 @pytest.mark.parametrize("span", [(0.5, 0.5), (0.6, 0.5), (2.0, 3.0), (math.nan, 1.0)])
 def test_a_span_that_shows_nothing_is_refused(runs, span):
     with pytest.raises(InputError, match="must begin before it ends"):
-        draw_motion(runs, views=[MotionView("v", "velocity", span)])
+        draw_motion(runs, views=[MotionView(column="v", title="velocity", span=span)])
 
 
 def test_one_run_has_no_differences_and_is_drawn_all_the_same(runs):
-    views = [MotionView("x", "displacement"), MotionView("v", "velocity")]
+    views = [MotionView(column="x", title="displacement"), MotionView(column="v", title="velocity")]
     only = {"alone": runs["mu 0.2"]}
     assert standalone_svg(draw_motion(only, views=views)).startswith("<")

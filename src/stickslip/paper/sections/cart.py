@@ -186,7 +186,10 @@ def _printed_figure(study: CartStudy) -> Figure:
     shown = {study.run(key).title: study.run(key).run for key in ("printed-4", "exact")}
     shown_until = study.run("exact").run.span[1]
     until = PARTING * study.period
-    views = [MotionView("x", "displacement", (0.0, end)) for end in (shown_until, until)]
+    views = [
+        MotionView(column="x", title="displacement", span=(0.0, end))
+        for end in (shown_until, until)
+    ]
     return Figure(
         svg=inline_svg(
             draw_motion(shown, views=views, chosen=study.run("exact").title),

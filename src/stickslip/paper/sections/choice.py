@@ -112,12 +112,14 @@ def _figure(study: CartStudy) -> Figure:
     last = study.choices[0].run.span[1]
     stroke = (last - STROKE[0] * study.period, last - STROKE[1] * study.period)
     views = [
-        MotionView("x", "displacement", (0.0, last)),
-        MotionView("v", "velocity", stroke),
+        MotionView(column="x", title="displacement", span=(0.0, last)),
+        MotionView(column="v", title="velocity", span=stroke),
     ]
     apart = ""
     if len(runs) > 1:
-        views.append(MotionView("v", "difference in velocity", stroke, difference=True))
+        views.append(
+            MotionView(column="v", title="difference in velocity", span=stroke, difference=True)
+        )
         apart = ", and by how much that of the paper’s example differs"
     return Figure(
         svg=inline_svg(

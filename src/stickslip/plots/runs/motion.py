@@ -1,7 +1,8 @@
 """Several runs in one figure: displacement, velocity, a closer look, and their differences."""
 
 from collections.abc import Mapping, Sequence
-from typing import Final, NamedTuple
+from dataclasses import dataclass
+from typing import Final, final
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -23,7 +24,9 @@ MOST_BESIDE: Final = 2
 """Panels side by side that leave room for names where the curves end."""
 
 
-class MotionView(NamedTuple):
+@final
+@dataclass(frozen=True, kw_only=True)
+class MotionView:
     """What one panel shows."""
 
     column: str
@@ -35,7 +38,10 @@ class MotionView(NamedTuple):
     """Whether differences from the chosen run are drawn."""
 
 
-MOTION: Final = (MotionView("x", "displacement"), MotionView("v", "velocity"))
+MOTION: Final = (
+    MotionView(column="x", title="displacement"),
+    MotionView(column="v", title="velocity"),
+)
 
 
 def draw_motion(
