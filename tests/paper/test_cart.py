@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -12,6 +13,7 @@ from stickslip import PRINTED_FORMS, Coulomb, CoulombViscous, FixedStep, load_ri
 from stickslip.paper import PaperValues, study_cart
 from stickslip.paper.cart import CART, CYCLES, KINETIC, STEP, SWING
 from stickslip.paper.sections import cart_section, choice_section
+from stickslip.paper.sections.choice import STROKE
 from stickslip.report import Page, render
 
 NAMED = Coulomb(kinetic_coefficient=0.255, static_coefficient=0.35)
@@ -241,6 +243,43 @@ def test_the_page_says_what_is_ours_and_shows_both_figures(study):
     assert "drive the cart assumed here 12.7\xa0m backwards" in page
     assert "−6.13" in page
     assert ">nan<" not in page.lower()
+
+
+def test_figure_2_reaches_the_travel_of_its_heading(study):
+    page = page_of(study)
+    figure = page[page.index('id="fig2-') : page.index("In place of Fig. 2.")]
+    # ticks of both sizes: 12.7 m backwards lie between -12 m and -15 m
+    assert {"−12", "−12.5"} & set(re.findall(r">(−?[\d.]+)<", figure))
+    assert "all five cycles, and the first 0.54\xa0s" in page
+
+
+def test_causes_of_the_backward_motion_are_those_of_what_was_simulated(study):
+    page = page_of(study)
+    table = page[page.index("Where the backward motion comes from") :]
+    table = table[: table.index("vanish with the step")]
+    assert "the misprint" not in table
+    assert all(cause in table for cause in ("no rule for rest", "the time step", "the cart itself"))
+    # what remains sums up to (1) and (2), of which the corrected law without its rule is the twin
+    shares = {share.key: share for share in study.shares}
+    rest = [shares[key] for key in ("no-stick-rule", "step", "friction")]
+    printed = study.run("printed-1")
+    assert math.fsum(one.mean_return for one in rest) == pytest.approx(printed.mean_return)
+    assert math.fsum(one.least_velocity for one in rest) == pytest.approx(printed.least_velocity)
+
+
+def test_figure_11_shows_a_whole_stroke_in_which_the_laws_differ(study):
+    period, end = study.period, study.choices[0].run.span[1]
+    first, last = (end - share * period for share in STROKE)
+    for one in study.choices:
+        ends = one.run.at([first, last])["v"]
+        assert list(ends) == [0.0, 0.0]  # at rest before and after
+        inside = one.run.at(np.linspace(first, last, 500))["v"]
+        everywhere = one.run.at(np.linspace(0.0, end, 20_000))["v"]
+        # the peak is a corner, which samples 0.7 ms apart miss by less than this
+        assert inside.max() == pytest.approx(everywhere.max(), rel=1e-2)
+    apart = [one.run.at(np.linspace(first, last, 500))["v"] for one in study.choices]
+    assert np.abs(apart[1] - apart[0]).max() > 0.01
+    assert "difference in velocity" in page_of(study)
 
 
 def test_a_rig_for_which_nothing_is_named_shows_the_papers_choice_alone(study):

@@ -4,6 +4,7 @@ import math
 import stat
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -36,9 +37,20 @@ from stickslip.errors import InputError
 from stickslip.plots import animation_html, draw_scene, standalone_svg
 from stickslip.plots.animation.animation import frame_times
 from stickslip.plots.animation.animation_frame import Stage, moments_of
-from stickslip.plots.animation.scenes import Arrow, Ball, Box, Coil, Ground, Picture, Rod, scene_of
+from stickslip.plots.animation.scenes import (
+    Arrow,
+    Ball,
+    Box,
+    Coil,
+    Ground,
+    Picture,
+    Rod,
+    Turn,
+    scene_of,
+)
 from stickslip.plots.animation.scenes.bounding_boxes import Scales, extent_of
 from stickslip.plots.animation.scenes.fallback import bars
+from stickslip.plots.animation.scenes.renderer import _PAINTERS as PAINTERS
 from stickslip.plots.animation.scenes.renderer import MODE_COLOURS
 from stickslip.plots.core.theme import SLIP_BACK, STICK, SURFACE, house_style
 
@@ -205,6 +217,15 @@ def test_a_metre_is_as_long_upwards_as_along_and_the_key_is_as_long_as_it_says(n
         said = next(t.get_text() for t in stage.axes.texts if t.get_text().endswith(" N"))
     length = float(np.ptp(bar.get_xdata())) * (right - left)
     assert length == pytest.approx(float(said.removesuffix(" N")) * stage.scales.metres)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_arc_of_a_torque_stays_above_its_centre(sign):
+    brush = SimpleNamespace(scales=Scales(metres=0.0, torque=2.0))
+    turn = Turn(centre=(0.0, 1.0), radius=0.5, value=2.0 * sign, role="drive")
+    arc, _ = PAINTERS[Turn](turn, brush)
+    # the largest torque of a run: from the top to the side, and no further
+    assert (arc.theta1, arc.theta2) == ((90.0, 180.0) if sign > 0 else (0.0, 90.0))
 
 
 def test_what_rubs_has_the_colour_of_its_mode(runs):

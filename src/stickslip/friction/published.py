@@ -172,7 +172,7 @@ class PrintedCoulomb(_Memoryless):
     equation: ClassVar[str] = "(1)"
     formula: ClassVar[str] = r"F_f = -\mu N \operatorname{sgn}(\dot x), \quad N = M g + F_y"
     defect: ClassVar[str] = (
-        "no stiction: with sgn 0 = 0 there is no friction at rest, so that a body that should be"
+        "no stiction: with sgn 0 = 0 there is no friction at rest, so that a cart that should be"
         " held creeps, by an amount that the time step sets"
     )
     cure: ClassVar[str] = "the same, and stick while the needed force is at most $mu_s$ $N$"
@@ -215,7 +215,7 @@ class PrintedImprovedCoulomb(_Memoryless):
         r" \operatorname{sign}(\dot x) \mu_k & (\dot x \neq 0) \end{cases}"
     )
     defect: ClassVar[str] = (
-        "the sign of the velocity enters twice and cancels: friction accelerates a body that moves"
+        "the sign of the velocity enters twice and cancels: friction accelerates a cart that moves"
         " backwards; at rest sgn 0 = 0 removes it, whatever $mu$ is"
     )
     cure: ClassVar[str] = (

@@ -70,6 +70,14 @@ class PaperAudit:
     verdict: TravelVerdict
     """What our selection says of the rig."""
 
+    def requirement(self, law: str) -> Requirement | None:
+        """Return what would give the published travel of a law; None if nothing does.
+
+        That of reading A, in which the other values are nearest; that of B if A has none.
+        """
+        found = (need for need in self.requirements if need.law == law and need.value is not None)
+        return next(found, None)
+
     def ranking(self, key: str) -> Mapping[str, int]:
         """Return the ranks of the laws of Table II by the paper's own criteria.
 
@@ -112,7 +120,7 @@ class PaperAudit:
             "ranking_by_the_criteria_of_the_paper": {
                 key: self.ranking(key) for key in ("published", "A", "B")
             },
-            "unpublished_parameters": [asdict(r) for r in self.requirements],
+            "unpublished_parameters": [need.to_dict() for need in self.requirements],
             "steps_of_10_ms": [
                 {
                     "law": one.law.name,

@@ -6,15 +6,18 @@ that round to the printed figure.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, fields
+from typing import Any
 
 from stickslip.friction import Coulomb, CoulombViscous, Dahl, FrictionLaw, LuGre, Viscous
 from stickslip.identification.estimation.root_search import positive_root
 from stickslip.mechanisms import SpringBlock
 from stickslip.paper.excitations import rigs
 from stickslip.paper.values import PaperValues
+from stickslip.selection import Criteria, criteria_of
 from stickslip.simulation import simulate
 from stickslip.solver import FixedStep
+from stickslip.trajectory import Trajectory
 
 __all__ = ["Requirement", "StepTravel", "dahl_row", "lugre_row", "requirements", "step_travels"]
 
@@ -50,6 +53,18 @@ class Requirement:
     " differ."""
     text: str
     """What that means, in words."""
+    solution: FrictionLaw | None
+    """The law with that value."""
+    run: Trajectory | None
+    """The block with that law."""
+    criteria: Criteria | None
+    """What that run does."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all but law and run, ready for JSON."""
+        names = [field.name for field in fields(self) if field.name not in {"solution", "run"}]
+        told = {name: getattr(self, name) for name in names}
+        return told | {"criteria": self.criteria and asdict(self.criteria)}
 
 
 def requirements(
@@ -68,7 +83,7 @@ def requirements(
     """
     readings = {key: rigs(values.rig)[key][-1] for key in READINGS}
     return tuple(
-        _require(name, key, published[name], block, t_end, *case)
+        _require(values, name, key, published[name], block, t_end, *case)
         for name, case in _cases(values).items()
         if name in published
         for key, block in readings.items()
@@ -196,6 +211,7 @@ def lugre_row(values: PaperValues, sigma_0: float) -> LuGre:
 
 
 def _require(
+    values: PaperValues,
     name: str,
     reading: str,
     published: float,
@@ -211,8 +227,7 @@ def _require(
     """Search for the value, and for those at the ends of the rounding range."""
 
     def travel(value: float) -> float:
-        run = simulate(block, law(value), t_end=t_end)
-        return float(run.at(t_end)["x"][0])
+        return float(simulate(block, law(value), t_end=t_end).at(t_end)["x"][0])
 
     def root(target: float, start: float) -> float | None:
         least, most = start / 64.0, start * 64.0
@@ -222,6 +237,8 @@ def _require(
     sides = (-1.0, 1.0) if best is not None else ()
     ends = [root(published + side * ROUNDING, best or first) for side in sides]
     found = sorted(end for end in ends if end is not None)
+    solution = None if best is None else law(best)
+    run = None if solution is None else simulate(block, solution, t_end=t_end)
     return Requirement(
         law=name,
         reading=reading,
@@ -234,4 +251,7 @@ def _require(
         start=travel(first if best is not None else first / 64.0),
         kept=kept,
         text=text,
+        solution=solution,
+        run=run,
+        criteria=None if run is None else criteria_of(run, block, values.measured),
     )

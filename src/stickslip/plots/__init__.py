@@ -12,6 +12,7 @@ HOMES = {
     "INK": "core.theme",
     "LINE": "core.theme",
     "MUTED": "core.theme",
+    "MotionView": "runs.motion",
     "NARROW": "core.svg",
     "PLOTS": "dispatch",
     "SLIP_BACK": "core.theme",

@@ -49,6 +49,7 @@ from stickslip.plots.runs.excitations import draw_excitations as draw_excitation
 from stickslip.plots.runs.fixed_step_comparison import draw_fixed_steps as draw_fixed_steps
 from stickslip.plots.runs.limit_cycles import draw_cycles as draw_cycles
 from stickslip.plots.runs.limit_cycles import plot_limit_cycle as plot_limit_cycle
+from stickslip.plots.runs.motion import MotionView as MotionView
 from stickslip.plots.runs.motion import draw_motion as draw_motion
 from stickslip.plots.runs.profiles import draw_profile as draw_profile
 from stickslip.plots.runs.profiles import plot_profile as plot_profile
@@ -83,6 +84,7 @@ __all__ = [
     "INK",
     "LINE",
     "MUTED",
+    "MotionView",
     "NARROW",
     "PLOTS",
     "SLIP_BACK",

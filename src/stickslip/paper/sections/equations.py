@@ -36,7 +36,7 @@ def equation_section(found: PaperAudit) -> Section:
             text=(
                 "In the paper’s symbols. It quotes (1) to (4) from its references [6] and [7],"
                 " whose friction model it calls simple, in order to improve on them. (1) and (3)"
-                " are forces on the body, (5) to (10) resistances. Elsewhere on this page"
+                " are forces on the cart, (5) to (10) resistances. Elsewhere on this page"
                 " $sigma_0$, $sigma_1$ and $sigma_2$ stand for the $sigma_1$, $sigma_2$ and"
                 " $sigma_3$ of (9), $sigma_2$ for the viscous $mu$ of (5) and (10) and $mu_v$ of"
                 " (8), and $mu_k$ for $mu_d$ of Table I. “Coulomb plus viscous plus static”, one of"
@@ -84,7 +84,7 @@ def misprint_section(found: PaperAudit) -> Section:
     coasting = sum(one.differs("coast") for one in found.consequences)
     backward = sum(one.differs("backward") for one in found.consequences)
     heading = (
-        f"{in_words(backward).capitalize()} equations err when the body moves backwards, none when"
+        f"{in_words(backward).capitalize()} equations err when the block moves backwards, none when"
         " it coasts forwards"
         if coasting == 0
         else "Where the defects act"
@@ -132,7 +132,8 @@ def _tests_text(found: PaperAudit) -> str:
         " so no error of sign acts on them; LuGre’s does, and there the sgn of (9) may have acted."
         " (6) to (10) omit the break-away force that the paper describes (III.B.1) and prints in"
         " (5): as they stand they would not start from rest. Table II has travels, so we infer that"
-        " the simulations used another rule for rest. (1) creeps where it should hold, by an amount"
+        " the simulations used another rule for rest. (3) and (4) are tried with their signed"
+        " coefficient, which was hardly simulated. (1) creeps where it should hold, by an amount"
         " that vanishes with the step."
     )
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from stickslip.formatting import fixed, in_words, interval, residue, signed_percent
 from stickslip.paper.audit import PaperAudit
-from stickslip.paper.excitations import Excitation
+from stickslip.paper.excitations import PUSH_DURATION, Excitation
 from stickslip.paper.sections.common import COLOURS, travel_axis
 from stickslip.paper.unpublished import ROUNDING
 from stickslip.plots.core.svg import inline_svg
@@ -34,12 +34,15 @@ def excitation_section(found: PaperAudit) -> Section:
     """Show three readings of one sentence of the paper, with the first law of its table."""
     row = found.table[0]
     mu_k = getattr(row.law, "kinetic_coefficient", 0.0)
+    rig = found.values.rig
+    force = rig.stiffness * rig.compression
     text = (
-        "“When the spring is released, the steel block will move forward”, the paper writes, with"
-        " “$F$=$K$$x$ the external applied force”; and also “Both in the simulation study and"
-        " in the experiment, the applied force is $F$=10N, the applied time is 0.1s”. A released"
-        f" spring does not push with a constant force. Both readings, and a control, with the same"
-        f" block, $mu_k$ = {mu_k:g} and {row.law.title} friction:"
+        "By section IV of the paper a compressed spring is released and drives the block, with the"
+        f" applied force $F$ = $K$$x$; for experiment and simulation alike it also states a force"
+        f" of {force:g} N that is applied for {PUSH_DURATION:g} s. The compression is not printed;"
+        f" {rig.compression:g} m follows from {force:g} N and $K$. A released spring does not push"
+        " with a constant force, and lets go when it has reached its natural length. Both readings,"
+        f" and a control, with the same block, $mu_k$ = {mu_k:g} and {row.law.title} friction:"
     )
     travels = {f"{reading.criteria.travel:.2f}" for reading in row.readings}
     return Section(

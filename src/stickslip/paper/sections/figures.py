@@ -1,10 +1,14 @@
 """The paper's figures, drawn again under its captions."""
 
-from stickslip.formatting import residue
+from stickslip.formatting import fixed, percent, quantity, residue, significant, with_unit
 from stickslip.friction import BristleLaw, Stribeck
 from stickslip.paper.audit import PaperAudit, TableRow
+from stickslip.paper.excitations import PUSH_DURATION
 from stickslip.paper.stick_slip import SPEED
+from stickslip.paper.unpublished import Requirement
+from stickslip.plots.core.helpers import Sizes
 from stickslip.plots.core.svg import inline_svg
+from stickslip.plots.core.theme import symbol_label
 from stickslip.plots.data.rig_sketches import schematic
 from stickslip.plots.laws.curves import (
     characteristic_sizes,
@@ -21,6 +25,7 @@ __all__ = ["figure_section", "phenomena_section", "schematic_section"]
 
 RUN_FIGURES = {"coulomb": 6, "dahl": 7, "stribeck": 8, "lugre": 9, "coulomb-viscous": 10}
 """Numbers of the figures that show the block, by the law that their captions name."""
+BLOCK_SIZES = Sizes(wide=(880, 270), narrow=(358, 520))
 
 
 def schematic_section(found: PaperAudit) -> Section:
@@ -138,11 +143,15 @@ def figure_section(found: PaperAudit) -> Section:
     """Return Figs 6 to 10, the block with each law, in the order of the paper."""
     rows = {row.law.name: row for row in found.table}
     figures = [
-        _run_figure(rows[name], number) for name, number in RUN_FIGURES.items() if name in rows
+        _run_figure(found, rows[name], number)
+        for name, number in RUN_FIGURES.items()
+        if name in rows
     ]
     text = (
-        "Displacement and velocity of the block in A, B and C, with the parameters of the table"
-        " above. Figs 2 and 11, of the cart, have sections of their own."
+        "The block in readings A and B with the values assumed for Table II, and a third run with"
+        " the value, found above, that gives the published travel. Dashed: the published and the"
+        " measured travel. What the figures of the paper show is taken from its text. Figs 2 and"
+        " 11, of the cart, have sections of their own."
     )
     return Section(
         id="figures",
@@ -152,17 +161,77 @@ def figure_section(found: PaperAudit) -> Section:
     )
 
 
-def _run_figure(row: TableRow, number: int) -> Figure:
-    runs = {f"{reading.key}. {reading.title}": reading.run for reading in row.readings}
-    chosen = row.reading("B")
-    travels = [f"{r.key} {r.criteria.travel:.3f} m" for r in row.readings]
+def _run_figure(found: PaperAudit, row: TableRow, number: int) -> Figure:
+    shown = [row.reading(key) for key in "BA"]
+    runs = {f"{reading.key}. {reading.title}": reading.run for reading in shown}
+    need = found.requirement(row.law.name)
+    if need is not None and need.run is not None:
+        runs[_need_label(need, row, symbol_label(need.symbol))] = need.run
+    published = row.published.travel or 0.0
+    travels = [f"{r.key} {r.criteria.travel:.3f} m" for r in reversed(shown)]
     note = f" ({row.published.note})" if row.published.note else ""
     return Figure(
         svg=inline_svg(
-            draw_motion(runs, chosen=f"{chosen.key}. {chosen.title}"),
+            draw_motion(
+                runs,
+                levels={
+                    f"published, {published:.2f} m": published,
+                    f"measured, {found.measured:.2f} m": found.measured,
+                },
+            ),
             alt=f"Displacement and velocity of the block with {row.law.title} friction",
             prefix=f"fig{number}",
+            **BLOCK_SIZES,
         ),
-        caption=f"**Fig. {number}. {row.law.title}.** Published travel"
-        f" {row.published.travel or 0.0:.2f} m{note}; ours {', '.join(travels)}.",
+        caption=f"**Fig. {number}. {row.law.title}.** Published travel {published:.2f} m{note};"
+        f" ours {', '.join(travels)}.{_need_text(found, need, row)}",
+    )
+
+
+def _need_label(need: Requirement, row: TableRow, symbol: str) -> str:
+    """Name the run that gives the published travel, with its symbol as it is to be set."""
+    solution, unit = need.solution, "" if need.unit == "1" else f" {need.unit}"
+    other = solution is not None and solution.name != row.law.name
+    model = f"{solution.title.lower()}, " if other and solution is not None else ""
+    return f"{need.reading}, {model}{symbol} = {significant(need.value or 0.0, 3)}{unit}"
+
+
+def _need_text(found: PaperAudit, need: Requirement | None, row: TableRow) -> str:
+    """Say what gives the published travel, how the block then stops, and what it would take."""
+    if need is None or need.criteria is None or need.run is None:
+        return ""
+    done, last = need.criteria, need.run.span[1]
+    if not done.displacement_never_decreases:
+        lowest = with_unit(significant(1e3 * done.least_velocity, 2), "mm/s")
+        how = (
+            f"the velocity falls to {lowest} and the block goes back by"
+            f" {quantity(done.largest_return, 'm', 2)}, in kind as the paper describes. Nothing"
+            " holds the block in this run; held as soon as it stops, by the switch of (9), it could"
+            " not go back. In fixed steps the velocity may pass zero without being zero, and the"
+            " switch not act"
+        )
+    elif done.stop_time is not None:
+        how = f"the block stops at {done.stop_time:.2f} s"
+    else:
+        left = residue(float(need.run.at([last])["v"][0]))
+        how = f"the block creeps there, and moves at {left} m/s after {last:g} s"
+    label = _need_label(need, row, f"${need.symbol}$")
+    said = f" {label}: {fixed(done.travel, 2)} m; {how}."
+    return said if need.kept else f"{said}{_least_friction(found, row)}"
+
+
+def _least_friction(found: PaperAudit, row: TableRow) -> str:
+    """Say that no value of a law gives a travel that the work put in cannot pay for."""
+    values, published = found.values, row.published.travel or 0.0
+    rig, level = values.rig, values.mu_k * values.load
+    impulse = rig.stiffness * rig.compression * PUSH_DURATION
+    most = max(0.5 * rig.stiffness * rig.compression**2, 0.5 * impulse**2 / rig.mass)
+    mean = most / published
+    if not isinstance(row.law, Stribeck) or mean >= level:
+        return ""
+    return (
+        f" No value of (5) gives it with Table I: neither excitation puts in more than"
+        f" {quantity(most, 'J')}, so that the mean friction over {published:.2f} m is at most"
+        f" {quantity(mean, 'N', 2)}, {percent(mean / level)} of $F_c$ = {quantity(level, 'N', 3)},"
+        " below which (5) never falls."
     )

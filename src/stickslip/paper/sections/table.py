@@ -1,6 +1,14 @@
 """The paper's Table II beside ours, and its criteria applied again."""
 
-from stickslip.formatting import fixed, in_words, joined, percent, signed_percent, significant
+from stickslip.formatting import (
+    fixed,
+    in_words,
+    joined,
+    percent,
+    quantity,
+    signed_percent,
+    significant,
+)
 from stickslip.paper.audit import PaperAudit, TableRow
 from stickslip.paper.sections.common import travel_axis
 from stickslip.report import (
@@ -15,6 +23,7 @@ from stickslip.report import (
     Row,
     RowPlot,
     Section,
+    Subheading,
     Table,
 )
 
@@ -131,15 +140,17 @@ def ranking_section(found: PaperAudit) -> Section:
         blocks=(
             Paragraph(
                 text=(
-                    "The criteria are “the velocity will not change to negative” and “the"
-                    " displacement of the mass block will not decrease”; among the models that meet"
-                    " them the least relative error decides. In the printed table this excludes"
+                    "By the criteria of the paper the velocity never becomes negative and the"
+                    " displacement never decreases; among the models that meet them the least"
+                    " relative error decides. In the printed table this excludes"
                     " LuGre and puts Coulomb and Coulomb + viscous first, as the paper concludes."
                 )
             ),
             Table(columns=columns, rows=rows),
             Caption(text=_caption(found)),
             _note(found),
+            Subheading(text="What (11) allows"),
+            Paragraph(text=_energy_text(found)),
         ),
     )
 
@@ -181,6 +192,40 @@ def _note(found: PaperAudit) -> Block:
             " 10⁵ N/m and nothing to hold the block, the lowest velocity and the back-slip are"
             f" {speeds}, taken with the other values of its 1995 paper. In the"
             " tables above the block is held at its first stop, by the paper’s"
-            " switch to static friction, and no row fails for that reason."
+            f" switch to static friction, and no row fails for that reason.{_soft_text(found)}"
         ),
+    )
+
+
+def _soft_text(found: PaperAudit) -> str:
+    """Grant that the run which gives the published row of LuGre is rightly rejected."""
+    need = found.requirement("lugre")
+    if need is None or need.value is None or need.criteria is None:
+        return ""
+    values = found.values
+    bent = values.mu_k * values.load / need.value
+    return (
+        f" The run that gives the published {need.published:.2f} m of LuGre, with bristles of"
+        f" {significant(need.value, 3)} N/m, goes back by"
+        f" {quantity(need.criteria.largest_return, 'm', 2)}. Its bristles bend by"
+        f" {quantity(bent, 'm', 2)} before slip, where the paper describes a very tiny displacement"
+        " (III.B.3): to reject this run is right. It speaks against the value, not the law."
+    )
+
+
+def _energy_text(found: PaperAudit) -> str:
+    """Answer the step from (11) to a choice by travel: what follows from it, and what does not."""
+    work = 0.5 * found.values.rig.stiffness * found.values.rig.compression**2
+    return (
+        "From (11) the paper concludes that the displacement is unique for given parameters and"
+        " can therefore select the model. The first part is right, and useful: a law whose"
+        " parameters are known from elsewhere predicts one travel, and a measurement can refute it."
+        " The second needs those parameters. (11) holds for every law with its mean friction along"
+        " the path in place of $mu$$m$$g$, and the measured travel fixes that mean at"
+        f" {quantity(work, 'J')} / {found.measured:.2f} m = {quantity(work / found.measured, 'N')},"
+        " and with it one value in each law: the last column above. The paper has $mu_d$ and"
+        " $mu_s$ from a handbook and does not print the other parameters, so that its comparison"
+        " tests model and values together. Travels from several compressions can tell models apart:"
+        " by (11) $s$ grows as $x$² under Coulomb friction, under purely viscous friction as $x$,"
+        " and under both together in between."
     )

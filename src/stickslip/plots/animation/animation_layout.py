@@ -105,7 +105,7 @@ def write_legend(
     if Arrow in kinds.values() and scales.metres:
         x = _bar(axes, scales)
     if Turn in kinds.values():
-        _write(axes, x, -52.0, f"¾ of a turn is {scales.torque:.2g} N m", MUTED)
+        _write(axes, x, -52.0, f"¼ of a turn is {scales.torque:.2g} N m", MUTED)
 
 
 def _bar(axes: Axes, scales: Scales) -> float:

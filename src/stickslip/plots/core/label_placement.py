@@ -1,5 +1,6 @@
 """Names beside curves: found a free place inside the plot, or stacked where the curves end."""
 
+import re
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
@@ -74,7 +75,7 @@ def label_curves(axes: Axes, curves: Sequence[Curve], *, places: int = 36) -> No
     for index, (curve, _) in enumerate(drawn):
         if not curve.text:
             continue
-        half = LETTER * len(curve.text) / 2
+        half = LETTER * _letters(curve.text) / 2
         tries = [
             (_cost(box, taken, paths, index, frame) + far, anchor, rank, box)
             for anchor in np.linspace(frame.left + 4, frame.right - 4, places)
@@ -112,6 +113,18 @@ def label_ends(
     # Equal heights keep their order from below, so the last line goes first.
     rows = [(y, line, colour) for y, lines, colour in labels for line in reversed(lines)]
     label_column(axes, x, rows, gap=gap)
+
+
+def _letters(text: str) -> int:
+    r"""Count what is seen of a text; in mathtext a command is a letter, or only sets others.
+
+    >>> _letters(r"A, $\mu_{\mathrm{k}}$ = 0.243")
+    13
+    """
+    if "$" not in text:
+        return len(text)
+    letters = re.sub(r"\\[a-z]+", "x", re.sub(r"\\math[a-z]+", "", text))
+    return len(re.sub(r"[${}_]", "", letters))
 
 
 def _in_pixels(axes: Axes, curve: Curve, pixel: float) -> Array:

@@ -51,7 +51,7 @@ class Scales(NamedTuple):
     metres: float
     """Length of an arrow of 1 N [m]."""
     torque: float
-    """Torque of three quarters of a turn [N m]; 0 if there is none."""
+    """Torque of a quarter of a turn [N m]; 0 if there is none."""
 
 
 def extent_of(shapes: Iterable[Shape], scales: Scales | None = None) -> Extent:

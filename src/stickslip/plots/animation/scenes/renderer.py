@@ -194,7 +194,7 @@ def _turn(shape: Turn, brush: _Brush) -> list[Artist]:
     if not brush.scales.torque or abs(shape.value) < 0.01 * brush.scales.torque:
         return []
     colour, r = ROLE_COLOURS[shape.role], shape.radius
-    sweep = 270.0 * shape.value / brush.scales.torque
+    sweep = 90.0 * shape.value / brush.scales.torque
     start, end = (90.0, 90.0 + sweep) if sweep > 0 else (90.0 + sweep, 90.0)
     arc = Arc(shape.centre, 2 * r, 2 * r, theta1=start, theta2=end, color=colour, linewidth=2.0)
     tip = math.radians(90.0 + sweep)

@@ -108,7 +108,10 @@ class Arrow:
 
 @dataclass(frozen=True, kw_only=True)
 class Turn:
-    """A torque about a point, as an arc: three quarters of a turn is the largest of the run."""
+    """A torque about a point, as an arc from the top, a quarter of a turn for the largest one.
+
+    So the arc stays above its centre, where it hides nothing of a cart.
+    """
 
     centre: Point
     radius: float
