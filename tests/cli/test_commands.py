@@ -281,7 +281,7 @@ def test_an_interrupt_ends_with_130_and_one_line(run, monkeypatch):
     def interrupted(*_arguments, **_options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(command, "select", interrupted)
+    monkeypatch.setattr(command, "_selected", interrupted)
     code, out, err = run("select", "--json")
     assert (code, out) == (130, "")
     assert "Cancelled" in err

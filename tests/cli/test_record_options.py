@@ -91,7 +91,8 @@ def test_an_option_without_effect_is_refused(run, arguments, said):
 def test_options_of_records_are_refused_for_travels(run, command, option):
     code, _, err = run(command, *option)  # the bundled rig has a travel
     assert code == 2
-    assert f"{option[0]} is for records" in err
+    assert err.startswith(f"stickslip: {option[0]} is for ")
+    assert "records of motion or friction; it has no effect on travels" in err
 
 
 @pytest.mark.parametrize(

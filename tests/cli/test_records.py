@@ -243,7 +243,7 @@ BAD = [
     (("fit", "axis.toml", "--free", "kinetic_coefficient"), "--free is now --vary"),
     (("fit", "axis.toml", "--unknown", "inertia"), "--unknown is now --vary"),
     (("select", "axis.toml", "--unknown", "inertia"), "--unknown is now --vary"),
-    (("select", "--jobs", "2"), "--jobs is for records"),
+    (("select", "--jobs", "2"), "--jobs is for the force of a spring and records"),
     (("fit", "axis.toml", "-o", "law.json"), "takes a .toml file"),
     (("fit", "--segment", "1"), "--segment is for records"),
 ]
