@@ -43,7 +43,6 @@ def stub(package: str) -> str:
     extra = EXTRA.get(package, ())
     lines = [
         "# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.",
-        "# ruff: noqa: I001, RUF022",
     ]
     lines += [
         f"from {module} import {name} as {name}"

@@ -38,11 +38,34 @@ import numpy as np
 
 import stickslip as st
 from stickslip import (
-    Axis, Capsule, Coulomb, CoulombViscous, EventTimes, FixedStep, LuGre, Max, Measurement,
-    Pendulum, PendulumCart, PID, Pulse, RecordFit, Sampled, SineSwing, SpringBlock, Stribeck,
-    TowedBlock, TravelVerdict, TwoMassAxis, average_velocity, closed_loop, ensemble, fit, load_rig,
-    load_measurement, sample_posterior, select, simulate,
+    Axis,
+    Capsule,
+    Coulomb,
+    CoulombViscous,
+    FixedStep,
+    LuGre,
+    Measurement,
+    Pendulum,
+    PendulumCart,
+    SpringBlock,
+    Stribeck,
+    TowedBlock,
+    TwoMassAxis,
+    ensemble,
+    fit,
+    load_measurement,
+    load_rig,
+    sample_posterior,
+    select,
+    simulate,
 )
+from stickslip.control import PID, closed_loop
+from stickslip.drives import Pulse, Sampled, SineSwing
+from stickslip.friction import LAWS
+from stickslip.mechanisms import Torque
+from stickslip.outputs import EventTimes, Max
+from stickslip.results import RecordFit, TravelVerdict
+from stickslip.sweep import average_velocity
 from stickslip.plots import draw_run, plot_run, plot_separation, save
 
 block = SpringBlock(mass=1, stiffness=100.0, drive=Pulse(level=10.0, duration=0.1))
@@ -90,13 +113,13 @@ runs = ensemble(block, law, {"friction.kinetic_coefficient": t}, t_end=1.0,
                 outputs={"fastest": Max("v"), "rest": EventTimes("stop")})
 reveal_type(runs)
 reveal_type(runs["fastest"])
-motor = st.Torque(drive=Pulse(level=1.0, duration=1.0))
+motor = Torque(drive=Pulse(level=1.0, duration=1.0))
 capsule = Capsule(capsule_mass=1.0, inner_mass=0.5, drive=motor)
 swing = SineSwing(amplitude=0.1, frequency=2.0)
 reveal_type(swing.period)
 reveal_type(average_velocity(capsule, law, {"mechanism.inner_mass": [0.1, 0.2]}))
 reveal_type(closed_loop(block, law, PID(proportional=1.0), period=0.001, t_end=1.0))
-reveal_type(st.LAWS["coulomb"])
+reveal_type(LAWS["coulomb"])
 reveal_type(st.__version__)
 reveal_type(run.plot())
 reveal_type(result.plot())
@@ -204,6 +227,16 @@ FROM_A_FILE = {"examples.load_rig", "examples.write_report"}
 """Examples that ask what a file held for what only one law or mechanism has."""
 
 
+NAMESPACES = ["stickslip"]
+NAMESPACES += [f"stickslip.{name}" for name in ("control", "drives", "outputs", "results", "sweep")]
+PUBLIC = {
+    name: getattr(module, name)
+    for module in map(importlib.import_module, NAMESPACES)
+    for name in module.__all__
+    if name != "__version__"
+}
+
+
 def example_of(value: object) -> str:
     """Return the example of a docstring as a function below the imports of its module."""
     module = importlib.import_module(value.__module__)
@@ -222,9 +255,9 @@ def example_of(value: object) -> str:
 
 
 EXAMPLES = {
-    f"examples.{name}": example_of(getattr(stickslip, name))
-    for name in stickslip.__all__
-    if ">>>" in (inspect.getdoc(getattr(stickslip, name)) or "")
+    f"examples.{name}": example_of(value)
+    for name, value in PUBLIC.items()
+    if ">>>" in (inspect.getdoc(value) or "")
 }
 
 CONFIG = """

@@ -1,5 +1,4 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
-# ruff: noqa: I001, RUF022
 from stickslip.plots.animation.animation import animate as animate
 from stickslip.plots.animation.animation import draw_scene as draw_scene
 from stickslip.plots.animation.html_embedding import animation_html as animation_html

@@ -111,7 +111,7 @@ def refuse_unused(
     --------
     >>> refuse_unused(route_named("travel"), ["horizon"], Options(horizon=1.0))
     Traceback (most recent call last):
-    stickslip.errors.InputError: horizon is for records of motion or friction; it has no effect on ...
+    stickslip.errors.InputError: horizon is for records of motion or friction; it has ...
     """
     for name in given:
         why = route.why_unused(name, options)

@@ -25,7 +25,7 @@ from stickslip.friction import laws as known_laws
 __all__ = [
     "CONTROL",
     "REFERENCE",
-    "Specification",
+    "CandidateSpec",
     "check_apart",
     "contains",
     "specifications",
@@ -39,7 +39,7 @@ CONTROL = "no-friction"
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Specification:
+class CandidateSpec:
     """A candidate: a law, and which of its parameters are looked for."""
 
     name: str
@@ -67,7 +67,7 @@ PLAIN_DAHL = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
 
 def specifications(
     laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None,
-) -> tuple[Specification, ...]:
+) -> tuple[CandidateSpec, ...]:
     """Return the candidates: those given, or all that records are compared with by default.
 
     A name stands for the candidate of that name, or for a law with all it can fit.
@@ -116,7 +116,7 @@ def check_apart(names: Sequence[str]) -> None:
         )
 
 
-def contains(rich: Specification, simple: Specification) -> bool:
+def contains(rich: CandidateSpec, simple: CandidateSpec) -> bool:
     """Whether a candidate is another one for some values of what is looked for.
 
     Examples
@@ -140,25 +140,25 @@ def contains(rich: Specification, simple: Specification) -> bool:
     return first is None or not (set(first.where) & fewer)
 
 
-def _usual() -> tuple[Specification, ...]:
+def _usual() -> tuple[CandidateSpec, ...]:
     return (
         *(_given(law.name, law) for law in LAWS),
-        Specification(
+        CandidateSpec(
             name="stribeck-exponent",
             title="Stribeck with exponent",
             law=Stribeck,
             free=(*Stribeck.fit_order, "exponent"),
         ),
-        Specification(name="dahl", title="Dahl", law=Dahl, free=PLAIN_DAHL),
-        Specification(name="dahl-exponent", title="Dahl with exponent", law=Dahl),
+        CandidateSpec(name="dahl", title="Dahl", law=Dahl, free=PLAIN_DAHL),
+        CandidateSpec(name="dahl-exponent", title="Dahl with exponent", law=Dahl),
     )
 
 
-def _given(name: str, law: FrictionLaw | type[FrictionLaw]) -> Specification:
-    return Specification(name=name, title=law.title, law=law)
+def _given(name: str, law: FrictionLaw | type[FrictionLaw]) -> CandidateSpec:
+    return CandidateSpec(name=name, title=law.title, law=law)
 
 
-def _called(name: str) -> Specification:
+def _called(name: str) -> CandidateSpec:
     known = {law: _given(law, kind) for law, kind in known_laws().items()}
     known |= {one.name: one for one in _usual()}
     if name not in known:
@@ -166,7 +166,7 @@ def _called(name: str) -> Specification:
     return known[name]
 
 
-def control() -> Specification:
+def control() -> CandidateSpec:
     """Return the candidate without friction."""
     law = Coulomb(kinetic_coefficient=0.0)
-    return Specification(name=CONTROL, title="No friction", law=law, free=())
+    return CandidateSpec(name=CONTROL, title="No friction", law=law, free=())

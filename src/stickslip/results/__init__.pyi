@@ -1,0 +1,44 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.experiments import Checks as Checks
+from stickslip.experiments import Finding as Finding
+from stickslip.identification import Estimate as Estimate
+from stickslip.identification import FeatureFit as FeatureFit
+from stickslip.identification import Fit as Fit
+from stickslip.identification import RecordFit as RecordFit
+from stickslip.identification import TravelFit as TravelFit
+from stickslip.identification import TrialComparison as TrialComparison
+from stickslip.optimisation import Optimum as Optimum
+from stickslip.selection import FeatureVerdict as FeatureVerdict
+from stickslip.selection import Plan as Plan
+from stickslip.selection import RecordVerdict as RecordVerdict
+from stickslip.selection import TravelVerdict as TravelVerdict
+from stickslip.selection import Verdict as Verdict
+from stickslip.solver import Sensitivity as Sensitivity
+from stickslip.trajectory import Certificate as Certificate
+from stickslip.trajectory import Ensemble as Ensemble
+from stickslip.trajectory import Event as Event
+from stickslip.trajectory import Status as Status
+from stickslip.trajectory import Trajectory as Trajectory
+
+__all__ = [
+    "Certificate",
+    "Checks",
+    "Ensemble",
+    "Estimate",
+    "Event",
+    "FeatureFit",
+    "FeatureVerdict",
+    "Finding",
+    "Fit",
+    "Optimum",
+    "Plan",
+    "RecordFit",
+    "RecordVerdict",
+    "Sensitivity",
+    "Status",
+    "Trajectory",
+    "TravelFit",
+    "TravelVerdict",
+    "TrialComparison",
+    "Verdict",
+]
