@@ -125,6 +125,8 @@ def test_ordinary_values_stand_only_where_the_file_has_none(simulated):
     assert (code, law) == (0, "stribeck")
     assert "has only some values for stribeck" in err
     assert "stribeck_velocity=0.3" in err
-    code, _, _, err = simulated(text, "--law", "stribeck", "--set", "friction.kinetic_coefficient=2")
+    code, _, _, err = simulated(
+        text, "--law", "stribeck", "--set", "friction.kinetic_coefficient=2"
+    )
     assert code == 2
     assert "Give all of them" in err

@@ -215,6 +215,38 @@ def test_only_the_parameters_named_are_free(run):
     assert "friction.kinetic_coefficient" not in paths
 
 
+@pytest.mark.parametrize("name", ["dahl", "dahl-exponent"])
+def test_a_name_is_the_same_law_to_fit_and_to_select(run, tmp_path, name):
+    # bristles, elastic and perfectly plastic: an exponent well below 1
+    t = np.linspace(0.0, 10.0, 500)
+    x = 1e-4 * np.sin(np.pi * t)
+    force = [0.0]
+    for step in np.diff(x):
+        force.append(float(np.clip(force[-1] + 4e4 * step, -2.0, 2.0)))
+    noisy = np.array(force) + 0.02 * np.random.default_rng(0).normal(size=len(t))
+    table = np.stack([t, x, noisy], axis=1)
+    np.savetxt(tmp_path / "loop.csv", table, delimiter=",", header="t,q,f", comments="")
+    data = ("bare.toml", "--data", "loop.csv", "--columns", "time=t,position=q,friction=f")
+    code, out, err = run("fit", *data, "--law", name, "--json")
+    assert code == 0, err
+    fitted = {one["parameter"]: one["value"] for one in json.loads(out)["estimates"]}
+    candidates = json.loads(run("select", *data, "--laws", name, "--json")[1])["candidates"]
+    (same,) = [one for one in candidates if one["law"] == name]
+    chosen = {one["parameter"]: one["value"] for one in same["fit"]["estimates"]}
+    for path, value in chosen.items():  # select leaves out what ends at its bound of 0
+        assert fitted[path] == pytest.approx(value, rel=1e-4, abs=1e-5)
+    has_exponent = [("friction.exponent" in found) for found in (fitted, chosen)]
+    assert has_exponent == [name == "dahl-exponent"] * 2
+
+
+@pytest.mark.parametrize("command", [("fit", "--law"), ("select", "--laws"), ("plan", "--laws")])
+def test_travels_refuse_a_law_that_only_records_can_fit(run, command):
+    verb, option = command
+    code, _, err = run(verb, option, "dahl-exponent")
+    assert code == 2
+    assert "dahl with its exponent fitted, too. Give dahl." in err
+
+
 BAD = [
     (("select", "bare.toml"), "has no measurement"),
     (("select", "bare.toml", "--data", "nowhere.csv"), "nowhere.csv: there is no such file"),

@@ -34,7 +34,7 @@ from stickslip.experiments import Checks, Rig, check, load_rig
 from stickslip.experiments.preconditions import told
 from stickslip.experiments.second_records import refuse_same
 from stickslip.formatting import quantity, signed_percent
-from stickslip.friction import FrictionLaw, law_type
+from stickslip.friction import FrictionLaw, specification
 from stickslip.identification import FeatureFit, Fit, RecordFit, Score, TravelFit, fit
 from stickslip.identification.features.features import COMPARED
 from stickslip.identification.results import far_above_dry
@@ -66,8 +66,9 @@ def run(
         refuse_overwriting(output, output.parent, force=force)
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     name = fitted_name(rig, name)
-    law = rig.laws.get(name) or law_type(name)
-    found = measured(rig, asked, given=path is not None, law=law)
+    law = rig.laws.get(name) or name
+    kind = specification(law).law if isinstance(law, str) else law
+    found = measured(rig, asked, given=path is not None, law=kind)
     checks = _checked(rig, found, asked)
     result = _fitted(rig, law, found, asked)
     second = _second(result, found, asked)
@@ -103,13 +104,14 @@ def _checked(rig: Rig, found: Measured, asked: Asked) -> Checks:
 
 def _fitted(
     rig: Rig,
-    law: FrictionLaw | type[FrictionLaw],
+    law: FrictionLaw | str,
     found: Measured,
     asked: Asked,
 ) -> Fit:
     """Fit with a bar; Ctrl-C once ends the search in a record."""
+    name = law if isinstance(law, str) else law.name
     if found.travels:
-        with Watching([law.name], "Fitting") as bar:
+        with Watching([name], "Fitting") as bar:
             return fit(
                 rig.mechanism,
                 law,
@@ -117,13 +119,13 @@ def _fitted(
                 vary=found.vary,
                 fixed=found.fixed,
                 t_end=rig.t_end,
-                progress=lambda runs: bar(law.name, runs),
+                progress=lambda runs: bar(name, runs),
             )
     with (
         Interrupts() as interrupts,
-        Searching([law.name], residuals(found), interrupts) as watch,
+        Searching([name], residuals(found), interrupts) as watch,
     ):
-        watch(law.name, math.nan)  # what is compiled first takes longer than the first look
+        watch(name, math.nan)  # what is compiled first takes longer than the first look
         return fit(
             rig.mechanism,
             law,
@@ -132,7 +134,7 @@ def _fitted(
             fixed=found.fixed,
             route=found.route or asked.how.route,
             settings=asked.how.settings(rig),
-            progress=lambda rms: watch(law.name, rms),
+            progress=lambda rms: watch(name, rms),
         )
 
 

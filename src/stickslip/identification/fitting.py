@@ -8,7 +8,7 @@ from typing_extensions import TypeVar
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.experiments.preconditions import refuse_faults, with_doubts
-from stickslip.friction import FrictionLaw, law_type
+from stickslip.friction import FrictionLaw, law_type, specification
 from stickslip.identification.features.features import by_features
 from stickslip.identification.features.fit import fit_features
 from stickslip.identification.precompile import compile_for
@@ -31,7 +31,7 @@ from stickslip.identification.travels.start_values import (
     starting_law,
     with_known,
 )
-from stickslip.identification.validation import LAW, Parameters, arguments, check_given
+from stickslip.identification.validation import LAW, Parameters, arguments, check_given, names_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
@@ -71,8 +71,8 @@ def fit(
         What was measured; trials may override its parameters.
     law : FrictionLaw, type or str
         An instance, whose values are the start and, for parameters that are not varied, the
-        assumption; or a type or its name, for which start values are found: in a record, or
-        ordinary ones for travels.
+        assumption; or a type or a name, for which start values are found: in a record, or ordinary
+        ones for travels. Names are those of `select`, such as ``"dahl-exponent"`` for records.
     measurement : Measurement
         Travels, records in time, measured friction, or the force of a spring.
     vary : str or sequence of str, optional
@@ -119,7 +119,13 @@ def fit(
     5.73
     """
     check_given("fit", mechanism, measurement)
-    kind = law_type(law) if isinstance(law, str) else law
+    kind: FrictionLaw | type[FrictionLaw]
+    if isinstance(law, str) and measurement.travelled:
+        kind = law_type(law)
+    elif isinstance(law, str):
+        kind, vary = _called(law, vary, fixed or {})
+    else:
+        kind = law
     found: Fit
     if by_features(measurement, asked_for(route)):
         seed = 0 if settings is None else settings.seed
@@ -154,6 +160,18 @@ def fit(
         found = fit_trials(start, trials, free=free, t_end=t_end, watch=progress)
         check_rest(found, t_end)
     return cast("Fit[AnyLaw]", found)  # each of them changes the numbers of a law, not its type
+
+
+def _called(
+    name: str, vary: str | Sequence[str] | None, fixed: Collection[str]
+) -> tuple[FrictionLaw | type[FrictionLaw], str | Sequence[str] | None]:
+    """Return the law that a name stands for, with what is fitted of it put into `vary`."""
+    found = specification(name)
+    if found.free is None:
+        return found.law, vary
+    own = [f"friction.{one}" for one in found.free if not {one, f"friction.{one}"} & {*fixed}]
+    names = [LAW] if vary is None else names_of(vary)
+    return found.law, [path for one in names for path in (own if one == LAW else [one])]
 
 
 def _travel_paths(
