@@ -122,7 +122,7 @@ def _selected(
             horizon=asked.how.horizon,
             route=found.route or asked.how.route,
             validate=found.validate,
-            settings=asked.how.settings(rig),
+            settings=None if found.travels else asked.how.settings(rig),
             t_end=rig.t_end,
             progress=watch,
             executor=stack.enter_context(workers(min(jobs, len(names)))),

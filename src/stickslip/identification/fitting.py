@@ -31,7 +31,14 @@ from stickslip.identification.travels.start_values import (
     starting_law,
     with_known,
 )
-from stickslip.identification.validation import LAW, Parameters, arguments, check_given, names_of
+from stickslip.identification.validation import (
+    LAW,
+    Parameters,
+    arguments,
+    check_given,
+    names_of,
+    refuse_for_travels,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
@@ -119,6 +126,8 @@ def fit(
     5.73
     """
     check_given("fit", mechanism, measurement)
+    if measurement.travelled:
+        refuse_for_travels("vary, fixed, t_end and progress", route=route, settings=settings)
     kind: FrictionLaw | type[FrictionLaw]
     if isinstance(law, str) and measurement.travelled:
         kind = law_type(law)

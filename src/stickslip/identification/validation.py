@@ -10,6 +10,7 @@ from typing import Generic, ParamSpec, TypeAlias, TypeVar, cast, final
 from stickslip.errors import InputError, RenamedError, UnknownNameError, renamed
 from stickslip.experiments import Measurement, Rig
 from stickslip.experiments.parameter_paths import all_paths
+from stickslip.formatting import joined
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, full_path, parameters
@@ -25,6 +26,7 @@ __all__ = [
     "law_quantities",
     "laws_of",
     "names_of",
+    "refuse_for_travels",
 ]
 
 P = ParamSpec("P")
@@ -282,6 +284,29 @@ def check_given(verb: str, mechanism: object, measurement: object) -> None:
     elif isinstance(measurement, Rig):
         cure = "give rig.measurement"
     raise InputError(f"{verb} takes a Measurement, got {_called(measurement)}: {cure}.")
+
+
+def refuse_for_travels(accepted: str, **given: object) -> None:
+    """Refuse arguments that travels have no use for.
+
+    Raises
+    ------
+    InputError
+        If one of `given` is not None; the message names it and what is `accepted`.
+
+    Examples
+    --------
+    >>> refuse_for_travels("vary and t_end", route=None)
+    >>> refuse_for_travels("vary and t_end", route="shooting")
+    Traceback (most recent call last):
+    stickslip.errors.InputError: route is for records in time or of friction; travels are fitted ...
+    """
+    named = [name for name, value in given.items() if value is not None]
+    if named:
+        raise InputError(
+            f"{joined(named)} {'is' if len(named) == 1 else 'are'} for records in time or of"
+            f" friction; travels are fitted by runs to rest and take {accepted} only."
+        )
 
 
 def _called(given: object) -> str:

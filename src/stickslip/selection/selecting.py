@@ -15,6 +15,7 @@ from stickslip.identification.validation import (
     arguments,
     check_given,
     laws_of,
+    refuse_for_travels,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.candidates import specifications
@@ -114,8 +115,14 @@ def select(
     """
     check_given("select", mechanism, measurement)
     laws = laws_of(laws)
-    by_its_features = by_features(measurement, asked_for(route))
-    if measurement.travelled and not by_its_features:
+    if measurement.travelled:
+        refuse_for_travels(
+            "vary, fixed, assumed, t_end and progress",
+            purpose=None if purpose == "simulate" else purpose,
+            horizon=horizon,
+            route=route,
+            settings=settings,
+        )
         chosen = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
         _check_travels(chosen.unknown, validate)
         return select_travels(
@@ -126,7 +133,7 @@ def select(
             t_end=t_end,
             progress=progress,
         )
-    if by_its_features:
+    if by_features(measurement, asked_for(route)):
         return select_features(
             mechanism,
             laws,
