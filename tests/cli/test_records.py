@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import stickslip.selection.records as selection
-from stickslip import load_rig
+from stickslip import CoulombViscous, Pendulum, load_rig, simulate
 from stickslip.cli import main
 from stickslip.cli.interrupts import Interrupts
 from stickslip.identification.records.fitting import fit_record
@@ -433,3 +433,47 @@ def test_lengths_in_the_wrong_unit_leave_no_law_and_no_law_file(run, write, axis
     folder = Path("stickslip-report")
     assert not (folder / "law.toml").exists()
     assert json.loads((folder / "verdict.json").read_text(encoding="utf-8"))["best"] is None
+
+
+@pytest.fixture
+def pendulum(run, tmp_path):
+    """Write the free decay of a pendulum, whose friction is a torque."""
+    rod = Pendulum(mass=0.5, length=0.4)
+    law = CoulombViscous(kinetic_coefficient=0.02, viscous_coefficient=0.01)
+    t = np.arange(400) / 100.0
+    motion = simulate(rod, law, t_end=4.0, y0={"theta": 0.8}).at(t)["theta"]
+    noise = np.random.default_rng(0).normal(0.0, 1e-3, t.size)
+    table = np.stack([t, motion + noise], axis=1)
+    np.savetxt(tmp_path / "swing.csv", table, delimiter=",", header="t,q", comments="")
+    (tmp_path / "swing.toml").write_text(
+        '[mechanism]\ntype = "pendulum"\nmass = 0.5\nlength = 0.4\n[data]\nfile = "swing.csv"\n'
+        'columns = { time = "t", position = "q" }\nunits = { position = "rad" }\n'
+    )
+    return run
+
+
+def test_the_starts_of_a_free_decay_are_those_of_its_first_search(pendulum):
+    asked = ("fit", "swing.toml", "--law", "coulomb-viscous", "--starts", "2")
+    code, out, _ = pendulum(*asked)
+    assert code == 0
+    assert "Restarts: 2 of 2 starts end at the least residual in short segments" in out
+    content = json.loads(pendulum(*asked, "--json")[1])
+    assert (len(content["restarts"]), content["restarts_agreeing"]) == (2, 2)
+    _, out, _ = pendulum(*asked[:-1], "1")
+    assert "Restarts: none, a single start" in out
+
+
+def test_all_units_of_a_pendulum_are_those_of_torque_and_angle(pendulum):
+    asked = ("fit", "swing.toml", "--law", "coulomb-viscous", "--starts", "1")
+    assert pendulum(*asked, "-o", "law.toml")[0] == 0
+    estimates = json.loads(pendulum(*asked, "--json")[1])["estimates"]
+    assert [one["unit"] for one in estimates] == ["N m", "N m s/rad"]
+    code, out, err = pendulum("simulate", "swing.toml", "--law", "law.toml", "--report")
+    assert code == 0
+    assert "N m s/rad is that of the contact it was fitted on" in err
+    assert re.search(r"fitted at up to \d\.\d+ rad/s", err)
+    text = " ".join(Path("stickslip-run/index.html").read_text(encoding="utf-8").split())
+    for wrong in ("m/s<", " m/s", "N s/m"):
+        assert wrong not in out + err + text
+    for unit in (">N m<", ">N m s/rad<"):
+        assert unit in text

@@ -195,7 +195,7 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
         console.print(
             f"On the second record: {said(second.rms)}, {_predicted(result, second)}", markup=False
         )
-    console.print(f"Restarts: {_restarts(found.agreeing, len(found.costs))}", markup=False)
+    console.print(f"Restarts: {_restarts(result)}", markup=False)
     for remark in (*result.remarks, route_text(result)):
         if remark:
             console.print(remark, markup=False)
@@ -216,10 +216,15 @@ def _predicted(result: RecordFit, second: Score) -> str:
     return "along the measured motion"
 
 
-def _restarts(agreeing: int, starts: int) -> str:
+def _restarts(result: RecordFit) -> str:
+    """Return how many starts agree; a free decay is fitted in longer segments after that."""
+    starts = len(result.restarts.costs)
     if starts == 1:
         return "none, a single start"
-    return f"{agreeing} of {starts} starts end at the least residual"
+    text = f"{result.restarts.agreeing} of {starts} starts end at the least residual"
+    if result.first is None:
+        return text
+    return f"{text} in short segments; longer ones of the free decay were fitted from there"
 
 
 def _show_features(fit: FeatureFit, second: Mapping[str, float]) -> None:

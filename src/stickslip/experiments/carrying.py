@@ -6,8 +6,16 @@ from typing import Final, final
 import numpy as np
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.estimates import LOAD, LawEstimates, Levels, equated, levels_at
+from stickslip.experiments.estimates import (
+    LOAD,
+    LawEstimates,
+    Levels,
+    equated,
+    levels_at,
+    slips_in_angle,
+)
 from stickslip.experiments.rig import Rig
+from stickslip.experiments.units import turned
 from stickslip.formatting import joined, number, quantity, span
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_names, static_normal_force
@@ -107,9 +115,9 @@ def carried(
         raise InputError(_refusal(rig, name, levels))
     elif divided and here != "per load":
         remarks += _about_unit_load(mechanism, levels, here)
-    remarks += _about_viscosity(found, known)
+    remarks += _about_viscosity(found, known, slips_in_angle(rig.mechanism))
     if here == "per load":
-        remarks += _about_bristles(found)
+        remarks += _about_bristles(found, slips_in_angle(mechanism))
     remarks += _about_rest(found)
     remarks += _about_doubt(found, known)
     return CarriedLaw(
@@ -249,16 +257,17 @@ def _about_unit_load(mechanism: Mechanism, levels: Levels, here: Levels) -> list
     return []
 
 
-def _about_viscosity(law: FrictionLaw, known: LawEstimates | None) -> list[str]:
+def _about_viscosity(law: FrictionLaw, known: LawEstimates | None, turning: bool) -> list[str]:
     found = [
-        f"${one.symbol}$ = {number(value)} {one.unit}"
+        f"${one.symbol}$ = {number(value)} {turned(one.unit, turning)}"
         for path, one, value in parameters(law, "friction")
         if one.unit.startswith("N") and value
     ]
     if not found:
         return []
     speed = known.largest_speed if known is not None else None
-    reach = "" if speed is None else f", and was fitted at up to {quantity(speed, 'm/s')}"
+    unit = turned("m/s", turning)
+    reach = "" if speed is None else f", and was fitted at up to {quantity(speed, unit)}"
     are = "is that" if len(found) == 1 else "are those"
     return [
         f"{joined(found)} {are} of the contact it was fitted on: viscous friction does not grow"
@@ -266,9 +275,9 @@ def _about_viscosity(law: FrictionLaw, known: LawEstimates | None) -> list[str]:
     ]
 
 
-def _about_bristles(law: FrictionLaw) -> list[str]:
+def _about_bristles(law: FrictionLaw, turning: bool) -> list[str]:
     found = [
-        f"${one.symbol}$ = {number(value)} {one.unit}"
+        f"${one.symbol}$ = {number(value)} {turned(one.unit, turning)}"
         for _, one, value in parameters(law, "friction")
         if one.unit in PER_LOAD[1:] and value
     ]
