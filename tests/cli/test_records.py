@@ -215,6 +215,48 @@ def test_only_the_parameters_named_are_free(run):
     assert "friction.kinetic_coefficient" not in paths
 
 
+TRAVELS = """
+[mechanism]
+type = "spring-block"
+mass = "1 kg"
+stiffness = {{ value = "100 N/m", uncertainty = "{stiffness}" }}
+compression = "100 mm"
+[[trial]]
+travel = "204 mm"
+uncertainty = "1 mm"
+[[trial]]
+travel = "73 mm"
+uncertainty = "1 mm"
+set = {{ "mechanism.compression" = "60 mm" }}
+"""
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "said"),
+    [
+        ("3 N/m", "The stiffness (3 %) limits it more than the readings do."),
+        ("0.1 N/m", "The readings limit it more than the stiffness (0.1 %) does."),
+    ],
+)
+def test_fit_prints_what_limits_an_interval(run, tmp_path, stiffness, said):
+    (tmp_path / "block.toml").write_text(TRAVELS.format(stiffness=stiffness))
+    code, out, _ = run("fit", "block.toml", "--law", "coulomb")
+    assert code == 0
+    assert f"friction.kinetic_coefficient: {said}" in " ".join(out.split())
+
+
+def test_fit_prints_what_limits_an_interval_from_a_record(run, tmp_path):
+    text = (tmp_path / "axis.toml").read_text()
+    exact = '{ value = "5 kg", vary = true }'
+    assert exact in text
+    (tmp_path / "known.toml").write_text(
+        text.replace(exact, '{ value = "5 kg", uncertainty = "1 kg" }')
+    )
+    code, out, _ = run("fit", "known.toml", "--law", "coulomb-viscous", "--starts", "1")
+    assert code == 0
+    assert "friction.kinetic_coefficient: The inertia (20 %) limits it more than" in out
+
+
 @pytest.mark.parametrize("name", ["dahl", "dahl-exponent"])
 def test_a_name_is_the_same_law_to_fit_and_to_select(run, tmp_path, name):
     # bristles, elastic and perfectly plastic: an exponent well below 1

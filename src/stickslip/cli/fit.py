@@ -40,6 +40,7 @@ from stickslip.identification.features.features import COMPARED
 from stickslip.identification.results import far_above_dry
 from stickslip.identification.travels.model import quantities_read
 from stickslip.identification.trials.comparison import compared
+from stickslip.selection.identifiable import limit_of
 from stickslip.selection.record_wording import error_text, route_text
 
 __all__ = ["run"]
@@ -171,6 +172,9 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
     console = stdout()
     console.print(f"\n{result.law.title} friction", markup=False, style="bold")
     show_estimates(result.estimates)
+    for one in result.estimates:
+        if isinstance(result, TravelFit | RecordFit) and (limit := limit_of(result, one)):
+            console.print(f"  {one.path}:{plain(limit)}", markup=False)
     console.print()
     for line in far_above_dry(result):
         console.print(f"! {plain(line)}\n", markup=False, style="yellow")
