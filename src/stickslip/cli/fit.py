@@ -172,9 +172,7 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
     console = stdout()
     console.print(f"\n{result.law.title} friction", markup=False, style="bold")
     show_estimates(result.estimates)
-    for one in result.estimates:
-        if isinstance(result, TravelFit | RecordFit) and (limit := limit_of(result, one)):
-            console.print(f"  {one.path}:{plain(limit)}", markup=False)
+    _show_limits(result)
     console.print()
     for line in far_above_dry(result):
         console.print(f"! {plain(line)}\n", markup=False, style="yellow")
@@ -211,6 +209,13 @@ def _show(result: Fit, second: Score | Mapping[str, float] | None) -> None:
         console.print("\nCannot tell", markup=False, style="bold")
     for line in result.sentences:
         console.print(f"  {plain(line)}", markup=False)
+
+
+def _show_limits(result: Fit) -> None:
+    """Print what limits each interval, the readings or the rig; features tell neither apart."""
+    for one in result.estimates:
+        if isinstance(result, TravelFit | RecordFit) and (limit := limit_of(result, one)):
+            stdout().print(f"  {one.path}:{plain(limit)}", markup=False)
 
 
 def _predicted(result: RecordFit, second: Score) -> str:
