@@ -103,6 +103,7 @@ def rig_and_law(
     own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
     others = {key: value for key, value in given.items() if key not in own}
     rig = load_rig(path, overrides=others, allow_import=allow_import)
+    _check_named(Path(file["path"]))
     source = load_rig(file["path"], allow_import=allow_import)
     load = _load(asked.load)
     found = carried(source, rig.mechanism, law=file["law"], load=load)
@@ -120,6 +121,16 @@ def _of(law: str, key: str) -> str:
     """Return an override of the law's own table, where it names a value alone."""
     rest = key.removeprefix(FRICTION)
     return key if "." in rest else f"{FRICTION}{law}.{rest}"
+
+
+def _check_named(file: Path) -> None:
+    """Refuse the law of a selection that named none, with what to do next."""
+    if file.name == "law.toml" and not file.exists() and file.with_name("verdict.json").exists():
+        raise InputError(
+            f"{file}: there is no such file, because select named no law for those data: measure or"
+            " mend what its page lists under 'Measure next', or fit a law that you accept with"
+            " `stickslip fit FILE --law NAME -o law.toml`, and give that."
+        )
 
 
 def _check_used(given: Collection[str], law: FrictionLaw) -> None:
