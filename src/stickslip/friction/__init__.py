@@ -24,7 +24,15 @@ from stickslip.friction.published import (
     RightEquation,
 )
 from stickslip.friction.quadratic_drag import QuadraticDrag
-from stickslip.friction.registry import LAWS, contained_laws, law_type, laws
+from stickslip.friction.registry import (
+    LAWS,
+    Specification,
+    contained_laws,
+    law_type,
+    laws,
+    specification,
+    usual_specifications,
+)
 from stickslip.friction.sources import SOURCES
 from stickslip.friction.stribeck import Stribeck
 from stickslip.friction.viscous import Viscous
@@ -49,6 +57,7 @@ __all__ = [
     "QuadraticDrag",
     "RightEquation",
     "SetValuedLaw",
+    "Specification",
     "Stribeck",
     "Viscous",
     "bristles_of",
@@ -56,5 +65,7 @@ __all__ = [
     "containment_of",
     "law_type",
     "laws",
+    "specification",
     "towards",
+    "usual_specifications",
 ]
