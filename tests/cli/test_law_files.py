@@ -18,7 +18,6 @@ from stickslip import (
     LuGre,
     Pendulum,
     SpringBlock,
-    ThreePhase,
     load_rig,
     select,
     simulate,
@@ -27,6 +26,7 @@ from stickslip.cli import main
 from stickslip.cli.console import plain
 from stickslip.cli.select import show_verdict
 from stickslip.cli.simulate import _event_rows
+from stickslip.drives import ThreePhase
 from stickslip.experiments import LawEstimates, bristle_remark, carried, extrapolations
 from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.trajectory import Event

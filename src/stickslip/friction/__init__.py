@@ -26,7 +26,7 @@ from stickslip.friction.published import (
 from stickslip.friction.quadratic_drag import QuadraticDrag
 from stickslip.friction.registry import (
     LAWS,
-    Specification,
+    CandidateSpec,
     contained_laws,
     law_type,
     laws,
@@ -43,6 +43,7 @@ __all__ = [
     "PRINTED_FORMS",
     "SOURCES",
     "BristleLaw",
+    "CandidateSpec",
     "Containment",
     "Coulomb",
     "CoulombViscous",
@@ -57,7 +58,6 @@ __all__ = [
     "QuadraticDrag",
     "RightEquation",
     "SetValuedLaw",
-    "Specification",
     "Stribeck",
     "Viscous",
     "bristles_of",

@@ -22,7 +22,7 @@ from stickslip.quantities import gathered, named
 
 __all__ = [
     "LAWS",
-    "Specification",
+    "CandidateSpec",
     "contained_laws",
     "law_type",
     "laws",
@@ -54,7 +54,7 @@ PLAIN_DAHL = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Specification:
+class CandidateSpec:
     """A candidate for records: a law, and which of its parameters are looked for."""
 
     name: str
@@ -67,7 +67,7 @@ class Specification:
     """Fields that are looked for; all of `fit_order` if None."""
 
     @classmethod
-    def of(cls, name: str, law: FrictionLaw | type[FrictionLaw]) -> "Specification":
+    def of(cls, name: str, law: FrictionLaw | type[FrictionLaw]) -> "CandidateSpec":
         """Return a law with all it can fit."""
         return cls(name=name, title=law.title, law=law)
 
@@ -102,7 +102,7 @@ def law_type(name: str) -> type[FrictionLaw]:
     return law
 
 
-def usual_specifications() -> tuple[Specification, ...]:
+def usual_specifications() -> tuple[CandidateSpec, ...]:
     """Return what records are compared with by default.
 
     Examples
@@ -121,19 +121,19 @@ def usual_specifications() -> tuple[Specification, ...]:
         LuGre,
     )
     return (
-        *(Specification.of(law.name, law) for law in usual),
-        Specification(
+        *(CandidateSpec.of(law.name, law) for law in usual),
+        CandidateSpec(
             name="stribeck-exponent",
             title="Stribeck with exponent",
             law=Stribeck,
             free=(*Stribeck.fit_order, "exponent"),
         ),
-        Specification(name="dahl", title="Dahl", law=Dahl, free=PLAIN_DAHL),
-        Specification(name="dahl-exponent", title="Dahl with exponent", law=Dahl),
+        CandidateSpec(name="dahl", title="Dahl", law=Dahl, free=PLAIN_DAHL),
+        CandidateSpec(name="dahl-exponent", title="Dahl with exponent", law=Dahl),
     )
 
 
-def specification(name: str) -> Specification:
+def specification(name: str) -> CandidateSpec:
     """Return the candidate for records of that name: a usual one, or a law with all it can fit.
 
     Raises
@@ -148,9 +148,9 @@ def specification(name: str) -> Specification:
     >>> specification("dahl-exponent").title
     'Dahl with exponent'
     """
-    known = {law: Specification.of(law, kind) for law, kind in laws().items()}
+    known = {law: CandidateSpec.of(law, kind) for law, kind in laws().items()}
     known |= {one.name: one for one in usual_specifications()}
-    found: Specification = named(known, name, "friction law")
+    found: CandidateSpec = named(known, name, "friction law")
     return found
 
 

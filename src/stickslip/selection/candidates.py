@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 
 from stickslip.errors import InputError
 from stickslip.friction import (
+    CandidateSpec,
     Coulomb,
     FrictionLaw,
-    Specification,
     contained_laws,
     containment_of,
     specification,
@@ -17,7 +17,7 @@ from stickslip.friction import (
 __all__ = [
     "CONTROL",
     "REFERENCE",
-    "Specification",
+    "CandidateSpec",
     "check_apart",
     "contains",
     "specifications",
@@ -31,7 +31,7 @@ CONTROL = "no-friction"
 
 def specifications(
     laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None,
-) -> tuple[Specification, ...]:
+) -> tuple[CandidateSpec, ...]:
     """Return the candidates: those given, or all that records are compared with by default.
 
     A name stands for the candidate of that name, or for a law with all it can fit.
@@ -51,10 +51,10 @@ def specifications(
     if laws is None:
         return usual_specifications()
     if isinstance(laws, Mapping):
-        found = [Specification.of(name, law) for name, law in laws.items()]
+        found = [CandidateSpec.of(name, law) for name, law in laws.items()]
     else:
         found = [
-            specification(one) if isinstance(one, str) else Specification.of(one.name, one)
+            specification(one) if isinstance(one, str) else CandidateSpec.of(one.name, one)
             for one in laws
         ]
     if not found:
@@ -83,7 +83,7 @@ def check_apart(names: Sequence[str]) -> None:
         )
 
 
-def contains(rich: Specification, simple: Specification) -> bool:
+def contains(rich: CandidateSpec, simple: CandidateSpec) -> bool:
     """Whether a candidate is another one for some values of what is looked for.
 
     Examples
@@ -107,7 +107,7 @@ def contains(rich: Specification, simple: Specification) -> bool:
     return first is None or not (set(first.where) & fewer)
 
 
-def control() -> Specification:
+def control() -> CandidateSpec:
     """Return the candidate without friction."""
     law = Coulomb(kinetic_coefficient=0.0)
-    return Specification(name=CONTROL, title="No friction", law=law, free=())
+    return CandidateSpec(name=CONTROL, title="No friction", law=law, free=())

@@ -26,7 +26,7 @@ from stickslip.identification.features.result import MISSED
 from stickslip.identification.features.scores import as_good, error_of_score, room_of
 from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
-from stickslip.selection.candidates import Specification, specifications
+from stickslip.selection.candidates import CandidateSpec, specifications
 from stickslip.selection.feature_speeds import other_speeds
 from stickslip.selection.feature_verdict import FeatureCandidate, FeatureVerdict
 from stickslip.selection.feature_wording import feature_wording, outcomes
@@ -43,7 +43,7 @@ CONTROL = "the mechanism as stated"
 
 def feature_laws(
     laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None,
-) -> tuple[Specification, ...]:
+) -> tuple[CandidateSpec, ...]:
     """Return the candidates: those given, or Coulomb, Stribeck and LuGre.
 
     Examples
@@ -130,7 +130,7 @@ def _verdict(
 
 
 def _candidate(
-    one: Specification,
+    one: CandidateSpec,
     _contained: Sequence[FittedLaw] = (),
     _rival: float = 0.0,
     watch: RecordWatch | None = None,

@@ -10,7 +10,7 @@ from typing import Protocol, TypeVar
 
 from stickslip.friction import BristleLaw
 from stickslip.identification.estimation.containment import FittedLaw
-from stickslip.selection.candidates import Specification, contains
+from stickslip.selection.candidates import CandidateSpec, contains
 
 __all__ = ["Fitted", "fitted_side_by_side", "takes_long"]
 
@@ -53,7 +53,7 @@ class Fitted(Protocol[C_co]):
 
     def __call__(
         self,
-        one: Specification,
+        one: CandidateSpec,
         contained: Sequence[FittedLaw],
         rival: float,
         watch: Watch | None = None,
@@ -77,7 +77,7 @@ class _Wanted:
 
 def fitted_side_by_side(
     fitted: Fitted[C],
-    chosen: Sequence[Specification],
+    chosen: Sequence[CandidateSpec],
     watch: Watch | None,
     executor: Executor | None,
 ) -> list[C]:
@@ -101,7 +101,7 @@ def fitted_side_by_side(
         return [found[one.name] for one in chosen]
     with tempfile.TemporaryDirectory() as folder:
         wanted = _Wanted(Path(folder, "end"))
-        futures: dict[Future[C], Specification] = {}
+        futures: dict[Future[C], CandidateSpec] = {}
         while waiting or futures:
             unfinished = [*waiting, *futures.values()]
             ready = [one for one in waiting if not _awaited(one, unfinished)]
@@ -118,20 +118,20 @@ def fitted_side_by_side(
     return [found[one.name] for one in chosen]
 
 
-def _awaited(one: Specification, unfinished: Sequence[Specification]) -> bool:
+def _awaited(one: CandidateSpec, unfinished: Sequence[CandidateSpec]) -> bool:
     """Whether a fit has not ended that is to end before that of a candidate."""
     return any(
         contains(one, other) or _knows(one, other) for other in unfinished if other is not one
     )
 
 
-def _knows(one: Specification, other: Specification) -> bool:
+def _knows(one: CandidateSpec, other: CandidateSpec) -> bool:
     """Whether a candidate is fitted with what another leaves in mind."""
     return takes_long(one.law) and not takes_long(other.law) and not contains(other, one)
 
 
 def _rival(
-    one: Specification, chosen: Sequence[Specification], found: Mapping[str, Tried]
+    one: CandidateSpec, chosen: Sequence[CandidateSpec], found: Mapping[str, Tried]
 ) -> float:
     """Return the least mean square of those whose fits ended before; 0 if none did."""
     known = (found[other.name].fitted_law for other in chosen if _knows(one, other))
@@ -139,7 +139,7 @@ def _rival(
 
 
 def _contained(
-    one: Specification, chosen: Sequence[Specification], found: Mapping[str, Tried]
+    one: CandidateSpec, chosen: Sequence[CandidateSpec], found: Mapping[str, Tried]
 ) -> tuple[FittedLaw, ...]:
     """Return the fits of candidates that a candidate contains."""
     # in an order of their own: what a search comes to must not hang on that of the candidates

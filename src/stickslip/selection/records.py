@@ -34,7 +34,7 @@ from stickslip.quantities import fields_of, vary
 from stickslip.selection.applicability import one_way, unsuited_by
 from stickslip.selection.candidates import (
     REFERENCE,
-    Specification,
+    CandidateSpec,
     contains,
     control,
     specifications,
@@ -140,7 +140,7 @@ def _tried(
     measurement: Measurement,
     route: str | RouteChoice,
     settings: RecordSettings | None,
-    chosen: Sequence[Specification],
+    chosen: Sequence[CandidateSpec],
     watch: RecordWatch | None,
     executor: Executor | None,
 ) -> tuple[Callable[..., RecordCandidate], list[RecordCandidate]]:
@@ -200,7 +200,7 @@ def _aim(purpose: PurposeName, horizon: float | None) -> float:
 def _laws(
     laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None,
     measurement: Measurement,
-) -> tuple[Specification, ...]:
+) -> tuple[CandidateSpec, ...]:
     """Return the candidates; by default none that the motion cannot tell."""
     chosen = specifications(laws)
     if laws is None and one_way(measurement):
@@ -260,14 +260,14 @@ def _fits(tried: Sequence[RecordCandidate]) -> list[RecordFit]:
     return fits
 
 
-def _unfitted(one: Specification, reason: str) -> RecordCandidate:
+def _unfitted(one: CandidateSpec, reason: str) -> RecordCandidate:
     return RecordCandidate(
         name=one.name, title=one.title, fit=None, validation=None, dropped=reason
     )
 
 
 def _candidate(
-    one: Specification,
+    one: CandidateSpec,
     contained: Sequence[FittedLaw] = (),
     rival: float = 0.0,
     watch: RecordWatch | None = None,
@@ -306,7 +306,7 @@ def _candidate(
     return _fitted(one, fit, left_out)
 
 
-def _fitted(one: Specification, fit: RecordFit, left_out: Sequence[str]) -> RecordCandidate:
+def _fitted(one: CandidateSpec, fit: RecordFit, left_out: Sequence[str]) -> RecordCandidate:
     """Return a candidate with its fit."""
     return RecordCandidate(
         name=one.name, title=one.title, fit=fit, validation=None, left_out=tuple(left_out)
@@ -351,7 +351,7 @@ def _judged(
 
 
 def _control(
-    fitted: Callable[[Specification], RecordCandidate],
+    fitted: Callable[[CandidateSpec], RecordCandidate],
     work: Callable[[RecordCandidate], RecordCandidate],
 ) -> RecordCandidate:
     """Return no friction at all, fitted and judged."""
@@ -400,7 +400,7 @@ def _judgeable(judged: Sequence[RecordCandidate]) -> list[RecordCandidate]:
 
 
 def _with_contained(
-    judged: Sequence[RecordCandidate], chosen: Sequence[Specification]
+    judged: Sequence[RecordCandidate], chosen: Sequence[CandidateSpec]
 ) -> list[RecordCandidate]:
     """Add to each candidate which of the others its law contains."""
     simpler = {

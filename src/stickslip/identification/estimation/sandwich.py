@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.identification.estimation.directions import Directions
-from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.estimation.problem import ResidualJacobian
 
 __all__ = ["sandwich"]
 
 Array: TypeAlias = NDArray[np.float64]
 
 
-def sandwich(at: Linearised, free: NDArray[np.bool_]) -> Array:
+def sandwich(at: ResidualJacobian, free: NDArray[np.bool_]) -> Array:
     """Return the covariance (p, p) of the values; infinite variances where not free or not seen.
 
     Residuals may be correlated in any way within a segment, and not between segments. Where few
@@ -23,7 +23,7 @@ def sandwich(at: Linearised, free: NDArray[np.bool_]) -> Array:
     Examples
     --------
     >>> draw = np.random.default_rng(0)
-    >>> many = Linearised(
+    >>> many = ResidualJacobian(
     ...     values=np.zeros(1),
     ...     residual=draw.normal(size=10_000),
     ...     slopes=np.ones((10_000, 1)),

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from stickslip.errors import ConvergenceError, InputError, renamed
 from stickslip.experiments import Measurement
 from stickslip.identification.estimation.jackknife import effective_size
-from stickslip.identification.estimation.levenberg_marquardt import Found, Watch, search
-from stickslip.identification.estimation.parameters import Unknowns
-from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch, search
+from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.estimation.sandwich import sandwich
 from stickslip.identification.rate_state.law import STIFFNESS, Evolution
 from stickslip.identification.rate_state.problem import Record, Slider, record_of, unknowns_for
@@ -159,7 +159,7 @@ def _used(measurement: Measurement, before: float | None, after: float | None) -
     return record
 
 
-def _tried(unknowns: Unknowns) -> Sequence[Array]:
+def _tried(unknowns: FreeParameters) -> Sequence[Array]:
     """Return starts with other critical distances; the first one has 0.01 of the way."""
     tried = []
     for distance in DISTANCES:
@@ -170,8 +170,13 @@ def _tried(unknowns: Unknowns) -> Sequence[Array]:
 
 
 def _drifting(
-    slider: Slider, found: Found, unknowns: Unknowns, watch: Watch | None, *, always: bool
-) -> tuple[Slider, Found]:
+    slider: Slider,
+    found: OptimizeResult,
+    unknowns: FreeParameters,
+    watch: Watch | None,
+    *,
+    always: bool,
+) -> tuple[Slider, OptimizeResult]:
     """Return problem and end with a drift, or those without if the data do not need it."""
     drifting = slider.with_unknowns(unknowns)
     ends = [search(drifting, starts=1 + len(DISTANCES), tried=_tried(unknowns), watch=watch)]
@@ -186,13 +191,13 @@ def _drifting(
     return drifting, best
 
 
-def _profile(slider: Slider, best: Linearised) -> Profile:
+def _profile(slider: Slider, best: ResidualJacobian) -> Profile:
     """Return fits with other evolution effects held, as far as the record allows them."""
     values = best.values
     a, b = values[:2]
     room = best.cost * (1.0 + 4.0 / max(effective_size(best) - len(values), 4.0))
     lowest = slider.unknowns.items[1].low
-    kept: list[Linearised] = []
+    kept: list[ResidualJacobian] = []
     unbounded = True
     for tried in (
         [b + share * a for share in LARGER],
@@ -207,7 +212,7 @@ def _profile(slider: Slider, best: Linearised) -> Profile:
     return Profile(ends=tuple(kept), unbounded=unbounded)
 
 
-def _holding(slider: Slider, values: Array, b: float) -> Linearised | None:
+def _holding(slider: Slider, values: Array, b: float) -> ResidualJacobian | None:
     """Return the best fit with b held, from a shifted as much and from fast evolution."""
     start = values.copy()
     start[0] = max(values[0] + b - values[1], 1e-2 * values[0])
@@ -223,7 +228,7 @@ def _holding(slider: Slider, values: Array, b: float) -> Linearised | None:
         return None
 
 
-def _windows(slider: Slider, best: Linearised) -> tuple[Window, ...]:
+def _windows(slider: Slider, best: ResidualJacobian) -> tuple[Window, ...]:
     """Return a - b with less of the record after the last step, and with all that was given."""
     found = []
     for share in FRACTIONS:
@@ -235,7 +240,7 @@ def _windows(slider: Slider, best: Linearised) -> tuple[Window, ...]:
     return (*found, _window(slider, best))
 
 
-def _window(slider: Slider, end: Linearised) -> Window:
+def _window(slider: Slider, end: ResidualJacobian) -> Window:
     error = rate_error(sandwich(end, free_of(slider, end.values)))
     rate = float(end.values[0] - end.values[1])
     return Window(after=slider.record.after, rate=rate, error=error)

@@ -11,8 +11,8 @@ from typing_extensions import override
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import number, quantity
-from stickslip.identification.estimation.parameters import Unknown, Unknowns
-from stickslip.identification.estimation.problem import Linearised, Problem
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identification.estimation.problem import Problem, ResidualJacobian
 from stickslip.identification.rate_state.law import Evolution, RateState, logarithms
 from stickslip.identification.series.load_point import Path, path_of
 from stickslip.quantities import Quantity, fields_of
@@ -134,13 +134,13 @@ class Slider(Problem):
 
     record: Record
     evolution: Evolution
-    unknowns_: Unknowns
+    unknowns_: FreeParameters
     mean_time: Array
     mean: Array
     weight: Array
 
     @staticmethod
-    def of(record: Record, evolution: Evolution, unknowns: Unknowns) -> "Slider":
+    def of(record: Record, evolution: Evolution, unknowns: FreeParameters) -> "Slider":
         """Return the problem of a record; sums of squares differ by scatter within stretches."""
         bins = np.arange(len(record.time))
         if len(bins) > PLAIN:
@@ -155,13 +155,13 @@ class Slider(Problem):
             weight=np.sqrt(count / count.mean()),
         )
 
-    def with_unknowns(self, unknowns: Unknowns) -> "Slider":
+    def with_unknowns(self, unknowns: FreeParameters) -> "Slider":
         """Return the same record with other unknowns, of the same paths."""
         return replace(self, unknowns_=unknowns)
 
     @property
     @override
-    def unknowns(self) -> Unknowns:
+    def unknowns(self) -> FreeParameters:
         return self.unknowns_
 
     @property
@@ -212,11 +212,11 @@ class Slider(Problem):
     def linearise(
         self,
         values: Array,
-        near: Linearised | None = None,
+        near: ResidualJacobian | None = None,
         *,
         only: Sequence[int] | None = None,
         slopes: bool = True,
-    ) -> Linearised:
+    ) -> ResidualJacobian:
         blocks = self.blocks
         rows = np.ones(len(blocks), dtype=bool) if only is None else np.isin(blocks, only)
         times, weight = self.mean_time[rows], self.weight[rows]
@@ -224,10 +224,12 @@ class Slider(Problem):
         table = np.zeros((len(times), len(values)))
         if base is None:
             residual = np.full(len(times), np.inf)
-            return Linearised(values=values, residual=residual, slopes=table, segment=blocks[rows])
+            return ResidualJacobian(
+                values=values, residual=residual, slopes=table, segment=blocks[rows]
+            )
         if slopes:
             table = weight[:, None] * self._slopes(values, times, base)
-        return Linearised(
+        return ResidualJacobian(
             values=values,
             residual=weight * (self.mean[rows] - base),
             slopes=table,
@@ -260,7 +262,7 @@ def _edges(record: Record) -> Array:
 
 def unknowns_for(
     record: Record, *, drift: bool, lowest_evolution_effect: float, stiffness: float | None
-) -> Unknowns:
+) -> FreeParameters:
     """Return what is looked for, with first guesses read off the record."""
     declared = fields_of(RateState)
     slid = record.slid
@@ -277,12 +279,12 @@ def unknowns_for(
         (declared[names[4]], mu_0, -np.inf, np.inf, False),
     ]
     items = [
-        Unknown(path=path, quantity=quantity, start=start, low=low, high=high, log=log)
+        FreeParameter(path=path, quantity=quantity, start=start, low=low, high=high, log=log)
         for path, (quantity, start, low, high, log) in zip(PATHS, numbers, strict=True)
     ]
     if drift:
-        items.append(Unknown(path=DRIFT, quantity=Quantity("eta", "1/m"), start=0.0))
-    return Unknowns(tuple(items))
+        items.append(FreeParameter(path=DRIFT, quantity=Quantity("eta", "1/m"), start=0.0))
+    return FreeParameters(tuple(items))
 
 
 def _levels(record: Record) -> tuple[float, float]:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.formatting import estimate, fixed, joined, number, quantities, quantity, signed
-from stickslip.identification.estimation.levenberg_marquardt import Found
-from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult
+from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.estimation.sandwich import sandwich
 from stickslip.identification.rate_state.law import (
     RateState,
@@ -52,7 +52,7 @@ class Window:
 class Profile:
     """Fits with other evolution effects held that the record allows as well as the best."""
 
-    ends: tuple[Linearised, ...] = ()
+    ends: tuple[ResidualJacobian, ...] = ()
     unbounded: bool = False
     """Whether the largest evolution effect tried is still allowed."""
 
@@ -159,7 +159,7 @@ def free_of(slider: Slider, values: Array) -> NDArray[np.bool_]:
 
 
 def result_of(
-    slider: Slider, found: Found, *, profile: Profile, windows: tuple[Window, ...]
+    slider: Slider, found: OptimizeResult, *, profile: Profile, windows: tuple[Window, ...]
 ) -> RateStateFit:
     """Return what was found, with intervals and words."""
     values = found.best.values
@@ -188,7 +188,7 @@ def result_of(
     )
 
 
-def _correlation(best: Linearised, profile: Profile) -> float:
+def _correlation(best: ResidualJacobian, profile: Profile) -> float:
     """Return the correlation of a and b; near b = 0 that at the next b the record allows.
 
     It is that of independent residuals, which stays defined where a and b cannot be told apart.
@@ -259,7 +259,7 @@ def _hull(value: float, half_width: float, others: Array) -> tuple[float, float]
 
 def _sentences(
     slider: Slider,
-    found: Found,
+    found: OptimizeResult,
     estimates: Sequence[Estimate],
     correlation: float,
     windows: Sequence[Window],
