@@ -10,13 +10,24 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from stickslip import Axis, Coulomb, CoulombViscous, LuGre, SpringBlock, load_rig, select, simulate
+from stickslip import (
+    Axis,
+    Coulomb,
+    CoulombViscous,
+    Dahl,
+    LuGre,
+    Pendulum,
+    SpringBlock,
+    load_rig,
+    select,
+    simulate,
+)
 from stickslip.cli import main
 from stickslip.cli.console import plain
 from stickslip.cli.select import show_verdict
 from stickslip.cli.simulate import _event_rows
 from stickslip.drives import ThreePhase
-from stickslip.experiments import LawEstimates, carried, extrapolations
+from stickslip.experiments import LawEstimates, bristle_remark, carried, extrapolations
 from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.trajectory import Event
 
@@ -126,6 +137,57 @@ def test_a_band_is_the_spread_of_the_law_in_screen_table_page_and_json(walk):
     assert "400 runs" in Path("page/index.html").read_text()
     again = json.loads(walk(*asked)[1])["band"]
     assert again == band
+
+
+def test_a_back_slip_that_rests_on_bristles_nobody_measured_is_said_to(walk):
+    law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e3)
+    write("law.toml", SpringBlock(mass=1.0), law)
+    asked = ("simulate", CART, "--law", "law.toml", "--t-end", 2 * PERIOD, "--force")
+    code, _, err = walk(*asked, "--report")
+    assert code == 0
+    said = "sigma_0 = 1,000 1/m, which no measurement determined"
+    # the contact gives way by 0.5 mm as the force reverses: little of a travel of centimetres
+    assert f"rests on the bristles of the contact, {said}" in err
+    assert "back-slip in a cycle of" in err
+    assert "travel in a cycle" not in err
+    page = " ".join(Path("stickslip-run/index.html").read_text().split())
+    assert re.search(
+        r"back-slip in the last cycle; rests on .{0,900}no measurement determined", page
+    )
+    remarks = json.loads(walk(*asked, "--json")[1])["remarks"]
+    assert any(said in line for line in remarks)
+
+
+@pytest.mark.parametrize(
+    ("law", "known"),
+    [
+        (LAW, None),
+        (Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e8), None),  # a give of 5 nm
+        (
+            Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e3),
+            LawEstimates(law="dahl", intervals={"bristle_stiffness": (900.0, 1100.0)}),
+        ),
+    ],
+    ids=["no bristles", "too stiff to matter", "fitted"],
+)
+def test_bristles_that_were_fitted_or_do_not_matter_are_not_mentioned(law, known):
+    block = SpringBlock(mass=1.0)
+    assert bristle_remark(law, known, {"back-slip": 1e-3}, block) == ""
+    assert bristle_remark(law, known, {"back-slip": 0.0}, block) == ""
+
+
+def test_bristles_of_a_pivot_are_in_radians():
+    law = LuGre(
+        kinetic_coefficient=0.2,
+        static_coefficient=0.3,
+        stribeck_velocity=0.1,
+        bristle_stiffness=100.0,
+        bristle_damping=0.5,
+    )
+    said = bristle_remark(law, None, {"travel": 1e-3}, Pendulum(mass=1.0, length=0.5))
+    assert "travel of 1 mrad rests on" in said
+    assert "= 100 1/rad and" in said
+    assert "s/rad, which" in said
 
 
 def test_levels_that_are_forces_need_the_load_at_which_they_were_fitted(walk):

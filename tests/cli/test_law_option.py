@@ -70,3 +70,63 @@ def test_ordinary_values_are_said(simulated):
     code, law, _, err = simulated(MECHANISM)
     assert (code, law) == (0, "coulomb")
     assert "has no values for coulomb: it is run with ordinary ones, Coulomb(" in err
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "kinetic_coefficient = 0.4",
+        "[friction.coulomb]\nkinetic_coefficient = 0.4",
+        '[friction.dahl.forces]\nload = "10 N"\nkinetic_force = "4 N"\n'
+        'bristle_stiffness = "1e5 N/m"',
+    ],
+)
+def test_an_override_of_friction_counts_wherever_the_file_has_the_value(simulated, table):
+    text = MECHANISM + ("" if table.startswith("[") else "[friction]\n") + table
+    # 2 m/s after the push; braked by mu g alone, from 0.4 to half of that
+    wanted = simulated(text.replace("0.4", "0.2").replace("4 N", "2 N"))
+    code, law, end, err = simulated(text, "--set", "friction.kinetic_coefficient=0.2")
+    assert (code, law, end, err) == (*wanted[:3], "")
+    assert end > simulated(text)[2]
+
+
+def test_the_override_of_one_law_comes_before_that_of_all(simulated):
+    both = ("friction.kinetic_coefficient=0.1", "friction.coulomb-viscous.kinetic_coefficient=0.2")
+    found = simulated(ONE, *(part for one in both for part in ("--set", one)))
+    assert found == simulated(ONE, "--set", both[1])
+
+
+def test_of_an_overridden_value_no_interval_is_left(simulated):
+    text = ONE + (
+        '[estimates]\nlaw = "coulomb-viscous"\n[estimates.intervals]\n'
+        "kinetic_coefficient = [0.3, 0.5]\nviscous_coefficient = [1.0, 3.0]\n"
+    )
+    code, _, _, err = simulated(text, "--set", "friction.kinetic_coefficient=0.1")
+    assert (code, err) == (0, "")  # 0.1 lies outside its interval
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ("friction.bristle_stiffness", "is no parameter of coulomb-viscous"),
+        ("friction.viscous.viscous_coefficient", "is a value of viscous, but the run has"),
+    ],
+)
+def test_an_override_that_the_run_does_not_use_is_refused(simulated, path, said):
+    code, law, _, err = simulated(ONE, "--law", "coulomb-viscous", "--set", f"{path}=3")
+    assert (code, law) == (2, None)
+    assert f"--set {path} {said}" in err
+    assert "--law" in err
+
+
+def test_ordinary_values_stand_only_where_the_file_has_none(simulated):
+    text = MECHANISM + "[friction]\nstribeck_velocity = 0.3\n"
+    code, law, _, err = simulated(text, "--law", "stribeck")
+    assert (code, law) == (0, "stribeck")
+    assert "has only some values for stribeck" in err
+    assert "stribeck_velocity=0.3" in err
+    code, _, _, err = simulated(
+        text, "--law", "stribeck", "--set", "friction.kinetic_coefficient=2"
+    )
+    assert code == 2
+    assert "Give all of them" in err

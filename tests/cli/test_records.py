@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import stickslip.selection.records as selection
-from stickslip import load_rig
+from stickslip import CoulombViscous, Pendulum, load_rig, simulate
 from stickslip.cli import main
 from stickslip.cli.interrupts import Interrupts
 from stickslip.identification.records.fitting import fit_record
@@ -215,6 +215,80 @@ def test_only_the_parameters_named_are_free(run):
     assert "friction.kinetic_coefficient" not in paths
 
 
+TRAVELS = """
+[mechanism]
+type = "spring-block"
+mass = "1 kg"
+stiffness = {{ value = "100 N/m", uncertainty = "{stiffness}" }}
+compression = "100 mm"
+[[trial]]
+travel = "204 mm"
+uncertainty = "1 mm"
+[[trial]]
+travel = "73 mm"
+uncertainty = "1 mm"
+set = {{ "mechanism.compression" = "60 mm" }}
+"""
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "said"),
+    [
+        ("3 N/m", "The stiffness (3 %) limits it more than the readings do."),
+        ("0.1 N/m", "The readings limit it more than the stiffness (0.1 %) does."),
+    ],
+)
+def test_fit_prints_what_limits_an_interval(run, tmp_path, stiffness, said):
+    (tmp_path / "block.toml").write_text(TRAVELS.format(stiffness=stiffness))
+    code, out, _ = run("fit", "block.toml", "--law", "coulomb")
+    assert code == 0
+    assert f"friction.kinetic_coefficient: {said}" in " ".join(out.split())
+
+
+def test_fit_prints_what_limits_an_interval_from_a_record(run, tmp_path):
+    text = (tmp_path / "axis.toml").read_text()
+    exact = '{ value = "5 kg", vary = true }'
+    assert exact in text
+    (tmp_path / "known.toml").write_text(
+        text.replace(exact, '{ value = "5 kg", uncertainty = "1 kg" }')
+    )
+    code, out, _ = run("fit", "known.toml", "--law", "coulomb-viscous", "--starts", "1")
+    assert code == 0
+    assert "friction.kinetic_coefficient: The inertia (20 %) limits it more than" in out
+
+
+@pytest.mark.parametrize("name", ["dahl", "dahl-exponent"])
+def test_a_name_is_the_same_law_to_fit_and_to_select(run, tmp_path, name):
+    # bristles, elastic and perfectly plastic: an exponent well below 1
+    t = np.linspace(0.0, 10.0, 500)
+    x = 1e-4 * np.sin(np.pi * t)
+    force = [0.0]
+    for step in np.diff(x):
+        force.append(float(np.clip(force[-1] + 4e4 * step, -2.0, 2.0)))
+    noisy = np.array(force) + 0.02 * np.random.default_rng(0).normal(size=len(t))
+    table = np.stack([t, x, noisy], axis=1)
+    np.savetxt(tmp_path / "loop.csv", table, delimiter=",", header="t,q,f", comments="")
+    data = ("bare.toml", "--data", "loop.csv", "--columns", "time=t,position=q,friction=f")
+    code, out, err = run("fit", *data, "--law", name, "--json")
+    assert code == 0, err
+    fitted = {one["parameter"]: one["value"] for one in json.loads(out)["estimates"]}
+    candidates = json.loads(run("select", *data, "--laws", name, "--json")[1])["candidates"]
+    (same,) = [one for one in candidates if one["law"] == name]
+    chosen = {one["parameter"]: one["value"] for one in same["fit"]["estimates"]}
+    for path, value in chosen.items():  # select leaves out what ends at its bound of 0
+        assert fitted[path] == pytest.approx(value, rel=1e-4, abs=1e-5)
+    has_exponent = [("friction.exponent" in found) for found in (fitted, chosen)]
+    assert has_exponent == [name == "dahl-exponent"] * 2
+
+
+@pytest.mark.parametrize("command", [("fit", "--law"), ("select", "--laws"), ("plan", "--laws")])
+def test_travels_refuse_a_law_that_only_records_can_fit(run, command):
+    verb, option = command
+    code, _, err = run(verb, option, "dahl-exponent")
+    assert code == 2
+    assert "dahl with its exponent fitted, too. Give dahl." in err
+
+
 BAD = [
     (("select", "bare.toml"), "has no measurement"),
     (("select", "bare.toml", "--data", "nowhere.csv"), "nowhere.csv: there is no such file"),
@@ -401,3 +475,47 @@ def test_lengths_in_the_wrong_unit_leave_no_law_and_no_law_file(run, write, axis
     folder = Path("stickslip-report")
     assert not (folder / "law.toml").exists()
     assert json.loads((folder / "verdict.json").read_text(encoding="utf-8"))["best"] is None
+
+
+@pytest.fixture
+def pendulum(run, tmp_path):
+    """Write the free decay of a pendulum, whose friction is a torque."""
+    rod = Pendulum(mass=0.5, length=0.4)
+    law = CoulombViscous(kinetic_coefficient=0.02, viscous_coefficient=0.01)
+    t = np.arange(400) / 100.0
+    motion = simulate(rod, law, t_end=4.0, y0={"theta": 0.8}).at(t)["theta"]
+    noise = np.random.default_rng(0).normal(0.0, 1e-3, t.size)
+    table = np.stack([t, motion + noise], axis=1)
+    np.savetxt(tmp_path / "swing.csv", table, delimiter=",", header="t,q", comments="")
+    (tmp_path / "swing.toml").write_text(
+        '[mechanism]\ntype = "pendulum"\nmass = 0.5\nlength = 0.4\n[data]\nfile = "swing.csv"\n'
+        'columns = { time = "t", position = "q" }\nunits = { position = "rad" }\n'
+    )
+    return run
+
+
+def test_the_starts_of_a_free_decay_are_those_of_its_first_search(pendulum):
+    asked = ("fit", "swing.toml", "--law", "coulomb-viscous", "--starts", "2")
+    code, out, _ = pendulum(*asked)
+    assert code == 0
+    assert "Restarts: 2 of 2 starts end at the least residual in short segments" in out
+    content = json.loads(pendulum(*asked, "--json")[1])
+    assert (len(content["restarts"]), content["restarts_agreeing"]) == (2, 2)
+    _, out, _ = pendulum(*asked[:-1], "1")
+    assert "Restarts: none, a single start" in out
+
+
+def test_all_units_of_a_pendulum_are_those_of_torque_and_angle(pendulum):
+    asked = ("fit", "swing.toml", "--law", "coulomb-viscous", "--starts", "1")
+    assert pendulum(*asked, "-o", "law.toml")[0] == 0
+    estimates = json.loads(pendulum(*asked, "--json")[1])["estimates"]
+    assert [one["unit"] for one in estimates] == ["N m", "N m s/rad"]
+    code, out, err = pendulum("simulate", "swing.toml", "--law", "law.toml", "--report")
+    assert code == 0
+    assert "N m s/rad is that of the contact it was fitted on" in err
+    assert re.search(r"fitted at up to \d\.\d+ rad/s", err)
+    text = " ".join(Path("stickslip-run/index.html").read_text(encoding="utf-8").split())
+    for wrong in ("m/s<", " m/s", "N s/m"):
+        assert wrong not in out + err + text
+    for unit in (">N m<", ">N m s/rad<"):
+        assert unit in text

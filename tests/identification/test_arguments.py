@@ -3,8 +3,18 @@
 import numpy as np
 import pytest
 
-from stickslip import Axis, Coulomb, Measurement, fit, load_rig, select
+from stickslip import (
+    Axis,
+    Coulomb,
+    Measurement,
+    RecordSettings,
+    SpringBlock,
+    fit,
+    load_rig,
+    select,
+)
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.identification.records.route_choice import RouteChoice
 
 AXIS = Axis(inertia=5.0)
 SPEED = np.concatenate([-np.linspace(0.1, 1.0, 40), np.linspace(0.1, 1.0, 40)])
@@ -55,3 +65,30 @@ def test_a_single_law_may_be_selected_from(law):
     assert [one.name for one in select(AXIS, law, MAP).candidates] == ["coulomb"]
     with pytest.raises(UnknownNameError, match="unknown friction law 'coulom'"):
         select(AXIS, "coulom", MAP)
+
+
+@pytest.mark.parametrize("verb", [fit, select])
+@pytest.mark.parametrize(
+    "unused",
+    [
+        {"route": "shooting"},
+        {"route": "features"},
+        {"route": RouteChoice(route="shooting", settings=RecordSettings())},
+        {"settings": RecordSettings(starts=2)},
+    ],
+    ids=lambda given: "-".join(map(str, given)),
+)
+def test_travels_refuse_what_only_records_use(verb, unused):
+    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    reading = Measurement(travel=0.20, uncertainty=0.005)
+    (name,) = unused
+    with pytest.raises(InputError, match=rf"^{name} is for records .* take vary, fixed, .*t_end"):
+        verb(rig, "coulomb", reading, **unused)
+
+
+@pytest.mark.parametrize("unused", [{"horizon": 2.0}, {"purpose": "compensate"}])
+def test_a_selection_by_travels_has_no_purpose_and_no_horizon(unused):
+    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    (name,) = unused
+    with pytest.raises(InputError, match=f"^{name} is for records"):
+        select(rig, "coulomb", Measurement(travel=0.20, uncertainty=0.005), **unused)

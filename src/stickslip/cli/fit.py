@@ -31,7 +31,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, load_rig
 from stickslip.experiments.preconditions import told
 from stickslip.experiments.second_records import refuse_same
-from stickslip.friction import FrictionLaw, law_type
+from stickslip.friction import FrictionLaw, specification
 from stickslip.identification import Fit
 from stickslip.identification.results import far_above_dry
 from stickslip.routes import FitRequest, FitSummary
@@ -57,8 +57,9 @@ def run(
         refuse_overwriting(output, output.parent, force=force)
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     name = fitted_name(rig, name)
-    law = rig.laws.get(name) or law_type(name)
-    found = measured(rig, asked, given=path is not None, law=law)
+    law = rig.laws.get(name) or name
+    kind = specification(law).law if isinstance(law, str) else law
+    found = measured(rig, asked, given=path is not None, law=kind)
     checks = _checked(rig, found, asked)
     result = _fitted(rig, law, found)
     shown = found.route.summary(result, found.options.validate, found.options.horizon)
@@ -98,17 +99,19 @@ def _checked(rig: Rig, found: Inputs, asked: CommandInputs) -> Checks:
     return checks
 
 
-def _fitted(rig: Rig, law: FrictionLaw | type[FrictionLaw], found: Inputs) -> Fit:
+def _fitted(rig: Rig, law: FrictionLaw | str, found: Inputs) -> Fit:
     """Fit with a bar; of records, Ctrl-C once ends the search."""
+    name = law if isinstance(law, str) else law.name
+    kind, vary = found.route.law_and_parameters(law, found.vary, found.fixed)
     request = FitRequest(
         mechanism=rig.mechanism,
-        law=law,
+        law=kind,
         measurement=found.measurement,
-        vary=found.vary,
+        vary=vary,
         fixed=found.fixed,
     )
-    with watching([law.name], found) as watch:
-        report = partial(watch, law.name)
+    with watching([name], found) as watch:
+        report = partial(watch, name)
         if not found.route.counts_runs:
             report(math.nan)  # what is compiled first takes longer than the first look
         fitted: Fit = found.route.fit(replace(request, progress=report), found.options)
@@ -119,6 +122,8 @@ def _show(result: Fit, shown: FitSummary) -> None:
     console = stdout()
     console.print(f"\n{result.law.title} friction", markup=False, style="bold")
     show_estimates(result.estimates)
+    for line in shown.limits:
+        console.print(f"  {plain(line)}", markup=False)
     console.print()
     for line in far_above_dry(result):
         console.print(f"! {plain(line)}\n", markup=False, style="yellow")

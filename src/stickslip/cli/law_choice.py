@@ -1,7 +1,8 @@
 """Which law a command takes, where a rig file and an option may name one, or a file of its own."""
 
+import dataclasses
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -96,10 +97,13 @@ def rig_and_law(
                 " forces."
             )
         rig = load_rig(path, overrides=given, allow_import=allow_import)
-        return rig, _own(rig, asked.law)
+        chosen = _own(rig, asked.law)
+        _check_used(given, chosen.law)
+        return rig, chosen
     own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
     others = {key: value for key, value in given.items() if key not in own}
     rig = load_rig(path, overrides=others, allow_import=allow_import)
+    _check_named(Path(file["path"]))
     source = load_rig(file["path"], allow_import=allow_import)
     load = _load(asked.load)
     found = carried(source, rig.mechanism, law=file["law"], load=load)
@@ -117,6 +121,35 @@ def _of(law: str, key: str) -> str:
     """Return an override of the law's own table, where it names a value alone."""
     rest = key.removeprefix(FRICTION)
     return key if "." in rest else f"{FRICTION}{law}.{rest}"
+
+
+def _check_named(file: Path) -> None:
+    """Refuse the law of a selection that named none, with what to do next."""
+    if file.name == "law.toml" and not file.exists() and file.with_name("verdict.json").exists():
+        raise InputError(
+            f"{file}: there is no such file, because select named no law for those data: measure or"
+            " mend what its page lists under 'Measure next', or fit a law that you accept with"
+            " `stickslip fit FILE --law NAME -o law.toml`, and give that."
+        )
+
+
+def _check_used(given: Collection[str], law: FrictionLaw) -> None:
+    """Refuse overrides of friction that the law of the run does not have."""
+    known = [one.name for one in dataclasses.fields(law)]
+    for path in given:
+        if not path.startswith(FRICTION):
+            continue
+        table, dot, _ = path.removeprefix(FRICTION).partition(".")
+        if dot and table != law.name:
+            raise InputError(
+                f"--set {path} is a value of {table}, but the run has {law.name}: add --law"
+                f" {table}, or leave it out."
+            )
+        if not dot and table not in known:
+            raise InputError(
+                f"--set {path} is no parameter of {law.name}, with which the run is made and which"
+                f" has {', '.join(known)}: name another law with --law, or leave it out."
+            )
 
 
 def _load(text: str | None) -> float | None:
@@ -139,8 +172,16 @@ def _own(rig: Rig, name: str | None) -> ChosenLaw:
     if name in rig.laws:
         known = rig.estimates
         return _of_rig(rig, rig.laws[name], known if known and known.law == name else None)
-    law = starting_law(law_type(name))
-    note(f"{rig.path} has no values for {name}: it is run with ordinary ones, {law}.")
+    given = rig.given.get(name, {})
+    try:
+        law = dataclasses.replace(starting_law(law_type(name)), **given)
+    except ParameterError as error:
+        raise ParameterError(
+            f"{rig.path} has values for some parameters of {name}, with which ordinary ones of the"
+            f" others do not agree: {error} Give all of them."
+        ) from None
+    lacks = "only some values" if given else "no values"
+    note(f"{rig.path} has {lacks} for {name}: it is run with ordinary ones, {law}.")
     return _of_rig(rig, law, None)
 
 

@@ -22,7 +22,7 @@ from stickslip.experiments import Rig, load_rig
 from stickslip.quantities import Quantity, parameters
 from stickslip.selection import Plan, plan
 from stickslip.selection.planning import setting_of
-from stickslip.selection.sheet_tables import tables_of
+from stickslip.selection.sheet_tables import known_by, tables_of
 
 __all__ = ["run"]
 
@@ -128,6 +128,8 @@ def _show(found: Plan) -> None:
             " the scatter as --uncertainty.",
             markup=False,
         )
+    if found.repeated:
+        console.print(f"That uncertainty is {known_by(found)}.", markup=False)
     if found.range_source:
         console.print(plain(found.range_source), markup=False)
     for line in found.remarks:

@@ -26,7 +26,7 @@ from stickslip.cli.law_choice import ChosenLaw, LawAsked, rig_and_law
 from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
-from stickslip.experiments import Rig, extrapolations
+from stickslip.experiments import Rig, bristle_remark, extrapolations
 from stickslip.formatting import number, residue
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism, slip_names
@@ -158,9 +158,11 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
             )
     if settings.ensemble is not None and not run.status.complete:
         note("No ensemble was run: the run with the best values ended early.")
-    beyond = extrapolations(chosen.carried, rig.mechanism, run)
+    lengths = _lengths(rig.mechanism, run)
+    resting = bristle_remark(chosen.law, chosen.estimates, lengths, rig.mechanism)
+    beyond = (*extrapolations(chosen.carried, rig.mechanism, run), *([resting] if resting else []))
     for remark in beyond:
-        note(remark)
+        note(plain(remark))
     return Ran(
         rig=rig,
         chosen=chosen,
@@ -168,6 +170,17 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
         band=band,
         remarks=(*chosen.remarks, *beyond),
     )
+
+
+def _lengths(mechanism: Mechanism, run: Trajectory) -> dict[str, float]:
+    """Return what the headline and the tiles of a run say of its motion, by what it is called."""
+    if cycles := _cycles(mechanism, run):
+        return {
+            "travel in a cycle": cycles[-1].travel,
+            "back-slip in a cycle": cycles[-1].back_slip,
+        }
+    seen = criteria_of(run, mechanism)
+    return {"travel": seen.travel, "largest back-slip": seen.largest_return}
 
 
 def _cycles(mechanism: Mechanism, run: Trajectory) -> tuple[DrivenCycle, ...]:

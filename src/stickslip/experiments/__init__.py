@@ -1,6 +1,12 @@
 """Experiments: rigs, measurements and trials, from files or arrays, and what is wrong with them."""
 
-from stickslip.experiments.carrying import CarriedLaw, carried, extrapolations
+from stickslip.experiments.carrying import (
+    CarriedLaw,
+    bristle_remark,
+    carried,
+    extrapolations,
+    unfitted_bristles,
+)
 from stickslip.experiments.checking.data_quality import Checks, Finding, check
 from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.line import Line
@@ -19,10 +25,12 @@ __all__ = [
     "Measurement",
     "Published",
     "Rig",
+    "bristle_remark",
     "carried",
     "check",
     "extrapolations",
     "load_measurement",
     "load_rig",
     "rig_schema",
+    "unfitted_bristles",
 ]

@@ -1,20 +1,29 @@
 """A fitted law on another mechanism, what does not carry over, and where a run extrapolates."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, final
 
 import numpy as np
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.estimates import LOAD, LawEstimates, Levels, equated, levels_at
+from stickslip.experiments.estimates import (
+    LOAD,
+    LawEstimates,
+    Levels,
+    equated,
+    levels_at,
+    slips_in_angle,
+)
 from stickslip.experiments.rig import Rig
+from stickslip.experiments.units import turned
 from stickslip.formatting import joined, number, quantity, span
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_names, static_normal_force
 from stickslip.quantities import fields_of, parameters, vary
 from stickslip.trajectory import Trajectory
 
-__all__ = ["CarriedLaw", "carried", "extrapolations"]
+__all__ = ["CarriedLaw", "bristle_remark", "carried", "extrapolations", "unfitted_bristles"]
 
 PER_LOAD: Final = ("1", "1/m", "s/m")
 """Units of what stands over the normal force: levels, stiffness and damping of bristles."""
@@ -23,6 +32,8 @@ SAMPLES: Final = 4001
 BEYOND: Final = 1.05
 """Ratio to the range of the fit above which a run counts as outside of it: 5 % of speed or of
 normal force change no law by more than its parameters are known."""
+DECIDES: Final = 0.1
+"""Share of a distance that the elastic give of a contact makes up, above which it decides it."""
 
 
 @final
@@ -107,9 +118,9 @@ def carried(
         raise InputError(_refusal(rig, name, levels))
     elif divided and here != "per load":
         remarks += _about_unit_load(mechanism, levels, here)
-    remarks += _about_viscosity(found, known)
+    remarks += _about_viscosity(found, known, slips_in_angle(rig.mechanism))
     if here == "per load":
-        remarks += _about_bristles(found)
+        remarks += _about_bristles(found, slips_in_angle(mechanism))
     remarks += _about_rest(found)
     remarks += _about_doubt(found, known)
     return CarriedLaw(
@@ -176,6 +187,108 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
                 f" {span(low, high, 'N')}. Proportionality to the normal force was not tested."
             )
     return tuple(said)
+
+
+def unfitted_bristles(
+    law: FrictionLaw, known: LawEstimates | None, distance: float, mechanism: Mechanism
+) -> tuple[str, ...]:
+    """Return the bristle parameters that decide a distance and that no measurement determined.
+
+    A contact that gives way elastically moves by up to twice its break-away level over its
+    stiffness as the force on it reverses. They decide distances of which that is a tenth or more.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law of a run.
+    known : LawEstimates, optional
+        How well it is known; of a law without, no parameter counts as fitted.
+    distance : float
+        What the run gives, such as its back-slip [m] or [rad].
+    mechanism : Mechanism
+        What moves, for the units.
+
+    Returns
+    -------
+    tuple of str
+        Symbols between dollar signs with values and units; none where the law has no bristles, they
+        do not decide the distance, or all were fitted.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl, SpringBlock
+    >>> law, block = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e4), SpringBlock(mass=1.0)
+    >>> unfitted_bristles(law, None, 1e-4, block)
+    ('$sigma_0$ = 10,000 1/m',)
+    >>> unfitted_bristles(law, None, 0.2, block)
+    ()
+    """
+    found = [
+        (path.removeprefix("friction."), one, value)
+        for path, one, value in parameters(law, "friction")
+        if one.unit in PER_LOAD[1:] and not one.structural and value
+    ]
+    stiffness = [value for _, one, value in found if one.unit == "1/m"]
+    fitted = () if known is None else known.intervals
+    if not stiffness or distance == 0.0:
+        return ()
+    give = 2.0 * float(law.break_away(1.0)) / min(stiffness)
+    if give < DECIDES * abs(distance):
+        return ()
+    turning = slips_in_angle(mechanism)
+    return tuple(
+        f"${one.symbol}$ = {quantity(value, turned(one.unit, turning))}"
+        for name, one, value in found
+        if name not in fitted
+    )
+
+
+def bristle_remark(
+    law: FrictionLaw,
+    known: LawEstimates | None,
+    distances: Mapping[str, float],
+    mechanism: Mechanism,
+) -> str:
+    """Return which distances rest on bristles that no measurement determined, as a sentence.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law of a run.
+    known : LawEstimates, optional
+        How well it is known.
+    distances : mapping of str to float
+        What the run gives [m] or [rad], by what it is called.
+    mechanism : Mechanism
+        What moves, for the units.
+
+    Returns
+    -------
+    str
+        Empty where there are none.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl, SpringBlock
+    >>> law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e4)
+    >>> lengths = {"travel": 0.2, "back-slip": 5e-5}
+    >>> bristle_remark(law, None, lengths, SpringBlock(mass=1.0))
+    'The back-slip of 50 µm rests on the bristles of the contact, $sigma_0$ = 10,000 1/m, ...
+    """
+    unit = turned("m", slips_in_angle(mechanism))
+    found = {
+        f"{name} of {quantity(size, unit)}": symbols
+        for name, size in distances.items()
+        if (symbols := unfitted_bristles(law, known, size, mechanism))
+    }
+    if not found:
+        return ""
+    rests = "rests" if len(found) == 1 else "rest"
+    (symbols, *_) = found.values()
+    return (
+        f"The {joined(list(found))} {rests} on the bristles of the contact,"
+        f" {joined(list(symbols))}, which no measurement determined."
+    )
 
 
 def _name(rig: Rig, law: str | None) -> str:
@@ -249,16 +362,17 @@ def _about_unit_load(mechanism: Mechanism, levels: Levels, here: Levels) -> list
     return []
 
 
-def _about_viscosity(law: FrictionLaw, known: LawEstimates | None) -> list[str]:
+def _about_viscosity(law: FrictionLaw, known: LawEstimates | None, turning: bool) -> list[str]:
     found = [
-        f"${one.symbol}$ = {number(value)} {one.unit}"
+        f"${one.symbol}$ = {number(value)} {turned(one.unit, turning)}"
         for path, one, value in parameters(law, "friction")
         if one.unit.startswith("N") and value
     ]
     if not found:
         return []
     speed = known.largest_speed if known is not None else None
-    reach = "" if speed is None else f", and was fitted at up to {quantity(speed, 'm/s')}"
+    unit = turned("m/s", turning)
+    reach = "" if speed is None else f", and was fitted at up to {quantity(speed, unit)}"
     are = "is that" if len(found) == 1 else "are those"
     return [
         f"{joined(found)} {are} of the contact it was fitted on: viscous friction does not grow"
@@ -266,9 +380,9 @@ def _about_viscosity(law: FrictionLaw, known: LawEstimates | None) -> list[str]:
     ]
 
 
-def _about_bristles(law: FrictionLaw) -> list[str]:
+def _about_bristles(law: FrictionLaw, turning: bool) -> list[str]:
     found = [
-        f"${one.symbol}$ = {number(value)} {one.unit}"
+        f"${one.symbol}$ = {number(value)} {turned(one.unit, turning)}"
         for _, one, value in parameters(law, "friction")
         if one.unit in PER_LOAD[1:] and value
     ]

@@ -4,17 +4,30 @@ import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Final, Literal, TypeAlias, final, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments.units import turned
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, parameters, vary
 
-__all__ = ["HARD", "LOAD", "LawEstimates", "Levels", "equated", "levels_at", "spread_of"]
+__all__ = [
+    "AT_UNIT_LOAD",
+    "HARD",
+    "LOAD",
+    "LawEstimates",
+    "Levels",
+    "equated",
+    "levels_at",
+    "slips_in_angle",
+    "spread_of",
+    "unit_on",
+]
 
 Array: TypeAlias = NDArray[np.float64]
 Levels: TypeAlias = Literal["per load", "forces", "torques"]
@@ -22,6 +35,8 @@ Levels: TypeAlias = Literal["per load", "forces", "torques"]
 
 LOAD: Final = Quantity("N", "N", above=0)
 """A normal force at which levels are given as forces."""
+AT_UNIT_LOAD: Final = MappingProxyType({"1": "N", "1/m": "N/m", "s/m": "N s/m"})
+"""What a unit per load [N] reads as where the load is 1."""
 PREFIX: Final = "friction"
 AT_REST: Final = "static_coefficient"
 NORMAL_95: Final = 1.959963984540054
@@ -59,9 +74,41 @@ def levels_at(mechanism: Mechanism) -> Levels:
     )
     if not unit:
         return "per load"
+    return "torques" if slips_in_angle(mechanism) else "forces"
+
+
+def slips_in_angle(mechanism: Mechanism) -> bool:
+    """Whether the contact slips by an angle [rad], about a pivot.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Pendulum
+    >>> slips_in_angle(Axis(inertia=1.0)), slips_in_angle(Pendulum(mass=1.0, length=0.5))
+    (False, True)
+    """
     slip = mechanism.contacts()[0].slip
-    turns = mechanism.units[mechanism.coordinates.index(slip)] == "rad"
-    return "torques" if turns else "forces"
+    return mechanism.units[mechanism.coordinates.index(slip)] == "rad"
+
+
+def unit_on(mechanism: Mechanism, quantity: Quantity) -> str:
+    """Return the unit in which a parameter of a law reads on a mechanism.
+
+    A level over the normal force reads as a force where that force is left at 1, and about a pivot
+    all are those of torque and angle.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Pendulum
+    >>> level, viscous = Quantity("mu_k"), Quantity("sigma_2", "N s/m")
+    >>> unit_on(Axis(inertia=1.0), level), unit_on(Axis(inertia=1.0, load=20.0), level)
+    ('N', '1')
+    >>> unit_on(Pendulum(mass=1.0, length=0.5), viscous)
+    'N m s/rad'
+    """
+    unit = quantity.unit
+    if levels_at(mechanism) != "per load" and not quantity.structural:
+        unit = AT_UNIT_LOAD.get(unit, unit)
+    return turned(unit, slips_in_angle(mechanism))
 
 
 def spread_of(value: float, low: float, high: float, kind: str = "95 %") -> float:

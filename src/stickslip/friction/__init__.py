@@ -24,7 +24,15 @@ from stickslip.friction.published import (
     RightEquation,
 )
 from stickslip.friction.quadratic_drag import QuadraticDrag
-from stickslip.friction.registry import LAWS, contained_laws, law_type, laws
+from stickslip.friction.registry import (
+    LAWS,
+    CandidateSpec,
+    contained_laws,
+    law_type,
+    laws,
+    specification,
+    usual_specifications,
+)
 from stickslip.friction.sources import SOURCES
 from stickslip.friction.stribeck import Stribeck
 from stickslip.friction.viscous import Viscous
@@ -35,6 +43,7 @@ __all__ = [
     "PRINTED_FORMS",
     "SOURCES",
     "BristleLaw",
+    "CandidateSpec",
     "Containment",
     "Coulomb",
     "CoulombViscous",
@@ -56,5 +65,7 @@ __all__ = [
     "containment_of",
     "law_type",
     "laws",
+    "specification",
     "towards",
+    "usual_specifications",
 ]

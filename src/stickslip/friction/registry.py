@@ -2,8 +2,11 @@
 
 import functools
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from types import MappingProxyType
+from typing import final
 
+from stickslip.errors import InputError
 from stickslip.friction.base import FrictionLaw
 from stickslip.friction.coulomb import Coulomb
 from stickslip.friction.coulomb_viscous import CoulombViscous
@@ -17,7 +20,15 @@ from stickslip.friction.stribeck import Stribeck
 from stickslip.friction.viscous import Viscous
 from stickslip.quantities import gathered, named
 
-__all__ = ["LAWS", "contained_laws", "law_type", "laws"]
+__all__ = [
+    "LAWS",
+    "CandidateSpec",
+    "contained_laws",
+    "law_type",
+    "laws",
+    "specification",
+    "usual_specifications",
+]
 
 LAWS: Mapping[str, type[FrictionLaw]] = MappingProxyType(
     {
@@ -37,6 +48,28 @@ LAWS: Mapping[str, type[FrictionLaw]] = MappingProxyType(
     }
 )
 """The laws that come with the package, by kebab-case name."""
+
+PLAIN_DAHL = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CandidateSpec:
+    """A candidate for records: a law, and which of its parameters are looked for."""
+
+    name: str
+    """Key of the candidate."""
+    title: str
+    """Name in running text."""
+    law: FrictionLaw | type[FrictionLaw]
+    """Its type, or an instance whose values are the start."""
+    free: tuple[str, ...] | None = None
+    """Fields that are looked for; all of `fit_order` if None."""
+
+    @classmethod
+    def of(cls, name: str, law: FrictionLaw | type[FrictionLaw]) -> "CandidateSpec":
+        """Return a law with all it can fit."""
+        return cls(name=name, title=law.title, law=law)
 
 
 @functools.cache
@@ -59,8 +92,66 @@ def law_type(name: str) -> type[FrictionLaw]:
     >>> law_type("lugre").title
     'LuGre'
     """
+    for one in usual_specifications():
+        if one.name == name and name not in laws():
+            raise InputError(
+                f"{name} is a name for fits to records: {one.law.name} with its exponent fitted,"
+                f" too. Give {one.law.name}."
+            )
     law: type[FrictionLaw] = named(laws(), name, "friction law")
     return law
+
+
+def usual_specifications() -> tuple[CandidateSpec, ...]:
+    """Return what records are compared with by default.
+
+    Examples
+    --------
+    >>> [one.name for one in usual_specifications()][-3:]
+    ['stribeck-exponent', 'dahl', 'dahl-exponent']
+    """
+    usual = (
+        Viscous,
+        Coulomb,
+        CoulombViscous,
+        DirectionDependent,
+        PowerViscous,
+        QuadraticDrag,
+        Stribeck,
+        LuGre,
+    )
+    return (
+        *(CandidateSpec.of(law.name, law) for law in usual),
+        CandidateSpec(
+            name="stribeck-exponent",
+            title="Stribeck with exponent",
+            law=Stribeck,
+            free=(*Stribeck.fit_order, "exponent"),
+        ),
+        CandidateSpec(name="dahl", title="Dahl", law=Dahl, free=PLAIN_DAHL),
+        CandidateSpec(name="dahl-exponent", title="Dahl with exponent", law=Dahl),
+    )
+
+
+def specification(name: str) -> CandidateSpec:
+    """Return the candidate for records of that name: a usual one, or a law with all it can fit.
+
+    Raises
+    ------
+    UnknownNameError
+        With the nearest known names.
+
+    Examples
+    --------
+    >>> specification("dahl").free
+    ('kinetic_coefficient', 'bristle_stiffness', 'viscous_coefficient')
+    >>> specification("dahl-exponent").title
+    'Dahl with exponent'
+    """
+    known = {law: CandidateSpec.of(law, kind) for law, kind in laws().items()}
+    known |= {one.name: one for one in usual_specifications()}
+    found: CandidateSpec = named(known, name, "friction law")
+    return found
 
 
 def contained_laws(kind: type[FrictionLaw]) -> tuple[str, ...]:

@@ -26,6 +26,7 @@ from stickslip.routes.route import (
 )
 from stickslip.selection import RecordCandidate, RecordVerdict, select_records
 from stickslip.selection.candidates import specifications
+from stickslip.selection.identifiable import limits_of
 from stickslip.selection.record_wording import error_text, route_text
 from stickslip.selection.records import way_for
 from stickslip.selection.verdict import score_text
@@ -151,7 +152,7 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
     def summary(
         self, fit: RecordFit, validate: Measurement | None = None, horizon: float | None = None
     ) -> FitSummary:
-        compared_, found = fit.problem.quantity, fit.found
+        compared_ = fit.problem.quantity
 
         def text(error: float) -> str:
             return error_text(error, quantity=compared_, turning=fit.measurement.turning)
@@ -160,11 +161,12 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
         lines = [f"Residual of {compared_}: {text(fit.rms)}"]
         if second is not None:
             lines.append(f"On the second record: {text(second.rms)}, {_predicted(fit, second)}")
-        lines.append(f"Restarts: {_restarts(found.agreeing, len(found.costs))}")
+        lines.append(f"Restarts: {_restarts(fit)}")
         lines += [line for line in (*fit.remarks, route_text(fit)) if line]
         return FitSummary(
             lines=lines,
             findings=[f"Error of the model: {error}" for error in fit.model_errors],
+            limits=limits_of(fit),
             open=("Cannot tell", fit.sentences),
             second=None if second is None else second.rms,
             trials=compared(fit),
@@ -203,7 +205,12 @@ def _predicted(fit: RecordFit, second: Score) -> str:
     return "along the measured motion"
 
 
-def _restarts(agreeing: int, starts: int) -> str:
+def _restarts(fit: RecordFit) -> str:
+    """Return how many starts agree; a free decay is fitted in longer segments after that."""
+    starts = len(fit.restarts.costs)
     if starts == 1:
         return "none, a single start"
-    return f"{agreeing} of {starts} starts end at the least residual"
+    text = f"{fit.restarts.agreeing} of {starts} starts end at the least residual"
+    if fit.first is None:
+        return text
+    return f"{text} in short segments; longer ones of the free decay were fitted from there"

@@ -7,10 +7,10 @@ from dataclasses import dataclass, fields
 from typing import ClassVar, Generic, TypeVar, final
 
 from stickslip.experiments import Checks, Measurement
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, specification
 from stickslip.identification import Estimate, Fit, RecordSettings, TrialComparison
 from stickslip.identification.records.route_choice import RouteChoice
-from stickslip.identification.validation import Laws
+from stickslip.identification.validation import LAW, Laws, names_of
 from stickslip.mechanisms import Mechanism
 from stickslip.report.core.documents import Origin, SectionMaker
 from stickslip.selection import Verdict
@@ -116,6 +116,8 @@ class FitSummary:
     """Residuals, restarts, remarks."""
     findings: Sequence[str] = ()
     """Errors of the model."""
+    limits: Sequence[str] = ()
+    """What limits each interval: the readings, or the rig."""
     open: tuple[str, Sequence[str]] = ("Cannot tell", ())
     """What is left open, below a heading."""
     second: float | Mapping[str, float] | None = None
@@ -146,6 +148,32 @@ class Route(ABC, Generic[F, V]):
     @abstractmethod
     def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
         """Return the names of the laws that are compared, as progress calls them."""
+
+    def law_and_parameters(
+        self,
+        law: FrictionLaw | type[FrictionLaw] | str,
+        vary: str | Sequence[str] | None,
+        fixed: Collection[str] = (),
+    ) -> tuple[FrictionLaw | type[FrictionLaw], str | Sequence[str] | None]:
+        """Return the law that a name stands for, with what is fitted of it put into `vary`.
+
+        Parameters
+        ----------
+        law : FrictionLaw, type or str
+            A law, or a name such as ``"dahl-exponent"``, which also says what is free.
+        vary : str or sequence of str, optional
+            What is asked to be fitted.
+        fixed : collection of str
+            Names of what is held.
+        """
+        if not isinstance(law, str):
+            return law, vary
+        found = specification(law)
+        if found.free is None:
+            return found.law, vary
+        own = [f"friction.{one}" for one in found.free if not {one, f"friction.{one}"} & {*fixed}]
+        names = [LAW] if vary is None else names_of(vary)
+        return found.law, [path for one in names for path in (own if one == LAW else [one])]
 
     @abstractmethod
     def fit(self, request: FitRequest, options: Options) -> F:

@@ -1,11 +1,13 @@
 """Travels: distances to rest, or per cycle of a drive."""
 
+from collections.abc import Collection, Sequence
 from typing import final
 
 from typing_extensions import override
 
 from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE, interval, quantity, significant
+from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification import TravelFit, fit_travels
 from stickslip.identification.travels.model import Trial, quantities_read, trials_of
 from stickslip.identification.validation import Laws
@@ -19,6 +21,7 @@ from stickslip.routes.route import (
     SelectRequest,
 )
 from stickslip.selection import TravelCandidate, TravelVerdict, select_travels
+from stickslip.selection.identifiable import limits_of
 from stickslip.selection.travels import PLAIN
 
 __all__ = ["TravelRoute"]
@@ -49,6 +52,15 @@ class TravelRoute(Route[TravelFit, TravelVerdict]):
     @override
     def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
         return [one if isinstance(one, str) else one.name for one in laws or PLAIN]
+
+    @override
+    def law_and_parameters(
+        self,
+        law: FrictionLaw | type[FrictionLaw] | str,
+        vary: str | Sequence[str] | None,
+        fixed: Collection[str] = (),
+    ) -> tuple[FrictionLaw | type[FrictionLaw], str | Sequence[str] | None]:
+        return law_type(law) if isinstance(law, str) else law, vary
 
     @override
     def fit(self, request: FitRequest, options: Options) -> TravelFit:
@@ -103,9 +115,8 @@ class TravelRoute(Route[TravelFit, TravelVerdict]):
             rows.append([quantity(travel, "m") for travel in pair])
             rows[-1] += [trial.as_read(travel) for travel in pair] if read else []
         heads = ["measured travel", "predicted"]
-        return FitSummary(
-            heads=[*heads, f"measured {read}", "predicted"] if read else heads, rows=rows
-        )
+        heads += [f"measured {read}", "predicted"] if read else []
+        return FitSummary(heads=heads, rows=rows, limits=limits_of(fit))
 
     @override
     def sections(

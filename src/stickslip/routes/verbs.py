@@ -7,7 +7,7 @@ from typing import cast
 from typing_extensions import TypeVar
 
 from stickslip.experiments import Measurement
-from stickslip.friction import FrictionLaw, law_type
+from stickslip.friction import FrictionLaw
 from stickslip.identification import Fit, RecordSettings
 from stickslip.identification.records.route_choice import RouteChoice, RouteName
 from stickslip.identification.validation import Laws, arguments, check_given, laws_of
@@ -48,8 +48,8 @@ def fit(
         What was measured; trials may override its parameters.
     law : FrictionLaw, type or str
         An instance, whose values are the start and, for parameters that are not varied, the
-        assumption; or a type or its name, for which start values are found: in a record, or
-        ordinary ones for travels.
+        assumption; or a type or a name, for which start values are found: in a record, or ordinary
+        ones for travels. Names are those of `select`, such as ``"dahl-exponent"`` for records.
     measurement : Measurement
         Travels, records in time, measured friction, or the force of a spring.
     vary : str or sequence of str, optional
@@ -100,9 +100,10 @@ def fit(
     way = route_of(measurement, route)
     options = Options(route=route, settings=settings, t_end=t_end)
     refuse_unused(way, options.given, options)
+    kind, vary = way.law_and_parameters(law, vary, fixed or ())
     request = FitRequest(
         mechanism=mechanism,
-        law=law_type(law) if isinstance(law, str) else law,
+        law=kind,
         measurement=measurement,
         vary=vary,
         fixed=fixed,

@@ -2,25 +2,17 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import final
 
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError
 from stickslip.friction import (
+    CandidateSpec,
     Coulomb,
-    CoulombViscous,
-    Dahl,
-    DirectionDependent,
     FrictionLaw,
-    LuGre,
-    PowerViscous,
-    QuadraticDrag,
-    Stribeck,
-    Viscous,
     contained_laws,
     containment_of,
+    specification,
+    usual_specifications,
 )
-from stickslip.friction import laws as known_laws
 
 __all__ = [
     "CONTROL",
@@ -35,34 +27,6 @@ REFERENCE = "coulomb-viscous"
 """What is always used: the row that others are compared with."""
 CONTROL = "no-friction"
 """What shows how much friction matters at all."""
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class CandidateSpec:
-    """A candidate: a law, and which of its parameters are looked for."""
-
-    name: str
-    """Key of the candidate."""
-    title: str
-    """Name in running text."""
-    law: FrictionLaw | type[FrictionLaw]
-    """Its type, or an instance whose values are the start."""
-    free: tuple[str, ...] | None = None
-    """Fields that are looked for; all of `fit_order` if None."""
-
-
-LAWS: tuple[type[FrictionLaw], ...] = (
-    Viscous,
-    Coulomb,
-    CoulombViscous,
-    DirectionDependent,
-    PowerViscous,
-    QuadraticDrag,
-    Stribeck,
-    LuGre,
-)
-PLAIN_DAHL = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
 
 
 def specifications(
@@ -85,11 +49,14 @@ def specifications(
     ['Coulomb', 'Dahl with exponent']
     """
     if laws is None:
-        return _usual()
+        return usual_specifications()
     if isinstance(laws, Mapping):
-        found = [_given(name, law) for name, law in laws.items()]
+        found = [CandidateSpec.of(name, law) for name, law in laws.items()]
     else:
-        found = [_called(one) if isinstance(one, str) else _given(one.name, one) for one in laws]
+        found = [
+            specification(one) if isinstance(one, str) else CandidateSpec.of(one.name, one)
+            for one in laws
+        ]
     if not found:
         raise InputError("there is no friction law to try: give at least one in `laws`.")
     check_apart([one.name for one in found])
@@ -138,32 +105,6 @@ def contains(rich: CandidateSpec, simple: CandidateSpec) -> bool:
         return False
     first = containment_of(kinds[0], kinds[1].name)
     return first is None or not (set(first.where) & fewer)
-
-
-def _usual() -> tuple[CandidateSpec, ...]:
-    return (
-        *(_given(law.name, law) for law in LAWS),
-        CandidateSpec(
-            name="stribeck-exponent",
-            title="Stribeck with exponent",
-            law=Stribeck,
-            free=(*Stribeck.fit_order, "exponent"),
-        ),
-        CandidateSpec(name="dahl", title="Dahl", law=Dahl, free=PLAIN_DAHL),
-        CandidateSpec(name="dahl-exponent", title="Dahl with exponent", law=Dahl),
-    )
-
-
-def _given(name: str, law: FrictionLaw | type[FrictionLaw]) -> CandidateSpec:
-    return CandidateSpec(name=name, title=law.title, law=law)
-
-
-def _called(name: str) -> CandidateSpec:
-    known = {law: _given(law, kind) for law, kind in known_laws().items()}
-    known |= {one.name: one for one in _usual()}
-    if name not in known:
-        raise UnknownNameError("friction law", name, known)
-    return known[name]
 
 
 def control() -> CandidateSpec:

@@ -171,7 +171,11 @@ def _usual(candidates: Sequence[TravelCandidate]) -> str:
         if name in c.assumed and not quantity.structural and getattr(c.law, name)
     }
     values = (
-        f" The values that were not fitted: {joined([f'${s}$' for s in held])}." if held else ""
+        f" The values that were not fitted: {joined([f'${s}$' for s in held])}. A guess among them"
+        " that is marked assumed = true in the rig file (Python: assumed) is fitted where there are"
+        " more settings than fitted parameters."
+        if held
+        else ""
     )
     return (
         "The rig: mass, stiffness, the unit of its settings, whether the body leaves the spring."

@@ -39,6 +39,8 @@ class Preparation:
     """Standard uncertainty that was stated; None without."""
     how: str
     """How it is measured, with the resolution that is needed."""
+    rough: str = ""
+    """What it costs to know it to 1 % only; empty where more than that will do."""
 
     @property
     def name(self) -> str:
@@ -64,6 +66,7 @@ class Preparation:
             "needed_uncertainty": self.needed,
             "stated_uncertainty": self.stated,
             "how": self.how,
+            "known_to_one_percent": self.rough.replace("$", ""),
         }
 
 
@@ -162,7 +165,7 @@ class Plan:
     uncertainty: float
     """Standard uncertainty of one travel that was counted on, scatter and reading together [m]."""
     assumed: bool
-    """Whether nobody stated it."""
+    """Whether neither a statement nor repeats tell it."""
     preparations: tuple[Preparation, ...]
     """What to measure before."""
     rest: Mapping[str, str]
@@ -173,6 +176,8 @@ class Plan:
     """What the runs will tell of each law's parameters."""
     range_source: str = ""
     """Where the range of the settings is from and how to change it; nothing if it was given."""
+    repeated: int = 0
+    """Readings beyond the first at their setting, where their scatter is the uncertainty."""
     from_trials: bool = False
     """Whether levels were fitted to travels; else all laws travel equally far as the rig stands."""
     remarks: tuple[str, ...] = ()
@@ -235,6 +240,7 @@ class Plan:
             "repeats": self.repeats,
             "uncertainty": self.uncertainty,
             "uncertainty_assumed": self.assumed,
+            "uncertainty_from_repeats": self.repeated,
             "range_source": self.range_source,
             "laws": {
                 name: {p: v for p, v in vars(law).items() if v is not None}

@@ -7,7 +7,7 @@ from the slopes of the travels there.
 
 import contextlib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 from typing import TypeAlias
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, StickslipError
 from stickslip.experiments import Measurement
-from stickslip.formatting import joined, number, quantity
+from stickslip.formatting import joined, number, percent, quantity
 from stickslip.friction import LAWS, Coulomb, FrictionLaw, law_type
 from stickslip.identification import TravelFit, starting_law
 from stickslip.identification.travels.fit import fit_trials, payable
@@ -66,6 +66,11 @@ READING = Quantity("u_s", "m", above=0)
 SCATTER = 0.02
 """Standard deviation of a travel over the longest one where nothing was stated: repeats of dry
 friction scatter by a few per cent."""
+FREEDOM = 2
+"""Readings beyond the first at their setting from which on their scatter is counted on."""
+ROUGH = 0.01
+"""Share to which a parameter of a rig is known without much ado: of what is needed better, the cost
+of this is said."""
 LEAST, MOST = 3, 10
 """Runs at each setting: fewer do not show their scatter, more are not asked for."""
 TELLING = 3.523
@@ -122,7 +127,8 @@ def plan(
         How many settings, from 2 to 12.
     uncertainty : float, optional
         Standard uncertainty of one travel [m], the scatter of repeats and that of the reading
-        together; if not given that of the measurement, or else 2 % of the longest travel. It lies
+        together; if not given that of the measurement, the scatter of its repeats if that is
+        larger, or else 2 % of the longest travel. It lies
         between 1e-5 of the longest travel, to which runs are exact, and all of it.
     t_end : float
         Time after which a body counts as stopped [s].
@@ -156,7 +162,7 @@ def plan(
     knob = _knob(mechanism, done)
     ends, source = _range(mechanism, knob, done, between)
     candidates = _candidates(mechanism, laws, t_end)
-    error = _error(uncertainty, done)
+    error, repeated = _error(uncertainty, done)
     if not done:
         _check_present(mechanism, candidates[_first(candidates)], t_end, error)
     levelled, remarks = _levelled(mechanism, candidates, done, t_end)
@@ -180,7 +186,11 @@ def plan(
         repeats=repeats,
         uncertainty=size,
         assumed=error is None,
-        preparations=bench.preparations(levelled[named], repeats),
+        repeated=repeated,
+        preparations=tuple(
+            replace(one, rough=_rough(bench, one, levelled, named, contrasts, repeats))
+            for one in bench.preparations(levelled[named], repeats)
+        ),
         rest=otherwise(mechanism, levelled[named], share),
         tellings=tuple(one.telling(size, repeats) for one in contrasts),
         expectations=tuple(_expected(bench, levelled, repeats)),
@@ -226,6 +236,11 @@ class _Bench:
         """Return the standard uncertainty of a law's level over itself."""
         (level,) = self.fit(law, payable(law, self.trials())[:1], repeats).estimates
         return math.hypot(*level.sources.values()) / level.value if level.sources else math.inf
+
+    def width(self, law: FrictionLaw, repeats: int) -> tuple[str, float]:
+        """Return the symbol of a law's level, and half its 95 % interval over its value."""
+        (level,) = self.fit(law, payable(law, self.trials())[:1], repeats).estimates
+        return level.quantity.symbol, 0.5 * (level.high - level.low) / level.value
 
     def needed(self, law: FrictionLaw, repeats: int) -> dict[str, float]:
         """Return by path how well the rig is to be known for its part in a law's level to be small.
@@ -353,9 +368,9 @@ def _knob(mechanism: Mechanism, done: Sequence[Trial]) -> str:
     if driven_on(mechanism):
         raise InputError(
             f"{type(mechanism).__name__} does not come to rest under a drive that goes on as long"
-            " as the run lasts, so there is no travel to plan. Give what is measured of it, its"
-            " position in time or its travel per cycle, to select as [data]: see the how-to on a"
-            " cart that drives itself (docs/howto/fit-cart.md)."
+            " as the run lasts, so there is no travel to plan: measure its position in time or its"
+            " travel per cycle and give that to select, which says what to measure next (see the"
+            " how-to on a cart that drives itself, docs/howto/fit-cart.md)."
         )
     knob = knob_of(mechanism, done)
     contacts = mechanism.contacts()
@@ -625,12 +640,54 @@ def _checked(error: float | None, longest: float) -> float:
     return size
 
 
-def _error(given: float | None, done: Sequence[Trial]) -> float | None:
-    """Return the standard uncertainty of a reading as it was given or stated [m]."""
+def _error(given: float | None, done: Sequence[Trial]) -> tuple[float | None, int]:
+    """Return the standard uncertainty of a reading [m], None if nothing tells it.
+
+    It is as given, or the larger of what was stated and the scatter of repeats; with how many
+    readings beyond the first at their setting that scatter is from, 0 where it is not counted on.
+    """
     if given is not None or not done:
-        return given
+        return given, 0
     errors, stated = standard_errors(done)
-    return float(errors.max()) if stated else None
+    settings: dict[Hashable, list[float]] = {}
+    for trial in done:
+        settings.setdefault(trial.run, []).append(trial.travel)
+    squares = sum(float(np.var(one)) * len(one) for one in settings.values())
+    freedom = len(done) - len(settings)
+    scatter = math.sqrt(squares / freedom) if freedom >= FREEDOM else 0.0
+    if scatter > float(errors.max()):
+        return scatter, freedom
+    return (float(errors.max()) if stated else None), 0
+
+
+def _rough(
+    bench: _Bench,
+    one: Preparation,
+    laws: Mapping[str, FrictionLaw],
+    named: str,
+    contrasts: Sequence[_Contrast],
+    repeats: int,
+) -> str:
+    """Return what it costs to know a parameter of the rig to 1 % only; nothing if more will do."""
+    size = max([abs(row.value) for row in bench.rows if row.path == one.path] or [abs(one.value)])
+    if one.needed >= ROUGH * size:
+        return ""
+    worse = replace(bench, doubts={**(bench.doubts or {}), one.path: ROUGH * size})
+    symbol, wanted = bench.width(laws[named], repeats)
+    _, got = worse.width(laws[named], repeats)
+    said = (
+        f"Known to 1 % only, it leaves the 95 % interval of ${symbol}$ at ± {percent(got)} of the"
+        f" value instead of ± {percent(wanted)}"
+    )
+    told = [pair for pair in contrasts if pair.sigmas(bench.error, repeats) >= TELLING]
+    lost = [
+        f"{laws[pair.holds].title} from {laws[pair.rival].title}"
+        for pair in told
+        if _contrast(worse, pair.holds, pair.rival, laws).sigmas(bench.error, repeats) < TELLING
+    ]
+    if lost:
+        return f"{said}, and the runs no longer tell {joined(lost)}."
+    return f"{said}; the runs tell the same laws apart." if told else f"{said}."
 
 
 def _stated(

@@ -13,7 +13,7 @@ from stickslip.quantities import parameters
 from stickslip.selection.design.discriminating_settings import unit_of
 from stickslip.selection.lab_sheet import Plan, Telling
 
-__all__ = ["SheetRow", "SheetTable", "tables_of"]
+__all__ = ["SheetRow", "SheetTable", "known_by", "tables_of"]
 
 BLOCK = 6
 """Settings in one table, so that it fits a terminal of 80 columns and a sheet of paper."""
@@ -101,7 +101,7 @@ def _before(plan: Plan) -> SheetTable:
                 )
             )
         )
-        how[f"{one.name[:1].upper()}{one.name[1:]}"] = one.how
+        how[f"{one.name[:1].upper()}{one.name[1:]}"] = f"{one.how} {one.rough}".rstrip()
     caption = (
         "Uncertainties are standard uncertainties. A parameter known as well as needed adds half as"
         f" much as the {len(plan.runs())} readings to the uncertainty of the level of"
@@ -135,7 +135,7 @@ def _settings(plan: Plan) -> tuple[SheetTable, ...]:
         f"Travels are taken to be known to {known}, 2 % of the longest one: an assumption, until"
         " repeats at one setting show their scatter."
         if plan.assumed
-        else f"Travels are taken to be known to {known}, scatter and reading together."
+        else f"Travels are taken to be known to {known}, {known_by(plan)}."
     )
     size = math.ceil(len(plan.settings) / math.ceil(len(plan.settings) / BLOCK))
     blocks = [plan.settings[i : i + size] for i in range(0, len(plan.settings), size)]
@@ -164,6 +164,24 @@ def _settings(plan: Plan) -> tuple[SheetTable, ...]:
             )
         )
     return tuple(found)
+
+
+def known_by(plan: Plan) -> str:
+    """Return what the uncertainty of a travel is that was not assumed, in words.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock, plan
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    >>> known_by(plan(rig, "coulomb", uncertainty=0.004))
+    'scatter and reading together'
+    """
+    if not plan.repeated:
+        return "scatter and reading together"
+    return (
+        "the scatter of the repeats that were measured before"
+        f" ({count(plan.repeated, 'degree of freedom', 'degrees of freedom')})"
+    )
 
 
 def _values_of(plan: Plan, name: str) -> str:

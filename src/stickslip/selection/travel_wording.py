@@ -14,7 +14,7 @@ from stickslip.quantities import fields_of
 from stickslip.selection.admissibility import doubts
 from stickslip.selection.contradictions import Contradiction
 from stickslip.selection.design.discriminating_settings import Proposal
-from stickslip.selection.limits import limit_text
+from stickslip.selection.identifiable import limit_of
 from stickslip.selection.travel_verdict import TravelCandidate, misfit
 from stickslip.selection.verdict import Wording
 
@@ -230,9 +230,7 @@ def _settles(trials: Sequence[Trial], best: TravelCandidate | None) -> tuple[str
         )
     open_ = doubts(best) if len(trials) > 1 else {}
     settled = [e for e in best.fit.estimates if e.path.rpartition(".")[2] not in open_]
-    stated = [(trial.mechanism, {**trial.shared, **trial.doubts}) for trial in trials]
-    readings = "the readings" if len(trials) > 1 else "the reading"
-    lines += [_range_line(one, best) + limit_text(one, stated, readings) for one in settled]
+    lines += [_range_line(one, best) + limit_of(best.fit, one) for one in settled]
     return tuple(lines[:3])
 
 

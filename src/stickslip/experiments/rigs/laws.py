@@ -11,7 +11,7 @@ from stickslip.experiments.rigs.validation_errors import place
 from stickslip.friction import FrictionLaw
 from stickslip.quantities import fields_of
 
-__all__ = ["Known", "known_laws"]
+__all__ = ["Known", "known_laws", "overridden_fields"]
 
 
 class Known(NamedTuple):
@@ -32,7 +32,10 @@ def known_laws(
     overridden: Collection[str],
     kinds: Mapping[str, type[FrictionLaw]],
 ) -> Known:
-    """Return the laws for which the table gives every required parameter."""
+    """Return the laws for which the table gives every required parameter.
+
+    A value in a law's own table comes before a shared one, but not before an override of that.
+    """
     found: dict[str, FrictionLaw] = {}
     assumed: dict[str, tuple[str, ...]] = {}
     named, given = [], {}
@@ -43,7 +46,10 @@ def known_laws(
         values = {key: shared[key] for key in names if key in shared}
         if own is not None:
             named.append(name)
-            values |= _own(own, law, file, overridden)
+            changed = overridden_fields(law, overridden, own=False)
+            changed -= overridden_fields(law, overridden, shared=False)
+            kept = {key: value for key, value in values.items() if key in changed}
+            values |= _own(own, law, file, overridden) | kept
         given[name] = {key: _plain(value) for key, value in values.items()}
         missing = [key for key in _required(law) if key not in values]
         if missing and own is not None:
@@ -55,6 +61,24 @@ def known_laws(
         if marked:
             assumed[name] = tuple(marked)
     return Known(found, assumed, tuple(named), {k: v for k, v in given.items() if v})
+
+
+def overridden_fields(
+    law: type[FrictionLaw], overridden: Collection[str], *, shared: bool = True, own: bool = True
+) -> set[str]:
+    """Return the fields of a law that overrides set: by shared paths, by those of its own table."""
+    found = set()
+    forces = force_parameters(law)
+    for path in overridden:
+        table, _, rest = path.removeprefix("friction.").partition(".")
+        key = rest.removeprefix("forces.")
+        if not path.startswith("friction."):
+            continue
+        if shared and not rest:
+            found.add(table)
+        elif own and table == law.name:
+            found.add(forces[key][0] if key != rest and key in forces else rest)
+    return found & {field.name for field in dataclasses.fields(law)}
 
 
 def _plain(value: Any) -> Any:

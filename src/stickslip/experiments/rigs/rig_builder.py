@@ -20,7 +20,7 @@ from stickslip.experiments.readers.reader_options import Reading, column_of
 from stickslip.experiments.readers.toml import LARGEST, apply, parse, read_bytes
 from stickslip.experiments.records import read_data
 from stickslip.experiments.rig import Published, Rig, check_record, state_units
-from stickslip.experiments.rigs.laws import Known, known_laws
+from stickslip.experiments.rigs.laws import Known, known_laws, overridden_fields
 from stickslip.experiments.rigs.plugin_imports import imported
 from stickslip.experiments.rigs.rig_models import Given, Number, Table
 from stickslip.experiments.rigs.schema import (
@@ -40,7 +40,6 @@ from stickslip.quantities import Quantity
 __all__ = ["read_rig"]
 
 BUNDLED = "paper_rig.toml"
-LAWS = "friction"
 
 
 def read_rig(
@@ -174,8 +173,7 @@ def _estimates(
     given["intervals"] = {name: (low, high) for name, (low, high) in table.intervals.items()}
     given["covariance"] = tuple(map(tuple, table.covariance))
     given |= {name: tuple(given[name]) for name in ("not_fitted", "covariance_of") if name in given}
-    own = f"{LAWS}.{table.law}."
-    changed = [path.removeprefix(own) for path in overridden if path.startswith(own)]
+    changed = sorted(overridden_fields(type(known.laws[table.law]), overridden))
     try:
         return LawEstimates(**given).without(changed).checked(known.laws[table.law])
     except UnknownNameError as error:

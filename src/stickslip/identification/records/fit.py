@@ -144,7 +144,7 @@ class RecordFit(Fit[Law_co]):
     build: ProblemBuilder = field(repr=False)
     """Makes the same problem of other records."""
     found: OptimizeResult
-    """Least cost and restarts; of a free decay, those of the last and longest segments."""
+    """Least cost and where it is; of a free decay, those of the last and longest segments."""
     inference: Inference
     """Covariance, condition and effective sample size."""
     at_bounds: Mapping[str, str]
@@ -157,10 +157,17 @@ class RecordFit(Fit[Law_co]):
     """Why the route was chosen, in words; empty if it was asked for or is the usual one."""
     halves: Halves | None = None
     """Estimates from either half of a record in time; None if a half alone cannot be fitted."""
+    first: OptimizeResult | None = None
+    """Of a free decay, the search from all starts, in segments as asked, before longer ones."""
     displaced: tuple[Displaced, ...] = ()
     """What stated uncertainties of the mechanism make of the residuals; intervals hold it."""
     model_errors: tuple[ModelError, ...] = ()
     """What the residuals show to be wrong with model, rig or record; intervals leave it out."""
+
+    @property
+    def restarts(self) -> OptimizeResult:
+        """The search that began from all starts."""
+        return self.found if self.first is None else self.first
 
     @override
     def law_estimates(self) -> LawEstimates:
@@ -329,7 +336,8 @@ class RecordFit(Fit[Law_co]):
 
     @override
     def to_dict(self) -> Mapping[str, Any]:
-        found = self.found
+        found, restarts = self.found, self.restarts
+        rows = len(restarts.best.residual)
         return {
             "law": self.law.name,
             "route": self.route,
@@ -341,8 +349,8 @@ class RecordFit(Fit[Law_co]):
             "condition": self.inference.condition,
             "effective_samples": self.inference.effective,
             "at_bounds": dict(self.at_bounds),
-            "restarts": [math.sqrt(cost / len(self.residual)) for cost in found.costs],
-            "restarts_agreeing": found.agreeing,
+            "restarts": [math.sqrt(cost / rows) for cost in restarts.costs],
+            "restarts_agreeing": restarts.agreeing,
             "evaluations": found.evaluations,
             "cancelled": found.cancelled,
             "model_errors": [one.to_dict() for one in self.model_errors],

@@ -466,6 +466,7 @@ def _finished(
         problem=ready.problem,
         build=ready.build,
         found=found,
+        first=None if searched is found else searched,
         inference=inference,
         displaced=moved,
         at_bounds=at_bounds,

@@ -2,25 +2,22 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
-from types import MappingProxyType
-from typing import Final
 
 from stickslip.experiments import Measurement
+from stickslip.experiments.estimates import AT_UNIT_LOAD, levels_at
 from stickslip.experiments.units import turned
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.mechanisms import Axis, Mechanism
+from stickslip.mechanisms import Mechanism
 
 __all__ = ["in_forces", "reads_as_forces", "turned_as"]
 
-AT_UNIT_LOAD: Final = MappingProxyType({"1": "N", "1/m": "N/m", "s/m": "N s/m"})
-"""What a unit per load [N] reads as where the load is 1."""
-
 
 def reads_as_forces(mechanism: Mechanism, measurement: Measurement) -> bool:
-    """Whether levels read as forces [N]: an axis that was given no load, and none was measured.
+    """Whether levels read as forces [N]: the mechanism has no load, and none was measured.
 
     Examples
     --------
+    >>> from stickslip import Axis
     >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
     >>> (
     ...     reads_as_forces(Axis(inertia=1.0), table),
@@ -28,7 +25,7 @@ def reads_as_forces(mechanism: Mechanism, measurement: Measurement) -> bool:
     ... )
     (True, False)
     """
-    unit_load = isinstance(mechanism, Axis) and mechanism.load == 1.0
+    unit_load = levels_at(mechanism) != "per load"
     known = "load" in measurement.quantities() or any(
         "mechanism.load" in record.overrides for record in measurement.records()
     )
@@ -45,6 +42,7 @@ def in_forces(
 
     Examples
     --------
+    >>> from stickslip import Axis
     >>> from stickslip.quantities import Quantity
     >>> path = "friction.kinetic_coefficient"
     >>> level = FreeParameters((FreeParameter(path=path, quantity=Quantity("mu_k"), start=2.0),))

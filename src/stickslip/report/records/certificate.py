@@ -57,11 +57,13 @@ def certificate_section(verdict: RecordVerdict) -> Section | None:
 
 def _search(fit: RecordFit) -> list[KeyValue]:
     """Return how the least residual was found."""
-    found = fit.found
-    starts, agreeing = len(found.costs), found.agreeing
+    found, restarts = fit.found, fit.restarts
+    starts, agreeing = len(restarts.costs), restarts.agreeing
     text = f"{agreeing} of {starts} starts came to the least residual within {percent(AGREE)}"
     if agreeing < starts:
-        text += f"; {_worst(found.costs)}"
+        text += f"; {_worst(restarts.costs)}"
+    if fit.first is not None:
+        text += ", in short segments; longer ones of the free decay were fitted from there"
     text += "; the search was stopped before its end" if found.cancelled else ""
     certain = agreeing > 1 and not found.cancelled
     how = {

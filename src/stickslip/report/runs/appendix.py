@@ -1,6 +1,6 @@
 """The end of the report of a run: the law and its doubt, certificate, how to reproduce it."""
 
-from stickslip.experiments.estimates import HARD, equated
+from stickslip.experiments.estimates import HARD, equated, unit_on
 from stickslip.formatting import interval, number
 from stickslip.quantities import parameters
 from stickslip.report.core.blocks import (
@@ -27,7 +27,8 @@ def law_section(about: RunReport) -> Section:
         name = path.removeprefix("friction.")
         span, how = _known(about, name)
         label = f"{name.replace('_', ' ').capitalize()} ${one.symbol}$"
-        unit = "none" if one.unit == "1" else one.unit
+        unit = unit_on(about.rig.mechanism, one)
+        unit = "none" if unit == "1" else unit
         rows.append(Row(cells=(label, number(value, 4), unit, span, how)))
     for name, (own, other) in equated(law).items():
         label = f"{name.replace('_', ' ').capitalize()} ${own}$"

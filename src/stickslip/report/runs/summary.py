@@ -1,7 +1,8 @@
 """The opening of the report of a run: how it ended, how far the body came."""
 
+from stickslip.experiments import unfitted_bristles
 from stickslip.experiments.estimates import equated
-from stickslip.formatting import count, quantity, span
+from stickslip.formatting import count, joined, quantity, span
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import Opening, Section
 from stickslip.report.runs.subject import RunReport
@@ -44,6 +45,8 @@ def _lede(about: RunReport) -> str:
         number = count(len(about.cycles), "whole cycle")
         travel = sum(one.travel for one in about.cycles)
         said.append(f"The body advances {about.of(travel, 4)} in {number}.")
+    resting = _resting(about, about.cycles[-1].travel if about.cycles else about.criteria.travel)
+    said += [f"The travel {resting.removeprefix('; ')}."] if resting else []
     band = about.band
     if band is not None:
         travels = span(band.travel.low, band.travel.high, about.unit)
@@ -58,10 +61,11 @@ def _lede(about: RunReport) -> str:
 
 def _facts(about: RunReport) -> tuple[Fact, ...]:
     band, seen = about.band, about.criteria
+    moved = about.cycles[-1].travel if about.cycles else seen.travel
     travel = Fact(
         value=about.of(seen.travel, 4),
         aside="" if band is None else span(band.travel.low, band.travel.high, about.unit),
-        what="travel in the whole run",
+        what=f"travel in the whole run{_resting(about, moved)}",
     )
     mean = Fact(
         value=about.of(about.mean_velocity, per_second=True),
@@ -70,11 +74,16 @@ def _facts(about: RunReport) -> tuple[Fact, ...]:
         else span(band.mean_velocity.low, band.mean_velocity.high, f"{about.unit}/s"),
         what="mean velocity over whole cycles" if about.cycles else "mean velocity of the run",
     )
-    if about.cycles:
-        back = Fact(value=about.of(about.cycles[-1].back_slip), what="back-slip in the last cycle")
-    else:
-        back = Fact(value=about.of(seen.largest_return), what="largest back-slip")
+    slip = about.cycles[-1].back_slip if about.cycles else seen.largest_return
+    name = "back-slip in the last cycle" if about.cycles else "largest back-slip"
+    back = Fact(value=about.of(slip), what=f"{name}{_resting(about, slip)}")
     return travel, mean, back
+
+
+def _resting(about: RunReport, distance: float) -> str:
+    """Return on which bristles a distance rests that no measurement determined, behind a comma."""
+    found = unfitted_bristles(about.law, about.estimates, distance, about.rig.mechanism)
+    return f"; rests on {joined(list(found))}, which no measurement determined" if found else ""
 
 
 def _settles(about: RunReport) -> tuple[str, ...]:
