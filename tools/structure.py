@@ -5,6 +5,7 @@ in a process of its own, and the tests, which pytest collects.
 """
 
 import ast
+import importlib
 import json
 import os
 import subprocess
@@ -93,10 +94,10 @@ def importers(trees: dict[str, ast.Module], known: dict[str, Path]) -> dict[str,
     for name, tree in trees.items():
         for other in imports(tree, known):
             found[other].add(name)
-        for node in tree.body:
-            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "HOMES":
-                for home in set(ast.literal_eval(node.value).values()):
-                    found[f"{name}.{home}"].add(name)
+        if "attach(" in ast.unparse(tree) and known[name].name == "__init__.py":
+            root = name if "attach(__name__" in ast.unparse(tree) else PACKAGE
+            for home in set(importlib.import_module(name).HOMES.values()):
+                found[f"{root}.{home}"].add(name)
     return found
 
 
@@ -230,21 +231,12 @@ def table() -> Iterator[tuple[str, object]]:
     for least in (2, 3):
         shown = share_documented([*trees.values()], least)
         yield f"public functions of {least} or more arguments with Parameters", shown
-    yield "public names at the top", len(ast.literal_eval(_homes(trees[PACKAGE]))) + 1
+    yield "public names at the top", len(importlib.import_module(PACKAGE).__all__)
     seen = watched()
     yield "stickslip select: modules imported", seen["imported"]
     yield "stickslip select: modules with a function that ran", seen["modules"]
     yield "stickslip select: functions that ran", seen["functions"]
     yield "tests collected", tests_collected()
-
-
-def _homes(tree: ast.Module) -> ast.expr:
-    (found,) = (
-        node.value
-        for node in tree.body
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "HOMES"
-    )
-    return found
 
 
 if __name__ == "__main__":

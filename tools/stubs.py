@@ -4,14 +4,25 @@ Type checkers and editors do not run `__getattr__`. They read these stubs, which
 modules as the table HOMES that the packages load from.
 """
 
-import ast
+import importlib
 from collections import defaultdict
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parent.parent / "src"
-PACKAGES = ("stickslip", "stickslip.outputs", "stickslip.plots", "stickslip.results")
-EXTRA = {"stickslip": ("__version__",)}
-"""Public names of which there is no module: texts."""
+PACKAGES = (
+    "stickslip",
+    "stickslip.friction",
+    "stickslip.mechanisms",
+    "stickslip.outputs",
+    "stickslip.plots",
+    "stickslip.results",
+)
+EXTRA = {
+    "stickslip": {"__version__": "str", "MOVED": "dict[str, str]"},
+    "stickslip.friction": {"LAW_MODULES": "dict[str, str]"},
+    "stickslip.mechanisms": {"MECHANISM_MODULES": "dict[str, str]"},
+}
+"""Further names, which no module defines, with their types."""
 
 
 def folder(package: str) -> Path:
@@ -20,13 +31,9 @@ def folder(package: str) -> Path:
 
 
 def homes(package: str) -> dict[str, str]:
-    """Return the module that defines each public name, read off the source of a package."""
-    tree = ast.parse((folder(package) / "__init__.py").read_text(encoding="utf-8"))
-    for node in tree.body:
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "HOMES":
-            table: dict[str, str] = ast.literal_eval(node.value)
-            return table
-    raise SystemExit(f"{package}/__init__.py has no table HOMES.")
+    """Return the module that defines each public name."""
+    table: dict[str, str] = importlib.import_module(package).HOMES
+    return table
 
 
 def root(package: str) -> str:
@@ -40,7 +47,7 @@ def stub(package: str) -> str:
     modules = defaultdict(list)
     for name, module in homes(package).items():
         modules[f"{root(package)}.{module}"].append(name)
-    extra = EXTRA.get(package, ())
+    extra = EXTRA.get(package, {})
     lines = [
         "# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.",
     ]
@@ -49,8 +56,8 @@ def stub(package: str) -> str:
         for module in sorted(modules)
         for name in sorted(modules[module])
     ]
-    lines += ["", *(f"{name}: str\n" for name in extra)]
-    names = sorted([*homes(package), *extra])
+    lines += ["", *(f"{name}: {kind}\n" for name, kind in extra.items())]
+    names = importlib.import_module(package).__all__
     lines += ["__all__ = [", *(f'    "{name}",' for name in names), "]", ""]
     return "\n".join(lines)
 

@@ -5,34 +5,21 @@ the rest from `stickslip.drives`, `.outputs`, `.results`, `.control`, `.sweep` a
 type checkers and editors read is `__init__.pyi`, which `make stubs` writes from the table below.
 """
 
+from stickslip.friction import LAW_MODULES
 from stickslip.lazy import attach
+from stickslip.mechanisms import MECHANISM_MODULES
 
 HOMES = {
-    "Axis": "mechanisms",
-    "Capsule": "mechanisms",
-    "Coulomb": "friction",
-    "CoulombViscous": "friction",
-    "CoulombViscousStatic": "friction",
-    "Dahl": "friction",
-    "DirectionDependent": "friction",
+    **dict.fromkeys(LAW_MODULES, "friction"),
+    **dict.fromkeys(MECHANISM_MODULES, "mechanisms"),
     "EventDriven": "solver",
     "FixedStep": "solver",
     "FrictionLaw": "friction",
-    "LuGre": "friction",
     "MatrixMechanism": "mechanisms",
     "Measurement": "experiments",
     "Mechanism": "mechanisms",
-    "Pendulum": "mechanisms",
-    "PendulumCart": "mechanisms",
-    "PowerViscous": "friction",
-    "QuadraticDrag": "friction",
     "RecordSettings": "identification",
     "Rig": "experiments",
-    "SpringBlock": "mechanisms",
-    "Stribeck": "friction",
-    "TowedBlock": "mechanisms",
-    "TwoMassAxis": "mechanisms",
-    "Viscous": "friction",
     "animate": "plots",
     "check": "experiments",
     "compare_trials": "identification",

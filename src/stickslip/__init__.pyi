@@ -41,6 +41,8 @@ from stickslip.solver import FixedStep as FixedStep
 
 __version__: str
 
+MOVED: dict[str, str]
+
 __all__ = [
     "Axis",
     "Capsule",

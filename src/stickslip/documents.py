@@ -34,9 +34,9 @@ def document(kind: str, content: Mapping[str, Any]) -> dict[str, Any]:
     >>> document("fit", {"rms": math.nan})["rms"] is None
     True
     """
-    from stickslip import __version__
+    from importlib.metadata import version
 
-    head = {"schema": f"stickslip/{kind}/{SCHEMA_VERSION}", "stickslip": __version__}
+    head = {"schema": f"stickslip/{kind}/{SCHEMA_VERSION}", "stickslip": version("stickslip")}
     return {**head, **_finite(content)}
 
 

@@ -6,6 +6,7 @@ whose numeric fields are annotated with a `Quantity`. Everything that needs to k
 """
 
 import dataclasses
+import importlib
 import math
 import numbers
 import types
@@ -25,6 +26,7 @@ __all__ = [
     "full_path",
     "gathered",
     "named",
+    "own_classes",
     "parameters",
     "shadow",
     "structure",
@@ -626,6 +628,43 @@ def named(registry: Mapping[str, Any], name: str, kind: str) -> Any:
     if name not in registry:
         raise UnknownNameError(kind, name, registry)
     return registry[name]
+
+
+def own_classes(package: str, modules: Mapping[str, str], base: type[T]) -> tuple[type[T], ...]:
+    """Return the classes that a table of lazy names registers.
+
+    Parameters
+    ----------
+    package : str
+        Name of the package.
+    modules : mapping of str to str
+        By name of the class, the module of the package that defines it.
+    base : type
+        What each is derived from.
+
+    Returns
+    -------
+    tuple of type
+        In the order of the table.
+
+    Raises
+    ------
+    TypeError
+        If a name is of something else.
+
+    Examples
+    --------
+    >>> from stickslip.drives import Drive
+    >>> [kind.__name__ for kind in own_classes("stickslip.drives", {"Sine": "elementary"}, Drive)]
+    ['Sine']
+    """
+    found = []
+    for name, module in modules.items():
+        kind = getattr(importlib.import_module(f"{package}.{module}"), name)
+        if not (isinstance(kind, type) and issubclass(kind, base)):
+            raise TypeError(f"{package}.{name} must be a class derived from {base.__name__}.")
+        found.append(kind)
+    return tuple(found)
 
 
 def gathered(ours: Mapping[str, type[T]], group: str, base: type[T]) -> Mapping[str, type[T]]:

@@ -1,71 +1,45 @@
 """Friction laws: each one a file, each with its source."""
 
-from stickslip.friction.base import (
-    BristleLaw,
-    Containment,
-    DirectionalLaw,
-    FrictionLaw,
-    SetValuedLaw,
-    bristles_of,
-    containment_of,
-    towards,
-)
-from stickslip.friction.coulomb import Coulomb
-from stickslip.friction.coulomb_viscous import CoulombViscous
-from stickslip.friction.coulomb_viscous_static import CoulombViscousStatic
-from stickslip.friction.dahl import Dahl
-from stickslip.friction.direction_dependent import DirectionDependent
-from stickslip.friction.lugre import LuGre
-from stickslip.friction.power_viscous import PowerViscous
-from stickslip.friction.published import (
-    PRINTED_EQUATIONS,
-    PRINTED_FORMS,
-    PrintedForm,
-    RightEquation,
-)
-from stickslip.friction.quadratic_drag import QuadraticDrag
-from stickslip.friction.registry import (
-    LAWS,
-    CandidateSpec,
-    contained_laws,
-    law_type,
-    laws,
-    specification,
-    usual_specifications,
-)
-from stickslip.friction.sources import SOURCES
-from stickslip.friction.stribeck import Stribeck
-from stickslip.friction.viscous import Viscous
+from stickslip.lazy import attach
 
-__all__ = [
-    "LAWS",
-    "PRINTED_EQUATIONS",
-    "PRINTED_FORMS",
-    "SOURCES",
-    "BristleLaw",
-    "CandidateSpec",
-    "Containment",
-    "Coulomb",
-    "CoulombViscous",
-    "CoulombViscousStatic",
-    "Dahl",
-    "DirectionDependent",
-    "DirectionalLaw",
-    "FrictionLaw",
-    "LuGre",
-    "PowerViscous",
-    "PrintedForm",
-    "QuadraticDrag",
-    "RightEquation",
-    "SetValuedLaw",
-    "Stribeck",
-    "Viscous",
-    "bristles_of",
-    "contained_laws",
-    "containment_of",
-    "law_type",
-    "laws",
-    "specification",
-    "towards",
-    "usual_specifications",
-]
+LAW_MODULES = {
+    "Coulomb": "coulomb",
+    "Viscous": "viscous",
+    "CoulombViscous": "coulomb_viscous",
+    "CoulombViscousStatic": "coulomb_viscous_static",
+    "DirectionDependent": "direction_dependent",
+    "PowerViscous": "power_viscous",
+    "QuadraticDrag": "quadratic_drag",
+    "Stribeck": "stribeck",
+    "Dahl": "dahl",
+    "LuGre": "lugre",
+}
+"""The laws of the package in the order of listings, with their modules: all that registers one."""
+
+HOMES = {
+    **LAW_MODULES,
+    "BristleLaw": "base",
+    "CandidateSpec": "registry",
+    "Containment": "base",
+    "DirectionalLaw": "base",
+    "FrictionLaw": "base",
+    "LAWS": "registry",
+    "PRINTED_EQUATIONS": "published",
+    "PRINTED_FORMS": "published",
+    "PrintedForm": "published",
+    "RightEquation": "published",
+    "SOURCES": "sources",
+    "SetValuedLaw": "base",
+    "bristles_of": "base",
+    "contained_laws": "registry",
+    "containment_of": "base",
+    "law_type": "registry",
+    "laws": "registry",
+    "specification": "registry",
+    "towards": "base",
+    "usual_specifications": "registry",
+}
+
+__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
+
+__getattr__, __dir__ = attach(__name__, HOMES)

@@ -7,10 +7,10 @@ from types import MappingProxyType
 from typing import final
 
 from stickslip.errors import InputError
+from stickslip.friction import LAW_MODULES
 from stickslip.friction.base import FrictionLaw
 from stickslip.friction.coulomb import Coulomb
 from stickslip.friction.coulomb_viscous import CoulombViscous
-from stickslip.friction.coulomb_viscous_static import CoulombViscousStatic
 from stickslip.friction.dahl import Dahl
 from stickslip.friction.direction_dependent import DirectionDependent
 from stickslip.friction.lugre import LuGre
@@ -18,7 +18,7 @@ from stickslip.friction.power_viscous import PowerViscous
 from stickslip.friction.quadratic_drag import QuadraticDrag
 from stickslip.friction.stribeck import Stribeck
 from stickslip.friction.viscous import Viscous
-from stickslip.quantities import gathered, named
+from stickslip.quantities import gathered, named, own_classes
 
 __all__ = [
     "LAWS",
@@ -33,18 +33,7 @@ __all__ = [
 LAWS: Mapping[str, type[FrictionLaw]] = MappingProxyType(
     {
         law.name: law
-        for law in (
-            Coulomb,
-            Viscous,
-            CoulombViscous,
-            CoulombViscousStatic,
-            DirectionDependent,
-            PowerViscous,
-            QuadraticDrag,
-            Stribeck,
-            Dahl,
-            LuGre,
-        )
+        for law in own_classes("stickslip.friction", LAW_MODULES, FrictionLaw)  # type: ignore[type-abstract]  # a base
     }
 )
 """The laws that come with the package, by kebab-case name."""

@@ -1,48 +1,38 @@
 """Mechanisms: equations of motion without friction, each one a file."""
 
-from stickslip.mechanisms.actuators import MOTORS, Motor, Prescribed, Torque
-from stickslip.mechanisms.axis import Axis
-from stickslip.mechanisms.base import (
-    BoundedMechanism,
-    Contact,
-    Guide,
-    Mechanism,
-    Stop,
-    stops_between,
-    stops_of,
-)
-from stickslip.mechanisms.capsule import Capsule
-from stickslip.mechanisms.contacts import slip_names, static_normal_force
-from stickslip.mechanisms.matrix_mechanism import MatrixMechanism
-from stickslip.mechanisms.pendulum import Pendulum
-from stickslip.mechanisms.pendulum_cart import PendulumCart
-from stickslip.mechanisms.registry import MECHANISMS, mechanisms
-from stickslip.mechanisms.spring_block import SpringBlock
-from stickslip.mechanisms.towed_block import TowedBlock
-from stickslip.mechanisms.two_mass_axis import TwoMassAxis
+from stickslip.lazy import attach
 
-__all__ = [
-    "MECHANISMS",
-    "MOTORS",
-    "Axis",
-    "BoundedMechanism",
-    "Capsule",
-    "Contact",
-    "Guide",
-    "MatrixMechanism",
-    "Mechanism",
-    "Motor",
-    "Pendulum",
-    "PendulumCart",
-    "Prescribed",
-    "SpringBlock",
-    "Stop",
-    "Torque",
-    "TowedBlock",
-    "TwoMassAxis",
-    "mechanisms",
-    "slip_names",
-    "static_normal_force",
-    "stops_between",
-    "stops_of",
-]
+MECHANISM_MODULES = {
+    "SpringBlock": "spring_block",
+    "TowedBlock": "towed_block",
+    "Axis": "axis",
+    "TwoMassAxis": "two_mass_axis",
+    "Pendulum": "pendulum",
+    "PendulumCart": "pendulum_cart",
+    "Capsule": "capsule",
+}
+"""The mechanisms in the order of listings, with their modules: all that registers one."""
+
+HOMES = {
+    **MECHANISM_MODULES,
+    "BoundedMechanism": "base",
+    "Contact": "base",
+    "Guide": "base",
+    "MECHANISMS": "registry",
+    "MOTORS": "actuators",
+    "MatrixMechanism": "matrix_mechanism",
+    "Mechanism": "base",
+    "Motor": "actuators",
+    "Prescribed": "actuators",
+    "Stop": "base",
+    "Torque": "actuators",
+    "mechanisms": "registry",
+    "slip_names": "contacts",
+    "static_normal_force": "contacts",
+    "stops_between": "base",
+    "stops_of": "base",
+}
+
+__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
+
+__getattr__, __dir__ = attach(__name__, HOMES)

@@ -4,30 +4,16 @@ import functools
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from stickslip.mechanisms.axis import Axis
+from stickslip.mechanisms import MECHANISM_MODULES
 from stickslip.mechanisms.base import Mechanism
-from stickslip.mechanisms.capsule import Capsule
-from stickslip.mechanisms.pendulum import Pendulum
-from stickslip.mechanisms.pendulum_cart import PendulumCart
-from stickslip.mechanisms.spring_block import SpringBlock
-from stickslip.mechanisms.towed_block import TowedBlock
-from stickslip.mechanisms.two_mass_axis import TwoMassAxis
-from stickslip.quantities import gathered
+from stickslip.quantities import gathered, own_classes
 
 __all__ = ["MECHANISMS", "mechanisms"]
 
 MECHANISMS: Mapping[str, type[Mechanism]] = MappingProxyType(
     {
-        mechanism.name: mechanism
-        for mechanism in (
-            SpringBlock,
-            TowedBlock,
-            Axis,
-            TwoMassAxis,
-            Pendulum,
-            PendulumCart,
-            Capsule,
-        )
+        kind.name: kind
+        for kind in own_classes("stickslip.mechanisms", MECHANISM_MODULES, Mechanism)  # type: ignore[type-abstract]  # a base
     }
 )
 """The mechanisms that come with the package, by kebab-case name."""

@@ -1,0 +1,66 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.friction.base import BristleLaw as BristleLaw
+from stickslip.friction.base import Containment as Containment
+from stickslip.friction.base import DirectionalLaw as DirectionalLaw
+from stickslip.friction.base import FrictionLaw as FrictionLaw
+from stickslip.friction.base import SetValuedLaw as SetValuedLaw
+from stickslip.friction.base import bristles_of as bristles_of
+from stickslip.friction.base import containment_of as containment_of
+from stickslip.friction.base import towards as towards
+from stickslip.friction.coulomb import Coulomb as Coulomb
+from stickslip.friction.coulomb_viscous import CoulombViscous as CoulombViscous
+from stickslip.friction.coulomb_viscous_static import CoulombViscousStatic as CoulombViscousStatic
+from stickslip.friction.dahl import Dahl as Dahl
+from stickslip.friction.direction_dependent import DirectionDependent as DirectionDependent
+from stickslip.friction.lugre import LuGre as LuGre
+from stickslip.friction.power_viscous import PowerViscous as PowerViscous
+from stickslip.friction.published import PRINTED_EQUATIONS as PRINTED_EQUATIONS
+from stickslip.friction.published import PRINTED_FORMS as PRINTED_FORMS
+from stickslip.friction.published import PrintedForm as PrintedForm
+from stickslip.friction.published import RightEquation as RightEquation
+from stickslip.friction.quadratic_drag import QuadraticDrag as QuadraticDrag
+from stickslip.friction.registry import CandidateSpec as CandidateSpec
+from stickslip.friction.registry import LAWS as LAWS
+from stickslip.friction.registry import contained_laws as contained_laws
+from stickslip.friction.registry import law_type as law_type
+from stickslip.friction.registry import laws as laws
+from stickslip.friction.registry import specification as specification
+from stickslip.friction.registry import usual_specifications as usual_specifications
+from stickslip.friction.sources import SOURCES as SOURCES
+from stickslip.friction.stribeck import Stribeck as Stribeck
+from stickslip.friction.viscous import Viscous as Viscous
+
+LAW_MODULES: dict[str, str]
+
+__all__ = [
+    "BristleLaw",
+    "CandidateSpec",
+    "Containment",
+    "Coulomb",
+    "CoulombViscous",
+    "CoulombViscousStatic",
+    "Dahl",
+    "DirectionDependent",
+    "DirectionalLaw",
+    "FrictionLaw",
+    "LAWS",
+    "LuGre",
+    "PRINTED_EQUATIONS",
+    "PRINTED_FORMS",
+    "PowerViscous",
+    "PrintedForm",
+    "QuadraticDrag",
+    "RightEquation",
+    "SOURCES",
+    "SetValuedLaw",
+    "Stribeck",
+    "Viscous",
+    "bristles_of",
+    "contained_laws",
+    "containment_of",
+    "law_type",
+    "laws",
+    "specification",
+    "towards",
+    "usual_specifications",
+]

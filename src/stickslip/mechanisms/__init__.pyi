@@ -1,0 +1,52 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.mechanisms.actuators import MOTORS as MOTORS
+from stickslip.mechanisms.actuators import Motor as Motor
+from stickslip.mechanisms.actuators import Prescribed as Prescribed
+from stickslip.mechanisms.actuators import Torque as Torque
+from stickslip.mechanisms.axis import Axis as Axis
+from stickslip.mechanisms.base import BoundedMechanism as BoundedMechanism
+from stickslip.mechanisms.base import Contact as Contact
+from stickslip.mechanisms.base import Guide as Guide
+from stickslip.mechanisms.base import Mechanism as Mechanism
+from stickslip.mechanisms.base import Stop as Stop
+from stickslip.mechanisms.base import stops_between as stops_between
+from stickslip.mechanisms.base import stops_of as stops_of
+from stickslip.mechanisms.capsule import Capsule as Capsule
+from stickslip.mechanisms.contacts import slip_names as slip_names
+from stickslip.mechanisms.contacts import static_normal_force as static_normal_force
+from stickslip.mechanisms.matrix_mechanism import MatrixMechanism as MatrixMechanism
+from stickslip.mechanisms.pendulum import Pendulum as Pendulum
+from stickslip.mechanisms.pendulum_cart import PendulumCart as PendulumCart
+from stickslip.mechanisms.registry import MECHANISMS as MECHANISMS
+from stickslip.mechanisms.registry import mechanisms as mechanisms
+from stickslip.mechanisms.spring_block import SpringBlock as SpringBlock
+from stickslip.mechanisms.towed_block import TowedBlock as TowedBlock
+from stickslip.mechanisms.two_mass_axis import TwoMassAxis as TwoMassAxis
+
+MECHANISM_MODULES: dict[str, str]
+
+__all__ = [
+    "Axis",
+    "BoundedMechanism",
+    "Capsule",
+    "Contact",
+    "Guide",
+    "MECHANISMS",
+    "MOTORS",
+    "MatrixMechanism",
+    "Mechanism",
+    "Motor",
+    "Pendulum",
+    "PendulumCart",
+    "Prescribed",
+    "SpringBlock",
+    "Stop",
+    "Torque",
+    "TowedBlock",
+    "TwoMassAxis",
+    "mechanisms",
+    "slip_names",
+    "static_normal_force",
+    "stops_between",
+    "stops_of",
+]
