@@ -28,6 +28,7 @@ __all__ = [
     "named",
     "own_classes",
     "parameters",
+    "plugins",
     "shadow",
     "structure",
     "unchecked",
@@ -689,9 +690,37 @@ def gathered(ours: Mapping[str, type[T]], group: str, base: type[T]) -> Mapping[
     StickslipError
         If one of them cannot be imported, is of another kind, or has a name that is taken.
     """
+    found = dict(ours)
+    for where, kind in plugins(group, base):
+        name = getattr(kind, "name", None)
+        if not isinstance(name, str) or found.get(name, kind) is not kind:
+            raise StickslipError(f"{where} is called {name!r}: give it a name of its own.")
+        found[name] = kind
+    return types.MappingProxyType(found)
+
+
+def plugins(group: str, base: type[T]) -> Iterator[tuple[str, type[T]]]:
+    """Yield the classes that installed packages register in a group, with where each is from.
+
+    Parameters
+    ----------
+    group : str
+        Name of the group of entry points.
+    base : type
+        Class that they are derived from.
+
+    Yields
+    ------
+    (str, type)
+        The entry point, for messages, and the class.
+
+    Raises
+    ------
+    StickslipError
+        If one of them cannot be imported, or is of another kind.
+    """
     from importlib.metadata import entry_points
 
-    found = dict(ours)
     for entry in entry_points(group=group):
         package = "" if entry.dist is None else f" of the installed package {entry.dist.name}"
         where = f"entry point {entry.name} = {entry.value} in {group}{package}"
@@ -703,8 +732,4 @@ def gathered(ours: Mapping[str, type[T]], group: str, base: type[T]) -> Mapping[
             ) from error
         if not (isinstance(kind, type) and issubclass(kind, base)):
             raise StickslipError(f"{where} must be a class derived from {base.__name__}.")
-        name = getattr(kind, "name", None)
-        if not isinstance(name, str) or found.get(name, kind) is not kind:
-            raise StickslipError(f"{where} is called {name!r}: give it a name of its own.")
-        found[name] = kind
-    return types.MappingProxyType(found)
+        yield where, kind

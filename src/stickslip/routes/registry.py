@@ -2,13 +2,13 @@
 
 from collections.abc import Iterable
 from functools import cache
-from importlib.metadata import entry_points
 from typing import Any, TypeAlias
 
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined
 from stickslip.identification.records.route_choice import RouteChoice
+from stickslip.quantities import plugins
 from stickslip.routes.features import FeatureRoute
 from stickslip.routes.records import RecordRoute
 from stickslip.routes.route import Options, Route
@@ -18,7 +18,11 @@ __all__ = ["AnyRoute", "refuse_unused", "route_named", "route_of", "routes"]
 
 AnyRoute: TypeAlias = Route[Any, Any]
 
-OWN: tuple[AnyRoute, ...] = (FeatureRoute(), TravelRoute(), RecordRoute())
+OWN: tuple[AnyRoute, ...] = (
+    FeatureRoute(),
+    TravelRoute(),
+    RecordRoute(),
+)
 """In the order in which they are asked."""
 
 
@@ -26,12 +30,24 @@ OWN: tuple[AnyRoute, ...] = (FeatureRoute(), TravelRoute(), RecordRoute())
 def routes() -> tuple[AnyRoute, ...]:
     """Return all routes: those of other packages first, as they are the more special.
 
+    Raises
+    ------
+    StickslipError
+        If one of them cannot be imported, is no route, or has a name that is taken.
+
     Examples
     --------
     >>> [route.measured for route in routes()][-3:]
     ['the force of a spring', 'travels', 'records of motion or friction']
     """
-    found = [entry.load()() for entry in entry_points(group="stickslip.routes")]
+    found: list[AnyRoute] = []
+    taken = {name for route in OWN for name in route.names}
+    base: type[Any] = Route
+    for where, kind in plugins("stickslip.routes", base):
+        if taken.intersection(kind.names):
+            raise StickslipError(f"{where} is called {kind.names}: give it names of its own.")
+        taken.update(kind.names)
+        found.append(kind())
     return (*found, *OWN)
 
 

@@ -1,0 +1,205 @@
+"""How many places a contribution touches: a law, a mechanism and a plot 3, a route 4.
+
+Toys are put into a copy of the package by the edits that CONTRIBUTING.md lists. The last place of
+each is its test, which stands here for all: the toy is used as a user would use it. A route that
+another package registers is used likewise.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+TOYS = Path(__file__).parent / "toys"
+TEST = 1
+"""The test of a contribution is one of its places."""
+
+Tree = Path
+Edit = tuple[str, str, str]
+"""A file below src/stickslip, a line in it, and what is put below that line."""
+
+
+@pytest.fixture
+def tree(tmp_path: Path) -> Tree:
+    """A copy of what a contributor has: the package and its tools."""
+    plain = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(ROOT / "src", tmp_path / "src", ignore=plain)
+    shutil.copytree(ROOT / "tools", tmp_path / "tools", ignore=plain)
+    return tmp_path
+
+
+def contributed(tree: Tree, toy: str, to: str, *edits: Edit) -> int:
+    """Add a file, make edits, renew the stubs; return the number of places."""
+    shutil.copy(TOYS / toy, tree / "src/stickslip" / to)
+    for file, line, below in edits:
+        path = tree / "src/stickslip" / file
+        text = path.read_text(encoding="utf-8")
+        assert text.count(line) == 1, f"{file} has no single line {line!r}"
+        path.write_text(text.replace(line, f"{line}\n{below}"), encoding="utf-8")
+    run(tree, "tools/stubs.py")
+    return 1 + len({file for file, _, _ in edits}) + TEST
+
+
+def run(tree: Tree, *arguments: str, expected: int = 0) -> str:
+    """Run Python with the copy in place of the package; return what it prints."""
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        cwd=tree,
+        env={**os.environ, "PYTHONPATH": str(tree / "src"), "MPLBACKEND": "Agg"},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    assert done.returncode == expected, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_a_law_touches_three_places(tree: Tree) -> None:
+    line = '    "LuGre": "lugre",'
+    places = contributed(
+        tree,
+        "toy_law.py",
+        "friction/toy_law.py",
+        ("friction/__init__.py", line, '    "ToyLaw": "toy_law",'),
+    )
+    use = """
+import numpy as np
+from stickslip import Axis, Measurement, ToyLaw, fit, select
+from stickslip.friction import LAWS
+from stickslip.testing import check_friction
+assert LAWS["toy-law"] is ToyLaw
+check_friction(ToyLaw(level=0.3, knee=0.05))
+truth = ToyLaw(level=2.0, knee=0.05)
+v = np.linspace(-1.0, 1.0, 400)
+noise = np.random.default_rng(0).normal(0.0, 0.02, v.size)
+table = Measurement(velocity=v, friction=[truth.force(x, load=1.0) for x in v] + noise)
+found = fit(Axis(inertia=1.0), "toy-law", table)
+assert all(e.low < getattr(truth, e.path.rpartition(".")[2], 0.0) < e.high for e in found.estimates)
+verdict = select(Axis(inertia=1.0), ["coulomb", "toy-law"], table)
+assert verdict.best.name == "toy-law", verdict
+"""
+    run(tree, "-c", use)
+    assert "toy-law" in run(tree, "-m", "stickslip", "models")
+    assert "class ToyLaw" not in (tree / "src/stickslip/__init__.pyi").read_text(encoding="utf-8")
+    assert "ToyLaw as ToyLaw" in (tree / "src/stickslip/__init__.pyi").read_text(encoding="utf-8")
+    assert places == 3
+
+
+def test_a_mechanism_touches_three_places(tree: Tree) -> None:
+    line = '    "Capsule": "capsule",'
+    places = contributed(
+        tree,
+        "toy_mechanism.py",
+        "mechanisms/toy_mechanism.py",
+        ("mechanisms/__init__.py", line, '    "ToySlab": "toy_mechanism",'),
+    )
+    use = """
+import math
+from stickslip import Coulomb, ToySlab, simulate
+from stickslip.mechanisms import MECHANISMS
+assert MECHANISMS["toy-slab"] is ToySlab
+slab, law = ToySlab(mass=2.0, weight=1.0), Coulomb(kinetic_coefficient=0.2)
+run = simulate(slab, law, t_end=1.0)
+a = 9.81 * (1.0 - 0.2 * 2.0) / 3.0  # Newton's law of both masses
+assert math.isclose(run["x"][-1], 0.5 * a, rel_tol=1e-9), run["x"][-1]
+"""
+    run(tree, "-c", use)
+    rig = tree / "slab.toml"
+    rig.write_text(
+        '[mechanism]\ntype = "toy-slab"\nmass = "2 kg"\nweight = "1 kg"\n'
+        "[friction.coulomb]\nkinetic_coefficient = 0.2\n[simulation]\nt_end = 1.0\n"
+    )
+    assert "toy-slab" in run(tree, "-m", "stickslip", "schema")
+    run(tree, "-m", "stickslip", "simulate", "slab.toml", "--json")
+    assert places == 3
+
+
+def test_a_plot_touches_three_places(tree: Tree) -> None:
+    line = "HOMES = {"
+    places = contributed(
+        tree,
+        "toy_plot.py",
+        "plots/runs/toy_plot.py",
+        ("plots/__init__.py", line, '    "plot_toy": "runs.toy_plot",'),
+    )
+    use = """
+from stickslip import Coulomb, SpringBlock, simulate
+from stickslip.plots import plot_toy
+rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+axes = plot_toy(simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=1.0))
+assert axes.get_xlabel() == "time since the start, s"
+"""
+    run(tree, "-c", use)
+    stub = (tree / "src/stickslip/plots/__init__.pyi").read_text(encoding="utf-8")
+    assert "plot_toy as plot_toy" in stub
+    assert places == 3
+
+
+ROUTE_USED = """
+import numpy as np
+from stickslip import Axis, Measurement, fit, select, write_report
+from stickslip.routes import route_of
+v = np.array([0.1, 0.2, 0.3])
+slow = Measurement(time=[0.0, 1.0, 2.0], velocity=v, force=4.0 * v, conditions={"kind": "toy"})
+axis = Axis(inertia=1.0)
+assert route_of(slow).measured == "steady speeds"
+found = fit(axis, "viscous", slow)
+assert type(found).__name__ == "ToyFit" and abs(found.law.viscous_coefficient - 4.0) < 1e-12
+verdict = select(axis, None, slow)
+assert verdict.best.name == "viscous" and verdict.to_dict()["toy"], verdict
+assert list(verdict.to_dataframe()["law"]) == ["viscous"]
+page = write_report(verdict, "report").read_text()
+assert "Use viscous friction." in page
+from stickslip.cli.select import show_verdict
+show_verdict(verdict)
+"""
+
+
+def test_a_route_touches_four_places(tree: Tree) -> None:
+    registry = "routes/registry.py"
+    places = contributed(
+        tree,
+        "toy_route.py",
+        "routes/toy_route.py",
+        (registry, "OWN: tuple[AnyRoute, ...] = (", "    ToyRoute(),"),
+        (
+            registry,
+            "from stickslip.routes.travels import TravelRoute",
+            "from stickslip.routes.toy_route import ToyRoute",
+        ),
+        ("results/__init__.py", "HOMES = {", '    "ToyFit": "routes.toy_route",'),
+    )
+    run(tree, "-c", ROUTE_USED + "from stickslip.results import ToyFit\n")
+    assert places == 4
+
+
+def test_a_route_of_another_package_is_used_like_ours(tree: Tree) -> None:
+    package = tree / "src" / "toys"
+    package.mkdir()
+    shutil.copy(TOYS / "toy_route.py", package / "__init__.py")
+    about = tree / "src" / "toys-0.1.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: toys\nVersion: 0.1\n")
+    (about / "entry_points.txt").write_text("[stickslip.routes]\ntoy = toys:ToyRoute\n")
+    assert "Viscous" in run(tree, "-c", ROUTE_USED)
+
+
+def test_what_is_registered_as_a_route_and_is_none_is_said(tree: Tree) -> None:
+    about = tree / "src" / "toys-0.1.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: toys\nVersion: 0.1\n")
+    (about / "entry_points.txt").write_text("[stickslip.routes]\ntoy = json:dumps\n")
+    use = """
+from stickslip.errors import StickslipError
+from stickslip.routes import routes
+try:
+    routes()
+except StickslipError as error:
+    print(error)
+"""
+    assert "toys must be a class derived from Route" in run(tree, "-c", use)
