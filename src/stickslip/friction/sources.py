@@ -18,8 +18,8 @@ SOURCES = MappingProxyType(
             " Zeitschrift des VDI 46, 1902."
         ),
         "dieterich1979": (
-            "J. H. Dieterich. Modeling of rock friction: 1. Experimental results and constitutive"
-            " equations. Journal of Geophysical Research 84(B5), 1979."
+            "J. H. Dieterich. Modeling of rock friction, part 1: experimental results and"
+            " constitutive equations. Journal of Geophysical Research 84(B5), 1979."
         ),
         "ruina1983": (
             "A. Ruina. Slip instability and state variable friction laws. Journal of Geophysical"

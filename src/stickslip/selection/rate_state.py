@@ -8,6 +8,7 @@ from functools import partial
 from typing import NamedTuple, TypeAlias, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Measurement
@@ -41,6 +42,7 @@ __all__ = [
     "select_rate_state",
 ]
 
+Array: TypeAlias = NDArray[np.float64]
 RateStateLaw: TypeAlias = RateState | type[RateState] | str
 RateStateLaws: TypeAlias = Mapping[str, RateStateLaw] | Sequence[RateStateLaw]
 
@@ -230,21 +232,23 @@ def _candidate(
         return replace(found, dropped=str(error))
     found = replace(found, fit=fit, second=None if validate is None else fit.judged(validate))
     try:
-        validation = held_out(fit)
+        unseen = held_out(fit)
     except ConvergenceError as error:
         return replace(found, dropped=f"not judged: without a held-out part, {error}")
+    validation = _by_segment(fit, unseen)
     if not math.isfinite(validation.score):
         return replace(found, dropped="not judged: the slider runs away in a held-out part")
     symbols = ", ".join(f"${symbol}$" for symbol in bounds_met(fit))
     return replace(
         found,
         validation=validation,
+        unseen=unseen,
         dropped=f"{symbols} at the end of the range that was searched" if symbols else "",
     )
 
 
-def held_out(fit: RateStateFit) -> CrossValidation:
-    """Return held-out errors of a fit: each velocity step predicted by a fit to all others.
+def held_out(fit: RateStateFit) -> Array:
+    """Return what fits leave that have not seen it: each velocity step is held out in turn.
 
     The law runs over the whole record, as the load point was moved; what is held out is not
     compared. Of a record with a single step, parts with equally many samples are held out.
@@ -254,18 +258,36 @@ def held_out(fit: RateStateFit) -> CrossValidation:
     fit : RateStateFit
         The fit to the whole record, from which searches begin.
 
+    Returns
+    -------
+    array (n,)
+        Measured less predicted coefficient of each row of ``fit.problem``; NaN before the first of
+        several steps.
+
     Raises
     ------
     ConvergenceError
         If the rest cannot be predicted.
     """
-    slider, losses = fit.problem, []
-    present = np.unique(slider.segments).tolist()
+    slider = fit.problem
+    segments = slider.segments
+    unseen = np.full(len(segments), np.nan)
+    present = np.unique(segments).tolist()
     for one in present[1:] if slider.by_steps else present:
         rest = Part(slider, [other for other in present if other != one], fit.best)
         end, _ = improve(rest, fit.best.values)
+        rows = segments == one
         seen = slider.linearise(end.values, only=[one], slopes=False)
-        losses.append(seen.cost / len(seen.residual))
+        unseen[rows] = seen.residual / slider.weight[rows]
+    return unseen
+
+
+def _by_segment(fit: RateStateFit, unseen: Array) -> CrossValidation:
+    """Return the mean square of each segment that was held out, rows weighted by their samples."""
+    slider = fit.problem
+    held = np.unique(slider.segments[~np.isnan(unseen)])
+    rows = [slider.segments == one for one in held]
+    losses = [float(np.average(unseen[r] ** 2, weights=slider.weight[r] ** 2)) for r in rows]
     return CrossValidation(losses=tuple(losses), extrapolation=math.nan)
 
 

@@ -3,8 +3,10 @@
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, TypeAlias, final
 
+import numpy as np
+from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.experiments import Checks
@@ -17,6 +19,8 @@ from stickslip.selection.verdict import Verdict, plain
 
 if TYPE_CHECKING:
     import pandas as pd
+
+Array: TypeAlias = NDArray[np.float64]
 
 __all__ = ["OtherStep", "RateStateCandidate", "RateStateVerdict"]
 
@@ -39,7 +43,7 @@ class OtherStep:
 
 
 @final
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RateStateCandidate:
     """One law on velocity steps: its fit, its held-out error, and what speaks against it."""
 
@@ -51,6 +55,9 @@ class RateStateCandidate:
     """The fit to the whole record; None if there is none."""
     validation: CrossValidation | None = None
     """Mean squares of the coefficient in each part that a fit to the others has not seen."""
+    unseen: Array | None = None
+    """Measured less predicted coefficient of each row of the fit, by the fit that has not seen it
+    (n,); NaN for rows that were never held out."""
     simpler: tuple[str, ...] = ()
     """Names of the candidates that it contains."""
     dropped: str = ""

@@ -1,6 +1,5 @@
 """The verdict on velocity steps in words. Symbols stand between dollar signs."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -20,6 +19,8 @@ TELLING = 3.0
 """A step is worth a measurement if laws part there by more than so many residuals."""
 SLOW = 5.0
 """Samples in the time D_c/V below which sampling hides how friction settles."""
+STRUCTURE = 5.0
+"""Residuals over the scatter of neighbouring samples from which the law misses something."""
 LAWS = {
     "constant-coefficient": "a constant coefficient",
     "logarithmic": "friction logarithmic in speed",
@@ -28,8 +29,8 @@ LAWS = {
 }
 """The laws within a sentence."""
 PLAIN = Scale(1.0, "")
-SLOWLY = ("effective size",)
-"""Findings that every record of slow changes has."""
+STEPS = ("effective size", "drift")
+"""Findings that velocity steps bring with them."""
 DISTANCE = "friction.critical_distance"
 
 
@@ -140,14 +141,12 @@ def _about_rate(fit: RateStateFit) -> str:
     if rate.low > 0.0:
         return f"{told}: friction grows with speed, and steady sliding is stable."
     if rate.high < 0.0:
-        least = fit.law.critical_stiffness
-        if math.isfinite(least):
-            block = fit.mechanism
-            load = fit.problem.record.load
+        least = fit.law.critical_stiffness * fit.problem.record.load
+        if fit.separable:
             return (
-                f"{told}: friction falls with speed, and springs softer than"
-                f" {quantity(least * load, 'N/m', 2)} slide by fits and starts"
-                f" (this one: {quantity(block.stiffness, 'N/m', 2)})."
+                f"{told}: friction falls with speed, and steady sliding is unstable on springs"
+                f" softer than {quantity(least, 'N/m', 2)}"
+                f" (this one: {quantity(fit.mechanism.stiffness, 'N/m', 2)})."
             )
         return f"{told}: friction falls with speed."
     return f"{told}: either sign is possible."
@@ -180,6 +179,12 @@ def _cannot_tell(
     lines += [f"$D_c$: {e.reason}." for e in fit.estimates if e.path == DISTANCE and e.reason]
     lines += [line for line in fit.sentences if "depends on how much is used" in line]
     lines += [line for line in fit.sentences if "drifts by" in line]
+    over = fit.over_scatter
+    if over > STRUCTURE:
+        lines.append(
+            f"What else acts: the fit leaves {ratio(over)} the scatter of neighbouring samples, and"
+            " its residuals are autocorrelated."
+        )
     if not by_steps:
         lines.append(
             "How well the law predicts another step: there is only one, and it was fitted."
@@ -232,7 +237,7 @@ def _measure_next(
     if fit.drift:
         lines.append("A longer way before the first step, until friction no longer drifts.")
     warned = [one.sentence for one in checks.findings if one.severity == "warning"
-              and one.kind not in SLOWLY]  # fmt: skip
+              and one.kind not in STEPS]  # fmt: skip
     lines += [f"First mend the record: {line}" for line in warned[:1]]
     if not lines:
         lines.append("Steps to speeds beyond these, and at another load.")

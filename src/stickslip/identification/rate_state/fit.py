@@ -1,5 +1,6 @@
 """Rate-and-state parameters from a record of velocity steps, and which of them it can tell."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, final
@@ -420,21 +421,15 @@ def _windows(slider: Slider, best: Linearised) -> tuple[Window, ...]:
     """Return a - b with less of the record after the last step, and with all that was given."""
     if slider.unknowns.items[0].low == slider.unknowns.items[0].high:
         return ()
+    whole = rate_of(slider, best)
+    wider = whole[1] / whole[2] if whole[2] > 0.0 else math.inf
     found = []
     for share in FRACTIONS:
         record = slider.record.within(None, share * slider.record.after)
         if not len(record.path.steps) or len(record.time) < FEWEST:
             continue
-        cropped = Slider.of(
-            record,
-            slider.evolution,
-            slider.unknowns.starting_at(best.values),
-            slider.reference_velocity,
-        )
-        found.append(_window(cropped, search(cropped, starts=3).best))
-    return (*found, _window(slider, best))
-
-
-def _window(slider: Slider, end: Linearised) -> Window:
-    rate, width = rate_of(slider, end)
-    return Window(after=slider.record.after, rate=rate, half_width=width)
+        unknowns = slider.unknowns.starting_at(best.values)
+        part = Slider.of(record, slider.evolution, unknowns, slider.reference_velocity)
+        rate, _, naive = rate_of(part, search(part, starts=3).best)
+        found.append(Window(after=record.after, rate=rate, half_width=wider * naive))
+    return (*found, Window(after=slider.record.after, rate=whole[0], half_width=whole[1]))

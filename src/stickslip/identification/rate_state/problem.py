@@ -387,8 +387,9 @@ def unknowns_for(
     for path, (symbol, guess, low, high, log) in zip(PATHS, numbers, strict=True):
         start = held.get(path, given.get(path, guess))
         ends = (start, start) if path in held else (min(low, start), max(high, start))
+        size = log and path not in held  # what is held stays to the last digit
         items.append(
-            Unknown(path=path, quantity=symbol, start=start, low=ends[0], high=ends[1], log=log)
+            Unknown(path=path, quantity=symbol, start=start, low=ends[0], high=ends[1], log=size)
         )
     if drift:
         items.append(Unknown(path=DRIFT, quantity=Quantity("eta", "1/m"), start=0.0))

@@ -55,7 +55,7 @@ HELD = "given"
 """Reason of what was not looked for."""
 ROOM = 10.0
 """Effective number of rows of a block where there are more blocks than usual."""
-MOST_BLOCKS = 40
+MOST_BLOCKS = 100
 UNSPENT = 1e-3
 """Share of a below which b is none, and D_c has no effect."""
 
@@ -70,7 +70,11 @@ class Window:
     rate: float
     """a - b."""
     half_width: float
-    """Half the width of its 95 % interval; infinite where that cannot be said."""
+    """Half the width of its 95 % interval; infinite where that cannot be said.
+
+    Of less than all, it is that of independent residuals times what dependence makes of that of the
+    whole: blocks of what is left would be too short.
+    """
 
 
 @final
@@ -147,6 +151,12 @@ class RateStateFit(Fit[RateState]):
     def rms(self) -> float:
         """Root mean square of the residuals, means over short stretches of long records."""
         return self.best.rms
+
+    @property
+    def over_scatter(self) -> float:
+        """Residuals over what the scatter of neighbouring samples would leave; 0 without any."""
+        scatter = float(np.std(np.diff(self.measured)) / math.sqrt(2.0))
+        return self.rmse / scatter if scatter > 0.0 else 0.0
 
     def history(self) -> SliderHistory:
         """Return coefficient, slip speed and state of the fitted slider, without drift."""
@@ -258,13 +268,17 @@ def inference_of(slider: Slider, best: Linearised) -> Inference:
 
 def rate_of(
     slider: Slider, best: Linearised, inference: Inference | None = None
-) -> tuple[float, float]:
-    """Return a - b and half the width of its 95 % interval."""
+) -> tuple[float, float, float]:
+    """Return a - b, half the width of its 95 % interval, and its error of independent residuals."""
     a, b = map(float, best.values[:2])
     row = np.zeros(len(best.values))
     row[:2] = np.where(free_of(slider, best.values)[:2], (1.0, -1.0), 0.0)
     found = inference_of(slider, best) if inference is None else inference
-    return a - b, found.half_width(row) if row.any() else 0.0
+    if not row.any():
+        return a - b, 0.0, 0.0
+    kept = row != 0.0
+    naive = float(row[kept] @ found.naive[np.ix_(kept, kept)] @ row[kept])
+    return a - b, found.half_width(row), math.sqrt(max(naive, 0.0))
 
 
 def result_of(
@@ -294,7 +308,7 @@ def result_of(
         drift=float(values[5]) if len(values) > 5 else 0.0,
         rate=_rate(slider, found.best, inference, profile),
         rmse=float(np.sqrt(np.mean((record.coefficient - fitted) ** 2))),
-        correlation=_correlation(found.best, profile) if both else 0.0,
+        correlation=_correlation(slider, found.best, profile) if both else 0.0,
         separable=separable,
         windows=windows,
         sentences=(),
@@ -318,13 +332,13 @@ def blocks_of(best: Linearised) -> int:
     return int(np.clip(effective_size(best) / ROOM, BLOCKS, MOST_BLOCKS))
 
 
-def _correlation(best: Linearised, profile: Profile) -> float:
+def _correlation(slider: Slider, best: Linearised, profile: Profile) -> float:
     """Return the correlation of a and b; near b = 0 that at the next b the record allows.
 
     It is that of independent residuals, which stays defined where a and b cannot be told apart.
     """
     if abs(best.values[1]) < UNSPENT * abs(best.values[0]) and profile.ends:
-        best = profile.ends[0]
+        best = slider.linearise(profile.ends[0].values)
     others = np.delete(best.slopes, [0, 1], axis=1)
     others = others / np.maximum(np.linalg.norm(others, axis=0), 1e-300)
     both = best.slopes[:, :2]
@@ -376,7 +390,7 @@ def _width(inference: Inference, index: int) -> float:
 
 def _rate(slider: Slider, best: Linearised, inference: Inference, profile: Profile) -> Estimate:
     """Return the estimate of a - b."""
-    rate, width = rate_of(slider, best, inference)
+    rate, width, _ = rate_of(slider, best, inference)
     others = np.array([end.values[0] - end.values[1] for end in profile.ends])
     low, high = _hull(rate, width, others)
     known = slider.unknowns.items[0].low == slider.unknowns.items[0].high
@@ -438,7 +452,7 @@ def _about_rate(rate: Estimate) -> str:
     if rate.low > 0.0:
         sign = "friction grows with speed, and steady sliding is stable"
     elif rate.high < 0.0:
-        sign = "friction falls with speed, and soft springs make it slide by fits and starts"
+        sign = "friction falls with speed, and stick-slip is possible on soft springs"
     return f"{rate}, {rate.interval}: {sign}."
 
 
@@ -446,11 +460,11 @@ def _about_windows(windows: Sequence[Window]) -> list[str]:
     if not windows:
         return []
     last = windows[-1]
-    apart = [
-        abs(w.rate - last.rate)
-        > max(math.hypot(w.half_width, last.half_width), SAME * abs(last.rate))
-        for w in windows[:-1]
-    ]
+    apart = []
+    for w in windows[:-1]:
+        # the whole has the part in it: of their difference, variances subtract (Hausman)
+        width = math.sqrt(max(w.half_width**2 - last.half_width**2, 0.0))
+        apart.append(abs(w.rate - last.rate) > max(width, SAME * abs(last.rate)))
     if not any(apart):
         return []
     told = ", ".join(
