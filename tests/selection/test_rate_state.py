@@ -230,3 +230,13 @@ def test_pages_have_every_section(verdicts, rock):
         assert "Measured in Pisa." in page
         assert "NaN" not in page
         assert ">nan" not in page
+
+
+def test_fits_and_verdicts_draw_themselves_and_show_in_notebooks(verdicts):
+    verdict = verdicts["logarithmic"]
+    assert verdict.plot().get_xlabel() == "held-out error"
+    axes = verdict.best.fit.plot()
+    assert axes.get_ylabel() == "coefficient of friction"
+    np.testing.assert_array_equal(axes.lines[1].get_ydata(), verdict.best.fit.fitted)
+    for one in (verdict, verdict.best.fit):
+        assert "<table" in one._repr_html_()

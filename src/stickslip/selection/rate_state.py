@@ -69,12 +69,12 @@ class _Law:
     """Parameters that its form has."""
 
 
-def rate_state_laws(laws: RateStateLaws | None) -> tuple[_Law, ...]:
+def rate_state_laws(laws: RateStateLaws | RateStateLaw | None) -> tuple[_Law, ...]:
     """Return the candidates: those given, or all forms of rate-and-state friction.
 
     Parameters
     ----------
-    laws : mapping or sequence of RateState, type or str, or None
+    laws : mapping, sequence or a single RateState, type or str, or None
         Instances, the type, or names of `RATE_STATE_FORMS`.
 
     Raises
@@ -87,7 +87,11 @@ def rate_state_laws(laws: RateStateLaws | None) -> tuple[_Law, ...]:
     >>> [one.name for one in rate_state_laws(None)]
     ['constant-coefficient', 'logarithmic', 'rate-and-state', 'rate-and-state-slip']
     """
-    given = tuple(RATE_STATE_FORMS) if laws is None else laws
+    given: RateStateLaws
+    if laws is None:
+        given = tuple(RATE_STATE_FORMS)
+    else:
+        given = (laws,) if isinstance(laws, str | type | RateState) else laws
     names = {form.title: name for name, form in RATE_STATE_FORMS.items()}
     pairs = (
         list(given.items())
@@ -107,7 +111,7 @@ def rate_state_laws(laws: RateStateLaws | None) -> tuple[_Law, ...]:
 @arguments
 def select_rate_state(
     mechanism: Mechanism,
-    laws: RateStateLaws | None,
+    laws: RateStateLaws | RateStateLaw | None,
     measurement: Measurement,
     *,
     vary: str | Sequence[str] | None = None,
@@ -127,7 +131,7 @@ def select_rate_state(
     ----------
     mechanism : TowedBlock
         Stiffness of spring and machine, as in `fit_rate_state`.
-    laws : mapping or sequence of RateState, type or str, or None
+    laws : mapping, sequence or a single RateState, type or str, or None
         The candidates; None stands for a constant coefficient, friction logarithmic in speed, and
         rate and state with the ageing and the slip law.
     measurement : Measurement

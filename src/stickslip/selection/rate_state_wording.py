@@ -107,6 +107,11 @@ def _verdict(
     told = f"Use {name}"
     if closest.dropped:
         told = f"{capital(name)} predicts best, but not all of it is known: {closest.dropped}"
+    elif fit.over_scatter > STRUCTURE:
+        told = (
+            f"{capital(name)} predicts best, but leaves {ratio(fit.over_scatter)} the scatter of"
+            " neighbouring samples"
+        )
     elif fit.law.name == "constant-coefficient":
         told += f": no effect of speed is established, and $mu_0$ = {fit.estimates[0].plus_minus}"
     elif rival is not None:
@@ -179,11 +184,10 @@ def _cannot_tell(
     lines += [f"$D_c$: {e.reason}." for e in fit.estimates if e.path == DISTANCE and e.reason]
     lines += [line for line in fit.sentences if "depends on how much is used" in line]
     lines += [line for line in fit.sentences if "drifts by" in line]
-    over = fit.over_scatter
-    if over > STRUCTURE:
+    if fit.over_scatter > STRUCTURE:
         lines.append(
-            f"What else acts: the fit leaves {ratio(over)} the scatter of neighbouring samples, and"
-            " its residuals are autocorrelated."
+            "What else acts: the residuals are autocorrelated, with an effective sample size of"
+            f" {significant(fit.inference.effective, 2)} of {len(fit.best.residual):,}."
         )
     if not by_steps:
         lines.append(

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
+from stickslip.formatting import joined, quantity
 from stickslip.friction import RATE_STATE_FORMS, RateState, RateStateForm
 from stickslip.identification.estimation.jackknife import effective_size
 from stickslip.identification.estimation.levenberg_marquardt import Found, Watch, search
@@ -339,10 +340,12 @@ def _used(
 ) -> Record:
     record = record_of(measurement, load_of(block)).within(before, after)
     if not len(record.path.steps) or len(record.time) < FEWEST:
+        ways = {"before the first": before, "after the last": after}
+        parts = [f"{quantity(x, 'm')} {where}" for where, x in ways.items() if x is not None]
+        within = f" within {joined(parts)} step" if parts else ""
         raise InputError(
-            f"between {before} m before the first step and {after} m after the last are"
-            f" {len(record.time)} samples, and a fit needs at least {FEWEST}, on both sides of a"
-            " step."
+            f"there are {len(record.time)} samples{within}, and a rate-and-state fit needs at least"
+            f" {FEWEST}, on both sides of a step."
         )
     return record
 

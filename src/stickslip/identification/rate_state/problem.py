@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.formatting import number, quantity
+from stickslip.formatting import quantity
 from stickslip.friction import Evolution, RateState
 from stickslip.identification.estimation.parameters import Unknown, Unknowns
 from stickslip.identification.estimation.problem import Linearised, Problem
@@ -142,8 +142,13 @@ def record_of(measurement: Measurement, load: float = 1.0) -> Record:
     InputError
         If something is missing, or the load point never changes its speed.
     """
+    if measurement.trials:
+        raise InputError(
+            f"a rate-and-state fit needs one record, got {len(measurement.trials)} trials: give one"
+            " of them, and another to validate."
+        )
     for name in ("time", "friction", "pull"):
-        if measurement.trials or getattr(measurement, name) is None:
+        if getattr(measurement, name) is None:
             raise InputError(
                 "a rate-and-state fit needs one record with time, friction and pull (the position"
                 f" of the load point); {name} is missing. A coefficient is a friction at load 1."
@@ -166,7 +171,8 @@ def record_of(measurement: Measurement, load: float = 1.0) -> Record:
     if path.speeds[0] <= 0.0 or np.any(path.speeds < -0.01 * path.speeds.max()):
         raise InputError(
             "a rate-and-state fit needs a load point that moves forwards at first and never back,"
-            f" got speeds from {number(path.speeds.min())} to {quantity(path.speeds.max(), 'm/s')}."
+            f" got speeds from {quantity(path.speeds.min(), 'm/s')} to"
+            f" {quantity(path.speeds.max(), 'm/s')}."
         )
     coefficient = np.asarray(measurement.values("friction")) / loads
     return Record(
