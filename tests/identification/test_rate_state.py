@@ -141,6 +141,23 @@ def test_changes_of_speed_are_found_within_the_scatter_of_the_pull():
     np.testing.assert_allclose(path.speeds, 1e-6 * np.array([1, 10, 1, 10]), rtol=0.01)
 
 
+def test_a_load_point_that_stands_has_one_speed_of_nothing():
+    t = np.arange(0.0, 119.95, 0.1)
+    pull = 1e-6 * np.interp(t, [0.0, 20.0, 60.0, 80.0, 120.0], [0.0, 200.0, 200.0, 400.0, 800.0])
+    path = path_of(t, pull)
+    # pieces of some milliseconds stood about the step at 60 s before
+    np.testing.assert_allclose(path.steps, [20.0, 60.0], atol=0.02)
+    assert abs(path.speeds[1]) < 1e-4 * path.speeds[0]
+
+
+def test_slide_hold_slide_is_fitted():
+    path = {"knots": np.array([0.0, 20.0, 60.0, 80.0, 120.0])}
+    path["places"] = 1e-6 * np.array([0.0, 20.0, 20.0, 40.0, 440.0])
+    found = fitted(record(law(), noise=3e-4, **path), drift="none", starts=1)
+    assert found.law.direct_effect == pytest.approx(0.010, rel=0.05)
+    assert found.law.evolution_effect == pytest.approx(0.014, rel=0.05)
+
+
 def test_a_steady_pull_has_no_change_of_speed():
     t = np.arange(0.0, 120.0, 0.1)
     scatter = np.random.default_rng(0).normal(0.0, 2e-7, len(t))

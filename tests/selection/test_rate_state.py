@@ -187,7 +187,16 @@ def test_stick_slip_under_a_load_point_is_explained_by_no_law():
     assert verdict.best is None or verdict.best.name == "constant-coefficient"
 
 
+def test_a_machine_that_is_not_the_one_measured_leaves_more_than_noise():
+    soft = TowedBlock(mass=1e-3, stiffness=100.0, speed=1e-6, load=1.0)
+    laws = ["constant-coefficient", "rate-and-state"]
+    verdict = select_rate_state(soft, laws, pulled(law()), settings=SETTINGS)
+    assert "the scatter of neighbouring samples" in verdict.sentence
+
+
 def test_candidates_are_checked():
+    assert [one.name for one in rate_state_laws("logarithmic")] == ["logarithmic"]
+    assert [one.name for one in rate_state_laws(RateState)] == ["rate-and-state"]
     assert [one.name for one in rate_state_laws({"mine": law()})] == ["mine"]
     with pytest.raises(InputError, match="slip speed was not measured"):
         rate_state_laws([Coulomb])
