@@ -275,7 +275,9 @@ def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:
     if not rows:
         raise InputError(f"no law has a held-out error to plot. {verdict.words.no_score}".strip())
     rows.sort(key=lambda row: row.value)
-    return on_axes(draw_intervals(rows, "held-out error", verdict.score_unit), ax, INTERVAL_SIZE)
+    # errors of a coefficient are no shares of it
+    unit = "" if isinstance(verdict, RateStateVerdict) else verdict.score_unit
+    return on_axes(draw_intervals(rows, "held-out error", unit), ax, INTERVAL_SIZE)
 
 
 def _or_nan(value: float | None) -> float:
