@@ -179,6 +179,10 @@ def _cannot_tell(
     lines = []
     if rival is not None:
         lines.append(f"Which law: {_law(rival)} predicts this record as well.")
+    if not by_steps:
+        lines.append(
+            "How well the law predicts another step: there is only one, and it was fitted."
+        )
     if fit.law.evolution != "none" and not fit.separable:
         lines.append("$a$ and $b$: larger and smaller ones of the same difference fit as well.")
     lines += [f"$D_c$: {e.reason}." for e in fit.estimates if e.path == DISTANCE and e.reason]
@@ -188,10 +192,6 @@ def _cannot_tell(
         lines.append(
             "What else acts: the residuals are autocorrelated, with an effective sample size of"
             f" {significant(fit.inference.effective, 2)} of {len(fit.best.residual):,}."
-        )
-    if not by_steps:
-        lines.append(
-            "How well the law predicts another step: there is only one, and it was fitted."
         )
     speeds = fit.problem.record.path.speeds
     lines.append(
