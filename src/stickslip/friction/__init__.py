@@ -24,6 +24,7 @@ from stickslip.friction.published import (
     RightEquation,
 )
 from stickslip.friction.quadratic_drag import QuadraticDrag
+from stickslip.friction.rate_state import RATE_STATE_FORMS, Evolution, RateState, RateStateForm
 from stickslip.friction.registry import LAWS, contained_laws, law_type, laws
 from stickslip.friction.sources import SOURCES
 from stickslip.friction.stribeck import Stribeck
@@ -33,6 +34,7 @@ __all__ = [
     "LAWS",
     "PRINTED_EQUATIONS",
     "PRINTED_FORMS",
+    "RATE_STATE_FORMS",
     "SOURCES",
     "BristleLaw",
     "Containment",
@@ -42,11 +44,14 @@ __all__ = [
     "Dahl",
     "DirectionDependent",
     "DirectionalLaw",
+    "Evolution",
     "FrictionLaw",
     "LuGre",
     "PowerViscous",
     "PrintedForm",
     "QuadraticDrag",
+    "RateState",
+    "RateStateForm",
     "RightEquation",
     "SetValuedLaw",
     "Stribeck",
