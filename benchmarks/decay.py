@@ -18,7 +18,8 @@ from benchmarks.measuring import (
     with_times,
     within,
 )
-from stickslip import Coulomb, SpringBlock, Trajectory
+from stickslip import Coulomb, SpringBlock
+from stickslip.results import Trajectory
 
 M, K, X_0, MU, G = 1.0, 100.0, 0.08, 0.1, 9.81
 F = MU * M * G

@@ -10,17 +10,9 @@ import numpy as np
 import pandas as pd
 
 from benchmarks import closed_loop_axes
-from stickslip import (
-    Capsule,
-    Coulomb,
-    CoulombViscous,
-    Pendulum,
-    PendulumCart,
-    Square,
-    Torque,
-    catalogue,
-    simulate,
-)
+from stickslip import Capsule, Coulomb, CoulombViscous, Pendulum, PendulumCart, catalogue, simulate
+from stickslip.drives import Square
+from stickslip.mechanisms import Torque
 from stickslip.quantities import vary
 
 __all__ = ["CASES", "Case", "Command"]

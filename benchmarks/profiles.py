@@ -9,8 +9,12 @@ import math
 import time
 from typing import NamedTuple
 
-from stickslip import Coulomb, Limits, Optimum, PendulumCart, Prescribed, ThreePhase
+from stickslip import Coulomb, PendulumCart
 from stickslip import optimise_profile as optimise
+from stickslip.drives import ThreePhase
+from stickslip.mechanisms import Prescribed
+from stickslip.optimisation import Limits
+from stickslip.results import Optimum
 
 SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
 CART = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING))

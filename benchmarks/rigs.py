@@ -18,10 +18,10 @@ from stickslip import (
     Measurement,
     PowerViscous,
     QuadraticDrag,
-    Sampled,
     Stribeck,
     simulate,
 )
+from stickslip.drives import Sampled
 from stickslip.errors import SimulationError
 from stickslip.friction import BristleLaw
 

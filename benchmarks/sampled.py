@@ -26,7 +26,9 @@ from benchmarks.measuring import (
     with_times,
     within,
 )
-from stickslip import Axis, CoulombViscous, Sampled, Trajectory
+from stickslip import Axis, CoulombViscous
+from stickslip.drives import Sampled
+from stickslip.results import Trajectory
 
 J, F_K, F_S, SIGMA_2 = 1.0, 1.0, 1.2, 0.5
 SAMPLES, STEP = 25_000, 1e-3

@@ -10,7 +10,8 @@ from benchmarks import decay, lugre
 from benchmarks.kernel import Kernel
 from benchmarks.measuring import REPEATS, TIERS, TOLERANCES, Section, Target, mean_time
 from benchmarks.variations import bristles, fading, swinging
-from stickslip import Axis, Sine, Stribeck
+from stickslip import Axis, Stribeck
+from stickslip.drives import Sine
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 

@@ -28,12 +28,12 @@ from stickslip import (
     Dahl,
     FrictionLaw,
     Measurement,
-    Pulse,
     SpringBlock,
     Stribeck,
     select,
     simulate,
 )
+from stickslip.drives import Pulse
 from stickslip.errors import StickslipError
 from stickslip.quantities import vary
 from stickslip.selection import TravelCandidate, TravelVerdict

@@ -6,20 +6,11 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from stickslip import (
-    PID,
-    Axis,
-    Capsule,
-    Coulomb,
-    FixedStep,
-    Sine,
-    Torque,
-    average_velocity,
-    closed_loop,
-    load_rig,
-    select,
-    simulate,
-)
+from stickslip import Axis, Capsule, Coulomb, FixedStep, load_rig, select, simulate
+from stickslip.control import PID, closed_loop
+from stickslip.drives import Sine
+from stickslip.mechanisms import Torque
+from stickslip.sweep import average_velocity
 from stickslip.plots import C1, DATA, SURFACE, Draw, Size, standalone_svg
 from stickslip.plots.runs.closed_loop import LOOP_SIZES, draw_closed_loop
 from stickslip.plots.runs.fixed_step_comparison import draw_fixed_steps

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.identification.estimation.parameters import Unknown, Unknowns
-from stickslip.identification.estimation.problem import Linearised, Problem
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identification.estimation.problem import Problem, ResidualJacobian
 from stickslip.quantities import Quantity
 
 Array = NDArray[np.float64]
@@ -29,9 +29,9 @@ class Linear(Problem):
     ) -> None:
         self.table, self.measured, self.fails = table, measured, fails
         self.visited: list[Array] = []
-        self._unknowns = Unknowns(
+        self._unknowns = FreeParameters(
             tuple(
-                Unknown(
+                FreeParameter(
                     path=f"friction.p{i}",
                     quantity=Quantity(f"p_{i}"),
                     start=value,
@@ -44,7 +44,7 @@ class Linear(Problem):
 
     @property
     @override
-    def unknowns(self) -> Unknowns:
+    def unknowns(self) -> FreeParameters:
         return self._unknowns
 
     @property
@@ -66,14 +66,14 @@ class Linear(Problem):
     def linearise(
         self,
         values: Array,
-        near: Linearised | None = None,
+        near: ResidualJacobian | None = None,
         *,
         only: Sequence[int] | None = None,
         slopes: bool = True,
-    ) -> Linearised:
+    ) -> ResidualJacobian:
         self.visited.append(np.array(values))
         residual = self.measured - self.table @ values
-        return Linearised(
+        return ResidualJacobian(
             values=np.array(values),
             residual=np.full_like(residual, np.inf) if self.fails else residual,
             slopes=self.table,

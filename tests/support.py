@@ -11,27 +11,11 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from stickslip import (
-    LAWS,
-    Axis,
-    Capsule,
-    Pendulum,
-    PendulumCart,
-    PiecewiseLinear,
-    Prescribed,
-    Pulse,
-    Sine,
-    SineSwing,
-    SpringBlock,
-    Square,
-    ThreePhase,
-    Torque,
-    TowedBlock,
-    TwoMassAxis,
-)
+from stickslip import Axis, Capsule, Pendulum, PendulumCart, SpringBlock, TowedBlock, TwoMassAxis
+from stickslip.drives import PiecewiseLinear, Pulse, Sine, SineSwing, Square, ThreePhase
 from stickslip.formulation import Model, formulate
-from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
-from stickslip.mechanisms import Mechanism
+from stickslip.friction import LAWS, BristleLaw, FrictionLaw, SetValuedLaw, towards
+from stickslip.mechanisms import Mechanism, Prescribed, Torque
 from stickslip.quantities import Quantity, fields_of, parameters
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations

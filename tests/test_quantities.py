@@ -8,7 +8,8 @@ from typing import Annotated
 import numpy as np
 import pytest
 
-from stickslip import Axis, Coulomb, LuGre, Pulse, Sine, Stribeck
+from stickslip import Axis, Coulomb, LuGre, Stribeck
+from stickslip.drives import Pulse, Sine
 from stickslip.errors import InputError, ParameterError, StickslipError, UnknownNameError, nearest
 from stickslip.quantities import (
     Parametrised,

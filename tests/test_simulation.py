@@ -11,14 +11,13 @@ from stickslip import (
     EventDriven,
     FixedStep,
     LuGre,
-    PiecewiseLinear,
-    Pulse,
     SpringBlock,
-    Status,
     TowedBlock,
     simulate,
 )
+from stickslip.drives import PiecewiseLinear, Pulse
 from stickslip.errors import InputError, ParameterError, SimulationError, UnknownNameError
+from stickslip.results import Status
 
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
@@ -147,7 +146,7 @@ def test_a_drive_may_hold_a_body_right_at_break_away_for_a_while():
 
 
 def test_printed_forms_are_refused_by_the_exact_solver_with_the_cure():
-    from stickslip import PRINTED_FORMS
+    from stickslip.friction import PRINTED_FORMS
 
     form = PRINTED_FORMS["printed-1"](kinetic_coefficient=0.2)
     with pytest.raises(InputError, match=r"solver=FixedStep\(.*corrected law Coulomb"):

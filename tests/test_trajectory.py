@@ -5,8 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import Axis, Coulomb, Pulse, Status, TowedBlock, simulate
+from stickslip import Axis, Coulomb, TowedBlock, simulate
+from stickslip.drives import Pulse
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.results import Status
 
 LAW = Coulomb(kinetic_coefficient=1.0, static_coefficient=1.5)
 

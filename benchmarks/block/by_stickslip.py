@@ -2,7 +2,8 @@
 
 from benchmarks.block.problem import BOTH, MU_K, MU_S, Engine, G, M, Places, Run, pushes
 from benchmarks.measuring import TIERS
-from stickslip import Coulomb, EventDriven, Sampled, SpringBlock, simulate
+from stickslip import Coulomb, EventDriven, SpringBlock, simulate
+from stickslip.drives import Sampled
 from stickslip.solver import prepare
 
 LAW = Coulomb(kinetic_coefficient=MU_K, static_coefficient=MU_S)

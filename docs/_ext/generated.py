@@ -10,7 +10,8 @@ from docutils.statemachine import StringList
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from stickslip import LAWS, rig_schema
+from stickslip.experiments import rig_schema
+from stickslip.friction import LAWS
 from stickslip.cli.app import app as command_line
 from stickslip.friction import PRINTED_EQUATIONS, BristleLaw, FrictionLaw
 from stickslip.quantities import fields_of
@@ -113,7 +114,7 @@ def printed_forms() -> Iterator[str]:
                 f": {typeset(form.cure)}; the law `{form.corrected.name}`.",
                 "",
             )
-            yield from ("Class", f": `stickslip.PRINTED_FORMS[{form.name!r}]`", "")
+            yield from ("Class", f": `stickslip.friction.PRINTED_FORMS[{form.name!r}]`", "")
 
 
 def typeset(text: str) -> str:

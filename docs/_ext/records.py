@@ -11,7 +11,7 @@ import yaml
 from sphinx.application import Sphinx
 from sphinx.util import logging
 
-from stickslip.catalogue import Place, dataset
+from stickslip.catalogue import CacheLocation, dataset
 
 logger = logging.getLogger(__name__)
 
@@ -37,7 +37,7 @@ those that run where `STICKSLIP_DATA` names a folder with the data, or after
 def is_here(record: str) -> bool:
     """Whether a file of a record, such as ``"emps/train"``, can be read without a download."""
     name, _, file = record.partition("/")
-    return dataset(name).place(file or None) in (Place.LOCAL, Place.CACHED)
+    return dataset(name).place(file or None) in (CacheLocation.LOCAL, CacheLocation.CACHED)
 
 
 def without_results(text: str) -> str:

@@ -65,7 +65,8 @@ def simulate(
 
     Examples
     --------
-    >>> from stickslip import Coulomb, Pulse, SpringBlock
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> from stickslip.drives import Pulse
     >>> block = SpringBlock(mass=1.0, drive=Pulse(level=10.0, duration=0.1))
     >>> run = simulate(block, Coulomb(kinetic_coefficient=0.25), t_end=1.0)
     >>> round(float(run["x"][-1]), 7)
@@ -170,7 +171,9 @@ def ensemble(
     Examples
     --------
     >>> import numpy as np
-    >>> from stickslip import Coulomb, EventTimes, Max, Pulse, SpringBlock
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> from stickslip.drives import Pulse
+    >>> from stickslip.outputs import EventTimes, Max
     >>> block = SpringBlock(mass=1.0, drive=Pulse(level=10.0, duration=0.1))
     >>> runs = ensemble(
     ...     block,

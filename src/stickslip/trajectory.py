@@ -214,7 +214,8 @@ class Trajectory(InPanels):
 
         Examples
         --------
-        >>> from stickslip import Coulomb, Pulse, SpringBlock, simulate
+        >>> from stickslip import Coulomb, SpringBlock, simulate
+        >>> from stickslip.drives import Pulse
         >>> block = SpringBlock(mass=1.0, drive=Pulse(level=10.0, duration=0.1))
         >>> run = simulate(block, Coulomb(kinetic_coefficient=0.25), t_end=1.0)
         >>> float(run.at(1.0).sensitivity("x", "kinetic_coefficient")[0].round(9))

@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 from tools import docstrings, slots
 
-from stickslip import Coulomb, EventDriven, LuGre, Pulse, SpringBlock, Stribeck, simulate
+from stickslip import Coulomb, EventDriven, LuGre, SpringBlock, Stribeck, simulate
+from stickslip.drives import Pulse
 from stickslip.formulation import formulate
 from stickslip.solver.backend import runner_of
 

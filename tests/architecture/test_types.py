@@ -38,11 +38,32 @@ import numpy as np
 
 import stickslip as st
 from stickslip import (
-    Axis, Capsule, Coulomb, CoulombViscous, EventTimes, FixedStep, LuGre, Max, Measurement,
-    Pendulum, PendulumCart, PID, Pulse, RecordFit, Sampled, SineSwing, SpringBlock, Stribeck,
-    TowedBlock, TravelVerdict, TwoMassAxis, average_velocity, closed_loop, ensemble, fit, load_rig,
-    load_measurement, sample_posterior, select, simulate,
+    Axis,
+    Capsule,
+    Coulomb,
+    CoulombViscous,
+    FixedStep,
+    LuGre,
+    Measurement,
+    Pendulum,
+    PendulumCart,
+    SpringBlock,
+    Stribeck,
+    TowedBlock,
+    TwoMassAxis,
+    ensemble,
+    fit,
+    load_measurement,
+    load_rig,
+    sample_posterior,
+    select,
+    simulate,
 )
+from stickslip.control import PID, closed_loop
+from stickslip.drives import Pulse, Sampled, SineSwing
+from stickslip.outputs import EventTimes, Max
+from stickslip.results import RecordFit, TravelVerdict
+from stickslip.sweep import average_velocity
 from stickslip.plots import draw_run, plot_run, plot_separation, save
 
 block = SpringBlock(mass=1, stiffness=100.0, drive=Pulse(level=10.0, duration=0.1))

@@ -7,7 +7,8 @@ import pytest
 from benchmarks import faults
 from benchmarks.rigs import SOLVER
 
-from stickslip import Sampled, simulate
+from stickslip import simulate
+from stickslip.drives import Sampled
 
 
 def test_a_machine_without_a_fault_moves_as_the_engine_says():

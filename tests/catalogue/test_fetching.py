@@ -19,7 +19,7 @@ from tests.upstream import (
     text_record,
 )
 
-from stickslip.catalogue import DataFile, Place, cache_folder
+from stickslip.catalogue import CacheLocation, DataFile, cache_folder
 from stickslip.errors import InputError, UnknownNameError
 
 
@@ -130,7 +130,7 @@ def test_a_file_put_there_by_hand_is_converted_without_a_network(upstream, monke
     record = text_record()
     record.folder().mkdir(parents=True)
     (record.folder() / "a slide.txt").write_text(TEXT, encoding="utf-8", newline="")
-    assert record.place("all") is Place.CACHED
+    assert record.place("all") is CacheLocation.CACHED
     assert len(pd.read_parquet(record.path("all"))) == 6
 
 
@@ -214,7 +214,7 @@ def test_an_unexpected_number_of_rows_is_said(upstream):
 def test_the_folder_of_ones_own_comes_first(upstream, monkeypatch, tmp_path):
     own = own_folder(monkeypatch, tmp_path, b"a table")
     assert text_record().path() == own
-    assert text_record().place() is Place.LOCAL
+    assert text_record().place() is CacheLocation.LOCAL
     assert upstream.asked == []
 
 
@@ -239,15 +239,15 @@ def test_another_table_in_the_folder_of_ones_own_is_used_with_a_warning(
 
 def test_places_follow_what_is_there(upstream):
     record = text_record()
-    assert record.place() is Place.UPSTREAM
+    assert record.place() is CacheLocation.UPSTREAM
     record.path()
-    assert record.place() is Place.CACHED
+    assert record.place() is CacheLocation.CACHED
 
 
 def test_a_file_that_cannot_be_downloaded_is_asked_of_the_user(upstream):
     reference = DataFile(name="reference", about="")
     record = dataclasses.replace(text_record(), files={"reference": reference})
-    assert record.place() is Place.ELSEWHERE
+    assert record.place() is CacheLocation.ELSEWHERE
     message = complaint(record)
     assert "STICKSLIP_DATA" in message
     assert REPOSITORY in message

@@ -9,7 +9,7 @@ import pytest
 from tests.upstream import matlab_file, sha256
 
 from stickslip import catalogue
-from stickslip.catalogue import Place
+from stickslip.catalogue import CacheLocation
 
 RECORDS = [catalogue.dataset(name) for name in catalogue.names()]
 TABLES = [
@@ -36,7 +36,7 @@ def offered(monkeypatch, record, file, content):
 @pytest.mark.parametrize(("name", "file"), TABLES)
 def test_a_table_is_the_known_one_with_the_columns_of_its_entry(name, file):
     record = catalogue.dataset(name)
-    assert record.place(file) is Place.LOCAL
+    assert record.place(file) is CacheLocation.LOCAL
     table = pd.read_parquet(record.path(file))  # another checksum would warn, which is an error
     assert list(table) == [column.name for column in record.columns]
     assert len(table) == record.file(file).rows

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, Sampled, simulate
+from stickslip import Axis, CoulombViscous, simulate
+from stickslip.drives import Sampled
 
 RATE = 200.0
 """Samples a second [Hz]."""

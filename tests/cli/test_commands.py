@@ -10,9 +10,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from stickslip import LAWS, PRINTED_FORMS
 from stickslip.cli import main
 from stickslip.errors import InputError
+from stickslip.friction import LAWS, PRINTED_FORMS
 
 
 @pytest.fixture

@@ -10,21 +10,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from stickslip import (
-    Axis,
-    Coulomb,
-    CoulombViscous,
-    LuGre,
-    SpringBlock,
-    ThreePhase,
-    load_rig,
-    select,
-    simulate,
-)
+from stickslip import Axis, Coulomb, CoulombViscous, LuGre, SpringBlock, load_rig, select, simulate
 from stickslip.cli import main
 from stickslip.cli.console import plain
 from stickslip.cli.select import show_verdict
 from stickslip.cli.simulate import _event_rows
+from stickslip.drives import ThreePhase
 from stickslip.experiments import LawEstimates, carried, extrapolations
 from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.trajectory import Event

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import stickslip.selection.records as selection
-from stickslip import Axis, CoulombViscous, Sampled, load_rig, simulate
+from stickslip import Axis, CoulombViscous, load_rig, simulate
 from stickslip.cli import main
-from stickslip.cli.inputs import Asked, How, measured
+from stickslip.cli.inputs import CommandInputs, FitOptions, measured
 from stickslip.cli.interrupts import Interrupts
+from stickslip.drives import Sampled
 from stickslip.experiments.readers.reader_options import Reading
 from stickslip.solver.compile.messages import notice
 
@@ -195,7 +196,9 @@ def pushed(run):
 
 def test_the_bar_has_the_unit_of_the_route_that_is_taken_and_its_reason_is_said(run, pushed):
     rig = load_rig(pushed)
-    asked = Asked(data=(), reading=Reading(), validate=None, vary=(), fixed=(), how=How())
+    asked = CommandInputs(
+        data=(), reading=Reading(), validate=None, vary=(), fixed=(), how=FitOptions()
+    )
     found = measured(rig, asked, given=True)
     assert found.route.residual_text(1.0, found.measurement, found.options) == "1 N"
     _, out, _ = run("fit", pushed, "--law", "coulomb-viscous", *ONCE)

@@ -6,8 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.support import decade, laws, mirrored_law
 
-from stickslip import LAWS
-from stickslip.friction import DirectionalLaw, SetValuedLaw
+from stickslip.friction import LAWS, DirectionalLaw, SetValuedLaw
 
 DIRECTIONAL = [law for law in LAWS.values() if issubclass(law, DirectionalLaw)]
 each_law = pytest.mark.parametrize("kind", DIRECTIONAL, ids=lambda kind: kind.name)

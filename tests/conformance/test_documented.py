@@ -10,9 +10,8 @@ import pytest
 from latex2mathml.converter import convert
 from tests.support import SHOWN, example_of
 
-from stickslip import LAWS, PRINTED_FORMS
 from stickslip.errors import ParameterError
-from stickslip.friction import SOURCES, laws
+from stickslip.friction import LAWS, PRINTED_FORMS, SOURCES, laws
 from stickslip.mechanisms import MECHANISMS, mechanisms
 from stickslip.quantities import fields_of
 

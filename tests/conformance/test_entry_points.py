@@ -10,7 +10,9 @@ MODULE = """
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from stickslip import Axis, Contact, Coulomb, Mechanism, SetValuedLaw
+from stickslip import Axis, Coulomb, Mechanism
+from stickslip.friction import SetValuedLaw
+from stickslip.mechanisms import Contact
 from stickslip.quantities import Quantity
 
 

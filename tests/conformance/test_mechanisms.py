@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.support import RIGS, SHOWN, Generated, example_of
 
-from stickslip import LAWS, simulate
+from stickslip import simulate
 from stickslip.drives import Drive
-from stickslip.friction import BristleLaw
+from stickslip.friction import LAWS, BristleLaw
 from stickslip.mechanisms import MECHANISMS, Motor
 
 each_mechanism = pytest.mark.parametrize("name", MECHANISMS)

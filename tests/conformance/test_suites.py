@@ -3,7 +3,7 @@
 import pytest
 from tests.support import SHOWN, example_of
 
-from stickslip import LAWS
+from stickslip.friction import LAWS
 from stickslip.testing import check_friction, check_mechanism
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from tests.support import Generated, example_of
 
-from stickslip import LAWS, Axis
-from stickslip.friction import BristleLaw
+from stickslip import Axis
+from stickslip.friction import LAWS, BristleLaw
 from stickslip.quantities import fields_of
 
 FRACTIONAL = 1.5

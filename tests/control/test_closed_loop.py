@@ -7,27 +7,23 @@ import pytest
 from scipy.linalg import expm
 
 from stickslip import (
-    PID,
     Axis,
     Coulomb,
     EventDriven,
     FixedStep,
     LuGre,
     PendulumCart,
-    Prescribed,
-    Pulse,
-    Sine,
     SpringBlock,
-    Status,
-    ThreePhase,
-    Torque,
     TowedBlock,
     Viscous,
-    closed_loop,
     simulate,
 )
+from stickslip.control import PID, closed_loop
+from stickslip.drives import Pulse, Sine, ThreePhase
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import PRINTED_FORMS
+from stickslip.mechanisms import Prescribed, Torque
+from stickslip.results import Status
 
 MASS, SPRING, DAMPER, PERIOD = 1.3, 20.0, 0.7, 0.02
 AXIS = Axis(inertia=MASS, stiffness=SPRING)

@@ -5,18 +5,9 @@ import itertools
 import numpy as np
 import pytest
 
-from stickslip import (
-    PID,
-    Axis,
-    Coulomb,
-    Sampled,
-    TowedBlock,
-    Viscous,
-    closed_loop,
-    compensation,
-    limit_cycle,
-    simulate,
-)
+from stickslip import Axis, Coulomb, TowedBlock, Viscous, simulate
+from stickslip.control import PID, closed_loop, compensation, limit_cycle
+from stickslip.drives import Sampled
 from stickslip.errors import InputError, UnknownNameError
 
 F_K, F_S = 1.0, 1.5

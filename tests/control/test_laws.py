@@ -6,23 +6,19 @@ import numpy as np
 import pytest
 
 from stickslip import (
-    PID,
     Axis,
     Capsule,
     Coulomb,
     DirectionDependent,
     LuGre,
-    PartialLinearisation,
     PendulumCart,
-    Prescribed,
     Stribeck,
-    ThreePhase,
-    closed_loop,
-    compensation,
-    dynamics_at,
     simulate,
 )
+from stickslip.control import PID, PartialLinearisation, closed_loop, compensation, dynamics_at
+from stickslip.drives import ThreePhase
 from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.mechanisms import Prescribed
 
 M, BALL, L, G = 0.5, 0.1, 0.3, 9.81
 MU = 0.2

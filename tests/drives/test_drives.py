@@ -10,8 +10,17 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from tests.support import broken_lines, pulses, squares
 
-from stickslip import PiecewiseLinear, Pulse, Ramp, Sampled, Sine, Square, ThreePhase
-from stickslip.drives import Piece, Sum
+from stickslip.drives import (
+    Piece,
+    PiecewiseLinear,
+    Pulse,
+    Ramp,
+    Sampled,
+    Sine,
+    Square,
+    Sum,
+    ThreePhase,
+)
 from stickslip.drives.base import BEGINNING
 from stickslip.errors import ParameterError
 

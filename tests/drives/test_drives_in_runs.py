@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.support import broken_lines, drives, nearly, pulses
 
-from stickslip import Axis, Coulomb, PiecewiseLinear, Pulse, Ramp, Sampled, Sine, simulate
+from stickslip import Axis, Coulomb, simulate
+from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
 
 FREE = Coulomb(kinetic_coefficient=0.0)
 sines = st.builds(Sine, amplitude=nearly(-9, 9), frequency=nearly(0.1, 3))

@@ -6,20 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    Capsule,
-    Coulomb,
-    EventDriven,
-    Sine,
-    SpringBlock,
-    Square,
-    Status,
-    Torque,
-    average_velocity,
-    ensemble,
-    simulate,
-)
+from stickslip import Axis, Capsule, Coulomb, EventDriven, SpringBlock, ensemble, simulate
+from stickslip.drives import Sine, Square
+from stickslip.mechanisms import Torque
+from stickslip.results import Status
+from stickslip.sweep import average_velocity
 
 G = 9.81
 PLAIN = EventDriven(tier="python")

@@ -5,9 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from stickslip import Axis, Checks, Measurement, SpringBlock, check, load_measurement
+from stickslip import Axis, Measurement, SpringBlock, check, load_measurement
 from stickslip.errors import InputError
 from stickslip.experiments.checking.stationarity import independent
+from stickslip.results import Checks
 
 RATE = 1000.0
 

@@ -7,18 +7,17 @@ import pytest
 
 from stickslip import (
     Axis,
-    Contact,
     CoulombViscous,
     MatrixMechanism,
     Measurement,
-    Sampled,
     SpringBlock,
     TowedBlock,
     check,
     simulate,
 )
-from stickslip.drives import Drive
+from stickslip.drives import Drive, Sampled
 from stickslip.experiments.checking.data_quality import faults
+from stickslip.mechanisms import Contact
 
 AXIS = Axis(inertia=5.0)
 SPRUNG = Axis(inertia=1.0, stiffness=40.0)

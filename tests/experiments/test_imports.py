@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from stickslip import load_rig, rig_schema, simulate
+from stickslip import load_rig, simulate
 from stickslip.cli import main
 from stickslip.errors import InputError
+from stickslip.experiments import rig_schema
 from stickslip.experiments.rigs.rig_writer import rig_toml
 
 MODULE = '''
@@ -16,7 +17,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, ClassVar
 
-from stickslip import Contact, Mechanism, SetValuedLaw
+from stickslip import Mechanism
+from stickslip.friction import SetValuedLaw
+from stickslip.mechanisms import Contact
 from stickslip.quantities import Quantity
 
 (Path(__file__).parent / "was-imported").touch()

@@ -13,32 +13,23 @@ from typing import final
 import pytest
 
 from stickslip import (
-    LAWS,
     Capsule,
     Coulomb,
     Measurement,
     PendulumCart,
-    Prescribed,
-    Pulse,
     Rig,
-    SevenStep,
-    Sine,
-    SineSwing,
-    SplineSwing,
     SpringBlock,
-    Square,
-    ThreePhase,
-    Torque,
     TowedBlock,
     load_rig,
-    rig_schema,
     simulate,
 )
-from stickslip.drives import Sum
+from stickslip.drives import Pulse, SevenStep, Sine, SineSwing, SplineSwing, Square, Sum, ThreePhase
 from stickslip.drives.registry import DRIVES, PROFILES
 from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments import rig_schema
 from stickslip.experiments.rigs.rig_writer import rig_toml
-from stickslip.mechanisms import MECHANISMS
+from stickslip.friction import LAWS
+from stickslip.mechanisms import MECHANISMS, Prescribed, Torque
 
 MECHANISM = '[mechanism]\ntype = "spring-block"\nmass = 1\n'
 BUNDLED = files("stickslip.experiments").joinpath("paper_rig.toml").read_bytes()

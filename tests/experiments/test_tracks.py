@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from stickslip import check, load_measurement, load_rig, rig_schema
+from stickslip import check, load_measurement, load_rig
 from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.experiments import rig_schema
 
 PLANE = {"position": ["x", "y"]}
 TIME = np.arange(60) / 60

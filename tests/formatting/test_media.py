@@ -8,7 +8,7 @@ from html import unescape
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stickslip import Axis, Estimate, Measurement, RecordSettings, select
+from stickslip import Axis, Measurement, RecordSettings, select
 from stickslip.cli.console import json_text, plain, show_table
 from stickslip.formatting import NO_BREAK_SPACE, Scale, scale_of, unbroken
 from stickslip.formatting.units import PREFIXES
@@ -17,6 +17,7 @@ from stickslip.report import Page, Paragraph, Section, Table
 from stickslip.report.core.blocks import Fact, Facts
 from stickslip.report.core.page import render
 from stickslip.report.core.tables import Column, Number, Row
+from stickslip.results import Estimate
 from stickslip.selection.verdict import score_text
 
 units = st.sampled_from([*PREFIXES, "1", "N s/m", "N s^2/m^2", "kg m^2", "m/s^2", "1/m"])

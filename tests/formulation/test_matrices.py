@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from tests.support import Generated, example_of
 
-from stickslip import LAWS, Contact, Coulomb, EventDriven, MatrixMechanism, PendulumCart, simulate
+from stickslip import Coulomb, EventDriven, MatrixMechanism, PendulumCart, simulate
 from stickslip.drives import Drive, Sine
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.friction import LAWS
 from stickslip.maths import cos, sin
-from stickslip.mechanisms import Mechanism, Torque
+from stickslip.mechanisms import Contact, Mechanism, Torque
 from stickslip.quantities import Quantity
 
 Mass = Annotated[float, Quantity("M", "kg", above=0)]

@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 from typing_extensions import override
 
-from stickslip import BoundedMechanism, Contact, Coulomb, EventDriven, Status, Stop, simulate
+from stickslip import Coulomb, EventDriven, simulate
 from stickslip.drives import Drive
 from stickslip.errors import ParameterError, SimulationError
-from stickslip.mechanisms import stops_between
+from stickslip.mechanisms import BoundedMechanism, Contact, Stop, stops_between
 from stickslip.quantities import Quantity
+from stickslip.results import Status
 
 
 @final

@@ -13,18 +13,18 @@ import pytest
 from tests.support import EXAMPLES, Generated, example_of
 from typing_extensions import override
 
-from stickslip import LAWS, Axis, Coulomb, Dahl, Pulse, SpringBlock, simulate
-from stickslip.drives import Drive
+from stickslip import Axis, Coulomb, Dahl, SpringBlock, simulate
+from stickslip.drives import Drive, Pulse
 from stickslip.errors import InputError, TracingError
 from stickslip.formulation import formulate
-from stickslip.friction import SetValuedLaw
+from stickslip.friction import LAWS, SetValuedLaw
 from stickslip.maths import exp, where
 from stickslip.mechanisms import Contact, Mechanism
 from stickslip.quantities import Quantity
 
 PRINT_TEXTS = """
 import hashlib
-from stickslip import LAWS
+from stickslip.friction import LAWS
 from stickslip.formulation import formulate
 from tests.support import EXAMPLES, example_of
 texts = [formulate(rig, example_of(law)).text for rig in EXAMPLES.values() for law in LAWS.values()]

@@ -8,11 +8,11 @@ from stickslip import (
     CoulombViscous,
     CoulombViscousStatic,
     Measurement,
-    Sampled,
     TowedBlock,
     fit,
     simulate,
 )
+from stickslip.drives import Sampled
 
 VALUES = {"kinetic_coefficient": 5.0, "static_coefficient": 8.0, "viscous_coefficient": 20.0}
 LAW = CoulombViscousStatic(**VALUES)

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import Axis, Dahl, EventDriven, Sine, load_rig, simulate
+from stickslip import Axis, Dahl, EventDriven, load_rig, simulate
+from stickslip.drives import Sine
 
 VALUES = {"kinetic_coefficient": 0.4, "bristle_stiffness": 200.0}
 PLAIN = Dahl(**VALUES)

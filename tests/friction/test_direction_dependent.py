@@ -12,12 +12,10 @@ from stickslip import (
     DirectionDependent,
     EventDriven,
     FixedStep,
-    PiecewiseLinear,
-    Pulse,
-    Ramp,
-    Status,
     simulate,
 )
+from stickslip.drives import PiecewiseLinear, Pulse, Ramp
+from stickslip.results import Status
 
 AHEAD, BACK = 1.0, 2.0
 LEVELS = {1: AHEAD, -1: BACK}

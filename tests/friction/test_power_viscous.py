@@ -5,16 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    CoulombViscous,
-    EventDriven,
-    PiecewiseLinear,
-    PowerViscous,
-    QuadraticDrag,
-    Ramp,
-    simulate,
-)
+from stickslip import Axis, CoulombViscous, EventDriven, PowerViscous, QuadraticDrag, simulate
+from stickslip.drives import PiecewiseLinear, Ramp
 from stickslip.friction.power_viscous import PLATEAU
 
 M, SIGMA, V0 = 1.5, 0.8, 0.6

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stickslip import PRINTED_FORMS, Coulomb, CoulombViscous, Dahl, LuGre, Stribeck, Viscous
+from stickslip import Coulomb, CoulombViscous, Dahl, LuGre, Stribeck, Viscous
+from stickslip.friction import PRINTED_FORMS
 from stickslip.quantities import fields_of
 
 MU_K, MU_S, V_S, S0, S1, S2, N = 0.25, 0.35, 0.01, 1e3, 30.0, 0.4, 9.81

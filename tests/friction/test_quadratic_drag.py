@@ -5,7 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, PiecewiseLinear, QuadraticDrag, Status, simulate
+from stickslip import Axis, CoulombViscous, QuadraticDrag, simulate
+from stickslip.drives import PiecewiseLinear
+from stickslip.results import Status
 
 M, LEVEL, C = 2.0, 0.5, 3.0
 LAW = QuadraticDrag(kinetic_coefficient=LEVEL, quadratic_coefficient=C)

@@ -1,6 +1,7 @@
 import pytest
 
-from stickslip import Axis, Ramp, Stribeck, simulate
+from stickslip import Axis, Stribeck, simulate
+from stickslip.drives import Ramp
 from stickslip.errors import ParameterError
 
 VALUES = {"kinetic_coefficient": 1.0, "static_coefficient": 2.0, "stribeck_velocity": 0.1}

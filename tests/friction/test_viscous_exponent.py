@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import Axis, Dahl, LuGre, PiecewiseLinear, Sine, simulate
+from stickslip import Axis, Dahl, LuGre, simulate
+from stickslip.drives import PiecewiseLinear, Sine
 from stickslip.errors import ParameterError
 from stickslip.formulation import formulate
 from stickslip.friction.power_viscous import PLATEAU

@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, Sampled, fit, simulate
+from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, fit, simulate
+from stickslip.drives import Sampled
 from stickslip.identification.estimation.levenberg_marquardt import AGREE
 from stickslip.identification.series import inertia, start_values
 

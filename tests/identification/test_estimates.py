@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from stickslip import Estimate
 from stickslip.formatting import interval
 from stickslip.quantities import Quantity
+from stickslip.results import Estimate
 
 MASS = Quantity("J", "kg")
 

@@ -3,18 +3,9 @@
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    CoulombViscous,
-    Dahl,
-    LuGre,
-    Measurement,
-    RecordSettings,
-    Sampled,
-    fit,
-    simulate,
-)
-from stickslip.identification.records.problems import Wanted, prepared
+from stickslip import Axis, CoulombViscous, Dahl, LuGre, Measurement, RecordSettings, fit, simulate
+from stickslip.drives import Sampled
+from stickslip.identification.records.problems import ProblemRequest, prepared
 from stickslip.identification.shooting.first_deflections import deflection_slopes, first_deflection
 
 SOFT = LuGre(
@@ -52,7 +43,7 @@ def problem():
     axis = Axis(inertia=3.0, drive=Sampled(times=t.tolist(), values=force.tolist()))
     x = simulate(axis, SOFT, t_end=float(t[-1])).at(t)["x"]
     record = Measurement(time=t, position=x, force=force)
-    wanted = Wanted(
+    wanted = ProblemRequest(
         mechanism=Axis(inertia=3.0),
         law=SOFT,
         measurement=record,

@@ -14,11 +14,11 @@ from stickslip import (
     Dahl,
     Measurement,
     RecordSettings,
-    Sampled,
     SpringBlock,
     fit,
     simulate,
 )
+from stickslip.drives import Sampled
 from stickslip.errors import InputError
 from stickslip.identification.force_map.force_balance import balanced, mean_force
 from stickslip.identification.force_map.problem import map_along

@@ -14,7 +14,6 @@ from typing_extensions import override
 
 import stickslip
 from stickslip import (
-    LAWS,
     Axis,
     Coulomb,
     CoulombViscous,
@@ -30,8 +29,8 @@ from stickslip import (
     load_measurement,
 )
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.friction import BristleLaw, FrictionLaw
-from stickslip.identification.estimation.levenberg_marquardt import Found, search
+from stickslip.friction import LAWS, BristleLaw, FrictionLaw
+from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, search
 from stickslip.identification.force_map.bristle_integration import Path as Motion
 from stickslip.identification.force_map.bristle_integration import follow
 from stickslip.identification.force_map.model import ForceMap
@@ -129,7 +128,7 @@ def record_of(law: FrictionLaw, *, end: float = 12.0, rate: float = 500.0) -> Me
     return Measurement(time=t, position=x, velocity=v, friction=force + offset, load=load)
 
 
-def fitted(problem: ForceMap, *, starts: int = 2) -> tuple[Found, dict[str, float]]:
+def fitted(problem: ForceMap, *, starts: int = 2) -> tuple[OptimizeResult, dict[str, float]]:
     found = search(problem, starts=starts)
     return found, dict(zip(problem.unknowns.paths, found.best.values, strict=True))
 

@@ -19,7 +19,7 @@ from stickslip import (
 from stickslip.errors import InputError
 from stickslip.identification.estimation.halves import Halves, blocks_of_half, widened
 from stickslip.identification.estimation.jackknife import Inference, infer
-from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.records import refits
 from stickslip.selection.cross_validation import halves
 
@@ -74,7 +74,7 @@ def halves_of_a_mean(rows):
     values, known = [], []
     for part in np.array_split(np.arange(len(rows)), 2):
         own = np.linalg.lstsq(columns[part], rows[part], rcond=None)[0]
-        seen = Linearised(
+        seen = ResidualJacobian(
             values=own,
             residual=rows[part] - columns[part] @ own,
             slopes=columns[part],

@@ -15,7 +15,7 @@ from stickslip.identification.estimation.jackknife import (
     freedom_of,
     infer,
 )
-from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.selection.record_admissibility import objection
 
 
@@ -28,7 +28,7 @@ def autoregression(count, decay, random):
 
 def mean_of(rows):
     """Return a mean as a problem of least squares, at its estimate."""
-    return Linearised(
+    return ResidualJacobian(
         values=np.array([rows.mean()]),
         residual=rows - rows.mean(),
         slopes=np.ones((len(rows), 1)),
@@ -39,7 +39,7 @@ def mean_of(rows):
 def line_of(rows, columns):
     """Return a linear regression at its estimate."""
     values = np.linalg.lstsq(columns, rows, rcond=None)[0]
-    return Linearised(
+    return ResidualJacobian(
         values=values,
         residual=rows - columns @ values,
         slopes=columns,
@@ -170,7 +170,7 @@ def table_of(residual, velocity):
     """A table sorted by velocity whose only unknown acts at low speeds, its rows dealt out."""
     slopes = np.exp(-velocity / 0.1)[:, None]
     residual = residual - slopes[:, 0] * float(slopes[:, 0] @ residual / np.sum(slopes**2))
-    return Linearised(
+    return ResidualJacobian(
         values=np.zeros(1),
         residual=residual,
         slopes=slopes,
@@ -230,7 +230,7 @@ def test_units_and_a_nearly_collinear_pair_leave_errors_as_they_are(seed):
     sizes[[0, -1]] = 1e-9, 1e9
     exact = left_out_errors(rows, columns)
     seen = line_of(rows, columns)
-    scaled = Linearised(
+    scaled = ResidualJacobian(
         values=seen.values / sizes,
         residual=seen.residual,
         slopes=seen.slopes * sizes,
@@ -256,7 +256,7 @@ def test_what_only_a_sum_of_two_shows_is_infinite_for_these_two_alone(seed):
     columns[:, 1] = 1e6 * columns[:, 0]
     line = line_of(random.normal(size=120), columns[:, [0, 2, 3]])
     known = infer(line, np.eye(3))
-    seen = Linearised(
+    seen = ResidualJacobian(
         values=np.zeros(4), residual=line.residual, slopes=columns * sizes, segment=line.segment
     )
     found = infer(seen, np.eye(4))
@@ -296,7 +296,7 @@ def test_what_one_block_alone_shows_has_no_bounded_error():
 def dealt(residual, columns):
     """A table of independent rows, which are dealt out to segments in turn."""
     count = len(residual)
-    return Linearised(
+    return ResidualJacobian(
         values=np.zeros(columns.shape[1]),
         residual=residual - columns @ np.linalg.lstsq(columns, residual, rcond=None)[0],
         slopes=columns,

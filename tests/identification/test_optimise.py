@@ -12,8 +12,8 @@ from stickslip.identification.estimation.levenberg_marquardt import (
     search,
     step_of,
 )
-from stickslip.identification.estimation.parameters import Unknown, Unknowns
-from stickslip.identification.estimation.problem import Linearised, Searchable
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identification.estimation.problem import LeastSquaresProblem, ResidualJacobian
 from stickslip.quantities import Quantity
 
 RANDOM = np.random.default_rng(3)
@@ -92,7 +92,7 @@ def test_starts_that_disagree_call_for_further_ones(monkeypatch):
         if near is not None:
             return near, False
         row = np.array([next(costs) ** 0.5])
-        return Linearised(
+        return ResidualJacobian(
             values=values, residual=row, slopes=np.zeros((1, 2)), segment=np.zeros(1, int)
         ), False
 
@@ -113,11 +113,11 @@ def test_starts_race_on_some_rows_and_the_best_goes_on_with_all():
     assert found.agreeing == 4
 
 
-class Valleys(Searchable):
+class Valleys(LeastSquaresProblem):
     """Two valleys: costs of 1 at -1 and of 25 at 1, between them a ridge."""
 
-    unknowns = Unknowns(
-        (Unknown(path="friction.x", quantity=Quantity("x"), start=2.0, low=-9.0, high=9.0),)
+    unknowns = FreeParameters(
+        (FreeParameter(path="friction.x", quantity=Quantity("x"), start=2.0, low=-9.0, high=9.0),)
     )
 
     def __init__(self):
@@ -126,7 +126,7 @@ class Valleys(Searchable):
     def linearise(self, values, near=None):
         x, side = float(values[0]), 1.0 if values[0] > 0.0 else -1.0
         self.ends.add(side)
-        return Linearised(
+        return ResidualJacobian(
             values=values,
             residual=np.array([3.0 + 2.0 * side, x - side]),
             slopes=np.array([[0.0], [-1.0]]),
@@ -142,19 +142,19 @@ def test_a_rival_far_below_all_starts_ends_the_race(rival, hopeless):
     assert found.best.cost == pytest.approx(1.0, abs=1e-4)
 
 
-class Rosenbrock(Searchable):
+class Rosenbrock(LeastSquaresProblem):
     """A curved valley, along which a descent of five steps is on its way."""
 
-    unknowns = Unknowns(
+    unknowns = FreeParameters(
         tuple(
-            Unknown(path=f"friction.{n}", quantity=Quantity(n), start=v, low=-9.0, high=9.0)
+            FreeParameter(path=f"friction.{n}", quantity=Quantity(n), start=v, low=-9.0, high=9.0)
             for n, v in (("x", -1.2), ("y", 1.0))
         )
     )
 
     def linearise(self, values, near=None):
         x, y = values
-        return Linearised(
+        return ResidualJacobian(
             values=values,
             residual=np.array([10.0 * (y - x * x), 1.0 - x, 0.5]),
             slopes=np.array([[20.0 * x, -10.0], [1.0, 0.0], [0.0, 0.0]]),
@@ -170,12 +170,12 @@ def test_starts_do_not_agree_before_they_have_arrived():
     assert twice.best.cost < 0.5
 
 
-class Valley(Searchable):
+class Valley(LeastSquaresProblem):
     """Exponential decay: from far too fast a rate no slope leads back."""
 
-    unknowns = Unknowns(
+    unknowns = FreeParameters(
         (
-            Unknown(
+            FreeParameter(
                 path="friction.rate",
                 quantity=Quantity("k", above=0),
                 start=1e4,
@@ -189,7 +189,7 @@ class Valley(Searchable):
 
     def linearise(self, values, near=None):
         gone = np.exp(-values[0] * self.times)
-        return Linearised(
+        return ResidualJacobian(
             values=values,
             residual=np.exp(-3.0 * self.times) - gone,
             slopes=(-self.times * gone)[:, None],

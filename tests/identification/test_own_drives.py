@@ -6,24 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    Capsule,
-    Coulomb,
-    Measurement,
-    PendulumCart,
-    Prescribed,
-    Sine,
-    Square,
-    ThreePhase,
-    Torque,
-    check,
-    fit,
-    simulate,
-)
+from stickslip import Axis, Capsule, Coulomb, Measurement, PendulumCart, check, fit, simulate
+from stickslip.drives import Sine, Square, ThreePhase
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.identification.records.route_choice import choose_route
 from stickslip.identification.records.settings import RecordSettings
+from stickslip.mechanisms import Prescribed, Torque
 
 TRUTH = Coulomb(kinetic_coefficient=0.18, static_coefficient=0.24)
 SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)

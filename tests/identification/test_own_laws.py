@@ -13,15 +13,15 @@ from stickslip import (
     Coulomb,
     CoulombViscous,
     Measurement,
-    Sampled,
-    SetValuedLaw,
     SpringBlock,
     TowedBlock,
     fit,
     select,
     simulate,
 )
+from stickslip.drives import Sampled
 from stickslip.errors import InputError
+from stickslip.friction import SetValuedLaw
 from stickslip.identification import starting_law
 from stickslip.maths import exp
 from stickslip.quantities import Quantity, fields_of

@@ -7,7 +7,7 @@ from tests.selection.test_records import AXIS, QUICK, TRUTH, recorded
 import stickslip
 from stickslip import CoulombViscous, Measurement, SpringBlock, Viscous
 from stickslip.errors import InputError
-from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.records import posterior
 from stickslip.identification.records.fitting import fit_record
 from stickslip.identification.records.posterior import sample_posterior
@@ -26,7 +26,7 @@ class _Linear:
 
     def linearise(self, values, near=None, *, slopes=True):
         residual = self.best.residual - self.best.slopes @ (values - self.best.values)
-        return Linearised(
+        return ResidualJacobian(
             values=values,
             residual=residual,
             slopes=self.best.slopes,

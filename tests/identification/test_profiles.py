@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from stickslip import Axis, CoulombViscous, Measurement, Sine, fit, simulate
+from stickslip import Axis, CoulombViscous, Measurement, fit, simulate
+from stickslip.drives import Sine
 from stickslip.identification.profile_likelihood import largest_allowed
 
 

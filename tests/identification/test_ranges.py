@@ -5,7 +5,7 @@ import pytest
 from stickslip.errors import ParameterError
 from stickslip.friction.registry import LAWS
 from stickslip.identification import starting_law
-from stickslip.identification.force_map.start_values import Rough
+from stickslip.identification.force_map.start_values import StartEstimate
 from stickslip.identification.series.start_values import Scales, law_unknowns
 from stickslip.quantities import Quantity, fields_of
 
@@ -16,10 +16,13 @@ SCALES = Scales(
 SEEN = {
     "offset": 0.0, "force": 4.4, "load": 2.0, "speed": 0.5, "two_sided": True, "stiffness": 1e4,
 }  # fmt: skip
-ROUGH = Rough(
+ROUGH = StartEstimate(
     level=2.0,
     viscous=0.5,
-    sides=(Rough(level=2.5, viscous=0.6, **SEEN), Rough(level=1.5, viscous=0.4, **SEEN)),
+    sides=(
+        StartEstimate(level=2.5, viscous=0.6, **SEEN),
+        StartEstimate(level=1.5, viscous=0.4, **SEEN),
+    ),
     **SEEN,
 )
 # Start and bounds of simulated segments by hand: the level is 4 N / 2 N, its bounds 0 and 100 times

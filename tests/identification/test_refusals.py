@@ -12,13 +12,13 @@ from stickslip import (
     CoulombViscous,
     Measurement,
     RecordSettings,
-    Sampled,
     SpringBlock,
     Viscous,
     fit,
     select,
     simulate,
 )
+from stickslip.drives import Sampled
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics
 

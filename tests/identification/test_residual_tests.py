@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from benchmarks import faults
 
-from stickslip import Axis, CoulombViscous, Measurement, Sine, fit, select, simulate
+from stickslip import Axis, CoulombViscous, Measurement, fit, select, simulate
+from stickslip.drives import Sine
 from stickslip.identification.records.settings import RecordSettings
 
 QUICK = RecordSettings(starts=1)

@@ -9,8 +9,6 @@ from stickslip import (
     CoulombViscous,
     DirectionDependent,
     Measurement,
-    PiecewiseLinear,
-    Pulse,
     RecordSettings,
     SpringBlock,
     Viscous,
@@ -18,6 +16,7 @@ from stickslip import (
     load_rig,
     simulate,
 )
+from stickslip.drives import PiecewiseLinear, Pulse
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.identification.estimation.levenberg_marquardt import search
 from stickslip.identification.records import fitting

@@ -10,13 +10,12 @@ from stickslip import (
     Coulomb,
     CoulombViscous,
     Measurement,
-    Pulse,
-    Sampled,
     SpringBlock,
     fit,
     load_rig,
     simulate,
 )
+from stickslip.drives import Pulse, Sampled
 from stickslip.identification.series.measured_load import as_loaded
 
 SPEED = np.concatenate([np.linspace(-0.1, -0.01, 40), np.linspace(0.01, 0.1, 40)])

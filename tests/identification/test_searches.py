@@ -10,12 +10,12 @@ from stickslip import (
     LuGre,
     Measurement,
     RecordSettings,
-    Sampled,
     Stribeck,
     fit,
     simulate,
 )
 from stickslip.control import closed_loop
+from stickslip.drives import Sampled
 from stickslip.friction import laws
 from stickslip.identification.estimation.containment import FittedLaw, search_failure
 from stickslip.identification.records.route_choice import choose_route

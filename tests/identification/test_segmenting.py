@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Axis, Measurement, Sine, TowedBlock
+from stickslip import Axis, Measurement, TowedBlock
+from stickslip.drives import Sine
 from stickslip.errors import InputError
 from stickslip.identification.shooting.segments import measured_quantity, segments_of, with_drive
 

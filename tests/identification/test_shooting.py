@@ -6,16 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    CoulombViscous,
-    Dahl,
-    Measurement,
-    Pendulum,
-    Sampled,
-    fit,
-    simulate,
-)
+from stickslip import Axis, CoulombViscous, Dahl, Measurement, Pendulum, fit, simulate
+from stickslip.drives import Sampled
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.records.fitting import fit_record

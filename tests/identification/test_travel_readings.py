@@ -11,11 +11,7 @@ from stickslip import (
     Coulomb,
     CoulombViscous,
     Measurement,
-    Pulse,
-    Sine,
     SpringBlock,
-    Square,
-    Torque,
     Viscous,
     fit,
     load_measurement,
@@ -24,9 +20,11 @@ from stickslip import (
     select,
     simulate,
 )
+from stickslip.drives import Pulse, Sine, Square
 from stickslip.errors import ConvergenceError, InputError, ParameterError
 from stickslip.experiments.travels import scale_of
 from stickslip.identification.travels.model import standard_errors, trials_of, under_cycles
+from stickslip.mechanisms import Torque
 
 WAVE = Square(high=6.0, low=-1.0, period=0.4, duty=0.3)
 CAPSULE = Capsule(

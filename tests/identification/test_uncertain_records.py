@@ -16,18 +16,17 @@ from stickslip import (
     DirectionDependent,
     Measurement,
     PendulumCart,
-    Prescribed,
     SpringBlock,
-    ThreePhase,
     TowedBlock,
     compare_trials,
     fit,
     select,
     simulate,
 )
-from stickslip.drives import Sampled
+from stickslip.drives import Sampled, ThreePhase
 from stickslip.errors import InputError
 from stickslip.identification.records.posterior import sample_posterior
+from stickslip.mechanisms import Prescribed
 from stickslip.quantities import parameters, vary
 
 J, K, N = "mechanism.inertia", "mechanism.stiffness", "mechanism.load"

@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.quantities import Quantity
 
-LEVEL = Unknown(
+LEVEL = FreeParameter(
     path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), start=2.0, low=0.0, high=9.0
 )
-ABOVE = Unknown(
+ABOVE = FreeParameter(
     path="friction.static_coefficient",
     quantity=Quantity("mu_s"),
     start=2.5,
@@ -19,7 +19,7 @@ ABOVE = Unknown(
     high=5.0,
     above="friction.kinetic_coefficient",
 )
-SPEED = Unknown(
+SPEED = FreeParameter(
     path="friction.stribeck_velocity",
     quantity=Quantity("v_s", "m/s", above=0),
     start=0.01,
@@ -27,7 +27,7 @@ SPEED = Unknown(
     high=1.0,
     log=True,
 )
-ALL = Unknowns((LEVEL, ABOVE, SPEED))
+ALL = FreeParameters((LEVEL, ABOVE, SPEED))
 
 
 def test_a_parameter_above_another_is_seen_as_the_surplus_and_a_size_as_its_logarithm():
@@ -64,7 +64,7 @@ def test_a_level_below_the_one_it_stands_above_has_no_surplus():
 
 
 def test_the_level_that_is_stood_on_may_be_known_and_not_looked_for():
-    one = Unknowns((ABOVE,), {"friction.kinetic_coefficient": 2.0})
+    one = FreeParameters((ABOVE,), {"friction.kinetic_coefficient": 2.0})
     np.testing.assert_allclose(one.coordinates(np.array([2.75])), [0.75])
     np.testing.assert_allclose(one.values(np.array([0.75])), [2.75])
     np.testing.assert_allclose(one.slopes(np.array([0.75])), [[1.0]])
@@ -78,7 +78,7 @@ def test_other_starts_change_nothing_else():
 
 
 def test_nothing_to_look_for_has_no_coordinates():
-    none = Unknowns(())
+    none = FreeParameters(())
     assert len(none) == 0
     assert none.coordinates(np.empty(0)).shape == (0,)
     assert none.limits()[0].shape == (0,)

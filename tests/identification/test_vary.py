@@ -7,7 +7,6 @@ from stickslip import (
     Axis,
     Coulomb,
     CoulombViscous,
-    Limits,
     Measurement,
     PendulumCart,
     SpringBlock,
@@ -28,6 +27,7 @@ from stickslip.errors import InputError, ParameterError, RenamedError, UnknownNa
 from stickslip.identification import compare_features, fit_features, fit_rate_state
 from stickslip.identification.records.route_choice import choose_route
 from stickslip.identification.validation import LAW, Parameters
+from stickslip.optimisation import Limits
 from stickslip.paper.audit import audit
 from stickslip.selection import (
     select_features,

@@ -3,24 +3,11 @@
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    Coulomb,
-    EventCount,
-    EventDriven,
-    EventTimes,
-    Final,
-    Max,
-    Mean,
-    Min,
-    Samples,
-    Sensitivity,
-    Sine,
-    Status,
-    ensemble,
-    simulate,
-)
+from stickslip import Axis, Coulomb, EventDriven, ensemble, simulate
+from stickslip.drives import Sine
 from stickslip.kernels.radau_tableau import RADAU, RADAU_NODES, RADAU_STAGES
+from stickslip.outputs import EventCount, EventTimes, Final, Max, Mean, Min, Samples
+from stickslip.results import Sensitivity, Status
 
 A = np.array(RADAU).reshape(RADAU_STAGES, RADAU_STAGES)
 C = np.array(RADAU_NODES)

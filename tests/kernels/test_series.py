@@ -13,16 +13,13 @@ from stickslip import (
     Axis,
     Coulomb,
     CoulombViscous,
-    PiecewiseLinear,
-    Pulse,
-    Sampled,
-    Sine,
     SpringBlock,
     Stribeck,
     TowedBlock,
     Viscous,
     simulate,
 )
+from stickslip.drives import PiecewiseLinear, Pulse, Sampled, Sine
 
 MANY = settings(max_examples=100)
 SERIES = 20

@@ -8,8 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stickslip import Capsule, Coulomb, Prescribed, Sine, Status, ThreePhase, Torque, simulate
+from stickslip import Capsule, Coulomb, simulate
+from stickslip.drives import Sine, ThreePhase
 from stickslip.errors import InputError
+from stickslip.mechanisms import Prescribed, Torque
+from stickslip.results import Status
 
 G = 9.81
 

@@ -13,16 +13,15 @@ from stickslip import (
     Coulomb,
     Measurement,
     PendulumCart,
-    Prescribed,
     SpringBlock,
-    Status,
-    ThreePhase,
     ensemble,
     fit,
     simulate,
 )
+from stickslip.drives import ThreePhase
 from stickslip.errors import ParameterError
-from stickslip.mechanisms import static_normal_force
+from stickslip.mechanisms import Prescribed, static_normal_force
+from stickslip.results import Status
 
 G = 9.81
 SLOPED = [

@@ -6,17 +6,10 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
-from stickslip import (
-    Coulomb,
-    Pendulum,
-    PiecewiseLinear,
-    Sine,
-    Status,
-    TowedBlock,
-    TwoMassAxis,
-    simulate,
-)
+from stickslip import Coulomb, Pendulum, TowedBlock, TwoMassAxis, simulate
+from stickslip.drives import PiecewiseLinear, Sine
 from stickslip.errors import ParameterError
+from stickslip.results import Status
 
 FREE = Coulomb(kinetic_coefficient=0.0)
 

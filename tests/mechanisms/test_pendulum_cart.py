@@ -13,27 +13,21 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from tests.support import Generated, decade
 
-from stickslip import (
-    Coulomb,
-    EventDriven,
-    FixedStep,
-    PendulumCart,
+from stickslip import Coulomb, EventDriven, FixedStep, PendulumCart, ensemble, simulate
+from stickslip.drives import (
     PiecewiseLinear,
-    Prescribed,
     Sampled,
     SevenStep,
     Sine,
     SineSwing,
     SplineSwing,
-    Status,
     ThreePhase,
-    Torque,
-    ensemble,
-    simulate,
 )
 from stickslip.errors import InputError, ParameterError, SimulationError
 from stickslip.formulation import formulate
+from stickslip.mechanisms import Prescribed, Torque
 from stickslip.quantities import fields_of
+from stickslip.results import Status
 
 ROUNDING = 1e-12
 """Roundings, multiplied by the ratio of the masses and by how close D comes to zero."""

@@ -10,16 +10,10 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from stickslip import (
-    Coulomb,
-    PendulumCart,
-    PiecewiseLinear,
-    Sampled,
-    Sine,
-    Status,
-    Torque,
-    simulate,
-)
+from stickslip import Coulomb, PendulumCart, simulate
+from stickslip.drives import PiecewiseLinear, Sampled, Sine
+from stickslip.mechanisms import Torque
+from stickslip.results import Status
 
 END = 3.0
 RUNS, SHARES = 1000, 4

@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Axis, Coulomb, Prescribed, SevenStep, SineSwing, SplineSwing, ThreePhase
+from stickslip import Axis, Coulomb
+from stickslip.drives import SevenStep, SineSwing, SplineSwing, ThreePhase
 from stickslip.errors import InputError
-from stickslip.mechanisms import static_normal_force
+from stickslip.mechanisms import Prescribed, static_normal_force
 from stickslip.optimisation import measure, units_of_limits
 from stickslip.optimisation.cycle_metrics import fitted
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from stickslip import Coulomb, Limits
-from stickslip.optimisation import GOALS
+from stickslip import Coulomb
+from stickslip.optimisation import GOALS, Limits
 from stickslip.optimisation.local_refinement import goal_gradient, travel_gradient
 from stickslip.optimisation.parametrisation import space_of
 from stickslip.optimisation.problem import Problem

@@ -7,19 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import (
-    Coulomb,
-    Limits,
-    Prescribed,
-    SevenStep,
-    SineSwing,
-    load_rig,
-    optimise_profile,
-    simulate,
-)
+from stickslip import Coulomb, load_rig, optimise_profile, simulate
+from stickslip.drives import SevenStep, SineSwing
 from stickslip.drives.registry import PROFILES
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
-from stickslip.optimisation import GOALS, Margin, measure
+from stickslip.mechanisms import Prescribed
+from stickslip.optimisation import GOALS, Limits, Margin, measure
 from stickslip.optimisation.optimise import MOST_POLISHED
 from stickslip.optimisation.parametrisation import KINDS, kind_of, space_of
 from stickslip.optimisation.problem import FINER, Problem

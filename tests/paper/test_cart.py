@@ -9,7 +9,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip import PRINTED_FORMS, Coulomb, CoulombViscous, FixedStep, load_rig, simulate
+from stickslip import Coulomb, CoulombViscous, FixedStep, load_rig, simulate
+from stickslip.friction import PRINTED_FORMS
 from stickslip.paper import PaperValues, study_cart
 from stickslip.paper.cart import CART, CYCLES, KINETIC, STEP, SWING
 from stickslip.paper.sections import cart_section, choice_section

@@ -15,25 +15,21 @@ from matplotlib.patches import Rectangle
 from PIL import Image
 
 from stickslip import (
-    MECHANISMS,
     Axis,
     Capsule,
     Coulomb,
     FixedStep,
     Pendulum,
     PendulumCart,
-    Prescribed,
-    Pulse,
-    Sine,
     SpringBlock,
-    ThreePhase,
-    Torque,
     TowedBlock,
     TwoMassAxis,
     animate,
     simulate,
 )
+from stickslip.drives import Pulse, Sine, ThreePhase
 from stickslip.errors import InputError
+from stickslip.mechanisms import MECHANISMS, Prescribed, Torque
 from stickslip.plots import animation_html, draw_scene, standalone_svg
 from stickslip.plots.animation.animation import frame_times
 from stickslip.plots.animation.animation_frame import Stage, moments_of

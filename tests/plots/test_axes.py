@@ -20,7 +20,6 @@ from stickslip import (
     Dahl,
     Measurement,
     Pendulum,
-    Sine,
     SpringBlock,
     Stribeck,
     TowedBlock,
@@ -32,6 +31,7 @@ from stickslip import (
 )
 from stickslip.characterize import presliding_loop
 from stickslip.display import MOST_ROWS, InPanels, Summary, html_of
+from stickslip.drives import Sine
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import LawEstimates
 from stickslip.solver import Max, Samples

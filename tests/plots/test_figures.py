@@ -7,22 +7,21 @@ import numpy as np
 import pytest
 
 from stickslip import (
-    PID,
     Axis,
     Coulomb,
     CoulombViscous,
     Dahl,
     FixedStep,
     LuGre,
-    Pulse,
     SpringBlock,
     Stribeck,
     TowedBlock,
     Viscous,
-    closed_loop,
     plots,
     simulate,
 )
+from stickslip.control import PID, closed_loop
+from stickslip.drives import Pulse
 from stickslip.plots import inline_svg
 from stickslip.plots.core.helpers import dense, grouped, horizon, looks, wrapped
 from stickslip.plots.core.label_placement import Curve, label_curves

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from stickslip import Status
 from stickslip.errors import InputError
 from stickslip.plots import draw_basins, draw_bifurcation, draw_velocity_map, standalone_svg
 from stickslip.plots.core.theme import SLIP_BACK, house_style
+from stickslip.results import Status
 from stickslip.sweep import Attractor, Basins, Bifurcation, VelocityMap
 
 

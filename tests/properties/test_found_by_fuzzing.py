@@ -15,18 +15,14 @@ from stickslip import (
     Dahl,
     EventDriven,
     LuGre,
-    PiecewiseLinear,
-    Pulse,
-    Ramp,
-    Sampled,
-    Sine,
     SpringBlock,
-    Status,
     Stribeck,
     TowedBlock,
     Viscous,
     simulate,
 )
+from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
+from stickslip.results import Status
 
 FREE = Coulomb(kinetic_coefficient=0.0)
 COULOMB = Coulomb(kinetic_coefficient=1.0)

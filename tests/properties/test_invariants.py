@@ -19,19 +19,9 @@ from tests.support import (
     spring_blocks,
 )
 
-from stickslip import (
-    LAWS,
-    Coulomb,
-    Dahl,
-    EventDriven,
-    LuGre,
-    PowerViscous,
-    Pulse,
-    SpringBlock,
-    simulate,
-)
-from stickslip.drives import Drive, PiecewiseLinear, Sum
-from stickslip.friction import BristleLaw
+from stickslip import Coulomb, Dahl, EventDriven, LuGre, PowerViscous, SpringBlock, simulate
+from stickslip.drives import Drive, PiecewiseLinear, Pulse, Sum
+from stickslip.friction import LAWS, BristleLaw
 from stickslip.quantities import Parametrised, fields_of
 
 each_law = pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)

@@ -8,8 +8,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from tests.support import RIGID, axes, held_by, laws, mirrored_law, mirrors, nearly, spring_blocks
 
-from stickslip import LAWS, Pulse, SpringBlock, simulate
-from stickslip.drives import Drive, PiecewiseLinear, Sum
+from stickslip import SpringBlock, simulate
+from stickslip.drives import Drive, PiecewiseLinear, Pulse, Sum
+from stickslip.friction import LAWS
 
 T_END = 1.5
 each_law = pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)

@@ -9,14 +9,14 @@ from stickslip import (
     Axis,
     Coulomb,
     CoulombViscous,
-    Pulse,
     SpringBlock,
-    Status,
     Stribeck,
     TowedBlock,
     Viscous,
     simulate,
 )
+from stickslip.drives import Pulse
+from stickslip.results import Status
 
 G = 9.81
 LAW = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)

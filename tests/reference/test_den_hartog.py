@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import root
 
-from stickslip import Axis, Coulomb, Sine, simulate
+from stickslip import Axis, Coulomb, simulate
+from stickslip.drives import Sine
 
 # ratio of frequencies, ratio of friction to force, amplitude times k / P
 TABLE = [

@@ -11,24 +11,12 @@ import pytest
 from tests.mechanisms.test_pendulum_cart import cart_with
 from tests.support import EXAMPLES, example_of
 
-from stickslip import (
-    LAWS,
-    MECHANISMS,
-    Axis,
-    Coulomb,
-    EventDriven,
-    LuGre,
-    PiecewiseLinear,
-    Pulse,
-    Sine,
-    SpringBlock,
-    TowedBlock,
-    Trajectory,
-    simulate,
-)
-from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw
-from stickslip.mechanisms import Mechanism
+from stickslip import Axis, Coulomb, EventDriven, LuGre, SpringBlock, TowedBlock, simulate
+from stickslip.drives import PiecewiseLinear, Pulse, Sine
+from stickslip.friction import LAWS, BristleLaw, FrictionLaw, SetValuedLaw
+from stickslip.mechanisms import MECHANISMS, Mechanism
 from stickslip.quantities import fields_of, parameters, vary
+from stickslip.results import Trajectory
 
 pytest.importorskip("heyoka", reason="heyoka is there for Linux only")
 from tests.reference.heyoka_oracle import Oracle

@@ -6,7 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from stickslip import Axis, Coulomb, Sine, Status, Stribeck, simulate
+from stickslip import Axis, Coulomb, Stribeck, simulate
+from stickslip.drives import Sine
+from stickslip.results import Status
 
 
 def test_the_friction_oscillator_rests_where_the_exact_solution_does(data_dir):

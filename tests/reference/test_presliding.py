@@ -8,17 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
-from stickslip import (
-    Axis,
-    Dahl,
-    LuGre,
-    PiecewiseLinear,
-    Pulse,
-    Ramp,
-    SpringBlock,
-    TowedBlock,
-    simulate,
-)
+from stickslip import Axis, Dahl, LuGre, SpringBlock, TowedBlock, simulate
+from stickslip.drives import PiecewiseLinear, Pulse, Ramp
 
 LUGRE = LuGre.from_forces(
     load=1.0,

@@ -9,7 +9,9 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import Axis, Coulomb, Dahl, LuGre, Pulse, Ramp, Sine, SpringBlock, Status, simulate
+from stickslip import Axis, Coulomb, Dahl, LuGre, SpringBlock, simulate
+from stickslip.drives import Pulse, Ramp, Sine
+from stickslip.results import Status
 
 SMOOTH = Coulomb(kinetic_coefficient=0.0)
 G = 9.81

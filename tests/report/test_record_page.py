@@ -13,13 +13,13 @@ from stickslip import (
     Coulomb,
     CoulombViscous,
     Measurement,
-    Sine,
     Viscous,
     fit,
     formatting,
     select,
     simulate,
 )
+from stickslip.drives import Sine
 from stickslip.formatting import Scale
 from stickslip.friction import DirectionDependent
 from stickslip.identification.estimation.levenberg_marquardt import AGREE

@@ -15,20 +15,18 @@ from stickslip import (
     LuGre,
     Pendulum,
     PendulumCart,
-    Prescribed,
-    Pulse,
     Rig,
-    Sine,
     SpringBlock,
     Stribeck,
-    ThreePhase,
     TowedBlock,
     Viscous,
     load_rig,
     simulate,
 )
+from stickslip.drives import Pulse, Sine, ThreePhase
 from stickslip.errors import SimulationError
 from stickslip.experiments import LawEstimates
+from stickslip.mechanisms import Prescribed
 from stickslip.report.core import documents
 from stickslip.report.runs import RunReport, page, run_page
 from stickslip.sweep import band_of

@@ -14,8 +14,6 @@ from stickslip import (
     CoulombViscous,
     Measurement,
     SpringBlock,
-    Square,
-    Torque,
     Viscous,
     load_rig,
     select,
@@ -23,7 +21,9 @@ from stickslip import (
     write_report,
 )
 from stickslip.cli import main
+from stickslip.drives import Square
 from stickslip.errors import InputError
+from stickslip.mechanisms import Torque
 
 SPEED = np.concatenate([np.linspace(-1.0, -0.01, 60), np.linspace(0.01, 1.0, 60)])
 FRICTION = 2.0 * np.sign(SPEED) + 0.5 * SPEED + 0.02 * np.cos(40.0 * SPEED)

@@ -9,8 +9,6 @@ import pytest
 
 from stickslip import (
     Coulomb,
-    FeatureFit,
-    FeatureVerdict,
     Measurement,
     QuadraticDrag,
     RecordSettings,
@@ -26,6 +24,7 @@ from stickslip import (
 from stickslip.errors import InputError
 from stickslip.identification import fit_features
 from stickslip.identification.features.scores import as_good, error_of_score, paired, room_of
+from stickslip.results import FeatureFit, FeatureVerdict
 
 REAL = TowedBlock(mass=0.021, stiffness=1000.0, speed=4e-3, load=0.3)
 STATED = replace(REAL, mass=0.03)

@@ -13,14 +13,13 @@ from stickslip import (
     Coulomb,
     CoulombViscous,
     Measurement,
-    Pulse,
-    Sine,
     SpringBlock,
     TowedBlock,
     Viscous,
     plan,
     simulate,
 )
+from stickslip.drives import Pulse, Sine
 from stickslip.errors import InputError
 from stickslip.identification.travels.fit import fit_trials
 from stickslip.identification.travels.model import trials_of

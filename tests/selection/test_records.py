@@ -14,8 +14,6 @@ from stickslip import (
     Measurement,
     QuadraticDrag,
     RecordSettings,
-    RecordVerdict,
-    Sampled,
     SpringBlock,
     Stribeck,
     Viscous,
@@ -23,6 +21,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.cli.console import document, json_text
+from stickslip.drives import Sampled
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.formatting import Scale, quantity
 from stickslip.identification.estimation.levenberg_marquardt import improve
@@ -31,6 +30,7 @@ from stickslip.identification.records.fit import settled
 from stickslip.identification.records.fitting import fit_record
 from stickslip.report import render
 from stickslip.report.core.documents import Origin
+from stickslip.results import RecordVerdict
 from stickslip.routes.page import verdict_page
 from stickslip.selection.applicability import one_way
 from stickslip.selection.cross_validation import Plan, cross_validate, plan_of

@@ -9,13 +9,13 @@ from stickslip import (
     Coulomb,
     CoulombViscous,
     Measurement,
-    Pulse,
     SpringBlock,
     Stribeck,
     fit,
     select,
     simulate,
 )
+from stickslip.drives import Pulse
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 SET_VALUED = ["coulomb", "viscous", "coulomb-viscous", "stribeck"]

@@ -6,8 +6,8 @@ from typing import final
 import numpy as np
 from typing_extensions import override
 
-from stickslip import Axis, CoulombViscous, LuGre, Pulse, Sampled, simulate
-from stickslip.drives import Drive, Piece
+from stickslip import Axis, CoulombViscous, LuGre, simulate
+from stickslip.drives import Drive, Piece, Pulse, Sampled
 from stickslip.solver import EventDriven
 
 LAW = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=1.0)

@@ -10,31 +10,23 @@ import pytest
 from tests.support import example_of
 
 from stickslip import (
-    LAWS,
-    PRINTED_FORMS,
     Axis,
     Coulomb,
     EventDriven,
-    EventTimes,
-    Final,
     FixedStep,
-    Max,
-    Mean,
     PendulumCart,
-    Prescribed,
-    Pulse,
-    Samples,
-    Sine,
     SpringBlock,
-    Status,
-    ThreePhase,
     TowedBlock,
     ensemble,
     simulate,
 )
+from stickslip.drives import Pulse, Sine, ThreePhase
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.friction import BristleLaw
+from stickslip.friction import LAWS, PRINTED_FORMS, BristleLaw
+from stickslip.mechanisms import Prescribed
+from stickslip.outputs import EventTimes, Final, Max, Mean, Samples
 from stickslip.quantities import vary
+from stickslip.results import Status
 from stickslip.solver import chunks
 
 PYTHON, COMPILED = EventDriven(tier="python"), EventDriven(tier="compiled")

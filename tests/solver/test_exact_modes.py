@@ -14,18 +14,9 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 from tests.support import decade, nearly
 
-from stickslip import (
-    Axis,
-    Coulomb,
-    CoulombViscous,
-    PiecewiseLinear,
-    Pulse,
-    Sampled,
-    SpringBlock,
-    Status,
-    TowedBlock,
-    simulate,
-)
+from stickslip import Axis, Coulomb, CoulombViscous, SpringBlock, TowedBlock, simulate
+from stickslip.drives import PiecewiseLinear, Pulse, Sampled
+from stickslip.results import Status
 
 SOME = settings(max_examples=40)
 TINY = 2e-14

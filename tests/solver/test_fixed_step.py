@@ -7,23 +7,21 @@ import pytest
 from tests.support import example_of
 
 from stickslip import (
-    LAWS,
-    PRINTED_FORMS,
     Axis,
     Coulomb,
     Dahl,
     FixedStep,
     PendulumCart,
-    Prescribed,
-    Pulse,
     SpringBlock,
-    Status,
-    ThreePhase,
     TowedBlock,
     simulate,
 )
+from stickslip.drives import Pulse, ThreePhase
 from stickslip.errors import ParameterError, SimulationError
+from stickslip.friction import LAWS, PRINTED_FORMS
+from stickslip.mechanisms import Prescribed
 from stickslip.quantities import fields_of
+from stickslip.results import Status
 
 LAW = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
 RELEASED = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)

@@ -12,26 +12,20 @@ from tests.solver.sensitivity_support import PYTHON, Case, mismatch
 from tests.support import example_of
 
 from stickslip import (
-    LAWS,
-    PRINTED_FORMS,
     Axis,
     Coulomb,
     EventDriven,
     FixedStep,
     PendulumCart,
-    PiecewiseLinear,
-    Prescribed,
-    Pulse,
-    Sine,
     SpringBlock,
-    Square,
     Stribeck,
-    ThreePhase,
     TowedBlock,
     simulate,
 )
+from stickslip.drives import PiecewiseLinear, Pulse, Sine, Square, ThreePhase
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.friction import BristleLaw
+from stickslip.friction import LAWS, PRINTED_FORMS, BristleLaw
+from stickslip.mechanisms import Prescribed
 
 PULSE = Pulse(level=6.0, duration=0.4, start=0.1)
 SINE = Sine(amplitude=6.0, frequency=0.8, phase=0.3)

@@ -5,21 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    Coulomb,
-    EventCount,
-    EventDriven,
-    EventTimes,
-    Max,
-    Sine,
-    SpringBlock,
-    Status,
-    ensemble,
-    simulate,
-)
+from stickslip import Axis, Coulomb, EventDriven, SpringBlock, ensemble, simulate
+from stickslip.drives import Sine
 from stickslip.errors import InputError, ParameterError
 from stickslip.formulation import formulate
+from stickslip.outputs import EventCount, EventTimes, Max
+from stickslip.results import Status
 from stickslip.solver.reducers import reasons
 
 PYTHON = EventDriven(tier="python")

@@ -3,19 +3,8 @@
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    Coulomb,
-    Dahl,
-    EventDriven,
-    PiecewiseLinear,
-    Pulse,
-    Sine,
-    SpringBlock,
-    Stribeck,
-    TowedBlock,
-    simulate,
-)
+from stickslip import Axis, Coulomb, Dahl, EventDriven, SpringBlock, Stribeck, TowedBlock, simulate
+from stickslip.drives import PiecewiseLinear, Pulse, Sine
 from stickslip.errors import ParameterError
 from stickslip.formulation import formulate
 from stickslip.solver.compile.modules import is_loaded

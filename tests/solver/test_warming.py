@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from stickslip import Coulomb, CoulombViscous, EventDriven, Pulse, SpringBlock, simulate
+from stickslip import Coulomb, CoulombViscous, EventDriven, SpringBlock, simulate
+from stickslip.drives import Pulse
 from stickslip.errors import CompilationError, InputError
 from stickslip.formulation import formulate
 from stickslip.solver import prepare, warm_up

@@ -13,21 +13,15 @@ from stickslip import (
     EventDriven,
     Pendulum,
     PendulumCart,
-    Prescribed,
-    Pulse,
-    Sine,
-    Status,
-    ThreePhase,
-    Torque,
     TowedBlock,
     Viscous,
-    average_velocity,
-    basins,
-    bifurcation,
     simulate,
 )
+from stickslip.drives import Pulse, Sine, ThreePhase
 from stickslip.errors import InputError
-from stickslip.sweep import VelocityMap, cycle_of
+from stickslip.mechanisms import Prescribed, Torque
+from stickslip.results import Status
+from stickslip.sweep import VelocityMap, average_velocity, basins, bifurcation, cycle_of
 from stickslip.sweep.periodicity import period_of
 
 PLAIN = EventDriven(tier="python")

@@ -6,22 +6,14 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 import pytest
 
-from stickslip import (
-    Axis,
-    BristleLaw,
-    Contact,
-    Coulomb,
-    Dahl,
-    DirectionDependent,
-    MatrixMechanism,
-    Mechanism,
-    Pulse,
-    SetValuedLaw,
-    Trajectory,
-)
+from stickslip import Axis, Coulomb, Dahl, DirectionDependent, MatrixMechanism, Mechanism
+from stickslip.drives import Pulse
 from stickslip.errors import ConformanceError
+from stickslip.friction import BristleLaw, SetValuedLaw
 from stickslip.maths import sqrt
+from stickslip.mechanisms import Contact
 from stickslip.quantities import Quantity
+from stickslip.results import Trajectory
 from stickslip.testing import (
     check_friction,
     check_mechanism,

@@ -9,12 +9,19 @@ import platformdirs
 
 from stickslip.errors import InputError
 
-__all__ = ["Place", "base_address", "by_hand", "cache_folder", "named_folder", "web_address"]
+__all__ = [
+    "CacheLocation",
+    "base_address",
+    "by_hand",
+    "cache_folder",
+    "named_folder",
+    "web_address",
+]
 
 UPSTREAM = "https://raw.githubusercontent.com"
 
 
-class Place(enum.Enum):
+class CacheLocation(enum.Enum):
     """Where a file of the catalogue is."""
 
     LOCAL = "local"

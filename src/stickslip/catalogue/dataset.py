@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Literal, final
 
 from stickslip.catalogue.cache_paths import (
-    Place,
+    CacheLocation,
     by_hand,
     cache_folder,
     named_folder,
@@ -101,22 +101,26 @@ class Dataset:
         # A later catalogue may point to a later commit, whose tables are others.
         return cache_folder() / self.name / self.commit[:12]
 
-    def place(self, file: str | None = None) -> Place:
+    def place(self, file: str | None = None) -> CacheLocation:
         """Return where a file is, without fetching it.
 
         Examples
         --------
         >>> from stickslip import catalogue
-        >>> catalogue.dataset("emps").place() in catalogue.Place
+        >>> catalogue.dataset("emps").place() in catalogue.CacheLocation
         True
         """
         wanted = self.file(file)
         if self._own(wanted) is not None:
-            return Place.LOCAL
+            return CacheLocation.LOCAL
         if not wanted.source:
-            return Place.ELSEWHERE
+            return CacheLocation.ELSEWHERE
         there = (self.folder() / wanted.file_name, self._raw(wanted))
-        return Place.CACHED if any(path.is_file() for path in there) else Place.UPSTREAM
+        return (
+            CacheLocation.CACHED
+            if any(path.is_file() for path in there)
+            else CacheLocation.UPSTREAM
+        )
 
     def path(self, file: str | None = None, *, report: Callable[[str], None] | None = None) -> Path:
         """Return a file of this record, after downloading and converting it if necessary.

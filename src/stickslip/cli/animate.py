@@ -23,13 +23,13 @@ from stickslip.friction import FrictionLaw
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Look", "run"]
+__all__ = ["AnimationStyle", "run"]
 
 SIZE = re.compile(r"(\d+)\s*[x×]\s*(\d+)")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Look:
+class AnimationStyle:
     """What the animation looks like."""
 
     fps: float
@@ -43,7 +43,7 @@ def run(
     changes: Sequence[str],
     asked: LawAsked,
     t_end: float | None,
-    look: Look,
+    look: AnimationStyle,
     output: Path,
     *,
     allow_import: bool,

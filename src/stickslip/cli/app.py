@@ -110,19 +110,19 @@ def select(
     Ctrl-C while laws are fitted to a record: once ends with the best so far, twice cancels.
     """
     from stickslip.cli.file_options import reading_of
-    from stickslip.cli.inputs import Asked, How
+    from stickslip.cli.inputs import CommandInputs, FitOptions
     from stickslip.cli.select import run
 
     reading = reading_of(
         columns=columns, units=units, gain=gain, repair=repair, conditions=conditions
     )
-    fitted = partial(How, segment=segment, hold=hold, starts=starts, seed=seed)
+    fitted = partial(FitOptions, segment=segment, hold=hold, starts=starts, seed=seed)
     how = fitted(
         purpose=cast("PurposeName | None", purpose),  # names are checked where they are used
         horizon=horizon,
         route=cast("RouteName | None", route),
     )
-    asked = Asked(
+    asked = CommandInputs(
         data=data or [],
         reading=reading,
         validate=validate,
@@ -167,12 +167,12 @@ def fit(
     """
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.fit import run
-    from stickslip.cli.inputs import Asked, How
+    from stickslip.cli.inputs import CommandInputs, FitOptions
 
     reading = reading_of(
         columns=columns, units=units, gain=gain, repair=repair, conditions=conditions
     )
-    how = How(
+    how = FitOptions(
         horizon=horizon,
         route=cast("RouteName | None", route),
         segment=segment,
@@ -180,7 +180,7 @@ def fit(
         starts=starts,
         seed=seed,
     )
-    asked = Asked(
+    asked = CommandInputs(
         data=data or [],
         reading=reading,
         validate=validate,
@@ -330,10 +330,10 @@ def animate(
     as_json: Json = False,
 ) -> None:
     """Simulate the rig with one law and draw what moves, to scale, beside its time plots."""
-    from stickslip.cli.animate import Look, run
+    from stickslip.cli.animate import AnimationStyle, run
     from stickslip.cli.law_choice import LawAsked
 
-    look = Look(fps=fps, speed=speed, size=size, dpi=dpi)
+    look = AnimationStyle(fps=fps, speed=speed, size=size, dpi=dpi)
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
     start(rig, changes or [], LawAsked(law=law, load=law_load), t_end, look, output)
 

@@ -18,8 +18,8 @@ from stickslip.cli.console import (
     write_file,
 )
 from stickslip.cli.inputs import (
-    Asked,
-    Measured,
+    CommandInputs,
+    Inputs,
     measured,
     show_estimates,
     show_warnings,
@@ -42,7 +42,7 @@ __all__ = ["run"]
 def run(
     path: Path | None,
     name: str | None,
-    asked: Asked,
+    asked: CommandInputs,
     changes: Sequence[str],
     output: Path | None,
     *,
@@ -82,7 +82,7 @@ def run(
         stdout().print(f"\nRig file of the fitted law: {output}", markup=False)
 
 
-def _checked(rig: Rig, found: Measured, asked: Asked) -> Checks:
+def _checked(rig: Rig, found: Inputs, asked: CommandInputs) -> Checks:
     """Return what is to be said of the measurement; refuse what no fit should be made from."""
     if asked.how.horizon is not None and found.validate is None:
         raise InputError(
@@ -98,7 +98,7 @@ def _checked(rig: Rig, found: Measured, asked: Asked) -> Checks:
     return checks
 
 
-def _fitted(rig: Rig, law: FrictionLaw | type[FrictionLaw], found: Measured) -> Fit:
+def _fitted(rig: Rig, law: FrictionLaw | type[FrictionLaw], found: Inputs) -> Fit:
     """Fit with a bar; of records, Ctrl-C once ends the search."""
     request = FitRequest(
         mechanism=rig.mechanism,

@@ -29,9 +29,9 @@ from stickslip.selection.records import PurposeName
 from stickslip.selection.verdict import Wording
 
 __all__ = [
-    "Asked",
-    "How",
-    "Measured",
+    "CommandInputs",
+    "FitOptions",
+    "Inputs",
     "measured",
     "show_estimates",
     "show_open",
@@ -42,7 +42,7 @@ __all__ = [
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class How:
+class FitOptions:
     """How records are fitted and judged, as the options say it; None where they say nothing."""
 
     purpose: PurposeName | None = None
@@ -76,7 +76,7 @@ class How:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Asked:
+class CommandInputs:
     """What is fitted and how, as the options say it."""
 
     data: Sequence[Path]
@@ -84,12 +84,12 @@ class Asked:
     validate: Path | None
     vary: Sequence[str]
     fixed: Sequence[str]
-    how: How
+    how: FitOptions
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Measured:
+class Inputs:
     """What was measured, and which parameters are fitted to it."""
 
     measurement: Measurement
@@ -106,11 +106,11 @@ class Measured:
 
 def measured(
     rig: Rig,
-    asked: Asked,
+    asked: CommandInputs,
     *,
     given: bool,
     law: FrictionLaw | type[FrictionLaw] | None = None,
-) -> Measured:
+) -> Inputs:
     """Return what files or the rig say was measured, and what is to be fitted of mechanism and law.
 
     Options for files add to what the rig says of its own. `given` is whether a rig file was.
@@ -156,7 +156,7 @@ def measured(
     request = Request(mechanism=rig.mechanism, measurement=measurement, vary=vary, fixed=fixed)
     options = route.resolved(request, options, law)
     refuse(how.given, options)
-    return Measured(
+    return Inputs(
         measurement=measurement,
         validate=validate,
         vary=vary,
@@ -168,7 +168,7 @@ def measured(
 
 
 def _parameters(
-    rig: Rig, asked: Asked, law: FrictionLaw | type[FrictionLaw] | None
+    rig: Rig, asked: CommandInputs, law: FrictionLaw | type[FrictionLaw] | None
 ) -> tuple[tuple[str, ...], dict[str, float]]:
     """Return what is varied and what fixed, with what the rig file says of both.
 
@@ -220,7 +220,7 @@ def _number(text: str) -> float | str:
 
 
 @contextmanager
-def watching(names: Sequence[str], found: Measured) -> Iterator[Watching | Searching]:
+def watching(names: Sequence[str], found: Inputs) -> Iterator[Watching | Searching]:
     """Show how far the fits of laws are; where searches can be ended early, Ctrl-C does so."""
     if found.route.counts_runs:
         with Watching(names, "Fitting") as counting:

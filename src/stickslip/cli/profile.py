@@ -27,9 +27,9 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation import (
     GOALS,
-    Judged,
     Limits,
     Optimum,
+    ScoredMotion,
     optimise_profile,
     units_of_limits,
 )
@@ -193,7 +193,7 @@ def _show(found: Optimum) -> None:
     )
 
 
-def _compared(name: str, judged: Judged | None, factor: float | None) -> list[str]:
+def _compared(name: str, judged: ScoredMotion | None, factor: float | None) -> list[str]:
     if judged is None:
         return [name, "", "", "none keeps the limits"]
     remark = "" if judged.feasible else _broken(judged)
@@ -205,7 +205,7 @@ def _compared(name: str, judged: Judged | None, factor: float | None) -> list[st
     ]
 
 
-def _broken(judged: Judged) -> str:
+def _broken(judged: ScoredMotion) -> str:
     """Say what a motion breaks."""
     if any(cycle.lasted < 1.0 for cycle in judged.cycles):
         return "its run ends early"

@@ -19,8 +19,8 @@ from stickslip.cli.console import (
     stdout,
 )
 from stickslip.cli.inputs import (
-    Asked,
-    Measured,
+    CommandInputs,
+    Inputs,
     measured,
     show_estimates,
     show_open,
@@ -51,7 +51,7 @@ CRITERIA_FAILED = 4
 
 def run(
     path: Path | None,
-    asked: Asked,
+    asked: CommandInputs,
     changes: Sequence[str],
     laws: str | None,
     output: Path,
@@ -107,7 +107,7 @@ def laws_of(
 
 def _selected(
     rig: Rig,
-    found: Measured,
+    found: Inputs,
     laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | str] | None,
     jobs: int,
 ) -> Verdict:
@@ -152,7 +152,9 @@ def show_verdict(verdict: Verdict) -> None:
     show_open(words)
 
 
-def _page(verdict: Verdict, rig: Rig, found: Measured, asked: Asked, *, of_paper: bool) -> Page:
+def _page(
+    verdict: Verdict, rig: Rig, found: Inputs, asked: CommandInputs, *, of_paper: bool
+) -> Page:
     """Return the page of a verdict; of the bundled rig it says too where its paper errs."""
     origin = Origin(
         title=rig.title or verdict.mechanism.name.replace("-", " ").capitalize(),

@@ -5,7 +5,7 @@ import typing
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from stickslip.drives import Drive, Profile, Sampled, StraightPieces
+from stickslip.drives import Drive, PiecewiseAffine, Profile, Sampled
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Parametrised
@@ -25,7 +25,7 @@ class Place(NamedTuple):
         return ".".join(self.path)
 
     def commanded(
-        self, mechanism: Mechanism, command: Sampled | StraightPieces
+        self, mechanism: Mechanism, command: Sampled | PiecewiseAffine
     ) -> tuple[Mechanism, str]:
         """Return a mechanism with a command there, and what it calls that drive.
 
@@ -35,7 +35,7 @@ class Place(NamedTuple):
         ----------
         mechanism : Mechanism
             The mechanism that the place belongs to.
-        command : Sampled or StraightPieces
+        command : Sampled or PiecewiseAffine
             Command as a function of time, in the unit of the drive ([N] or [N m]).
 
         Returns

@@ -16,7 +16,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.simulation import END, check_pair, initial_state
 from stickslip.solver import EventDriven
-from stickslip.solver.incremental_run import Onward
+from stickslip.solver.incremental_run import IncrementalRun
 from stickslip.trajectory import Status, Trajectory
 
 if TYPE_CHECKING:
@@ -202,7 +202,7 @@ def closed_loop(
     place = place_of(mechanism, drive)
     driven, name = place.commanded(mechanism, commands.untold())
     start = initial_state("closed_loop", mechanism, law, y0)
-    onward = Onward(driven, law, drive=name, y0=start, t_end=last, solver=solver)
+    onward = IncrementalRun(driven, law, drive=name, y0=start, t_end=last, solver=solver)
     book = _walk(onward, controller, sensors, commands, timing, [*samples, last], progress)
     driven, _ = place.commanded(mechanism, drive_of(hold, book.stretches, book.end))
     return _result(onward, driven, book, timing, names, throw)
@@ -250,7 +250,7 @@ class _Book:
 
 
 def _walk(
-    onward: Onward,
+    onward: IncrementalRun,
     controller: Any,
     sensors: Sensors,
     commands: Commands,
@@ -297,7 +297,7 @@ def _number(command: Any, t: float) -> float:
 
 
 def _result(
-    onward: Onward,
+    onward: IncrementalRun,
     driven: Mechanism,
     book: _Book,
     timing: Timing,

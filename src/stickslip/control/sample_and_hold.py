@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, TypeAlias, final
 
-from stickslip.drives import Sampled, StraightPieces
+from stickslip.drives import PiecewiseAffine, Sampled
 from stickslip.quantities import Parametrised, Quantity
 
 __all__ = ["Commands", "Stretch", "Timing", "drive_of"]
@@ -76,7 +76,7 @@ class Commands:
         inner = [t for t, end in zip(middle, ends, strict=False) if t < end]
         self._breaks, self._end = sorted([*samples, *inner]), t_end
 
-    def untold(self) -> Sampled | StraightPieces:
+    def untold(self) -> Sampled | PiecewiseAffine:
         """Return the drive before anything is commanded: zeros, piece by piece."""
         return drive_of(self.hold, [(t, 0.0, 0.0) for t in self._breaks], self._end)
 
@@ -115,7 +115,7 @@ class Commands:
         return [first, (middle, value, slope)] if middle < end else [first]
 
 
-def drive_of(hold: str, stretches: Sequence[Stretch], end: float) -> Sampled | StraightPieces:
+def drive_of(hold: str, stretches: Sequence[Stretch], end: float) -> Sampled | PiecewiseAffine:
     """Return commands as a drive; a line ends, at the end at the latest, and its value is held.
 
     Parameters
@@ -138,4 +138,4 @@ def drive_of(hold: str, stretches: Sequence[Stretch], end: float) -> Sampled | S
     start, value, slope = stretches[-1]
     lines = [*stretches, (end, value + slope * (end - start), 0.0)]
     times, values, slopes = (tuple(column) for column in zip(*lines, strict=True))
-    return StraightPieces(times=times, values=values, slopes=slopes)
+    return PiecewiseAffine(times=times, values=values, slopes=slopes)

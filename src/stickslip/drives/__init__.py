@@ -2,19 +2,20 @@
 
 from stickslip.drives.base import Drive, Piece, Sum
 from stickslip.drives.elementary import (
+    PiecewiseAffine,
     PiecewiseLinear,
     Pulse,
     Ramp,
     Sampled,
     Sine,
     Square,
-    StraightPieces,
 )
 from stickslip.drives.motion_profiles import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase
 
 __all__ = [
     "Drive",
     "Piece",
+    "PiecewiseAffine",
     "PiecewiseLinear",
     "Profile",
     "Pulse",
@@ -25,7 +26,6 @@ __all__ = [
     "SineSwing",
     "SplineSwing",
     "Square",
-    "StraightPieces",
     "Sum",
     "ThreePhase",
 ]

@@ -83,7 +83,7 @@ class Drive(Parametrised, ABC):
 
         Examples
         --------
-        >>> from stickslip import Pulse
+        >>> from stickslip.drives import Pulse
         >>> push = Pulse(level=10.0, duration=0.1)
         >>> push.value(0.05), push.value(0.1)
         (10.0, 0.0)
@@ -126,7 +126,7 @@ class Sum(Drive):
 
     Examples
     --------
-    >>> from stickslip import Pulse, Sine
+    >>> from stickslip.drives import Pulse, Sine
     >>> (Pulse(level=2.0, duration=1.0) + Sine(amplitude=1.0, frequency=0.25)).value(1.0)
     1.0
     """

@@ -14,7 +14,7 @@ from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, sin
 from stickslip.quantities import Numbers, Quantity
 
-__all__ = ["PiecewiseLinear", "Pulse", "Ramp", "Sampled", "Sine", "Square", "StraightPieces"]
+__all__ = ["PiecewiseAffine", "PiecewiseLinear", "Pulse", "Ramp", "Sampled", "Sine", "Square"]
 
 
 @final
@@ -268,14 +268,14 @@ class Sampled(Straight):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class StraightPieces(Straight):
+class PiecewiseAffine(Straight):
     """Straight lines that need not join: what a long signal is condensed to.
 
     The last one is held from its start on.
 
     Examples
     --------
-    >>> StraightPieces(times=(0.0, 0.1), values=(1.0, 3.0), slopes=(5.0, 0.0)).value(0.05)
+    >>> PiecewiseAffine(times=(0.0, 0.1), values=(1.0, 3.0), slopes=(5.0, 0.0)).value(0.05)
     1.25
     """
 

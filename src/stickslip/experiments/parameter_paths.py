@@ -16,7 +16,8 @@ def all_paths(root: Parametrised, prefix: str) -> dict[str, Quantity]:
 
     Examples
     --------
-    >>> from stickslip import Pulse, SpringBlock
+    >>> from stickslip import SpringBlock
+    >>> from stickslip.drives import Pulse
     >>> block = SpringBlock(mass=1.0, drive=Pulse(level=1.0, duration=1.0))
     >>> list(all_paths(block, "mechanism"))[-1]
     'mechanism.drive.start'

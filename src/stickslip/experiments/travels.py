@@ -45,7 +45,9 @@ def scale_of(
 
     Examples
     --------
-    >>> from stickslip import Capsule, Square, Torque
+    >>> from stickslip import Capsule
+    >>> from stickslip.drives import Square
+    >>> from stickslip.mechanisms import Torque
     >>> wave = Torque(drive=Square(high=6.0, low=-1.0, period=0.4))
     >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=wave)
     >>> scale_of(capsule, Measurement(mean_velocity=0.01), 6.0, "trial 1")
@@ -75,7 +77,8 @@ def whole_cycles(mechanism: Mechanism, t_end: float) -> int:
 
     Examples
     --------
-    >>> from stickslip import Axis, Sine
+    >>> from stickslip import Axis
+    >>> from stickslip.drives import Sine
     >>> whole_cycles(Axis(inertia=1.0, drive=Sine(amplitude=2.0, frequency=4.0)), 0.9)
     3
     """

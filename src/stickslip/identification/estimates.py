@@ -10,8 +10,8 @@ from stickslip import formatting
 from stickslip.formatting import fixed, number
 from stickslip.friction import DirectionalLaw, FrictionLaw
 from stickslip.identification.estimation.jackknife import Inference
-from stickslip.identification.estimation.parameters import Unknown, Unknowns
-from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.results import Estimate
 from stickslip.identification.travels.propagation import READINGS
 from stickslip.mechanisms import Mechanism
@@ -43,7 +43,7 @@ SEPARABLE = 300.0
 """Condition of the scaled slopes beyond which estimates are not separable."""
 
 
-def bounds_met(unknowns: Unknowns, values: Array) -> Mapping[str, str]:
+def bounds_met(unknowns: FreeParameters, values: Array) -> Mapping[str, str]:
     """Return which unknowns ended at a bound, by path: ``"lower"`` or ``"upper"``."""
     found = {}
     low, high = unknowns.limits()
@@ -58,7 +58,10 @@ def bounds_met(unknowns: Unknowns, values: Array) -> Mapping[str, str]:
 
 
 def estimates_of(
-    unknowns: Unknowns, seen: Linearised, inference: Inference, at_bounds: Mapping[str, str]
+    unknowns: FreeParameters,
+    seen: ResidualJacobian,
+    inference: Inference,
+    at_bounds: Mapping[str, str],
 ) -> tuple[Estimate, ...]:
     """Return the estimates with 95 % intervals, and why an interval is not bounded."""
     found = []
@@ -104,13 +107,13 @@ def _sources(inference: Inference, index: int) -> dict[str, float]:
     }
 
 
-def _bound_reason(item: Unknown, side: str, value: float) -> str:
+def _bound_reason(item: FreeParameter, side: str, value: float) -> str:
     if item.above and side == "lower":
         return f"it went down to the {in_words(item.above)}: no surplus is seen"
     return f"it ran to its {side} bound, {with_unit(value, item)}"
 
 
-def with_unit(value: float, item: Unknown, digits: int = 3) -> str:
+def with_unit(value: float, item: FreeParameter, digits: int = 3) -> str:
     """Return a value of an unknown with its unit."""
     return formatting.with_unit(number(value, digits), item.quantity.unit)
 
@@ -127,7 +130,7 @@ def in_words(path: str) -> str:
 
 
 def step_intervals(
-    unknowns: Unknowns, seen: Linearised, inference: Inference
+    unknowns: FreeParameters, seen: ResidualJacobian, inference: Inference
 ) -> Mapping[str, tuple[float, float, float]]:
     """Return by path surplus, lower and upper end, for unknowns that stand above another."""
     found = {}
@@ -145,8 +148,8 @@ def step_intervals(
 
 
 def sentences_of(
-    unknowns: Unknowns,
-    seen: Linearised,
+    unknowns: FreeParameters,
+    seen: ResidualJacobian,
     inference: Inference,
     at_bounds: Mapping[str, str],
     estimates: Sequence[Estimate],
@@ -179,7 +182,9 @@ def sentences_of(
     return tuple(lines)
 
 
-def offset_left_out(law: FrictionLaw, mechanism: Mechanism, unknowns: Unknowns) -> tuple[str, ...]:
+def offset_left_out(
+    law: FrictionLaw, mechanism: Mechanism, unknowns: FreeParameters
+) -> tuple[str, ...]:
     """Return a sentence where a level for each direction stands for a constant force as well.
 
     Half the sum of the levels acts against the motion and half their difference always one way, so
@@ -196,7 +201,9 @@ def offset_left_out(law: FrictionLaw, mechanism: Mechanism, unknowns: Unknowns) 
     )
 
 
-def _together(unknowns: Unknowns, inference: Inference, at_bounds: Mapping[str, str]) -> list[str]:
+def _together(
+    unknowns: FreeParameters, inference: Inference, at_bounds: Mapping[str, str]
+) -> list[str]:
     """Return sentences on pairs of estimates that move together."""
     lines = []
     # what the mechanism's uncertainty moves together is not for the record to separate

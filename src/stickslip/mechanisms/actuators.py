@@ -80,7 +80,7 @@ class Prescribed(Motor):
 
     Examples
     --------
-    >>> from stickslip import ThreePhase
+    >>> from stickslip.drives import ThreePhase
     >>> motor = Prescribed(profile=ThreePhase(amplitude=0.8, fast=120.0, slow=30.0))
     >>> float(motor.start("theta", "omega")["theta"])
     -0.8
@@ -134,7 +134,7 @@ class Torque(Motor):
 
     Examples
     --------
-    >>> from stickslip import Sine
+    >>> from stickslip.drives import Sine
     >>> Torque(drive=Sine(amplitude=0.4, frequency=1.0), limit=0.3).name
     'torque'
     """

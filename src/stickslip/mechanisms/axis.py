@@ -23,7 +23,8 @@ class Axis(BoundedMechanism):
 
     Examples
     --------
-    >>> from stickslip import Coulomb, Pulse, simulate
+    >>> from stickslip import Coulomb, simulate
+    >>> from stickslip.drives import Pulse
     >>> axis = Axis(inertia=2.0, drive=Pulse(level=5.0, duration=1.0))
     >>> run = simulate(axis, Coulomb(kinetic_coefficient=1.0), t_end=10.0)
     >>> round(float(run["x"][-1]), 9)

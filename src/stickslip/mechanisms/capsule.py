@@ -34,7 +34,9 @@ class Capsule(BoundedMechanism):
 
     Examples
     --------
-    >>> from stickslip import Capsule, Coulomb, Prescribed, ThreePhase, simulate
+    >>> from stickslip import Capsule, Coulomb, simulate
+    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms import Prescribed
     >>> stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
     >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
     >>> run = simulate(capsule, Coulomb(kinetic_coefficient=0.2), t_end=float(stroke.period))

@@ -33,7 +33,8 @@ def cycle_of(mechanism: Mechanism) -> float:
 
     Examples
     --------
-    >>> from stickslip import Axis, Sine
+    >>> from stickslip import Axis
+    >>> from stickslip.drives import Sine
     >>> cycle_of(Axis(inertia=1.0, drive=Sine(amplitude=2.0, frequency=4.0)))
     0.25
     """
@@ -75,7 +76,8 @@ def repeats(mechanism: Mechanism) -> bool:
 
     Examples
     --------
-    >>> from stickslip import Axis, Pulse, Sine
+    >>> from stickslip import Axis
+    >>> from stickslip.drives import Pulse, Sine
     >>> push, shake = Pulse(level=2.0, duration=0.1), Sine(amplitude=2.0, frequency=4.0)
     >>> repeats(Axis(inertia=1.0, drive=push)), repeats(Axis(inertia=1.0, drive=push + shake))
     (False, True)

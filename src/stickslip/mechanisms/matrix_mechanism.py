@@ -27,7 +27,8 @@ class MatrixMechanism(Mechanism, ABC):
 
     Examples
     --------
-    >>> from stickslip import Contact, Coulomb, MatrixMechanism, simulate
+    >>> from stickslip import Coulomb, MatrixMechanism, simulate
+    >>> from stickslip.mechanisms import Contact
     >>> class Sledge(MatrixMechanism):
     ...     name, coordinates, rates, units = "sledge", ("x",), ("v",), ("m",)
     ...

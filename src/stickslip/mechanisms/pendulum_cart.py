@@ -31,7 +31,9 @@ class PendulumCart(Mechanism):
     Examples
     --------
     >>> import math
-    >>> from stickslip import Coulomb, Prescribed, ThreePhase, simulate
+    >>> from stickslip import Coulomb, simulate
+    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms import Prescribed
     >>> swing = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
     >>> cart = PendulumCart(
     ...     cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing)

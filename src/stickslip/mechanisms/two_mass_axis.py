@@ -25,7 +25,8 @@ class TwoMassAxis(Mechanism):
 
     Examples
     --------
-    >>> from stickslip import Coulomb, Pulse, TwoMassAxis, simulate
+    >>> from stickslip import Coulomb, TwoMassAxis, simulate
+    >>> from stickslip.drives import Pulse
     >>> axis = TwoMassAxis(
     ...     motor_inertia=0.5,
     ...     load_inertia=1.5,

@@ -4,7 +4,7 @@ from stickslip.optimisation.cycle_metrics import Cycle, guide_of, measure, units
 from stickslip.optimisation.limits import Limits, Margin
 from stickslip.optimisation.optimise import optimise_profile
 from stickslip.optimisation.parametrisation import KINDS
-from stickslip.optimisation.problem import GOALS, Goal, Judged
+from stickslip.optimisation.problem import GOALS, Goal, ScoredMotion
 from stickslip.optimisation.result import Optimum
 from stickslip.optimisation.scenarios import Scenarios
 
@@ -13,11 +13,11 @@ __all__ = [
     "KINDS",
     "Cycle",
     "Goal",
-    "Judged",
     "Limits",
     "Margin",
     "Optimum",
     "Scenarios",
+    "ScoredMotion",
     "guide_of",
     "measure",
     "optimise_profile",

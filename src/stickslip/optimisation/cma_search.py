@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from stickslip.errors import ParameterError
 from stickslip.optimisation.checkpoint import Memory, Row
 from stickslip.optimisation.parametrisation import Space
-from stickslip.optimisation.problem import FAILED, Judged, Problem
+from stickslip.optimisation.problem import FAILED, Problem, ScoredMotion
 
-__all__ = ["Found", "Told", "judged_at", "search"]
+__all__ = ["SearchResult", "Told", "judged_at", "search"]
 
 Array = NDArray[np.float64]
 Told: TypeAlias = Callable[[str, int, int, float], object]
@@ -28,7 +28,7 @@ LOST = 2.0 * FAILED
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Found:
+class SearchResult:
     """Where a search ended."""
 
     best: tuple[Array, ...]
@@ -65,11 +65,11 @@ class _Laps:
         scale = self.top if self.top > 0.0 else self.largest or 1.0
         return [PRICE * broken - goal / scale for goal, broken in rows]
 
-    def found(self, evaluations: int, *, cancelled: bool) -> Found:
+    def found(self, evaluations: int, *, cancelled: bool) -> SearchResult:
         """Return where the search ended."""
         order = sorted(self.goals, key=lambda lap: -self.goals[lap])
         best = tuple(self.points[lap] for lap in order)
-        return Found(best=best, evaluations=evaluations, cancelled=cancelled)
+        return SearchResult(best=best, evaluations=evaluations, cancelled=cancelled)
 
 
 @final
@@ -93,7 +93,7 @@ def search(
     seed: int,
     memory: Memory,
     watch: Told | None,
-) -> Found:
+) -> SearchResult:
     """Search until the budget is used up, starting again where the cloud has shrunk.
 
     Motions that break limits cost what they break beside their goal, so that the search may come
@@ -120,7 +120,7 @@ def search(
 
     Returns
     -------
-    Found
+    SearchResult
         The best points within the limits, and how the search ended.
     """
     laps, done, generation = _Laps(), 0, 0
@@ -165,7 +165,7 @@ def _row(problem: Problem, space: Space, point: Array) -> Row:
     return (0.0, LOST) if judged is None else (judged.value, judged.violation)
 
 
-def judged_at(problem: Problem, space: Space, point: Array) -> Judged | None:
+def judged_at(problem: Problem, space: Space, point: Array) -> ScoredMotion | None:
     """Return what comes of a point, None where it makes no profile.
 
     Parameters
@@ -179,7 +179,7 @@ def judged_at(problem: Problem, space: Space, point: Array) -> Judged | None:
 
     Returns
     -------
-    Judged or None
+    ScoredMotion or None
         Goal, margins and cycles of the motion.
     """
     try:

@@ -44,7 +44,9 @@ class Cycle:
 
     Examples
     --------
-    >>> from stickslip import Capsule, Coulomb, Prescribed, ThreePhase
+    >>> from stickslip import Capsule, Coulomb
+    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms import Prescribed
     >>> stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
     >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
     >>> cycle = measure(capsule, Coulomb(kinetic_coefficient=0.2))
@@ -86,7 +88,9 @@ def motor_of(mechanism: Mechanism) -> str:
 
     Examples
     --------
-    >>> from stickslip import Capsule, Prescribed, SineSwing
+    >>> from stickslip import Capsule
+    >>> from stickslip.drives import SineSwing
+    >>> from stickslip.mechanisms import Prescribed
     >>> swing = Prescribed(profile=SineSwing(amplitude=0.01, frequency=2.0))
     >>> motor_of(Capsule(capsule_mass=0.8, inner_mass=0.2, drive=swing))
     'drive'
@@ -128,7 +132,9 @@ def guide_of(mechanism: Mechanism) -> tuple[str, str, str, str]:
 
     Examples
     --------
-    >>> from stickslip import Capsule, Prescribed, SineSwing
+    >>> from stickslip import Capsule
+    >>> from stickslip.drives import SineSwing
+    >>> from stickslip.mechanisms import Prescribed
     >>> swing = Prescribed(profile=SineSwing(amplitude=0.01, frequency=2.0))
     >>> guide_of(Capsule(capsule_mass=0.8, inner_mass=0.2, drive=swing))
     ('xi', 'xi_dot', 'force', 'm')
@@ -144,7 +150,9 @@ def units_of_limits(mechanism: Mechanism) -> dict[str, str]:
 
     Examples
     --------
-    >>> from stickslip import Capsule, Prescribed, SineSwing
+    >>> from stickslip import Capsule
+    >>> from stickslip.drives import SineSwing
+    >>> from stickslip.mechanisms import Prescribed
     >>> swing = Prescribed(profile=SineSwing(amplitude=0.01, frequency=2.0))
     >>> units_of_limits(Capsule(capsule_mass=0.8, inner_mass=0.2, drive=swing))["effort"]
     'N'
@@ -181,7 +189,9 @@ def measure(mechanism: Mechanism, law: FrictionLaw, *, samples: int = SAMPLES) -
     Examples
     --------
     >>> import math
-    >>> from stickslip import Coulomb, PendulumCart, Prescribed, ThreePhase
+    >>> from stickslip import Coulomb, PendulumCart
+    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms import Prescribed
     >>> swing = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
     >>> cart = PendulumCart(
     ...     cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing)

@@ -11,12 +11,12 @@ from stickslip.optimisation.cma_search import Told, judged_at
 from stickslip.optimisation.cycle_metrics import Cycle, motor_of
 from stickslip.optimisation.limits import UNIT_OF_BACK_SLIP
 from stickslip.optimisation.parametrisation import Space
-from stickslip.optimisation.problem import FAILED, Judged, Problem
+from stickslip.optimisation.problem import FAILED, Problem, ScoredMotion
 
 __all__ = ["goal_gradient", "polish", "travel_gradient"]
 
 Array = NDArray[np.float64]
-At: TypeAlias = Callable[[Array], Judged | None]
+At: TypeAlias = Callable[[Array], ScoredMotion | None]
 """Runs the motion at a point."""
 
 NUDGE = 1e-4
@@ -100,7 +100,7 @@ class _Steps:
     space: Space
     budget: int
     watch: Told | None
-    known: dict[bytes, Judged | None] = field(default_factory=dict)
+    known: dict[bytes, ScoredMotion | None] = field(default_factory=dict)
     count: int = 0
     scale: float = 1.0
     best: Array | None = None
@@ -111,7 +111,7 @@ class _Steps:
         """Motions tried."""
         return len(self.known)
 
-    def at(self, u: Array) -> Judged | None:
+    def at(self, u: Array) -> ScoredMotion | None:
         """Return what comes of a point, moved into the cube."""
         u = np.clip(u, 0.0, 1.0)
         key = u.tobytes()
@@ -214,7 +214,7 @@ def _differences(function: Any, u: Array, nudge: float) -> Array:
 
 
 def goal_gradient(
-    problem: Problem, space: Space, u: Array, judged: Judged, at: At | None = None
+    problem: Problem, space: Space, u: Array, judged: ScoredMotion, at: At | None = None
 ) -> Array:
     """Return the slopes of the goal in the cube (size,).
 
@@ -230,7 +230,7 @@ def goal_gradient(
         The kind of motion.
     u : array (size,)
         Point of the cube.
-    judged : Judged
+    judged : ScoredMotion
         What came of that point.
     at : At, optional
         Runs the motion at a point; not counted if left out.
@@ -251,7 +251,7 @@ def goal_gradient(
     return found
 
 
-def _value(judged: Judged | None) -> float:
+def _value(judged: ScoredMotion | None) -> float:
     return 0.0 if judged is None else judged.value
 
 

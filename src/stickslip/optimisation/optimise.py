@@ -18,7 +18,7 @@ from stickslip.optimisation.cycle_metrics import fitted, guide_of, measure, moto
 from stickslip.optimisation.limits import Limits
 from stickslip.optimisation.local_refinement import polish
 from stickslip.optimisation.parametrisation import KindName, Space, kind_of, space_of
-from stickslip.optimisation.problem import FINER, GOALS, GoalName, Judged, Problem
+from stickslip.optimisation.problem import FINER, GOALS, GoalName, Problem, ScoredMotion
 from stickslip.optimisation.result import Optimum
 from stickslip.optimisation.scenarios import scenarios_of
 from stickslip.quantities import named
@@ -122,7 +122,10 @@ def optimise_profile(
 
     Examples
     --------
-    >>> from stickslip import Capsule, Coulomb, Limits, Prescribed, ThreePhase
+    >>> from stickslip import Capsule, Coulomb
+    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms import Prescribed
+    >>> from stickslip.optimisation import Limits
     >>> stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
     >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
     >>> limits = Limits(position=0.01, rate=0.8, effort=10.0, back_slip=0.0)
@@ -165,8 +168,8 @@ def _optimum(
     law: FrictionLaw,
     kind: str,
     best: "_Best",
-    reference: Judged | None,
-    start: Judged,
+    reference: ScoredMotion | None,
+    start: ScoredMotion,
 ) -> Optimum:
     """Return the result, run once more with a certificate."""
     problem, plan = work.problem, work.plan
@@ -255,7 +258,7 @@ def _check(law: object, progress: object) -> None:
 class _Best:
     """The best of one kind, and what it took up to here."""
 
-    judged: Judged | None
+    judged: ScoredMotion | None
     polished: bool = False
     evaluations: int = 0
     cancelled: bool = False
@@ -272,7 +275,7 @@ class _Work:
     watch: Told | None
 
     def best_of(
-        self, space: Space, first: Profile, start: Judged, *, done: _Best | None = None
+        self, space: Space, first: Profile, start: ScoredMotion, *, done: _Best | None = None
     ) -> _Best:
         """Return the best motion of a kind: of the start, the search, and the polish."""
         before = done or _Best(judged=None)
@@ -321,7 +324,7 @@ class _Work:
         """Return the motions that one polish may try: a round takes differences both ways."""
         return max(POLISH * self.plan.evaluations, LEAST_ROUNDS * (2 * space.size + 2))
 
-    def _finely(self, space: Space, point: Array) -> Judged:
+    def _finely(self, space: Space, point: Array) -> ScoredMotion:
         return self.problem.judge(space.profile(point), samples=FINER)
 
 

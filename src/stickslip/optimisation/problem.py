@@ -14,7 +14,7 @@ from stickslip.optimisation.limits import Limits, Margin
 from stickslip.optimisation.scenarios import Scenarios
 from stickslip.quantities import vary
 
-__all__ = ["FAILED", "GOALS", "Goal", "GoalName", "Judged", "Problem"]
+__all__ = ["FAILED", "GOALS", "Goal", "GoalName", "Problem", "ScoredMotion"]
 
 Array = NDArray[np.float64]
 
@@ -59,14 +59,14 @@ GOALS: Mapping[str, Goal] = {
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Judged:
+class ScoredMotion:
     """A profile, what it brings, and what it leaves of each limit.
 
     Examples
     --------
-    >>> from stickslip import ThreePhase
+    >>> from stickslip.drives import ThreePhase
     >>> swing = ThreePhase(amplitude=0.8, fast=120.0, slow=30.0)
-    >>> Judged(profile=swing, value=0.06, margins=(), cycles=()).feasible
+    >>> ScoredMotion(profile=swing, value=0.06, margins=(), cycles=()).feasible
     False
     """
 
@@ -111,7 +111,7 @@ class Problem:
         changes = self.scenarios.changes
         return [vary(moved, "mechanism", own) if own else moved for own in changes]
 
-    def judge(self, profile: Profile, *, samples: int = SAMPLES) -> Judged:
+    def judge(self, profile: Profile, *, samples: int = SAMPLES) -> ScoredMotion:
         """Run a motion through all scenarios.
 
         Parameters
@@ -123,16 +123,16 @@ class Problem:
 
         Returns
         -------
-        Judged
+        ScoredMotion
             Goal, margins of the limits and the cycle in each scenario; without margins where a
             cycle cannot be gone through.
         """
         pairs = zip(self.cases(profile), self.scenarios.laws, strict=True)
         cycles = tuple(measure(mechanism, law, samples=samples) for mechanism, law in pairs)
         if any(cycle.lasted < 1.0 for cycle in cycles):
-            return Judged(profile=profile, value=0.0, margins=(), cycles=cycles)
+            return ScoredMotion(profile=profile, value=0.0, margins=(), cycles=cycles)
         values = self.values(cycles)
-        return Judged(
+        return ScoredMotion(
             profile=profile,
             value=float(self.scenarios.weights(values) @ values),
             margins=self._margins(cycles),

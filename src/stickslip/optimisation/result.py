@@ -12,7 +12,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.cycle_metrics import Cycle
 from stickslip.optimisation.limits import Limits, Margin
-from stickslip.optimisation.problem import Goal, Judged
+from stickslip.optimisation.problem import Goal, ScoredMotion
 from stickslip.optimisation.scenarios import Scenarios
 from stickslip.trajectory import Trajectory
 
@@ -43,11 +43,11 @@ class Optimum:
     """What the motion may take."""
     scenarios: Scenarios
     """What it stood."""
-    best: Judged
+    best: ScoredMotion
     """The best motion: its goal, and what is left of each limit."""
-    three_phase: Judged | None
+    three_phase: ScoredMotion | None
     """The best three-phase motion; None if none keeps the limits."""
-    start: Judged
+    start: ScoredMotion
     """The motion that the mechanism came with, within the limits or not."""
     run: Trajectory
     """Certified run with the law as given, from rest until its cycles repeat."""
@@ -131,7 +131,7 @@ class Optimum:
         return f"<{head}\n {self.profile}\n {left}>"
 
 
-def _over(value: float, other: Judged | None) -> float | None:
+def _over(value: float, other: ScoredMotion | None) -> float | None:
     return None if other is None or not other.value > 0.0 else value / other.value
 
 
@@ -140,7 +140,7 @@ def profile_values(profile: Profile) -> dict[str, Any]:
 
     Examples
     --------
-    >>> from stickslip import SineSwing
+    >>> from stickslip.drives import SineSwing
     >>> profile_values(SineSwing(amplitude=0.5, frequency=2.0))
     {'type': 'sine-swing', 'amplitude': 0.5, 'frequency': 2.0}
     """
@@ -161,7 +161,7 @@ def _cycle(cycle: Cycle) -> dict[str, float]:
     return {name: getattr(cycle, name) for name in names}
 
 
-def _judged(judged: Judged | None) -> dict[str, Any] | None:
+def _judged(judged: ScoredMotion | None) -> dict[str, Any] | None:
     if judged is None:
         return None
     return {

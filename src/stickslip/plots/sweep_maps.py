@@ -55,7 +55,9 @@ def draw_velocity_map(found: VelocityMap) -> Draw:
 
     Examples
     --------
-    >>> from stickslip import Axis, Coulomb, Sine, average_velocity
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.drives import Sine
+    >>> from stickslip.sweep import average_velocity
     >>> axis = Axis(inertia=1.0, drive=Sine(amplitude=4.0, frequency=1.0))
     >>> found = average_velocity(
     ...     axis, Coulomb(kinetic_coefficient=0.5), {"frequency": [1.0, 2.0]}, settle=20, cycles=4
@@ -157,7 +159,9 @@ def draw_bifurcation(found: Bifurcation) -> Draw:
 
     Examples
     --------
-    >>> from stickslip import Axis, Coulomb, Sine, bifurcation
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.drives import Sine
+    >>> from stickslip.sweep import bifurcation
     >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=1.0))
     >>> law = Coulomb(kinetic_coefficient=0.5)
     >>> found = bifurcation(axis, law, "frequency", [1.0, 1.2], state="x", keep=6, settle=50)
@@ -198,7 +202,9 @@ def draw_basins(found: Basins) -> Draw:
 
     Examples
     --------
-    >>> from stickslip import Axis, Coulomb, Sine, basins
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.drives import Sine
+    >>> from stickslip.sweep import basins
     >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=1.0))
     >>> grid = {"x": [-1.0, 0.0, 1.0], "v": [-1.0, 1.0]}
     >>> callable(draw_basins(basins(axis, Coulomb(kinetic_coefficient=0.5), grid, settle=30)))
@@ -271,7 +277,9 @@ def plot_sweep(found: VelocityMap | Bifurcation | Basins, ax: Target = None) -> 
 
     Examples
     --------
-    >>> from stickslip import Axis, Coulomb, Sine, average_velocity
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.drives import Sine
+    >>> from stickslip.sweep import average_velocity
     >>> axis = Axis(inertia=1.0, drive=Sine(amplitude=4.0, frequency=1.0))
     >>> law = Coulomb(kinetic_coefficient=0.5)
     >>> found = average_velocity(axis, law, {"frequency": [1.0, 2.0]}, settle=20, cycles=4)

@@ -22,7 +22,7 @@ __all__ = [
     "MATERIAL",
     "NEAR",
     "TRUSTED",
-    "Judged",
+    "ScoredCandidate",
     "as_good",
     "beyond_doubt",
     "choose",
@@ -49,7 +49,7 @@ LEAST = 1e-300
 """Stands for 0 in logarithms and ratios."""
 
 
-class Judged(Protocol):
+class ScoredCandidate(Protocol):
     """What a choice among candidates looks at."""
 
     @property
@@ -93,7 +93,7 @@ class Judged(Protocol):
         """Whether a parameter of the law ended at a bound, or the condition is too large."""
 
 
-C = TypeVar("C", bound=Judged)
+C = TypeVar("C", bound=ScoredCandidate)
 
 
 def paired(other: Sequence[float], best: Sequence[float]) -> tuple[float, float]:
@@ -119,7 +119,7 @@ def paired(other: Sequence[float], best: Sequence[float]) -> tuple[float, float]
     return float(gaps.mean()), error
 
 
-def as_good(other: Judged, best: Judged, *, share: float = NEAR) -> bool:
+def as_good(other: ScoredCandidate, best: ScoredCandidate, *, share: float = NEAR) -> bool:
     """Whether another's loss is within one paired standard error and a share of the best's."""
     if other.validation is None or best.validation is None:
         return False
@@ -128,12 +128,14 @@ def as_good(other: Judged, best: Judged, *, share: float = NEAR) -> bool:
     return bool(gap <= max(error, same) and other.score <= (1.0 + share) * best.score)
 
 
-def established(rich: Judged, simple: Judged, *, uncertainty: float = 0.0) -> bool:
+def established(
+    rich: ScoredCandidate, simple: ScoredCandidate, *, uncertainty: float = 0.0
+) -> bool:
     """Whether a richer law is shown to hold where a simpler one that it contains does not.
 
     Parameters
     ----------
-    rich, simple : Judged
+    rich, simple : ScoredCandidate
         Two candidates on one record, judged on the same blocks.
     uncertainty : float
         Of what is compared, as stated, or of its rounding: a simpler law whose held-out error is
@@ -154,7 +156,7 @@ def established(rich: Judged, simple: Judged, *, uncertainty: float = 0.0) -> bo
     return gain > error or (gain >= -error and material)
 
 
-def _chance(rich: Judged, simple: Judged) -> float:
+def _chance(rich: ScoredCandidate, simple: ScoredCandidate) -> float:
     """Return how likely the richer law's gain on the whole record is if the simpler one holds.
 
     The F test of nested regressions. Residuals are counted by the effective number of the richer
@@ -187,7 +189,7 @@ def beyond_doubt(worse: Sequence[float], better: Sequence[float]) -> bool:
     return len(worse) > 1 and gap > float(stats.t.ppf(0.975, len(worse) - 1)) * error
 
 
-def effective_aic(candidates: Sequence[Judged]) -> Mapping[str, float]:
+def effective_aic(candidates: Sequence[ScoredCandidate]) -> Mapping[str, float]:
     """Return Akaike's criterion by name, residuals counted by their effective number.
 
     That of the best fit counts for all: criteria of different sample sizes cannot be compared.
@@ -208,7 +210,7 @@ def choose(scored: Sequence[C], *, uncertainty: float = 0.0) -> C:
 
     Parameters
     ----------
-    scored : sequence of Judged
+    scored : sequence of ScoredCandidate
         Candidates with held-out errors, at least one.
     uncertainty : float
         Of what is compared, as stated, or of its rounding.
@@ -232,9 +234,9 @@ def shown_over_simpler(rich: C, scored: Sequence[C], *, uncertainty: float = 0.0
 
     Parameters
     ----------
-    rich : Judged
+    rich : ScoredCandidate
         The law.
-    scored : sequence of Judged
+    scored : sequence of ScoredCandidate
         All candidates with held-out errors.
     uncertainty : float
         Of what is compared, as for `established`.

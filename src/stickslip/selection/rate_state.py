@@ -20,7 +20,7 @@ from stickslip.identification import (
     simulate_velocity_steps,
 )
 from stickslip.identification.estimation.levenberg_marquardt import improve
-from stickslip.identification.estimation.problem import Part
+from stickslip.identification.estimation.problem import SubsetProblem
 from stickslip.identification.rate_state.fit import STARTS, Drift, fit_steps, form_of, with_profile
 from stickslip.identification.rate_state.result import bounds_met
 from stickslip.identification.validation import LAW, Parameters, arguments
@@ -278,7 +278,7 @@ def held_out(fit: RateStateFit) -> Array:
     unseen = np.full(len(segments), np.nan)
     present = np.unique(segments).tolist()
     for one in present[1:] if slider.by_steps else present:
-        rest = Part(slider, [other for other in present if other != one], fit.best)
+        rest = SubsetProblem(slider, [other for other in present if other != one], fit.best)
         end, _ = improve(rest, fit.best.values)
         rows = segments == one
         seen = slider.linearise(end.values, only=[one], slopes=False)

@@ -16,11 +16,11 @@ from stickslip.solver.initial_states import within_stops
 from stickslip.solver.run import FIRST_ROWS, Record
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Onward"]
+__all__ = ["IncrementalRun"]
 
 
 @final
-class Onward:
+class IncrementalRun:
     """A run from time 0 on, of which one drive is told stretch by stretch.
 
     Nothing is started anew between stretches: mode, events, work and errors go on, and what is

@@ -159,7 +159,8 @@ def basins(
 
     Examples
     --------
-    >>> from stickslip import Axis, Coulomb, Sine
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.drives import Sine
     >>> axis = Axis(
     ...     inertia=1.0, stiffness=100.0, damping=1.0, drive=Sine(amplitude=4.0, frequency=1.0)
     ... )

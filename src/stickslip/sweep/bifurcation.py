@@ -178,7 +178,8 @@ def bifurcation(
 
     Examples
     --------
-    >>> from stickslip import Axis, Coulomb, Sine
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.drives import Sine
     >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=1.0))
     >>> found = bifurcation(
     ...     axis, Coulomb(kinetic_coefficient=0.5), "frequency", [1.0, 1.2], state="x", keep=6

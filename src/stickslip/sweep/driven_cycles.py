@@ -69,7 +69,9 @@ def cycles_in(run: Trajectory, mechanism: Mechanism, period: float) -> tuple[Dri
     Examples
     --------
     >>> import math
-    >>> from stickslip import Coulomb, PendulumCart, Prescribed, ThreePhase, simulate
+    >>> from stickslip import Coulomb, PendulumCart, simulate
+    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms import Prescribed
     >>> swing = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
     >>> cart = PendulumCart(
     ...     cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing)

@@ -187,7 +187,9 @@ def average_velocity(
 
     Examples
     --------
-    >>> from stickslip import Capsule, Coulomb, Prescribed, ThreePhase
+    >>> from stickslip import Capsule, Coulomb
+    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms import Prescribed
     >>> stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
     >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
     >>> friction = {"kinetic_coefficient": [0.2, 0.3]}

@@ -179,7 +179,8 @@ def cycles_of(mechanism: Mechanism, columns: Mapping[str, Array], period: float 
 
     Examples
     --------
-    >>> from stickslip import Axis, Sine
+    >>> from stickslip import Axis
+    >>> from stickslip.drives import Sine
     >>> axis = Axis(inertia=1.0, drive=Sine(amplitude=1.0, frequency=2.0))
     >>> cycles_of(axis, {"mechanism.drive.frequency": np.array([4.0, 5.0])}, None)
     array([0.25, 0.2 ])
@@ -268,7 +269,9 @@ def whole_run(owner: str, mechanism: Mechanism, cycles: int) -> None:
 
     Examples
     --------
-    >>> from stickslip import Capsule, Prescribed, SineSwing
+    >>> from stickslip import Capsule
+    >>> from stickslip.drives import SineSwing
+    >>> from stickslip.mechanisms import Prescribed
     >>> swing = Prescribed(profile=SineSwing(amplitude=0.01, frequency=2.0))
     >>> whole_run("basins", Capsule(capsule_mass=0.8, inner_mass=0.2, drive=swing), 100)
     """

@@ -2,6 +2,6 @@
 
 from stickslip.testing.friction import check_friction
 from stickslip.testing.mechanisms import check_mechanism
-from stickslip.testing.report import Finding, Report
+from stickslip.testing.report import ConformanceFinding, Report
 
-__all__ = ["Finding", "Report", "check_friction", "check_mechanism"]
+__all__ = ["ConformanceFinding", "Report", "check_friction", "check_mechanism"]

@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from stickslip.errors import ConformanceError
 
-__all__ = ["Finding", "Report", "Suite", "examine"]
+__all__ = ["ConformanceFinding", "Report", "Suite", "examine"]
 
 Case = TypeVar("Case")
 Suite = Mapping[str, Callable[[Case], Iterable[str]]]
@@ -22,7 +22,7 @@ MOST = 3
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Finding:
+class ConformanceFinding:
     """Something that should be and is not.
 
     Parameters
@@ -48,7 +48,7 @@ class Report:
         What was checked.
     checks : tuple of str
         What was looked at, in order.
-    findings : tuple of Finding
+    findings : tuple of ConformanceFinding
         What is not as it should be.
     skipped : tuple of str
         What could not be looked at because of an earlier finding.
@@ -62,7 +62,7 @@ class Report:
 
     subject: str
     checks: tuple[str, ...]
-    findings: tuple[Finding, ...]
+    findings: tuple[ConformanceFinding, ...]
     skipped: tuple[str, ...] = ()
 
     @property
@@ -132,7 +132,7 @@ def examine(
     return report
 
 
-def _found(case: Case, suite: "Suite[Case]") -> list[Finding]:
+def _found(case: Case, suite: "Suite[Case]") -> list[ConformanceFinding]:
     """Return what checks find; one that cannot be made has found something, too."""
     found = []
     for name, check in suite.items():
@@ -140,5 +140,5 @@ def _found(case: Case, suite: "Suite[Case]") -> list[Finding]:
             problems = list(islice(check(case), MOST))
         except Exception as error:  # code of somebody else may raise anything
             problems = [f"{type(error).__name__}: {error}"]
-        found += [Finding(check=name, problem=problem) for problem in problems]
+        found += [ConformanceFinding(check=name, problem=problem) for problem in problems]
     return found

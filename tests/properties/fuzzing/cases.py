@@ -15,13 +15,14 @@ from typing import Any, Literal
 from tests.properties.fuzzing.drawing import Sizes, around, draw_drive, sizes
 from tests.properties.fuzzing.rigs import OWN, PendulumCart
 
-from stickslip import LAWS, MECHANISMS, EventDriven, Trajectory, simulate
+from stickslip import EventDriven, simulate
 from stickslip.drives import Drive
 from stickslip.drives.registry import DRIVES
-from stickslip.friction import BristleLaw, FrictionLaw, towards
+from stickslip.friction import LAWS, BristleLaw, FrictionLaw, towards
 from stickslip.friction.power_viscous import PLATEAU, PowerViscous
-from stickslip.mechanisms import Mechanism, Motor
+from stickslip.mechanisms import MECHANISMS, Mechanism, Motor
 from stickslip.quantities import fields_of
+from stickslip.results import Trajectory
 
 __all__ = ["Case", "Structure", "draw_case", "draw_structure", "level_of", "run_case"]
 

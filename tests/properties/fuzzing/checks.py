@@ -11,8 +11,10 @@ import numpy as np
 from tests.properties.fuzzing.cases import Case, level_of, run_case
 from tests.properties.fuzzing.rigs import PendulumCart
 
-from stickslip import BristleLaw, EventDriven, Status, Trajectory
+from stickslip import EventDriven
 from stickslip.drives import Drive
+from stickslip.friction import BristleLaw
+from stickslip.results import Status, Trajectory
 
 __all__ = ["CHECKS", "Evidence", "agrees_with_a_coarser_run", "violations"]
 

@@ -5,8 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from random import Random
 
-from stickslip import PiecewiseLinear, Pulse, Ramp, Sampled, Sine, Square, Sum
-from stickslip.drives import Drive
+from stickslip.drives import Drive, PiecewiseLinear, Pulse, Ramp, Sampled, Sine, Square, Sum
 from stickslip.drives.registry import DRIVES
 
 __all__ = ["Sizes", "around", "decade", "draw_drive", "sizes", "within"]

@@ -6,8 +6,7 @@ from typing import Any
 
 from tests.properties.fuzzing.cases import Case
 
-from stickslip import Sum
-from stickslip.drives import Drive
+from stickslip.drives import Drive, Sum
 from stickslip.errors import InputError
 from stickslip.quantities import Parametrised, fields_of
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.formatting import number
 from stickslip.friction import DirectionalLaw, FrictionLaw, containment_of
-from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.quantities import fields_of
 
 __all__ = ["FittedLaw", "not_whole", "reachable", "search_failure", "starts_from"]
@@ -42,7 +42,7 @@ class FittedLaw:
 
 
 def reachable(
-    start: FrictionLaw, unknowns: Unknowns, fitted: Sequence[FittedLaw]
+    start: FrictionLaw, unknowns: FreeParameters, fitted: Sequence[FittedLaw]
 ) -> tuple[FittedLaw, ...]:
     """Return those of fitted simpler laws that a richer law can become with what it has free.
 
@@ -50,7 +50,7 @@ def reachable(
     ----------
     start : FrictionLaw
         The richer law; its values hold what is not free.
-    unknowns : Unknowns
+    unknowns : FreeParameters
         What is free.
     fitted : sequence of FittedLaw
         Fits of simpler laws, or of the same law with fewer unknowns.
@@ -65,13 +65,13 @@ def reachable(
     ...     rows=10,
     ... )
     >>> fixed = Stribeck(kinetic_coefficient=0.3, static_coefficient=0.4, stribeck_velocity=0.1)
-    >>> reachable(fixed, Unknowns(()), [simple])
+    >>> reachable(fixed, FreeParameters(()), [simple])
     ()
     """
     return tuple(one for one in fitted if _reaches(start, unknowns, one))
 
 
-def _reaches(start: FrictionLaw, unknowns: Unknowns, one: FittedLaw) -> bool:
+def _reaches(start: FrictionLaw, unknowns: FreeParameters, one: FittedLaw) -> bool:
     names = {path.partition(".")[2] for path in unknowns.paths if path.startswith("friction.")}
     beside = {path for path in one.values if not path.startswith("friction.")}
     if not beside <= {*unknowns.paths, *CONSTANTS}:
@@ -86,7 +86,7 @@ def _reaches(start: FrictionLaw, unknowns: Unknowns, one: FittedLaw) -> bool:
 
 
 def starts_from(
-    kind: type[FrictionLaw], unknowns: Unknowns, fitted: Sequence[FittedLaw], load: float
+    kind: type[FrictionLaw], unknowns: FreeParameters, fitted: Sequence[FittedLaw], load: float
 ) -> tuple[Array, ...]:
     """Return values (p,) of a richer law that make it a fitted simpler one.
 
@@ -94,7 +94,7 @@ def starts_from(
     ----------
     kind : type
         The richer law.
-    unknowns : Unknowns
+    unknowns : FreeParameters
         What of it, and of the mechanism, is looked for; start values stand for what has no effect.
     fitted : sequence of FittedLaw
         Simpler laws, of which those count that the richer one contains at first hand, and the same
@@ -105,9 +105,9 @@ def starts_from(
     Examples
     --------
     >>> from stickslip import CoulombViscous, QuadraticDrag
-    >>> from stickslip.identification.estimation.parameters import Unknown
+    >>> from stickslip.identification.estimation.parameters import FreeParameter
     >>> from stickslip.quantities import Quantity
-    >>> drag = Unknown(
+    >>> drag = FreeParameter(
     ...     path="friction.quadratic_coefficient", quantity=Quantity("c", low=0), start=3.0, low=0.0
     ... )
     >>> simple = FittedLaw(
@@ -116,7 +116,7 @@ def starts_from(
     ...     cost=1.0,
     ...     rows=10,
     ... )
-    >>> starts_from(QuadraticDrag, Unknowns((drag,)), [simple], 1.0)
+    >>> starts_from(QuadraticDrag, FreeParameters((drag,)), [simple], 1.0)
     (array([0.]),)
     """
     found = []
@@ -128,7 +128,7 @@ def starts_from(
     return tuple(found)
 
 
-def not_whole(item: Unknown, value: float) -> float:
+def not_whole(item: FreeParameter, value: float) -> float:
     """Return a value; next to it if it is a whole exponent, which has no slope.
 
     Whole exponents shape the equations.
@@ -139,7 +139,7 @@ def not_whole(item: Unknown, value: float) -> float:
 
 def _embedded(
     kind: type[FrictionLaw],
-    unknowns: Unknowns,
+    unknowns: FreeParameters,
     one: FittedLaw,
     fitted: Sequence[FittedLaw],
     load: float,

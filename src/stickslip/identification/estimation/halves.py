@@ -15,8 +15,8 @@ from stickslip.identification.estimation.jackknife import (
     effective_size,
     quantile_of,
 )
-from stickslip.identification.estimation.parameters import Unknowns
-from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.quantities import Quantity
 
 __all__ = ["Halves", "blocks_of_half", "contradiction", "difference", "widened"]
@@ -29,7 +29,7 @@ LONG = 5.0
 """Independent residuals in a block from which neighbouring blocks are as good as independent."""
 
 
-def blocks_of_half(seen: Linearised) -> int:
+def blocks_of_half(seen: ResidualJacobian) -> int:
     """Return the blocks of a half record: half of those of a whole, or as many if they are long.
 
     With four, the standard error has three degrees of freedom at most, and hardly anything
@@ -135,7 +135,7 @@ def widened(inference: Inference, values: Array, halves: Halves) -> Inference:
     return replace(inference, covariance=covariance)
 
 
-def contradiction(unknowns: Unknowns, halves: Halves) -> tuple[str, ...]:
+def contradiction(unknowns: FreeParameters, halves: Halves) -> tuple[str, ...]:
     """Return a sentence on the parameter in which the halves contradict each other most."""
     apart = difference([item.quantity for item in unknowns.items], halves)
     if not apart:

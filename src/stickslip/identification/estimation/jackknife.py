@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from stickslip.identification.estimation.directions import Directions, takes_part
-from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.estimation.problem import ResidualJacobian
 
 __all__ = [
     "BLOCKS",
@@ -59,19 +59,19 @@ class Displaced:
         """Return the same of some rows."""
         return replace(self, rows=self.rows[rows])
 
-    def followed(self, seen: Linearised, scale: Array) -> Array:
+    def followed(self, seen: ResidualJacobian, scale: Array) -> Array:
         """Return how far estimates (p,) follow: one Gauss-Newton step.
 
         Parameters
         ----------
-        seen : Linearised
+        seen : ResidualJacobian
             The record at the estimates.
         scale : array (p, p)
             Derivatives of the values by what the optimiser sees; rows that are free of bounds.
 
         Examples
         --------
-        >>> line = Linearised(
+        >>> line = ResidualJacobian(
         ...     values=np.ones(1),
         ...     residual=np.zeros(2),
         ...     slopes=np.array([[1.0], [2.0]]),
@@ -162,7 +162,9 @@ class Inference:
         return table
 
 
-def block_sums(seen: Linearised, table: Array, *, blocks: int = BLOCKS) -> tuple[Array, Array]:
+def block_sums(
+    seen: ResidualJacobian, table: Array, *, blocks: int = BLOCKS
+) -> tuple[Array, Array]:
     """Return the Gauss-Newton matrices (b, p, p) and gradients (b, p) of contiguous blocks."""
     squares, slopes = [], []
     for rows in np.array_split(np.arange(len(seen.residual)), blocks):
@@ -172,7 +174,7 @@ def block_sums(seen: Linearised, table: Array, *, blocks: int = BLOCKS) -> tuple
     return np.array(squares), np.array(slopes)
 
 
-def _independent(seen: Linearised, known: Directions) -> bool:
+def _independent(seen: ResidualJacobian, known: Directions) -> bool:
     """Whether rows are those of a table, dealt out to segments in turn, and do not go together."""
     table = bool(np.any(np.diff(seen.segment) < 0))
     return table and not _dependent(seen.residual, known.columns)
@@ -213,7 +215,7 @@ def _neighbours(columns: Array) -> Array:
 
 
 def infer(
-    seen: Linearised,
+    seen: ResidualJacobian,
     scale: Array,
     *,
     blocks: int = BLOCKS,
@@ -235,7 +237,7 @@ def infer(
 
     Parameters
     ----------
-    seen : Linearised
+    seen : ResidualJacobian
         The record at the estimates, rows in the order of time.
     scale : array (p, p)
         Derivatives of the values by what the optimiser sees; rows that are free of bounds.
@@ -254,7 +256,7 @@ def infer(
     >>> columns = np.column_stack([np.ones(10), 1e9 * v])
     >>> noise = np.random.default_rng(1).normal(size=10)
     >>> noise -= columns @ np.linalg.lstsq(columns, noise)[0]
-    >>> line = Linearised(
+    >>> line = ResidualJacobian(
     ...     values=np.array([2.0, 1e-9]),
     ...     residual=noise,
     ...     slopes=columns,
@@ -299,7 +301,7 @@ class _Spread:
     """Degrees of freedom of the variance along a direction (r,)."""
 
 
-def _spread(seen: Linearised, known: Directions, blocks: int) -> _Spread:
+def _spread(seen: ResidualJacobian, known: Directions, blocks: int) -> _Spread:
     """Return how the coordinates scatter, by blocks or by independent rows."""
     if _independent(seen, known):
         return _by_rows(seen.residual, known.columns)
@@ -409,7 +411,7 @@ def quantile_of(freedom: Array) -> Array:
     return np.asarray(stats.t.ppf(0.975, freedom))
 
 
-def effective_size(seen: Linearised) -> float:
+def effective_size(seen: ResidualJacobian) -> float:
     """Return the number of independent residuals that vary as these do.
 
     From the autocorrelation up to its first zero, in the record's order.
@@ -427,7 +429,7 @@ def effective_size(seen: Linearised) -> float:
 
 
 def bootstrap(
-    seen: Linearised,
+    seen: ResidualJacobian,
     scale: Array,
     *,
     draws: int = 2000,
@@ -446,7 +448,7 @@ def bootstrap(
     Examples
     --------
     >>> rows = np.random.default_rng(1).normal(size=200)
-    >>> mean = Linearised(
+    >>> mean = ResidualJacobian(
     ...     values=np.zeros(1),
     ...     residual=rows - rows.mean(),
     ...     slopes=np.ones((200, 1)),

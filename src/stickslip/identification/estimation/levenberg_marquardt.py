@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError
 from stickslip.formatting import number
-from stickslip.identification.estimation.parameters import Unknowns
-from stickslip.identification.estimation.problem import Linearised, Searchable
+from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.estimation.problem import LeastSquaresProblem, ResidualJacobian
 
-__all__ = ["Counter", "Found", "Watch", "improve", "search", "step_of"]
+__all__ = ["Counter", "OptimizeResult", "Watch", "improve", "search", "step_of"]
 
 Array = NDArray[np.float64]
 Watch = Callable[[float], object]
@@ -45,10 +45,10 @@ HOPELESS = 9.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Found:
+class OptimizeResult:
     """The least cost found, and what each start came to."""
 
-    best: Linearised
+    best: ResidualJacobian
     costs: tuple[float, ...]
     """Cost each start ended with, the first start first; scaled to all segments, if starts were
     compared on some."""
@@ -78,7 +78,7 @@ class Counter:
     least: float = math.inf
     count: int = 0
 
-    def __call__(self, seen: Linearised) -> None:
+    def __call__(self, seen: ResidualJacobian) -> None:
         """Note a prediction."""
         self.count += 1
         self.least = min(self.least, seen.rms)
@@ -87,20 +87,20 @@ class Counter:
 
 
 def search(
-    problem: Searchable,
+    problem: LeastSquaresProblem,
     *,
     starts: int = 4,
     seed: int = 0,
     tried: Sequence[Array] = (),
-    few: Searchable | None = None,
+    few: LeastSquaresProblem | None = None,
     rival: float = 0.0,
     watch: Watch | None = None,
-) -> Found:
+) -> OptimizeResult:
     """Return the least cost over several starts.
 
     Parameters
     ----------
-    problem : Searchable
+    problem : LeastSquaresProblem
         Its unknowns give the first start.
     starts : int
         Number of starts; up to `FURTHER` more while only one of several came to the least cost.
@@ -108,7 +108,7 @@ def search(
         Of the jitter of further starts.
     tried : sequence of array (p,)
         Values known to be worth a start, all of which are used, and before jittered ones.
-    few : Searchable, optional
+    few : LeastSquaresProblem, optional
         The same with some of the segments, on which starts are compared; the best of them go on
         with all.
     rival : float
@@ -134,7 +134,7 @@ def search(
     rows = len(best.residual)
     if few is not None:
         best = min(_polished(problem, ends, race), key=lambda end: end.cost)
-    return Found(
+    return OptimizeResult(
         best=best,
         costs=tuple(cost * len(best.residual) / rows for cost in race.costs),
         values=np.array([end.values for end in ends]),
@@ -144,7 +144,9 @@ def search(
     )
 
 
-def _polished(problem: Searchable, ends: Sequence[Linearised], race: "_Race") -> list[Linearised]:
+def _polished(
+    problem: LeastSquaresProblem, ends: Sequence[ResidualJacobian], race: "_Race"
+) -> list[ResidualJacobian]:
     """Return where the best distinct ends of a race lead with all segments.
 
     Raises
@@ -154,8 +156,8 @@ def _polished(problem: Searchable, ends: Sequence[Linearised], race: "_Race") ->
     """
     ordered = sorted(ends, key=lambda end: end.cost)
     race.counter.least = math.inf  # of some segments so far
-    found: list[Linearised] = []
-    last: Linearised | None = None
+    found: list[ResidualJacobian] = []
+    last: ResidualJacobian | None = None
     for end in ordered:
         near = end.cost <= NEARLY * ordered[0].cost and len(found) < POLISHED
         if found and (race.cancelled or not near or (last and _agree(end.cost, last.cost))):
@@ -180,13 +182,13 @@ class _Race:
     nothing is predicted has no end.
     """
 
-    problem: Searchable
+    problem: LeastSquaresProblem
     starts: int
     seed: int
     tried: Sequence[Array]
     rival: float
     counter: Counter
-    ends: list[Linearised | None] = field(default_factory=list)
+    ends: list[ResidualJacobian | None] = field(default_factory=list)
     cancelled: bool = False
     hopeless: bool = False
     """Whether it was ended for a rival far below."""
@@ -237,13 +239,13 @@ class _Race:
 
 
 def _improved(
-    problem: Searchable,
+    problem: LeastSquaresProblem,
     values: Array,
-    near: Linearised | None,
+    near: ResidualJacobian | None,
     counter: Counter,
     rounds: int,
     goal: float = 0.0,
-) -> tuple[Linearised | None, bool]:
+) -> tuple[ResidualJacobian | None, bool]:
     """Return where a start leads, None if nothing is predicted there; and whether to stop."""
     try:
         return improve(problem, values, near=near, counter=counter, rounds=rounds, goal=goal)
@@ -263,7 +265,7 @@ def _agreeing(costs: Sequence[float]) -> int:
 
 
 def _start(
-    unknowns: Unknowns, number: int, tried: Sequence[Array], random: np.random.Generator
+    unknowns: FreeParameters, number: int, tried: Sequence[Array], random: np.random.Generator
 ) -> Array:
     """Return the values of a start: the first one, those tried, then jittered ones."""
     if number == 0:
@@ -276,15 +278,15 @@ def _start(
 
 
 def improve(
-    problem: Searchable,
+    problem: LeastSquaresProblem,
     values: Array,
     *,
-    near: Linearised | None = None,
-    counter: Callable[[Linearised], None] | None = None,
+    near: ResidualJacobian | None = None,
+    counter: Callable[[ResidualJacobian], None] | None = None,
     rounds: int = ROUNDS,
     goal: float = 0.0,
     flat: float = FLAT,
-) -> tuple[Linearised, bool]:
+) -> tuple[ResidualJacobian, bool]:
     """Descend from values (p,); return the end, and whether the watcher stopped it.
 
     A descent that ended at these values, `near`, is continued. It ends early where its cost agrees

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from stickslip.quantities import Quantity
 
-__all__ = ["Unknown", "Unknowns"]
+__all__ = ["FreeParameter", "FreeParameters"]
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Unknown:
+class FreeParameter:
     """One parameter that a fit looks for.
 
     The optimiser sees its logarithm if `log`, the surplus over another parameter if `above`, else
@@ -39,7 +39,7 @@ class Unknown:
     guessed: bool = False
     """Whether bounds that are no limits of the quantity follow from a guess of its size alone."""
 
-    def widened(self, side: str, factor: float) -> "Unknown":
+    def widened(self, side: str, factor: float) -> "FreeParameter":
         """Return the unknown with a guessed bound farther out by a factor; itself at a limit.
 
         Parameters
@@ -52,7 +52,7 @@ class Unknown:
         Examples
         --------
         >>> from stickslip.quantities import Quantity
-        >>> level = Unknown(
+        >>> level = FreeParameter(
         ...     path="friction.kinetic_coefficient",
         ...     quantity=Quantity("mu_k", low=0),
         ...     start=0.1,
@@ -85,16 +85,18 @@ class Unknown:
 
 
 @dataclass(frozen=True)
-class Unknowns:
+class FreeParameters:
     """The unknowns of a fit in order, and the way between values and coordinates.
 
     Examples
     --------
     >>> from stickslip.quantities import Quantity
-    >>> both = Unknowns(
+    >>> both = FreeParameters(
     ...     (
-    ...         Unknown(path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), start=2.0),
-    ...         Unknown(
+    ...         FreeParameter(
+    ...             path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), start=2.0
+    ...         ),
+    ...         FreeParameter(
     ...             path="friction.static_coefficient",
     ...             quantity=Quantity("mu_s"),
     ...             start=2.5,
@@ -106,7 +108,7 @@ class Unknowns:
     array([2. , 0.5])
     """
 
-    items: tuple[Unknown, ...]
+    items: tuple[FreeParameter, ...]
     known: Mapping[str, float] | None = None
     """Values of parameters that are not looked for, as far as an unknown stands above one."""
 
@@ -123,12 +125,12 @@ class Unknowns:
         """Start values (p,)."""
         return np.array([item.start for item in self.items])
 
-    def starting_at(self, values: Sequence[float] | Array) -> "Unknowns":
+    def starting_at(self, values: Sequence[float] | Array) -> "FreeParameters":
         """Return the same unknowns with other start values (p,)."""
         items = (replace(item, start=float(v)) for item, v in zip(self.items, values, strict=True))
         return replace(self, items=tuple(items))
 
-    def widened(self, sides: Mapping[str, str], factor: float) -> "Unknowns":
+    def widened(self, sides: Mapping[str, str], factor: float) -> "FreeParameters":
         """Return the unknowns with guessed bounds farther out where one was met, by path."""
         items = (
             item.widened(sides[item.path], factor) if item.path in sides else item
@@ -172,7 +174,7 @@ class Unknowns:
                 table[i] += table[self.paths.index(item.above)]
         return table
 
-    def _base(self, item: Unknown, values: Array) -> float:
+    def _base(self, item: FreeParameter, values: Array) -> float:
         """Return the value that an unknown stands above; 0 if on none."""
         if not item.above:
             return 0.0

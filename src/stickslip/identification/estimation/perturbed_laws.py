@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.friction import FrictionLaw, bristles_of
-from stickslip.identification.estimation.parameters import Unknowns
+from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.quantities import parameters, shadow, vary
 
-__all__ = ["MOVED", "Copies", "with_arrays"]
+__all__ = ["MOVED", "PerturbedLaws", "with_arrays"]
 
 Array = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ MOVED = 1e-5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Copies:
+class PerturbedLaws:
     """A law at some values, copies with one parameter moved each, and plain ones for bristles.
 
     Examples
@@ -29,8 +29,8 @@ class Copies:
     >>> from stickslip.identification.estimation.parameters import Unknown
     >>> from stickslip.quantities import Quantity
     >>> level = Unknown(path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), start=0.5)
-    >>> own = Copies.of(
-    ...     Coulomb(kinetic_coefficient=0.5), Unknowns((level,)), np.array([0.4]), constant=""
+    >>> own = PerturbedLaws.of(
+    ...     Coulomb(kinetic_coefficient=0.5), FreeParameters((level,)), np.array([0.4]), constant=""
     ... )
     >>> forces = own.law.force(np.array([[-0.1], [0.1]]), 10.0)
     >>> forces[:, 0], own.slopes_of(forces).round(6)[:, 0]
@@ -66,19 +66,19 @@ class Copies:
     def of(
         cls,
         law: FrictionLaw,
-        unknowns: Unknowns,
+        unknowns: FreeParameters,
         values: Array,
         *,
         constant: str,
         slopes: bool = True,
-    ) -> "Copies":
+    ) -> "PerturbedLaws":
         """Return the copies of a law at values (p,) of the unknowns.
 
         Parameters
         ----------
         law : FrictionLaw
             Holds the parameters that are not looked for.
-        unknowns : Unknowns
+        unknowns : FreeParameters
             Parameters of the law; others stand beside it, such as a constant force.
         values : array (p,)
             Their values.

@@ -8,16 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.identification.estimation.parameters import Unknowns
+from stickslip.identification.estimation.parameters import FreeParameters
 
 __all__ = [
     "STEEPEST",
-    "Held",
-    "Linearised",
-    "Part",
+    "FixedParameterProblem",
+    "LeastSquaresProblem",
     "Problem",
     "RecordProblem",
-    "Searchable",
+    "ResidualJacobian",
+    "SubsetProblem",
 ]
 
 Array = NDArray[np.float64]
@@ -27,7 +27,7 @@ STEEPEST = 1e100
 
 
 @final
-class Linearised:
+class ResidualJacobian:
     """Residuals and their slopes at some values, with what is local to a segment eliminated."""
 
     def __init__(
@@ -62,9 +62,9 @@ class Linearised:
         """Return what crosses processes: slopes that are found."""
         return {**self.__dict__, "_slopes": self.slopes}
 
-    def with_residual(self, residual: Array) -> "Linearised":
+    def with_residual(self, residual: Array) -> "ResidualJacobian":
         """Return the same with other residuals (n,)."""
-        return Linearised(
+        return ResidualJacobian(
             values=self.values,
             residual=residual,
             slopes=lambda: self.slopes,
@@ -91,14 +91,14 @@ class Linearised:
         return float(np.sqrt(self.cost / len(self.residual)))
 
 
-class Searchable(Protocol):
+class LeastSquaresProblem(Protocol):
     """What a search needs."""
 
     @property
-    def unknowns(self) -> Unknowns:
+    def unknowns(self) -> FreeParameters:
         """What is looked for."""
 
-    def linearise(self, values: Array, near: Linearised | None = None) -> Linearised:
+    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
         """Return residuals and slopes at values (p,), from an answer for near values if any."""
 
 
@@ -107,7 +107,7 @@ class Problem(ABC):
 
     @property
     @abstractmethod
-    def unknowns(self) -> Unknowns:
+    def unknowns(self) -> FreeParameters:
         """What is looked for."""
 
     @property
@@ -129,18 +129,18 @@ class Problem(ABC):
     def linearise(
         self,
         values: Array,
-        near: Linearised | None = None,
+        near: ResidualJacobian | None = None,
         *,
         only: Sequence[int] | None = None,
         slopes: bool = True,
-    ) -> Linearised:
+    ) -> ResidualJacobian:
         """Return residuals and slopes at values (p,).
 
         Parameters
         ----------
         values : array (p,)
             Values of the unknowns.
-        near : Linearised, optional
+        near : ResidualJacobian, optional
             An earlier answer for near values, from which local states are carried on.
         only : sequence of int, optional
             Segments that are wanted; all if not given.
@@ -177,11 +177,11 @@ class RecordProblem(Problem):
         return None
 
     @abstractmethod
-    def with_unknowns(self, unknowns: Unknowns) -> Self:
+    def with_unknowns(self, unknowns: FreeParameters) -> Self:
         """Return the same with other bounds or start values of the unknowns."""
 
     @abstractmethod
-    def carried(self, seen: Linearised) -> Array:
+    def carried(self, seen: ResidualJacobian) -> Array:
         """Return the residuals (n,) at the values, and from the local states, of an answer.
 
         The answer may be that of the same record with another mechanism: the local states stay
@@ -190,36 +190,36 @@ class RecordProblem(Problem):
 
 
 @final
-class Part:
+class SubsetProblem:
     """Some segments of a problem, for a search that begins near an earlier answer."""
 
-    def __init__(self, whole: Problem, chosen: Sequence[int], known: Linearised) -> None:
+    def __init__(self, whole: Problem, chosen: Sequence[int], known: ResidualJacobian) -> None:
         self.whole, self.chosen, self.known = whole, chosen, known
         self.unknowns = whole.unknowns
 
-    def linearise(self, values: Array, near: Linearised | None = None) -> Linearised:
+    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
         """Return residuals and slopes at values (p,)."""
         near = self.known if near is None else near
         return self.whole.linearise(values, near, only=self.chosen)
 
 
 @final
-class Held:
+class FixedParameterProblem:
     """A problem with one unknown held at a value, for a search."""
 
     def __init__(self, whole: Problem, index: int, value: float) -> None:
         self.whole, self.index, self.value = whole, index, value
         items = whole.unknowns.items
         known = {**(whole.unknowns.known or {}), items[index].path: value}
-        self.unknowns = Unknowns(items[:index] + items[index + 1 :], known)
+        self.unknowns = FreeParameters(items[:index] + items[index + 1 :], known)
 
-    def linearise(self, values: Array, near: Linearised | None = None) -> Linearised:
+    def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
         """Return residuals and slopes at the values (p - 1,) of the others."""
         full = np.insert(values, self.index, self.value)
         before = near.memory if near is not None else None
-        assert before is None or isinstance(before, Linearised)
+        assert before is None or isinstance(before, ResidualJacobian)
         seen = self.whole.linearise(full, before)
-        return Linearised(
+        return ResidualJacobian(
             values=values,
             residual=seen.residual,
             slopes=lambda: np.delete(seen.slopes, self.index, axis=1),

@@ -13,7 +13,7 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import percent
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.levenberg_marquardt import Counter, Watch, improve
-from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.features.features import (
     COMPARED,
     FASTER,
@@ -165,7 +165,7 @@ def _stands_on_top(known: Mapping[str, Quantity], quantity: Quantity) -> bool:
 class _End:
     """Where a search ended."""
 
-    best: Linearised
+    best: ResidualJacobian
     runs: int
     cancelled: bool
 

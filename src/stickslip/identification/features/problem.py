@@ -11,8 +11,8 @@ from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
-from stickslip.identification.estimation.parameters import Unknown, Unknowns
-from stickslip.identification.estimation.problem import Linearised, Problem
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identification.estimation.problem import Problem, ResidualJacobian
 from stickslip.identification.features.features import COMPARED, StickSlipFeatures, load_of
 from stickslip.mechanisms import TowedBlock
 from stickslip.quantities import Quantity, full_path, parameters
@@ -46,11 +46,11 @@ class FeatureProblem(Problem):
     block: TowedBlock
     law: FrictionLaw
     observed: StickSlipFeatures
-    unknowns_: Unknowns
+    unknowns_: FreeParameters
 
     @property
     @override
-    def unknowns(self) -> Unknowns:
+    def unknowns(self) -> FreeParameters:
         return self.unknowns_
 
     @property
@@ -89,11 +89,11 @@ class FeatureProblem(Problem):
     def linearise(
         self,
         values: Array,
-        near: Linearised | None = None,
+        near: ResidualJacobian | None = None,
         *,
         only: Sequence[int] | None = None,
         slopes: bool = True,
-    ) -> Linearised:
+    ) -> ResidualJacobian:
         rows = [values]
         at = self.unknowns.coordinates(values)
         steps = np.where(at + NUDGE < self.unknowns.limits()[1], NUDGE, -NUDGE)
@@ -108,7 +108,7 @@ class FeatureProblem(Problem):
         if slopes and np.all(np.isfinite(residual)):
             by_coordinate = (residual[0] - residual[1:]).T / steps
             table = by_coordinate @ np.linalg.inv(self.unknowns.slopes(at))
-        return Linearised(
+        return ResidualJacobian(
             values=values,
             residual=residual[0],
             slopes=table,
@@ -123,7 +123,7 @@ def unknowns_of(
     *,
     unknown: Sequence[str],
     free: Sequence[str],
-) -> Unknowns:
+) -> FreeParameters:
     """Return what is looked for, with ranges about what the record shows."""
     declared = [*parameters(block, "mechanism"), *parameters(law, "friction")]
     known = {path: quantity for path, quantity, _ in declared}
@@ -146,7 +146,7 @@ def unknowns_of(
         if above:
             start += 0.9 * abs(observed.mean) if above in paths else values[above]
         items.append(
-            Unknown(
+            FreeParameter(
                 path=path,
                 quantity=quantity,
                 start=start,
@@ -156,7 +156,7 @@ def unknowns_of(
                 above=above,
             )
         )
-    return Unknowns(tuple(items), known=values)
+    return FreeParameters(tuple(items), known=values)
 
 
 def _range(

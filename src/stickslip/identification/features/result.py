@@ -12,8 +12,8 @@ from typing_extensions import override
 from stickslip.experiments import Measurement
 from stickslip.experiments.estimates import LawEstimates, levels_at
 from stickslip.formatting import number, percent, signed_percent
-from stickslip.identification.estimation.parameters import Unknowns
-from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.features.features import (
     COMPARED,
     DRIFTS,
@@ -164,7 +164,7 @@ def errors_of(predicted: Array, observed: StickSlipFeatures) -> dict[str, float]
 
 
 def estimates_of(
-    unknowns: Unknowns, best: Linearised, covariance: Array
+    unknowns: FreeParameters, best: ResidualJacobian, covariance: Array
 ) -> tuple[tuple[Estimate, ...], Array]:
     """Return what was looked for and which of it no feature tells; its correlation (p, p)."""
     at = unknowns.coordinates(best.values)

@@ -17,7 +17,7 @@ from stickslip.quantities import vary
 __all__ = [
     "SEGMENTS",
     "TIMELESS",
-    "Stretch",
+    "MotionSegment",
     "check_loads",
     "load_along",
     "refuse_timeless",
@@ -45,7 +45,7 @@ SHARES = 8
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Stretch:
+class MotionSegment:
     """A record between two gaps, or a table: friction, and the motion that it came with."""
 
     record: int
@@ -81,11 +81,11 @@ class Stretch:
         """Return forces (n,) or (n, copies) as the friction of the stretch shows them: filtered."""
         return smoothed(force, self.passed) if self.passed else force
 
-    def loaded(self, factor: float) -> "Stretch":
+    def loaded(self, factor: float) -> "MotionSegment":
         """Return the same motion with a multiple of its load."""
         return replace(self, path=replace(self.path, load=factor * self.path.load))
 
-    def until(self, count: int) -> "Stretch":
+    def until(self, count: int) -> "MotionSegment":
         """Return the first samples."""
         path = replace(
             self.path,
@@ -111,7 +111,7 @@ def stretches_of(
     *,
     segment: float | None = None,
     samples: float = np.inf,
-) -> tuple[Stretch, ...]:
+) -> tuple[MotionSegment, ...]:
     """Return the stretches of a measurement of friction.
 
     Parameters
@@ -144,7 +144,7 @@ def stretches_of(
     if not samples >= LEAST:
         raise InputError(f"samples must be at least {LEAST}, got {samples!r}.")
     check_loads(measurement)
-    found: list[Stretch] = []
+    found: list[MotionSegment] = []
     for number, record in enumerate(measurement.records()):
         _check(record)
         set_up = vary(mechanism, "mechanism", record.overrides)
@@ -199,7 +199,9 @@ def check_loads(measurement: Measurement) -> None:
         )
 
 
-def refuse_timeless(law: FrictionLaw | type[FrictionLaw], stretches: Sequence[Stretch]) -> None:
+def refuse_timeless(
+    law: FrictionLaw | type[FrictionLaw], stretches: Sequence[MotionSegment]
+) -> None:
     """Refuse a bristle law where nothing has a time: a table does not depend on its bristles.
 
     Raises
@@ -268,13 +270,13 @@ def _own_load(mechanism: Mechanism) -> float:
     return float(above - below)
 
 
-def _table(number: int, record: Measurement, load: Array, first: int) -> Stretch:
+def _table(number: int, record: Measurement, load: Array, first: int) -> MotionSegment:
     velocity = np.asarray(record.values("velocity"), dtype=float)
     rows = np.arange(len(velocity))
     path = Path(
         time=rows.astype(float), velocity=velocity, load=load, travel=np.zeros(len(rows) - 1)
     )
-    return Stretch(
+    return MotionSegment(
         record=number,
         path=path,
         friction=np.asarray(record.values("friction"), dtype=float),
@@ -290,7 +292,7 @@ def _series(
     first: int,
     segment: float | None,
     samples: float,
-) -> Iterator[Stretch]:
+) -> Iterator[MotionSegment]:
     """Yield the stretches of a record in time, leaving out those too short to use."""
     time = np.asarray(record.time, dtype=float)
     friction = np.asarray(record.values("friction"), dtype=float)
@@ -307,7 +309,7 @@ def _series(
         span = float(t[-1] - t[0])
         count = max(1, round(span / length))
         share = np.minimum((t - t[0]) / span * count, count - 1).astype(np.intp)
-        yield Stretch(
+        yield MotionSegment(
             record=number,
             path=Path(
                 time=t,

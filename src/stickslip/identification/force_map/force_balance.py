@@ -17,11 +17,11 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.experiments.differentiation import noise_of, step_of
 from stickslip.experiments.slicing import between_gaps
-from stickslip.identification.estimation.parameters import Unknowns
+from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.force_map.bristle_integration import Path
 from stickslip.identification.force_map.data import (
     SEGMENTS,
-    Stretch,
+    MotionSegment,
     check_loads,
     load_along,
     smoothed,
@@ -42,7 +42,13 @@ from stickslip.identification.shooting.segments import Hold
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["Balanced", "balanced", "mean_force", "passed_by_balance", "second_differences"]
+__all__ = [
+    "BalanceProblemBuilder",
+    "balanced",
+    "mean_force",
+    "passed_by_balance",
+    "second_differences",
+]
 
 Array = NDArray[np.float64]
 
@@ -84,7 +90,7 @@ def balanced(
     samples: float = SAMPLES,
     slipping: bool = False,
     wider: float = 1.0,
-) -> tuple[Stretch, ...]:
+) -> tuple[MotionSegment, ...]:
     """Return stretches of friction by inverse dynamics, with the acceleration they came from.
 
     Parameters
@@ -123,7 +129,7 @@ def balanced(
     True
     """
     check_loads(measurement)
-    found: list[Stretch] = []
+    found: list[MotionSegment] = []
     for number, record in enumerate(measurement.records()):
         if not isinstance(record.time, np.ndarray):
             raise InputError("inverse dynamics needs the motion in time.")
@@ -145,7 +151,7 @@ def balanced(
 
 @final
 @dataclass(frozen=True)
-class Balanced:
+class BalanceProblemBuilder:
     """Builds the problem of a record that friction is derived from."""
 
     mechanism: Mechanism
@@ -162,11 +168,11 @@ class Balanced:
         own = balanced(self.mechanism, record, hold=self.hold, segment=length, slipping=True)
         return replace(self.problem.along(own, record), mass=mass_of(self.mechanism))
 
-    def with_unknowns(self, unknowns: Unknowns) -> "Balanced":
+    def with_unknowns(self, unknowns: FreeParameters) -> "BalanceProblemBuilder":
         """Return what builds the same with other bounds or start values of the unknowns."""
         return replace(self, problem=self.problem.with_unknowns(unknowns))
 
-    def at(self, values: Array) -> "Balanced":
+    def at(self, values: Array) -> "BalanceProblemBuilder":
         """Return what derives friction with the mass among values (p,); residuals stay the same."""
         path = self.problem.inertia
         if not path:
@@ -183,7 +189,7 @@ def _stretch(
     *,
     slipping: bool,
     wider: float,
-) -> Stretch:
+) -> MotionSegment:
     """Return friction by inverse dynamics; rows that are not compared have no segment (-1)."""
     time = np.asarray(record.time)
     dt = check_even(time)
@@ -199,7 +205,7 @@ def _stretch(
     kept = _compared(motion, passed, slipping=slipping)
     every = max(1, min(int(np.ceil(len(x) / samples)), int(OVERSAMPLED / passed)))
     picked = slice(None, None, every)
-    return Stretch(
+    return MotionSegment(
         record=0,
         path=Path(
             time=time[picked],
@@ -361,7 +367,7 @@ def _compared(motion: _Motion, passed: float, *, slipping: bool) -> NDArray[np.b
     return kept
 
 
-def _cut(one: Stretch, length: float, first: int) -> Iterator[Stretch]:
+def _cut(one: MotionSegment, length: float, first: int) -> Iterator[MotionSegment]:
     """Yield a stretch with its segments numbered from one on; none if no row says anything."""
     kept, time = one.segment >= 0, one.path.time
     if not kept.any():

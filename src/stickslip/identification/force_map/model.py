@@ -11,11 +11,11 @@ from typing_extensions import override
 from stickslip.errors import ParameterError
 from stickslip.experiments import Measurement
 from stickslip.friction import BristleLaw, FrictionLaw, towards
-from stickslip.identification.estimation.parameters import Unknowns
-from stickslip.identification.estimation.perturbed_laws import MOVED, Copies
-from stickslip.identification.estimation.problem import Linearised, RecordProblem
+from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.estimation.perturbed_laws import MOVED, PerturbedLaws
+from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
 from stickslip.identification.force_map.bristle_integration import displaced, follow
-from stickslip.identification.force_map.data import Stretch
+from stickslip.identification.force_map.data import MotionSegment
 
 __all__ = ["ForceMap"]
 
@@ -79,8 +79,8 @@ class ForceMap(RecordProblem):
 
     law: FrictionLaw
     """Holds the parameters that are not looked for."""
-    unknowns_: Unknowns
-    stretches: tuple[Stretch, ...]
+    unknowns_: FreeParameters
+    stretches: tuple[MotionSegment, ...]
     constant: str = "mechanism.offset"
     """Path of the constant force beside friction."""
     offset: float = 0.0
@@ -92,7 +92,7 @@ class ForceMap(RecordProblem):
 
     @property
     @override
-    def unknowns(self) -> Unknowns:
+    def unknowns(self) -> FreeParameters:
         return self.unknowns_
 
     @property
@@ -107,7 +107,7 @@ class ForceMap(RecordProblem):
         return float(np.sum((self.measured - np.mean(self.measured)) ** 2))
 
     @override
-    def with_unknowns(self, unknowns: Unknowns) -> "ForceMap":
+    def with_unknowns(self, unknowns: FreeParameters) -> "ForceMap":
         return replace(self, unknowns_=unknowns)
 
     @property
@@ -130,7 +130,7 @@ class ForceMap(RecordProblem):
     def measured(self) -> Array:
         return np.concatenate([one.friction[one.rows_of(None)] for one in self.stretches])
 
-    def along(self, stretches: Sequence[Stretch], measurement: Measurement) -> "ForceMap":
+    def along(self, stretches: Sequence[MotionSegment], measurement: Measurement) -> "ForceMap":
         """Return the same along other stretches, with the constant force that records set.
 
         Records that set different ones keep that of the mechanism.
@@ -165,11 +165,11 @@ class ForceMap(RecordProblem):
     def linearise(
         self,
         values: Array,
-        near: Linearised | None = None,
+        near: ResidualJacobian | None = None,
         *,
         only: Sequence[int] | None = None,
         slopes: bool = True,
-    ) -> Linearised:
+    ) -> ResidualJacobian:
         masks = [one.rows_of(only) for one in self.stretches]
         segment = np.concatenate(
             [one.segment[mask] for one, mask in zip(self.stretches, masks, strict=True)]
@@ -179,7 +179,7 @@ class ForceMap(RecordProblem):
         done: dict[int, _Local] = {}
         with np.errstate(all="ignore"):  # a law that fails far out gives infinite residuals
             try:
-                own = Copies.of(
+                own = PerturbedLaws.of(
                     self.law, self.unknowns, values, constant=self.constant, slopes=slopes
                 )
                 mass = self._mass(values)
@@ -192,7 +192,7 @@ class ForceMap(RecordProblem):
         good = all(np.all(np.isfinite(one.residual)) for one in done.values())
         if not done or not good:
             return _failed(values, segment)
-        return Linearised(
+        return ResidualJacobian(
             values=values,
             residual=np.concatenate([one.projected(one.residual) for one in done.values()]),
             slopes=np.concatenate([one.projected(one.slopes) for one in done.values()]),
@@ -201,7 +201,7 @@ class ForceMap(RecordProblem):
         )
 
     @override
-    def carried(self, seen: Linearised) -> Array:
+    def carried(self, seen: ResidualJacobian) -> Array:
         return self.linearise(seen.values, seen, slopes=False).residual
 
     def _mass(self, values: Array) -> float:
@@ -212,9 +212,9 @@ class ForceMap(RecordProblem):
 
     def _local(
         self,
-        one: Stretch,
+        one: MotionSegment,
         mask: NDArray[np.bool_],
-        own: Copies,
+        own: PerturbedLaws,
         mass: float,
         before: _Local | None,
         change: Array,
@@ -254,7 +254,7 @@ class ForceMap(RecordProblem):
 
 
 def _friction(
-    own: Copies, one: Stretch, offset: float, before: _Local | None, change: Array
+    own: PerturbedLaws, one: MotionSegment, offset: float, before: _Local | None, change: Array
 ) -> tuple[Array, Array, float]:
     """Return friction (n, copies), bristles (b, n, copies), and by how much they were moved."""
     count = len(one.path.time)
@@ -267,14 +267,14 @@ def _friction(
     return _at_rest(own.law, one, force, states, offset), states, nudge
 
 
-def _balanced(one: Stretch, force: Array, offset: float) -> NDArray[np.bool_]:
+def _balanced(one: MotionSegment, force: Array, offset: float) -> NDArray[np.bool_]:
     """Return at which samples (n,) friction balances all else, an offset included."""
     if one.held is None or one.resting is None:
         return np.zeros(len(force), dtype=bool)
     return np.asarray(one.resting & (force == one.held - offset))
 
 
-def _by_weight(own: Copies, one: Stretch, states: Array, resting: Array) -> Array:
+def _by_weight(own: PerturbedLaws, one: MotionSegment, states: Array, resting: Array) -> Array:
     """Return by how much friction (n,) [N] grows with the relative growth of the load.
 
     At rest, that is given (n,): weight moves what friction is held within.
@@ -293,13 +293,13 @@ def _by_weight(own: Copies, one: Stretch, states: Array, resting: Array) -> Arra
     return growth if one.resting is None else np.where(one.resting, resting, growth)
 
 
-def _without_memory(law: Any, one: Stretch) -> Array:
+def _without_memory(law: Any, one: MotionSegment) -> Array:
     """Return the friction of a law that knows no history, or in steady slip (n, copies)."""
     v, n = one.path.velocity[:, None], one.path.load[:, None]
     return np.asarray(law.steady(v, n) if isinstance(law, BristleLaw) else law.force(v, n))
 
 
-def _at_rest(law: Any, one: Stretch, force: Array, states: Array, offset: float) -> Array:
+def _at_rest(law: Any, one: MotionSegment, force: Array, states: Array, offset: float) -> Array:
     """Return friction (n, copies) with what holds the body at rest: what other forces ask for.
 
     Rest is motion that the sensor does not resolve. Friction is then what balances the other
@@ -324,7 +324,7 @@ def _at_rest(law: Any, one: Stretch, force: Array, states: Array, offset: float)
 
 
 def _with_memory(
-    own: Copies, one: Stretch, offset: float, before: _Local | None, change: Array
+    own: PerturbedLaws, one: MotionSegment, offset: float, before: _Local | None, change: Array
 ) -> tuple[Array, Array, float]:
     """Return friction along a motion (n, copies), bristles (b, n, copies), and their nudge."""
     if before is None:
@@ -349,7 +349,7 @@ def _extended(states: Array, count: int) -> Array:
     return found
 
 
-def _first_state(own: Copies, one: Stretch, offset: float) -> Array:
+def _first_state(own: PerturbedLaws, one: MotionSegment, offset: float) -> Array:
     """Return the least bristle state (b,) that the first measured force can come from."""
     law: Any = own.base
     v, n, count = float(one.path.velocity[0]), float(one.path.load[0]), own.bristles
@@ -382,8 +382,8 @@ def _inverted(local: Array, rows: NDArray[np.bool_]) -> tuple[Array, Array]:
     return u[:, kept], inverse
 
 
-def _failed(values: Array, segment: NDArray[np.intp]) -> Linearised:
-    return Linearised(
+def _failed(values: Array, segment: NDArray[np.intp]) -> ResidualJacobian:
+    return ResidualJacobian(
         values=values,
         residual=np.full(len(segment), np.inf),
         slopes=np.zeros((len(segment), len(values))),

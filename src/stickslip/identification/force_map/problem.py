@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw
-from stickslip.identification.estimation.parameters import Unknown, Unknowns
-from stickslip.identification.force_map.data import Stretch, refuse_timeless, stretches_of
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identification.force_map.data import MotionSegment, refuse_timeless, stretches_of
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.screening import screened_starts
-from stickslip.identification.force_map.start_values import Rough, looked_for
+from stickslip.identification.force_map.start_values import StartEstimate, looked_for
 from stickslip.identification.series.inverse_dynamics import mass_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
@@ -102,13 +102,13 @@ def force_map(
 def map_along(
     law: FrictionLaw | type[FrictionLaw],
     mechanism: Mechanism,
-    stretches: Sequence[Stretch],
-    few: Sequence[Stretch],
+    stretches: Sequence[MotionSegment],
+    few: Sequence[MotionSegment],
     *,
     free: Collection[str] | None = None,
     held: Collection[str] = (),
     known: Mapping[str, float] | None = None,
-    mass: Unknown | None = None,
+    mass: FreeParameter | None = None,
 ) -> tuple[ForceMap, tuple[Array, ...]]:
     """Return the problem as `force_map` does, along stretches, and start values (p,), best first.
 
@@ -129,13 +129,13 @@ def map_along(
     refuse_timeless(law, stretches)
     own = getattr(mechanism, "offset", None)
     constant = SENSOR if own is None else MECHANISM
-    told = Rough.of(stretches, offset=None)
+    told = StartEstimate.of(stretches, offset=None)
     sought = (
         told.two_sided
         and not issubclass(kind, DirectionalLaw)
         and not {constant, "offset"} & set(held)
     )
-    rough = told if sought else Rough.of(stretches, offset=own or 0.0)
+    rough = told if sought else StartEstimate.of(stretches, offset=own or 0.0)
     start = rough.law(kind, known or {}) if isinstance(law, type) else law
     held = [*held, *(f"friction.{name}" for name in known or ())]
     paths = looked_for(start, whole=isinstance(law, type), free=free, held=held)
@@ -175,7 +175,7 @@ def _with_defaults(
     return replace(law, **{**plain, **{n: v for n, v in known.items() if n not in names}})
 
 
-def _effective(problem: ForceMap) -> Unknowns:
+def _effective(problem: ForceMap) -> FreeParameters:
     """Return the unknowns without those that nothing in the record depends on.
 
     Raises

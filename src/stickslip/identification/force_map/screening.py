@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from stickslip.errors import ConvergenceError
 from stickslip.friction import BristleLaw
 from stickslip.identification.estimation.levenberg_marquardt import improve
-from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.perturbed_laws import with_arrays
 from stickslip.identification.estimation.ranges import is_level
 from stickslip.identification.force_map.bristle_integration import follow
-from stickslip.identification.force_map.data import Stretch
+from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.quantities import vary
 
@@ -103,7 +103,7 @@ class _Rated:
 
 
 def _best_of_each(
-    rated: Sequence[_Rated], points: Sequence[dict[str, float]], unknowns: Unknowns
+    rated: Sequence[_Rated], points: Sequence[dict[str, float]], unknowns: FreeParameters
 ) -> list[_Rated]:
     """Return the best points, one of each speed where there is one.
 
@@ -122,7 +122,7 @@ def _has_memory(problem: ForceMap) -> bool:
     return isinstance(problem.law, BristleLaw) and any(one.timed for one in problem.stretches)
 
 
-def _grid_points(unknowns: Unknowns, *, memory: bool) -> list[dict[str, float]]:
+def _grid_points(unknowns: FreeParameters, *, memory: bool) -> list[dict[str, float]]:
     """Return the points of the grid, by path of what is looked at in decades."""
     fades = any(item.quantity.scale == "speed" for item in unknowns.items)
     axes = {
@@ -133,7 +133,7 @@ def _grid_points(unknowns: Unknowns, *, memory: bool) -> list[dict[str, float]]:
     return [dict(zip(axes, point, strict=True)) for point in product(*axes.values())]
 
 
-def _axis(item: Unknown) -> Sequence[float]:
+def _axis(item: FreeParameter) -> Sequence[float]:
     """Return the values of one unknown on the grid."""
     if item.above:
         return [item.start * factor for factor in SURPLUSES]
@@ -145,7 +145,7 @@ def _axis(item: Unknown) -> Sequence[float]:
     return [value for value in inside if item.low <= value <= item.high]
 
 
-def _placed(unknowns: Unknowns, point: dict[str, float]) -> Array:
+def _placed(unknowns: FreeParameters, point: dict[str, float]) -> Array:
     values = np.array([point.get(item.path, item.start) for item in unknowns.items])
     return unknowns.values(unknowns.coordinates(values))
 
@@ -164,7 +164,7 @@ def _fitted_at(coarse: ForceMap, point: dict[str, float]) -> _Rated:
         return _Rated(values, coarse.linearise(values, slopes=False).cost)
     held = {path: value for path, value in point.items() if path.startswith("friction.")}
     law = vary(coarse.law, "friction", held)
-    unknowns = Unknowns(tuple(items[k] for k in free), coarse.unknowns.known)
+    unknowns = FreeParameters(tuple(items[k] for k in free), coarse.unknowns.known)
     try:
         end, _ = improve(replace(coarse, law=law, unknowns_=unknowns), values[free], rounds=4)
     except ConvergenceError:
@@ -216,7 +216,7 @@ def _rated_with_memory(coarse: ForceMap, points: Sequence[dict[str, float]]) -> 
 
 
 def _forces(
-    laws: tuple[BristleLaw, BristleLaw], base: BristleLaw, one: Stretch, count: int
+    laws: tuple[BristleLaw, BristleLaw], base: BristleLaw, one: MotionSegment, count: int
 ) -> tuple[Array, Array]:
     """Return the friction (n, count) of copies of two laws whose bristles move alike."""
     states = follow(laws[0], one.path, np.zeros((len(base.bristles), count)), mismatch=MISMATCH)
@@ -278,7 +278,7 @@ def _polished(coarse: ForceMap, rated: _Rated) -> _Rated:
     return _Rated(end.values, end.cost)
 
 
-def _distinct(unknowns: Unknowns, ends: Sequence[_Rated]) -> tuple[Array, ...]:
+def _distinct(unknowns: FreeParameters, ends: Sequence[_Rated]) -> tuple[Array, ...]:
     """Return the values of ends that are not much worse than the best and not the same as one."""
     log = [k for k, item in enumerate(unknowns.items) if item.log]
     kept: list[Array] = []

@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.friction import FrictionLaw
-from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.ranges import Sizes, is_level, with_ranges
-from stickslip.identification.force_map.data import Stretch
+from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.validation import LAW
 from stickslip.quantities import Quantity, fields_of, full_path, parameters
 
-__all__ = ["Rough", "looked_for"]
+__all__ = ["StartEstimate", "looked_for"]
 
 Array = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ WHOLE = (0.02, 10.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rough:
+class StartEstimate:
     """What friction against motion says at a glance.
 
     Examples
@@ -50,7 +50,7 @@ class Rough:
     >>> from stickslip.identification.force_map.data import stretches_of
     >>> v = np.linspace(-1.0, 1.0, 100)
     >>> table = Measurement(velocity=v, friction=2.0 * np.sign(v) + 0.5)
-    >>> rough = Rough.of(stretches_of(Axis(inertia=1.0), table))
+    >>> rough = StartEstimate.of(stretches_of(Axis(inertia=1.0), table))
     >>> round(rough.level, 6), round(rough.offset, 6)
     (2.0, 0.5)
     """
@@ -71,7 +71,7 @@ class Rough:
     """Slope of friction against displacement in presliding, over the normal force [1/m]."""
     two_sided: bool
     """Whether there is slip in both directions."""
-    sides: tuple["Rough", ...] = ()
+    sides: tuple["StartEstimate", ...] = ()
     """The same of backward and of forward slip alone."""
 
     @property
@@ -110,7 +110,9 @@ class Rough:
         return max(self.viscous, 1e-3 * self.force / self.speed)
 
     @classmethod
-    def of(cls, stretches: Sequence[Stretch], *, offset: float | None = None) -> "Rough":
+    def of(
+        cls, stretches: Sequence[MotionSegment], *, offset: float | None = None
+    ) -> "StartEstimate":
         """Return what some stretches say; the offset is looked for if it is not given."""
         rows = [
             np.stack([one.path.velocity, one.path.load, one.friction])[:, one.rows_of(None)]
@@ -159,7 +161,9 @@ class Rough:
                 values[declared.name] = value
         return kind(**values)
 
-    def unknowns(self, law: FrictionLaw, paths: Collection[str], constant: str | None) -> Unknowns:
+    def unknowns(
+        self, law: FrictionLaw, paths: Collection[str], constant: str | None
+    ) -> FreeParameters:
         """Return the parameters at some paths, and a constant force, to be looked for."""
         known = _values(law)
         items = [
@@ -170,7 +174,7 @@ class Rough:
         if constant is not None:
             most = WIDE * self.force
             items.append(
-                Unknown(
+                FreeParameter(
                     path=constant,
                     quantity=Quantity("o", "N"),
                     start=self.offset,
@@ -178,7 +182,7 @@ class Rough:
                     high=most,
                 )
             )
-        return Unknowns(tuple(items), {path: value for path, (_, value) in known.items()})
+        return FreeParameters(tuple(items), {path: value for path, (_, value) in known.items()})
 
     def _unknown(
         self,
@@ -187,7 +191,7 @@ class Rough:
         quantity: Quantity,
         value: float,
         known: Mapping[str, tuple[Quantity, float]],
-    ) -> Unknown:
+    ) -> FreeParameter:
         ranged = quantity if quantity.scale else with_ranges(law, path.rpartition(".")[2])
         assert ranged.bounds is not None
         (least, most), reach = ranged.bounds, ranged.scaled_by(self.sizes.reach)
@@ -208,10 +212,10 @@ class Rough:
             low = limit + (0.0 if quantity.above is None else 1e-9 * reach)
             low, high = max(low, -WIDE * size), max(most * reach, WIDE * size)
         if above:
-            return Unknown(
+            return FreeParameter(
                 path=path, quantity=quantity, start=value, low=0.0, high=high, above=above
             )
-        return Unknown(
+        return FreeParameter(
             path=path,
             quantity=quantity,
             start=value,
@@ -279,7 +283,7 @@ def _values(law: FrictionLaw) -> dict[str, tuple[Quantity, float]]:
     return found
 
 
-def _plain(rough: Rough) -> dict[str, Any]:
+def _plain(rough: StartEstimate) -> dict[str, Any]:
     return {declared.name: getattr(rough, declared.name) for declared in fields(rough)}
 
 
@@ -314,7 +318,7 @@ def _line(speed: Array, load: Array, force: Array, fast: float) -> tuple[float, 
     return max(level, 1e-12), viscous
 
 
-def _stiffness(stretches: Sequence[Stretch], force: float) -> float:
+def _stiffness(stretches: Sequence[MotionSegment], force: float) -> float:
     """Return the slope of friction after reversals over the load [1/m].
 
     From the way over which friction first changes by its own size after the motion has turned.

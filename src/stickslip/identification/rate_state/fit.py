@@ -13,9 +13,9 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import joined, quantity
 from stickslip.friction import RATE_STATE_FORMS, RateState, RateStateForm
 from stickslip.identification.estimation.jackknife import effective_size
-from stickslip.identification.estimation.levenberg_marquardt import Found, Watch, search
-from stickslip.identification.estimation.parameters import Unknowns
-from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch, search
+from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.features.features import load_of
 from stickslip.identification.rate_state.problem import (
     DRIFT,
@@ -320,7 +320,7 @@ def _pulled(mechanism: Mechanism) -> TowedBlock:
     )
 
 
-def _unknowns(asked: _Asked, record: Record, *, drift: bool, lowest: float) -> Unknowns:
+def _unknowns(asked: _Asked, record: Record, *, drift: bool, lowest: float) -> FreeParameters:
     held = dict(asked.held)
     if STIFFNESS in held:
         held[STIFFNESS] /= record.load
@@ -364,8 +364,13 @@ def _tried(slider: Slider) -> Sequence[Array]:
 
 
 def _drifting(
-    slider: Slider, found: Found, unknowns: Unknowns, watch: Watch | None, *, always: bool
-) -> tuple[Slider, Found]:
+    slider: Slider,
+    found: OptimizeResult,
+    unknowns: FreeParameters,
+    watch: Watch | None,
+    *,
+    always: bool,
+) -> tuple[Slider, OptimizeResult]:
     """Return problem and end with a drift, or those without if the data do not need it."""
     drifting = slider.with_unknowns(unknowns)
     ends = [search(drifting, starts=1 + len(DISTANCES), tried=_tried(drifting), watch=watch)]
@@ -380,7 +385,7 @@ def _drifting(
     return drifting, best
 
 
-def _profile(slider: Slider, best: Linearised) -> Profile:
+def _profile(slider: Slider, best: ResidualJacobian) -> Profile:
     """Return fits with other evolution effects held, as far as the record allows them."""
     items = slider.unknowns.items
     if any(item.low == item.high for item in items[:3]):  # of a and b, one alone has no rival
@@ -389,7 +394,7 @@ def _profile(slider: Slider, best: Linearised) -> Profile:
     a, b = values[:2]
     room = best.cost * (1.0 + 4.0 / max(effective_size(best) - len(values), 4.0))
     lowest = items[1].low
-    kept: list[Linearised] = []
+    kept: list[ResidualJacobian] = []
     unbounded = True
     for tried in (
         [b + share * a for share in LARGER],
@@ -404,7 +409,7 @@ def _profile(slider: Slider, best: Linearised) -> Profile:
     return Profile(ends=tuple(kept), unbounded=unbounded)
 
 
-def _holding(slider: Slider, values: Array, b: float) -> Linearised | None:
+def _holding(slider: Slider, values: Array, b: float) -> ResidualJacobian | None:
     """Return the best fit with b held, from a shifted as much and from fast evolution."""
     start = values.copy()
     start[0] = max(values[0] + b - values[1], 1e-2 * values[0])
@@ -420,7 +425,7 @@ def _holding(slider: Slider, values: Array, b: float) -> Linearised | None:
         return None
 
 
-def _windows(slider: Slider, best: Linearised) -> tuple[Window, ...]:
+def _windows(slider: Slider, best: ResidualJacobian) -> tuple[Window, ...]:
     """Return a - b with less of the record after the last step, and with all that was given."""
     if slider.unknowns.items[0].low == slider.unknowns.items[0].high:
         return ()

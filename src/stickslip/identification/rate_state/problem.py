@@ -12,8 +12,8 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import quantity
 from stickslip.friction import Evolution, RateState
-from stickslip.identification.estimation.parameters import Unknown, Unknowns
-from stickslip.identification.estimation.problem import Linearised, Problem
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identification.estimation.problem import Problem, ResidualJacobian
 from stickslip.identification.rate_state.slider import logarithms
 from stickslip.identification.series.load_point import Path, path_of
 from stickslip.quantities import Quantity, fields_of
@@ -193,14 +193,14 @@ class Slider(Problem):
     record: Record
     evolution: Evolution
     reference_velocity: float
-    unknowns_: Unknowns
+    unknowns_: FreeParameters
     mean_time: Array
     mean: Array
     weight: Array
 
     @staticmethod
     def of(
-        record: Record, evolution: Evolution, unknowns: Unknowns, reference_velocity: float
+        record: Record, evolution: Evolution, unknowns: FreeParameters, reference_velocity: float
     ) -> "Slider":
         """Return the problem of a record; sums of squares differ by scatter within stretches."""
         bins = np.arange(len(record.time))
@@ -217,13 +217,13 @@ class Slider(Problem):
             weight=np.sqrt(count / count.mean()),
         )
 
-    def with_unknowns(self, unknowns: Unknowns) -> "Slider":
+    def with_unknowns(self, unknowns: FreeParameters) -> "Slider":
         """Return the same record with other unknowns, of the same paths."""
         return replace(self, unknowns_=unknowns)
 
     @property
     @override
-    def unknowns(self) -> Unknowns:
+    def unknowns(self) -> FreeParameters:
         return self.unknowns_
 
     @property
@@ -291,11 +291,11 @@ class Slider(Problem):
     def linearise(
         self,
         values: Array,
-        near: Linearised | None = None,
+        near: ResidualJacobian | None = None,
         *,
         only: Sequence[int] | None = None,
         slopes: bool = True,
-    ) -> Linearised:
+    ) -> ResidualJacobian:
         segments = self.segments
         rows = np.ones(len(segments), dtype=bool) if only is None else np.isin(segments, only)
         times, weight = self.mean_time[rows], self.weight[rows]
@@ -303,12 +303,12 @@ class Slider(Problem):
         table = np.zeros((len(times), len(values)))
         if base is None:
             residual = np.full(len(times), np.inf)
-            return Linearised(
+            return ResidualJacobian(
                 values=values, residual=residual, slopes=table, segment=segments[rows]
             )
         if slopes:
             table = weight[:, None] * self._slopes(values, times, base)
-        return Linearised(
+        return ResidualJacobian(
             values=values,
             residual=weight * (self.mean[rows] - base),
             slopes=table,
@@ -353,7 +353,7 @@ def unknowns_for(
     held: Mapping[str, float],
     given: Mapping[str, float],
     reference_velocity: float,
-) -> Unknowns:
+) -> FreeParameters:
     """Return what is looked for, with first guesses read off the record.
 
     Parameters
@@ -395,11 +395,13 @@ def unknowns_for(
         ends = (start, start) if path in held else (min(low, start), max(high, start))
         size = log and path not in held  # what is held stays to the last digit
         items.append(
-            Unknown(path=path, quantity=symbol, start=start, low=ends[0], high=ends[1], log=size)
+            FreeParameter(
+                path=path, quantity=symbol, start=start, low=ends[0], high=ends[1], log=size
+            )
         )
     if drift:
-        items.append(Unknown(path=DRIFT, quantity=Quantity("eta", "1/m"), start=0.0))
-    return Unknowns(tuple(items))
+        items.append(FreeParameter(path=DRIFT, quantity=Quantity("eta", "1/m"), start=0.0))
+    return FreeParameters(tuple(items))
 
 
 def _levels(record: Record) -> tuple[float, float]:

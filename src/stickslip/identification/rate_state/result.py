@@ -23,8 +23,8 @@ from stickslip.formatting import (
 )
 from stickslip.friction import RateState
 from stickslip.identification.estimation.jackknife import BLOCKS, Inference, effective_size, infer
-from stickslip.identification.estimation.levenberg_marquardt import Found
-from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult
+from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.rate_state.problem import PATHS, Slider, record_of
 from stickslip.identification.rate_state.slider import SliderHistory, simulate_velocity_steps
 from stickslip.identification.results import Estimate, Fit, estimates_for
@@ -86,7 +86,7 @@ class Window:
 class Profile:
     """Fits with other evolution effects held that the record allows as well as the best."""
 
-    ends: tuple[Linearised, ...] = ()
+    ends: tuple[ResidualJacobian, ...] = ()
     unbounded: bool = False
     """Whether the largest evolution effect tried is still allowed."""
 
@@ -131,13 +131,13 @@ class RateStateFit(Fit[RateState]):
     """Times [s] and positions [m] between which the load point moves steadily."""
     problem: Slider
     """The record as residuals."""
-    found: Found
+    found: OptimizeResult
     """The least cost found, and what each start came to."""
     inference: Inference
     """Covariance of the fitted values, those that were held included."""
 
     @property
-    def best(self) -> Linearised:
+    def best(self) -> ResidualJacobian:
         """Residuals and slopes at the fitted values."""
         return self.found.best
 
@@ -263,7 +263,7 @@ def bounds_met(fit: RateStateFit) -> tuple[str, ...]:
     return tuple(item.quantity.symbol for item, one in items if one)
 
 
-def inference_of(slider: Slider, best: Linearised) -> Inference:
+def inference_of(slider: Slider, best: ResidualJacobian) -> Inference:
     """Return covariances of the values (p,), from leaving out blocks of the record."""
     scale = slider.unknowns.slopes(slider.unknowns.coordinates(best.values))
     scale[:, ~free_of(slider, best.values)] = 0.0
@@ -271,7 +271,7 @@ def inference_of(slider: Slider, best: Linearised) -> Inference:
 
 
 def rate_of(
-    slider: Slider, best: Linearised, inference: Inference | None = None
+    slider: Slider, best: ResidualJacobian, inference: Inference | None = None
 ) -> tuple[float, float, float]:
     """Return a - b, half the width of its 95 % interval, and its error of independent residuals."""
     a, b = map(float, best.values[:2])
@@ -289,7 +289,7 @@ def result_of(
     block: TowedBlock,
     measurement: Measurement,
     slider: Slider,
-    found: Found,
+    found: OptimizeResult,
     *,
     profile: Profile = NO_PROFILE,
     windows: tuple[Window, ...] = (),
@@ -327,7 +327,7 @@ def result_of(
     return replace(fit, sentences=_sentences(fit, found), remarks=_remarks(fit))
 
 
-def blocks_of(best: Linearised) -> int:
+def blocks_of(best: ResidualJacobian) -> int:
     """Return how many blocks of a record are left out in turn: at least the usual number.
 
     A step is over soon, and what one block alone shows has no interval. There are more blocks where
@@ -336,7 +336,7 @@ def blocks_of(best: Linearised) -> int:
     return int(np.clip(effective_size(best) / ROOM, BLOCKS, MOST_BLOCKS))
 
 
-def _correlation(slider: Slider, best: Linearised, profile: Profile) -> float:
+def _correlation(slider: Slider, best: ResidualJacobian, profile: Profile) -> float:
     """Return the correlation of a and b; near b = 0 that at the next b the record allows.
 
     It is that of independent residuals, which stays defined where a and b cannot be told apart.
@@ -352,7 +352,7 @@ def _correlation(slider: Slider, best: Linearised, profile: Profile) -> float:
 
 
 def _estimates(
-    slider: Slider, best: Linearised, inference: Inference, profile: Profile
+    slider: Slider, best: ResidualJacobian, inference: Inference, profile: Profile
 ) -> list[Estimate]:
     """Return all unknowns, those that are held too, each interval widened by the profile."""
     values, load = best.values, slider.record.load
@@ -392,7 +392,9 @@ def _width(inference: Inference, index: int) -> float:
     return inference.half_width(np.eye(len(inference.reasons))[index])
 
 
-def _rate(slider: Slider, best: Linearised, inference: Inference, profile: Profile) -> Estimate:
+def _rate(
+    slider: Slider, best: ResidualJacobian, inference: Inference, profile: Profile
+) -> Estimate:
     """Return the estimate of a - b."""
     rate, width, _ = rate_of(slider, best, inference)
     others = np.array([end.values[0] - end.values[1] for end in profile.ends])
@@ -417,7 +419,7 @@ def _hull(value: float, half_width: float, others: Array) -> tuple[float, float]
     return float(low), float(high)
 
 
-def _sentences(fit: RateStateFit, found: Found) -> tuple[str, ...]:
+def _sentences(fit: RateStateFit, found: OptimizeResult) -> tuple[str, ...]:
     path, law = fit.problem.record.path, fit.law
     said = [f"The load point moves at {joined(quantities(path.speeds.tolist(), 'm/s'))}."]
     if fit.rate.reason != HELD:

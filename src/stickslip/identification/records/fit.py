@@ -19,17 +19,22 @@ from stickslip.formatting import quantity
 from stickslip.identification.estimation.containment import FittedLaw
 from stickslip.identification.estimation.halves import Halves
 from stickslip.identification.estimation.jackknife import Displaced, Inference, bootstrap
-from stickslip.identification.estimation.levenberg_marquardt import Found, improve
+from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, improve
 from stickslip.identification.estimation.model_error import ModelError
-from stickslip.identification.estimation.parameters import Unknowns
-from stickslip.identification.estimation.problem import Held, Linearised, Problem, RecordProblem
+from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.estimation.problem import (
+    FixedParameterProblem,
+    Problem,
+    RecordProblem,
+    ResidualJacobian,
+)
 from stickslip.identification.results import Fit, Law_co, estimates_for
 from stickslip.identification.series.applied_force import inside
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Build", "Prediction", "RecordFit", "Score", "check_horizon"]
+__all__ = ["Prediction", "ProblemBuilder", "RecordFit", "Score", "check_horizon"]
 
 Array = NDArray[np.float64]
 
@@ -39,7 +44,7 @@ SETTLED = 0.01
 """Share of the cost that a round must take off for another one to follow."""
 
 
-class Build(Protocol):
+class ProblemBuilder(Protocol):
     """Makes problems of other records, with the same unknowns."""
 
     def __call__(self, record: Measurement, length: float | None) -> RecordProblem:
@@ -48,7 +53,7 @@ class Build(Protocol):
     def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
         """Return the problem of a record as it is fitted: perhaps some of its rows only."""
 
-    def with_unknowns(self, unknowns: Unknowns) -> Self:
+    def with_unknowns(self, unknowns: FreeParameters) -> Self:
         """Return what builds the same with other bounds or start values of the unknowns."""
 
     def at(self, values: Array) -> Self:
@@ -136,9 +141,9 @@ class RecordFit(Fit[Law_co]):
     """What was fitted."""
     problem: RecordProblem = field(repr=False)
     """The record as residuals."""
-    build: Build = field(repr=False)
+    build: ProblemBuilder = field(repr=False)
     """Makes the same problem of other records."""
-    found: Found
+    found: OptimizeResult
     """Least cost and restarts; of a free decay, those of the last and longest segments."""
     inference: Inference
     """Covariance, condition and effective sample size."""
@@ -186,7 +191,7 @@ class RecordFit(Fit[Law_co]):
         return (*map(str, self.model_errors), *self.sentences)
 
     @property
-    def unknowns(self) -> Unknowns:
+    def unknowns(self) -> FreeParameters:
         """What was looked for."""
         return self.problem.unknowns
 
@@ -276,7 +281,7 @@ class RecordFit(Fit[Law_co]):
 
     def _seen(
         self, measurement: Measurement | None, horizon: float | None
-    ) -> tuple[RecordProblem, Linearised]:
+    ) -> tuple[RecordProblem, ResidualJacobian]:
         if measurement is None and horizon is None:
             return self.problem, self.found.best
         if horizon is not None:
@@ -317,7 +322,7 @@ class RecordFit(Fit[Law_co]):
         index = self.unknowns.paths.index(self.estimate(name).path)
         costs = []
         for value in values:
-            held = Held(self.problem, index, float(value))
+            held = FixedParameterProblem(self.problem, index, float(value))
             end, _ = improve(held, np.delete(self.values, index))
             costs.append(end.cost)
         return np.array(costs)
@@ -390,7 +395,7 @@ def settled(
     *,
     only: Sequence[int] | None = None,
     rounds: int = SETTLING,
-) -> Linearised:
+) -> ResidualJacobian:
     """Return residuals at values with the segments' initial states fitted.
 
     Where a segment begins at rest, each round takes three quarters off the error of its first
@@ -408,7 +413,7 @@ def settled(
     return best
 
 
-def _better(one: Linearised, other: Linearised) -> Linearised:
+def _better(one: ResidualJacobian, other: ResidualJacobian) -> ResidualJacobian:
     """Return by segment the residuals that are less: a long step of a first state may go astray."""
     residual = one.residual.copy()
     for k in np.unique(one.segment):
@@ -418,7 +423,7 @@ def _better(one: Linearised, other: Linearised) -> Linearised:
     return other.with_residual(residual)
 
 
-def scale_of(unknowns: Unknowns, values: Array, at_bounds: Mapping[str, str]) -> Array:
+def scale_of(unknowns: FreeParameters, values: Array, at_bounds: Mapping[str, str]) -> Array:
     """Return the derivatives of values by coordinates, 0 for sizes that ran to a bound.
 
     A level or a slope that a bound holds, such as 0, is as unsure as any: were it taken for known,

@@ -26,12 +26,12 @@ from stickslip.identification.estimation.containment import (
 )
 from stickslip.identification.estimation.halves import contradiction, widened
 from stickslip.identification.estimation.jackknife import infer
-from stickslip.identification.estimation.levenberg_marquardt import Found, Watch, search
-from stickslip.identification.estimation.parameters import Unknowns
+from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch, search
+from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.features.features import ROUTE as FEATURES
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.level_units import in_forces, turned_as
-from stickslip.identification.records.problems import Prepared, Route, Wanted, prepared
+from stickslip.identification.records.problems import FitSetup, ProblemRequest, Route, prepared
 from stickslip.identification.records.propagation import displacements
 from stickslip.identification.records.refits import halves_of
 from stickslip.identification.records.route_choice import (
@@ -191,7 +191,7 @@ def fit_record(
     """
     choice = _route(mechanism, measurement, unknown, route, settings)
     refuse_unused(measurement, inside(mechanism, measurement))
-    wanted = Wanted(
+    wanted = ProblemRequest(
         mechanism=mechanism,
         law=law,
         measurement=measurement,
@@ -222,7 +222,7 @@ def fit_record(
 
 def _fitted_by(
     choice: RouteChoice,
-    wanted: Wanted,
+    wanted: ProblemRequest,
     contained: Sequence[FittedLaw] | None,
     watch: Watch | None,
     rival: float = 0.0,
@@ -249,11 +249,11 @@ def _kind_of(law: FrictionLaw | type[FrictionLaw]) -> type[FrictionLaw]:
 
 def _searched(
     way: Route,
-    wanted: Wanted,
+    wanted: ProblemRequest,
     contained: Sequence[FittedLaw],
     watch: Watch | None,
     rival: float = 0.0,
-) -> tuple[Prepared, Found, Found]:
+) -> tuple[FitSetup, OptimizeResult, OptimizeResult]:
     """Return the problem and the end of its search, and the search that began from all starts.
 
     They differ for a free decay only, which is fitted again in longer segments.
@@ -286,7 +286,7 @@ def _route(
     return RouteChoice(route=route_of(measurement, route), settings=settings or RecordSettings())
 
 
-def _simpler_fits(way: Route, wanted: Wanted, watch: Watch | None) -> tuple[FittedLaw, ...]:
+def _simpler_fits(way: Route, wanted: ProblemRequest, watch: Watch | None) -> tuple[FittedLaw, ...]:
     """Fit the laws that a law contains at first hand, and those that they contain.
 
     The simplest are left out: what contains nothing, such as Coulomb friction alone, is found by
@@ -331,7 +331,9 @@ def _is_shape(kind: type[FrictionLaw], name: str) -> bool:
     return fields_of(kind)[name].structural
 
 
-def _best_of(ready: Prepared, found: Found, starts: Sequence[Array], watch: Watch | None) -> Found:
+def _best_of(
+    ready: FitSetup, found: OptimizeResult, starts: Sequence[Array], watch: Watch | None
+) -> OptimizeResult:
     """Return the better of a search and of searches from further starts."""
     for start in starts:
         if found.cancelled:
@@ -364,8 +366,8 @@ def _tested(fit: RecordFit, hold: Hold) -> RecordFit:
 
 
 def _widened(
-    ready: Prepared, settings: RecordSettings, watch: Watch | None, rival: float
-) -> tuple[Prepared, Found]:
+    ready: FitSetup, settings: RecordSettings, watch: Watch | None, rival: float
+) -> tuple[FitSetup, OptimizeResult]:
     """Search, and again with wider bounds where one was met that a start value had set.
 
     A bound that follows from a poor guess would pass for what the record says. One that is a limit
@@ -402,12 +404,12 @@ def _widened(
 
 
 def _lengthened(
-    ready: Prepared,
-    found: Found,
+    ready: FitSetup,
+    found: OptimizeResult,
     measurement: Measurement,
     settings: RecordSettings,
     watch: Watch | None,
-) -> tuple[Prepared, Found]:
+) -> tuple[FitSetup, OptimizeResult]:
     """Fit a free decay again in longer segments, at last as a whole.
 
     The whole tells the most, but only from near the truth: from farther off, a swing more or less
@@ -437,9 +439,9 @@ def _lengthened(
 def _finished(
     route: Route,
     measurement: Measurement,
-    ready: Prepared,
-    found: Found,
-    searched: Found,
+    ready: FitSetup,
+    found: OptimizeResult,
+    searched: OptimizeResult,
 ) -> RecordFit:
     """Return a fit from the end of its search, which began with one from several starts."""
     unknowns, best = ready.problem.unknowns, found.best
@@ -475,7 +477,7 @@ def _finished(
     return _with_estimates(fit, told, sentences)
 
 
-def _with_estimates(fit: RecordFit, told: Unknowns, sentences: Sequence[str]) -> RecordFit:
+def _with_estimates(fit: RecordFit, told: FreeParameters, sentences: Sequence[str]) -> RecordFit:
     """Return a fit with its estimates and their intervals, and what is to be said of both."""
     best = fit.found.best
     halves = None if fit.found.cancelled else halves_of(fit)
@@ -494,7 +496,7 @@ def _with_estimates(fit: RecordFit, told: Unknowns, sentences: Sequence[str]) ->
     )
 
 
-def _doubtful(found: Found) -> tuple[str, ...]:
+def _doubtful(found: OptimizeResult) -> tuple[str, ...]:
     """Return a sentence where no other start came to the least residual."""
     if found.hopeless:
         return (

@@ -7,7 +7,7 @@ from typing import Final
 
 from stickslip.experiments import Measurement
 from stickslip.experiments.units import turned
-from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.mechanisms import Axis, Mechanism
 
 __all__ = ["in_forces", "reads_as_forces", "turned_as"]
@@ -35,7 +35,9 @@ def reads_as_forces(mechanism: Mechanism, measurement: Measurement) -> bool:
     return unit_load and not known
 
 
-def in_forces(unknowns: Unknowns, mechanism: Mechanism, measurement: Measurement) -> Unknowns:
+def in_forces(
+    unknowns: FreeParameters, mechanism: Mechanism, measurement: Measurement
+) -> FreeParameters:
     """Return the unknowns with the units that their values read in.
 
     A law's levels are pure numbers, times the normal force. Where that is 1 for want of another,
@@ -45,7 +47,7 @@ def in_forces(unknowns: Unknowns, mechanism: Mechanism, measurement: Measurement
     --------
     >>> from stickslip.quantities import Quantity
     >>> path = "friction.kinetic_coefficient"
-    >>> level = Unknowns((Unknown(path=path, quantity=Quantity("mu_k"), start=2.0),))
+    >>> level = FreeParameters((FreeParameter(path=path, quantity=Quantity("mu_k"), start=2.0),))
     >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
     >>> in_forces(level, Axis(inertia=1.0), table).items[0].quantity.unit
     'N'
@@ -55,14 +57,14 @@ def in_forces(unknowns: Unknowns, mechanism: Mechanism, measurement: Measurement
     return replace(unknowns, items=tuple(_in_forces(unknowns.items)))
 
 
-def turned_as(measurement: Measurement, unknowns: Unknowns) -> Unknowns:
+def turned_as(measurement: Measurement, unknowns: FreeParameters) -> FreeParameters:
     """Return the unknowns in the units of what was measured: about an axis, forces are torques.
 
     Examples
     --------
     >>> from stickslip.quantities import Quantity
-    >>> offset = Unknowns(
-    ...     (Unknown(path="mechanism.offset", quantity=Quantity("o", "N"), start=0.0),)
+    >>> offset = FreeParameters(
+    ...     (FreeParameter(path="mechanism.offset", quantity=Quantity("o", "N"), start=0.0),)
     ... )
     >>> swing = Measurement(time=[0.0, 1.0], position=[0.0, 0.1], turning=True)
     >>> turned_as(swing, offset).items[0].quantity.unit
@@ -73,7 +75,7 @@ def turned_as(measurement: Measurement, unknowns: Unknowns) -> Unknowns:
     return replace(unknowns, items=tuple(items))
 
 
-def _in_forces(items: Iterable[Unknown]) -> Iterable[Unknown]:
+def _in_forces(items: Iterable[FreeParameter]) -> Iterable[FreeParameter]:
     for item in items:
         quantity = item.quantity
         unit = AT_UNIT_LOAD.get(quantity.unit, "")

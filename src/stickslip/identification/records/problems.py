@@ -13,13 +13,13 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.experiments.preconditions import with_doubts
 from stickslip.friction import FrictionLaw
-from stickslip.identification.estimation.parameters import Unknowns
+from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem
 from stickslip.identification.force_map.data import stretches_of
-from stickslip.identification.force_map.force_balance import Balanced, balanced
+from stickslip.identification.force_map.force_balance import BalanceProblemBuilder, balanced
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.problem import FEW, SAMPLES, map_along
-from stickslip.identification.records.fit import Build
+from stickslip.identification.records.fit import ProblemBuilder
 from stickslip.identification.records.scanning import scanned_scales, surplus_starts
 from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.series.applied_force import drives_itself
@@ -36,7 +36,7 @@ from stickslip.identification.shooting.segments import measured_quantity, segmen
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
 
-__all__ = ["Prepared", "Route", "Wanted", "prepared", "simulated"]
+__all__ = ["FitSetup", "ProblemRequest", "Route", "prepared", "simulated"]
 
 Array = NDArray[np.float64]
 SOME = 2_500
@@ -45,7 +45,7 @@ Route: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wanted:
+class ProblemRequest:
     """What is to be fitted to what, as `fit_record` is asked."""
 
     mechanism: Mechanism
@@ -63,13 +63,13 @@ P_co = TypeVar("P_co", bound=RecordProblem, default=RecordProblem, covariant=Tru
 
 
 @dataclass(frozen=True)
-class Prepared(Generic[P_co]):
+class FitSetup(Generic[P_co]):
     """A problem and where its search begins."""
 
     mechanism: Mechanism
     start: FrictionLaw
     problem: P_co
-    build: Build
+    build: ProblemBuilder
     tried: tuple[Array, ...] = ()
     """Further start values (p,), the best first."""
     load: float = 1.0
@@ -77,7 +77,7 @@ class Prepared(Generic[P_co]):
     length: float | None = None
     """Length of its segments [s], if it is not that of the settings."""
 
-    def looking_for(self, unknowns: Unknowns) -> "Prepared[P_co]":
+    def looking_for(self, unknowns: FreeParameters) -> "FitSetup[P_co]":
         """Return the same with other bounds or start values of the unknowns."""
         return replace(
             self,
@@ -95,7 +95,7 @@ class _ShootingBuilder:
 
     mechanism: Mechanism
     law: FrictionLaw
-    unknowns: Unknowns
+    unknowns: FreeParameters
     settings: RecordSettings
     quantity: str
     """What runs are compared with, in every record alike."""
@@ -118,7 +118,7 @@ class _ShootingBuilder:
     def fitted(self, record: Measurement, length: float | None) -> Shooting:
         return self(record, length)
 
-    def with_unknowns(self, unknowns: Unknowns) -> "_ShootingBuilder":
+    def with_unknowns(self, unknowns: FreeParameters) -> "_ShootingBuilder":
         return replace(self, unknowns=unknowns)
 
     def at(self, _values: Array) -> "_ShootingBuilder":
@@ -139,7 +139,7 @@ class _ForceMapBuilder:
         own = stretches_of(self.mechanism, record, segment=length, samples=SAMPLES)
         return self.problem.along(own, record)
 
-    def with_unknowns(self, unknowns: Unknowns) -> "_ForceMapBuilder":
+    def with_unknowns(self, unknowns: FreeParameters) -> "_ForceMapBuilder":
         return replace(self, problem=self.problem.with_unknowns(unknowns))
 
     def at(self, _values: Array) -> "_ForceMapBuilder":
@@ -153,7 +153,7 @@ def _rows(settings: RecordSettings, length: float | None) -> int:
     return max(settings.resolution, math.ceil(settings.resolution * length / settings.segment))
 
 
-def prepared(route: Route, wanted: Wanted) -> Prepared:
+def prepared(route: Route, wanted: ProblemRequest) -> FitSetup:
     """Return the problem of a route.
 
     Raises
@@ -164,7 +164,7 @@ def prepared(route: Route, wanted: Wanted) -> Prepared:
     return PROBLEMS[route](wanted)
 
 
-def simulated(wanted: Wanted) -> Prepared[Shooting]:
+def simulated(wanted: ProblemRequest) -> FitSetup[Shooting]:
     """Return the problem of simulated segments."""
     measurement = wanted.measurement
     quantity = measured_quantity(measurement)
@@ -201,7 +201,7 @@ def simulated(wanted: Wanted) -> Prepared[Shooting]:
     if near is not None:
         tried = (unknowns.start, *tried)
         problem = problem.with_unknowns(unknowns.starting_at(near))
-    return Prepared(mechanism, start, problem, build, tried, scales.load)
+    return FitSetup(mechanism, start, problem, build, tried, scales.load)
 
 
 def _acts_at_rest_alone(law: type[FrictionLaw]) -> bool:
@@ -211,7 +211,7 @@ def _acts_at_rest_alone(law: type[FrictionLaw]) -> bool:
     return above and not any(quantity.scale == "speed" for quantity in known.values())
 
 
-def _by_inverse_dynamics(wanted: Wanted, unknowns: Unknowns) -> Array | None:
+def _by_inverse_dynamics(wanted: ProblemRequest, unknowns: FreeParameters) -> Array | None:
     """Return start values (p,) that inverse dynamics finds; None if it cannot or nothing asks.
 
     Simulated segments say nothing of a velocity or a stiffness that is decades away.
@@ -234,7 +234,7 @@ def _load(problem: ForceMap) -> float:
     return float(np.median(np.concatenate([one.path.load for one in problem.stretches])))
 
 
-def _refuse_overrides(measurement: Measurement, unknowns: Unknowns) -> None:
+def _refuse_overrides(measurement: Measurement, unknowns: FreeParameters) -> None:
     """Refuse trials with values of their own for what is one unknown of all of them."""
     for number, record in enumerate(measurement.records(), 1):
         for path in record.overrides:
@@ -245,7 +245,7 @@ def _refuse_overrides(measurement: Measurement, unknowns: Unknowns) -> None:
                 )
 
 
-def _mapped(wanted: Wanted) -> Prepared[ForceMap]:
+def _mapped(wanted: ProblemRequest) -> FitSetup[ForceMap]:
     """Return the problem of friction that was measured."""
     if wanted.unknown:
         raise InputError(
@@ -264,10 +264,10 @@ def _mapped(wanted: Wanted) -> Prepared[ForceMap]:
     )
     problem = problem.with_unknowns(problem.unknowns.starting_at(starts[0]))
     build = _ForceMapBuilder(mechanism, problem)
-    return Prepared(mechanism, problem.law, problem, build, starts[1:], _load(problem))
+    return FitSetup(mechanism, problem.law, problem, build, starts[1:], _load(problem))
 
 
-def _derived(wanted: Wanted) -> Prepared[ForceMap]:
+def _derived(wanted: ProblemRequest) -> FitSetup[ForceMap]:
     """Return the problem of friction that inverse dynamics finds, the mass looked for with it."""
     mechanism, measurement, hold = wanted.mechanism, wanted.measurement, wanted.settings.hold
     mass = inertia_of(mechanism, measurement, wanted.unknown)
@@ -286,11 +286,11 @@ def _derived(wanted: Wanted) -> Prepared[ForceMap]:
     problem = problem.with_unknowns(problem.unknowns.starting_at(starts[0]))
     if mass is not None:
         _refuse_overrides(measurement, problem.unknowns)
-    build = Balanced(mechanism, problem, hold)
-    return Prepared(mechanism, problem.law, problem, build, starts[1:], _load(problem))
+    build = BalanceProblemBuilder(mechanism, problem, hold)
+    return FitSetup(mechanism, problem.law, problem, build, starts[1:], _load(problem))
 
 
-PROBLEMS: Mapping[Route, Callable[[Wanted], Prepared]] = {
+PROBLEMS: Mapping[Route, Callable[[ProblemRequest], FitSetup]] = {
     "shooting": simulated,
     "force-map": _mapped,
     "inverse-dynamics": _derived,

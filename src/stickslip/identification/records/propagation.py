@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Measurement
 from stickslip.identification.estimation.jackknife import Displaced
-from stickslip.identification.estimation.problem import Linearised, RecordProblem
+from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
 from stickslip.identification.travels.model import uncertainties_of
 from stickslip.identification.travels.propagation import span_of
 from stickslip.mechanisms import Mechanism
@@ -30,7 +30,7 @@ LOAD = "mechanism.load"
 
 def displacements(
     again: Callable[[Measurement], RecordProblem],
-    best: Linearised,
+    best: ResidualJacobian,
     mechanism: Mechanism,
     measurement: Measurement,
 ) -> tuple[Displaced, ...]:
@@ -43,7 +43,7 @@ def displacements(
     ----------
     again : callable
         Makes the problem that was fitted of the same records with other overrides.
-    best : Linearised
+    best : ResidualJacobian
         The end of the fit.
     mechanism : Mechanism
         What was measured.
@@ -94,7 +94,7 @@ def _refuse_load(paths: Collection[str], measurement: Measurement) -> None:
 
 def _moved(
     again: Callable[[Measurement], RecordProblem],
-    best: Linearised,
+    best: ResidualJacobian,
     mechanism: Mechanism,
     measurement: Measurement,
     path: str,

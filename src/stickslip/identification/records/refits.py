@@ -14,7 +14,7 @@ from stickslip.identification.estimates import bounds_met
 from stickslip.identification.estimation.halves import Halves, blocks_of_half
 from stickslip.identification.estimation.jackknife import Displaced, infer
 from stickslip.identification.estimation.levenberg_marquardt import improve
-from stickslip.identification.estimation.problem import Linearised, Part, Problem
+from stickslip.identification.estimation.problem import Problem, ResidualJacobian, SubsetProblem
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.series.applied_force import driven
 
@@ -30,7 +30,7 @@ FLAT = 1e-3
 """They end when a step, but the first, promises to lower the cost by less than this share."""
 
 
-def refitted(fit: RecordFit, first: float, last: float) -> Linearised | None:
+def refitted(fit: RecordFit, first: float, last: float) -> ResidualJacobian | None:
     """Return a fit made again without a stretch of its record, from the estimates of the whole.
 
     Parameters
@@ -42,7 +42,7 @@ def refitted(fit: RecordFit, first: float, last: float) -> Linearised | None:
 
     Returns
     -------
-    Linearised or None
+    ResidualJacobian or None
         The end of the search; None if nothing is left to fit to.
     """
     return (_refitted_decay if _decays(fit) else _refitted)(fit, first, last)
@@ -94,7 +94,7 @@ def halves_of(fit: RecordFit) -> Halves | None:
     )
 
 
-def _displaced_in(fit: RecordFit, half: Linearised) -> list[Displaced]:
+def _displaced_in(fit: RecordFit, half: ResidualJacobian) -> list[Displaced]:
     """Return what uncertainties of the mechanism make of a half.
 
     The halves of a free decay are cut anew: their rows are not those of the whole, and they are
@@ -136,18 +136,18 @@ def interleaved(spans: Array) -> bool:
     return bool(np.any(same & (spans[1:, 1] < 0.5 * (spans[:-1, 1] + spans[:-1, 2]))))
 
 
-def _refitted(fit: RecordFit, first: float, last: float) -> Linearised | None:
+def _refitted(fit: RecordFit, first: float, last: float) -> ResidualJacobian | None:
     """Return what fits the segments outside a stretch; None if no segment is outside."""
     placed = positions_of(fit.problem)
     seen = (placed[:, 1] <= first) | (placed[:, 0] >= last)
     if not seen.any():
         return None
-    part = Part(fit.problem, np.flatnonzero(seen).tolist(), fit.found.best)
+    part = SubsetProblem(fit.problem, np.flatnonzero(seen).tolist(), fit.found.best)
     end, _ = improve(part, fit.values, rounds=ROUNDS, flat=FLAT)
     return end
 
 
-def _refitted_decay(fit: RecordFit, first: float, last: float) -> Linearised | None:
+def _refitted_decay(fit: RecordFit, first: float, last: float) -> ResidualJacobian | None:
     """Return the same for a free decay, which was fitted in segments longer than a block.
 
     What comes before a stretch and what comes after it are segments of their own, as long as they

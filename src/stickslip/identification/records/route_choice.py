@@ -19,7 +19,7 @@ from stickslip.formatting import number, percent
 from stickslip.friction import CoulombViscous
 from stickslip.identification.estimation.levenberg_marquardt import improve, search
 from stickslip.identification.records.fit import RecordFit, settled
-from stickslip.identification.records.problems import Route, Wanted, prepared, simulated
+from stickslip.identification.records.problems import ProblemRequest, Route, prepared, simulated
 from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.series.applied_force import driven, drives_itself
 from stickslip.identification.shooting.multiple_shooting import Shooting
@@ -232,8 +232,8 @@ def _plain_fit(
     measurement: Measurement,
     unknown: Sequence[str],
     settings: RecordSettings,
-) -> Wanted:
-    return Wanted(
+) -> ProblemRequest:
+    return ProblemRequest(
         mechanism=mechanism,
         law=CoulombViscous,
         measurement=measurement,

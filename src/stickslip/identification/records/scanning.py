@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from stickslip.errors import ConvergenceError
 from stickslip.experiments import Measurement
 from stickslip.friction import Coulomb
-from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem
 from stickslip.identification.series.inverse_dynamics import mass_of
 from stickslip.identification.series.start_values import Scales, load_of
@@ -59,7 +59,9 @@ def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str
 
     Examples
     --------
-    >>> from stickslip import Capsule, Prescribed, ThreePhase, simulate
+    >>> from stickslip import Capsule, simulate
+    >>> from stickslip.drives import ThreePhase
+    >>> from stickslip.mechanisms import Prescribed
     >>> stroke = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
     >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
     >>> run = simulate(capsule, Coulomb(kinetic_coefficient=0.2), t_end=0.5).sampled(100)
@@ -70,10 +72,10 @@ def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str
     """
     load = load_of(mechanism)
     path, bounds = "friction.kinetic_coefficient", fields_of(Coulomb)["kinetic_coefficient"]
-    level = Unknown(path=path, quantity=bounds, start=LEVELS[0], low=0.0, high=LEVELS[-1])
+    level = FreeParameter(path=path, quantity=bounds, start=LEVELS[0], low=0.0, high=LEVELS[-1])
     problem = Shooting(
         law=Coulomb(kinetic_coefficient=LEVELS[0]),
-        unknowns_=Unknowns((level,), {}),
+        unknowns_=FreeParameters((level,), {}),
         segments=segments_of(
             mechanism, measurement, length=LONGEST, resolution=ROWS, quantity=quantity
         ),

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
-from stickslip.identification.estimation.parameters import Unknowns
-from stickslip.identification.force_map.data import Stretch
+from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.force_balance import balanced
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.problem import MECHANISM, SENSOR
@@ -44,7 +44,7 @@ class Fitted:
     law: FrictionLaw
     """The same."""
     measurement: Measurement
-    unknowns: Unknowns
+    unknowns: FreeParameters
     """What was fitted."""
     estimates: Sequence[Estimate]
     """Their values and intervals, in the same order."""
@@ -77,7 +77,7 @@ class Balance:
     passed: float
     """Highest frequency that the filter passes [Hz]."""
     signals: Signals
-    stretches: tuple[Stretch, ...]
+    stretches: tuple[MotionSegment, ...]
     picked: NDArray[np.intp]
     """Which samples are looked at."""
     rows: NDArray[np.intp]
@@ -178,12 +178,12 @@ def balance_of(fit: Fitted, wider: float, order: int) -> Balance:
     )
 
 
-def _linearised(fit: Fitted, stretches: tuple[Stretch, ...]) -> tuple[Array, Array]:
+def _linearised(fit: Fitted, stretches: tuple[MotionSegment, ...]) -> tuple[Array, Array]:
     """Return residuals (n,) [N] and slopes (n, p) by what stands in the law or beside it."""
     values, paths = fit.values, fit.unknowns.paths
     constant = SENSOR if SENSOR in paths else MECHANISM
     along = [i for i, p in enumerate(paths) if p.startswith("friction.") or p == constant]
-    own = Unknowns(tuple(fit.unknowns.items[i] for i in along), values)
+    own = FreeParameters(tuple(fit.unknowns.items[i] for i in along), values)
     problem = ForceMap(
         law=fit.law,
         unknowns_=own,
@@ -202,7 +202,7 @@ def _numbers(model: Mechanism | FrictionLaw, room: str) -> dict[str, float]:
     return {path: float(value) for path, _, value in parameters(model, room)}
 
 
-def _kept(stretches: Sequence[Stretch]) -> Array:
+def _kept(stretches: Sequence[MotionSegment]) -> Array:
     return np.concatenate([one.friction[one.rows_of(None)] for one in stretches])
 
 
@@ -225,7 +225,7 @@ def _autoregression(residual: Array, rows: NDArray[np.intp], order: int) -> Arra
 
 
 def _signals(
-    stretches: Sequence[Stretch],
+    stretches: Sequence[MotionSegment],
     measurement: Measurement,
     mechanism: Mechanism,
     edges: tuple[int, ...],
@@ -235,7 +235,7 @@ def _signals(
     return Signals(edges=edges, **columns)
 
 
-def _part(one: Stretch, measurement: Measurement, mechanism: Mechanism) -> dict[str, Array]:
+def _part(one: MotionSegment, measurement: Measurement, mechanism: Mechanism) -> dict[str, Array]:
     """Return the signals of a stretch."""
     record = measurement.records()[one.record]
     t, v = one.path.time, one.path.velocity

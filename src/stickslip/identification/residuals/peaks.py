@@ -12,8 +12,8 @@ from scipy.ndimage import median_filter
 from stickslip.experiments.differentiation import step_of
 from stickslip.formatting import quantity
 from stickslip.identification.estimation.model_error import UNSAID, ModelError
-from stickslip.identification.estimation.parameters import Unknowns
-from stickslip.identification.force_map.data import Stretch
+from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.force_balance import (
     balanced,
     mean_force,
@@ -95,7 +95,7 @@ def peaks_of(fit: Fitted, least: float) -> Iterator[ModelError]:
         )
 
 
-def _resolved(fit: Fitted, one: Stretch) -> float:
+def _resolved(fit: Fitted, one: MotionSegment) -> float:
     """Return the step of the readings of a position: what toggles between two is no vibration."""
     return step_of(positions_of(fit.measurement.records()[one.record]))
 
@@ -106,7 +106,7 @@ def _spectra(rate: float, length: int, signals: Sequence[Array]) -> tuple[Array,
     return (found[0][0], *(power for _, power in found))
 
 
-def _unfiltered(fit: Fitted, one: Stretch) -> tuple[Array, Array, Array]:
+def _unfiltered(fit: Fitted, one: MotionSegment) -> tuple[Array, Array, Array]:
     """Return what both leave of friction, known forces and inertia (n,) [N], none filtered."""
     mechanism, measurement = fit.mechanism, fit.measurement
     record = measurement.records()[one.record]
@@ -119,7 +119,7 @@ def _unfiltered(fit: Fitted, one: Stretch) -> tuple[Array, Array, Array]:
     mass, rest = known_forces(mechanism, x, one.path.velocity, force[rows])
     problem = ForceMap(
         law=fit.law,
-        unknowns_=Unknowns(()),
+        unknowns_=FreeParameters(()),
         stretches=(replace(one, passed=0.0, segment=np.zeros(len(x), dtype=np.intp)),),
         offset=float(getattr(mechanism, "offset", 0.0)),
     )

@@ -35,7 +35,7 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import joined, percent
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.model_error import UNSAID, ModelError
-from stickslip.identification.estimation.parameters import Unknowns
+from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.residuals.balance import Balance, Fitted, balance_of
 from stickslip.identification.residuals.effects import Effect, delay_of, effects
 from stickslip.identification.residuals.gains import (
@@ -110,7 +110,7 @@ def model_errors(
     mechanism: Mechanism,
     law: FrictionLaw,
     measurement: Measurement,
-    unknowns: Unknowns,
+    unknowns: FreeParameters,
     estimates: Sequence[Estimate],
     *,
     hold: Hold,
@@ -123,7 +123,7 @@ def model_errors(
         With the fitted values.
     measurement : Measurement
         Records in time with position or velocity, and the force applied.
-    unknowns : Unknowns
+    unknowns : FreeParameters
         What was fitted.
     estimates : sequence of Estimate
         Its intervals, in the same order.
@@ -146,7 +146,7 @@ def model_errors(
     >>> force = 3.0 * a + 2.0 * np.sign(v) + 4.0 * x
     >>> record = Measurement(time=t, position=x, force=force)
     >>> axis, law = Axis(inertia=3.0), Coulomb(kinetic_coefficient=2.0)
-    >>> (one,) = model_errors(axis, law, record, Unknowns(()), (), hold="first")
+    >>> (one,) = model_errors(axis, law, record, FreeParameters(()), (), hold="first")
     >>> one.kind, round(one.effect, 1)
     ('spring', 4.0)
     """

@@ -37,7 +37,8 @@ def drives_itself(mechanism: Mechanism, measurement: Measurement) -> bool:
 
     Examples
     --------
-    >>> from stickslip import Axis, Sine
+    >>> from stickslip import Axis
+    >>> from stickslip.drives import Sine
     >>> shaken = Axis(inertia=1.0, drive=Sine(amplitude=2.0, frequency=4.0))
     >>> record = Measurement(time=[0.0, 1.0], position=[0.0, 0.9])
     >>> drives_itself(shaken, record), drives_itself(Axis(inertia=1.0), record)
@@ -56,7 +57,9 @@ def inside(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
 
     Examples
     --------
-    >>> from stickslip import Capsule, Sine, Torque
+    >>> from stickslip import Capsule
+    >>> from stickslip.drives import Sine
+    >>> from stickslip.mechanisms import Torque
     >>> shaken = Capsule(
     ...     capsule_mass=0.8, inner_mass=0.2, drive=Torque(drive=Sine(amplitude=2.0, frequency=4.0))
     ... )

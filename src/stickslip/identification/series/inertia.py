@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import quantity
-from stickslip.identification.estimation.parameters import Unknown
+from stickslip.identification.estimation.parameters import FreeParameter
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics, mass_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import full_path, parameters
@@ -20,7 +20,7 @@ WIDE = 30.0
 
 def inertia_of(
     mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str]
-) -> Unknown | None:
+) -> FreeParameter | None:
     """Return the mass of a mechanism where it is looked for, to start from by robust regression.
 
     Raises
@@ -45,7 +45,7 @@ def inertia_of(
             f"inverse dynamics finds {quantity(value, 'kg')} for {path}: is the sign of the"
             " force right (gain -1), and does the motion accelerate?"
         )
-    return Unknown(
+    return FreeParameter(
         path=path,
         quantity=known[path],
         start=value,

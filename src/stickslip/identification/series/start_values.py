@@ -11,7 +11,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import number
 from stickslip.friction import DirectionalLaw, FrictionLaw
-from stickslip.identification.estimation.parameters import Unknown, Unknowns
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.ranges import Sizes, with_ranges
 from stickslip.identification.series.applied_force import driven
 from stickslip.identification.series.inertia import REVERSED
@@ -163,7 +163,7 @@ def law_unknowns(
     scales: Scales,
     free: Sequence[str] | None = None,
     known: Mapping[str, float] | None = None,
-) -> tuple[FrictionLaw, tuple[Unknown, ...], tuple[Mapping[str, float], ...]]:
+) -> tuple[FrictionLaw, tuple[FreeParameter, ...], tuple[Mapping[str, float], ...]]:
     """Return a law to start from, its unknowns, and further starts by path.
 
     Raises
@@ -199,7 +199,7 @@ def law_unknowns(
             low = 1e-6 * max(ranges[name].start, 1e-300)
         surplus = getattr(start, above) if above else 0.0
         unknowns.append(
-            Unknown(
+            FreeParameter(
                 path=f"friction.{name}",
                 quantity=quantity,
                 start=max(values[name], surplus),
@@ -292,7 +292,7 @@ def mechanism_unknowns(
     unknown: Sequence[str],
     scales: Scales,
     held: Collection[str] = (),
-) -> tuple[Unknown, ...]:
+) -> tuple[FreeParameter, ...]:
     """Return the unknowns of a mechanism: those asked for, and what is always in doubt.
 
     A constant force is left out where it is held, and where the record has one number for it and a
@@ -314,7 +314,7 @@ def mechanism_unknowns(
         begin = start.get(name, value)
         most = (REACH if name in NUISANCE else 1e3) * (scales.level + abs(begin))
         found.append(
-            Unknown(
+            FreeParameter(
                 path=path,
                 quantity=quantity,
                 start=begin,
@@ -327,7 +327,7 @@ def mechanism_unknowns(
     return tuple(found)
 
 
-def joined(law: FrictionLaw, items: Sequence[Unknown]) -> Unknowns:
+def joined(law: FrictionLaw, items: Sequence[FreeParameter]) -> FreeParameters:
     """Return the unknowns of a fit together, with what the law does not look for."""
     rest = {path: value for path, _, value in parameters(law, "friction")}
-    return Unknowns(tuple(items), rest)
+    return FreeParameters(tuple(items), rest)

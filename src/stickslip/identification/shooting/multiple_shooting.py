@@ -17,8 +17,8 @@ from typing_extensions import override
 from stickslip.errors import ParameterError
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.estimation.containment import not_whole
-from stickslip.identification.estimation.parameters import Unknowns
-from stickslip.identification.estimation.problem import STEEPEST, Linearised, RecordProblem
+from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.estimation.problem import STEEPEST, RecordProblem, ResidualJacobian
 from stickslip.identification.shooting.first_deflections import deflection_slopes, first_deflection
 from stickslip.identification.shooting.initial_states import (
     CLEARLY,
@@ -84,13 +84,13 @@ class Shooting(RecordProblem):
     """Positions (or velocities) of segments simulated with the measured drive."""
 
     law: FrictionLaw
-    unknowns_: Unknowns
+    unknowns_: FreeParameters
     segments: tuple[Segment, ...]
     quantity_: str = "position"
 
     @property
     @override
-    def unknowns(self) -> Unknowns:
+    def unknowns(self) -> FreeParameters:
         return self.unknowns_
 
     @property
@@ -142,18 +142,18 @@ class Shooting(RecordProblem):
         return replace(self, segments=tuple(self.segments[k] for k in chosen))
 
     @override
-    def with_unknowns(self, unknowns: Unknowns) -> "Shooting":
+    def with_unknowns(self, unknowns: FreeParameters) -> "Shooting":
         return replace(self, unknowns_=unknowns)
 
     @override
     def linearise(
         self,
         values: Array,
-        near: Linearised | None = None,
+        near: ResidualJacobian | None = None,
         *,
         only: Sequence[int] | None = None,
         slopes: bool = True,
-    ) -> Linearised:
+    ) -> ResidualJacobian:
         chosen = range(len(self.segments)) if only is None else only
         known: Mapping[int, LocalState] = near.memory if near is not None else {}
         change = np.zeros(len(values)) if near is None else values - near.values
@@ -219,7 +219,7 @@ class Shooting(RecordProblem):
         )
 
     @override
-    def carried(self, seen: Linearised) -> Array:
+    def carried(self, seen: ResidualJacobian) -> Array:
         law, mechanisms = self._changed(seen.values)
         found = []
         for k, one in enumerate(self.segments):
@@ -231,7 +231,7 @@ class Shooting(RecordProblem):
             found.append(one.measured - predicted)
         return np.concatenate(found)
 
-    def runs(self, seen: Linearised) -> tuple[Trajectory, ...]:
+    def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:
         """Return the segments simulated again from their fitted states, each with its certificate.
 
         Times of a run count from the start of its segment.
@@ -247,11 +247,11 @@ class Shooting(RecordProblem):
 
     def _joined(
         self, values: Array, chosen: Sequence[int], shots: Sequence[LocalState | None]
-    ) -> Linearised:
+    ) -> ResidualJacobian:
         done = [shot for shot in shots if shot is not None]
         if len(done) < len(shots):
             return _failed(values, [self.segments[k] for k in chosen], chosen)
-        return Linearised(
+        return ResidualJacobian(
             values=values,
             residual=np.concatenate([shot.residual for shot in done]),
             slopes=lambda: np.concatenate([shot.projected(shot.slopes) for shot in done]),
@@ -331,9 +331,9 @@ def _state_of(mechanism: Mechanism, quantity: str) -> str:
     return mechanism.rates[mechanism.coordinates.index(slip)]
 
 
-def _failed(values: Array, segments: Sequence[Segment], chosen: Sequence[int]) -> Linearised:
+def _failed(values: Array, segments: Sequence[Segment], chosen: Sequence[int]) -> ResidualJacobian:
     sizes = [len(s.times) for s in segments]
-    return Linearised(
+    return ResidualJacobian(
         values=values,
         residual=np.full(sum(sizes), np.inf),
         slopes=np.zeros((sum(sizes), len(values))),

@@ -7,7 +7,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.drives import Drive, Sampled, StraightPieces
+from stickslip.drives import Drive, PiecewiseAffine, Sampled
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement
 from stickslip.identification.series.applied_force import applied_force, drives_itself, inside
@@ -229,7 +229,7 @@ def _drive(time: Array, force: Array, stride: int, *, joined: bool) -> Drive:
     moment = np.add.reduceat(moments, first)
     slope = 12.0 * (moment - middle * impulse) / length**3
     value = impulse / length - 0.5 * slope * length
-    return StraightPieces(
+    return PiecewiseAffine(
         times=tuple(ends.tolist()),
         values=(*value.tolist(), float(force[-1])),
         slopes=(*slope.tolist(), 0.0),

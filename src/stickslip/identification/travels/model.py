@@ -120,7 +120,9 @@ def driven_on(mechanism: Mechanism) -> bool:
 
     Examples
     --------
-    >>> from stickslip import Capsule, Pulse, SpringBlock, Torque
+    >>> from stickslip import Capsule, SpringBlock
+    >>> from stickslip.drives import Pulse
+    >>> from stickslip.mechanisms import Torque
     >>> push = Pulse(level=10.0, duration=0.1)
     >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Torque(drive=push))
     >>> driven_on(capsule), driven_on(SpringBlock(mass=1.0, drive=push))
@@ -294,7 +296,9 @@ def under_cycles(trials: Sequence[Trial]) -> bool:
 
     Examples
     --------
-    >>> from stickslip import Capsule, Square, SpringBlock, Torque
+    >>> from stickslip import Capsule, SpringBlock
+    >>> from stickslip.drives import Square
+    >>> from stickslip.mechanisms import Torque
     >>> wave = Torque(drive=Square(high=6.0, low=-1.0, period=0.4))
     >>> rigs = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=wave), SpringBlock(mass=1.0)
     >>> trials = [Trial(mechanism=rig, initial={}, travel=0.2, half_width=0.0) for rig in rigs]

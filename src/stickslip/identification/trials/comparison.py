@@ -16,7 +16,11 @@ from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification.estimates import bounds_met, estimates_of
 from stickslip.identification.estimation.jackknife import Displaced, infer, quantile_of
 from stickslip.identification.estimation.levenberg_marquardt import improve
-from stickslip.identification.estimation.problem import Held, Linearised, Part
+from stickslip.identification.estimation.problem import (
+    FixedParameterProblem,
+    ResidualJacobian,
+    SubsetProblem,
+)
 from stickslip.identification.features.features import by_features
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.fitting import fit_records
@@ -279,7 +283,7 @@ def comparison_of(joint: RecordFit) -> TrialComparison:
     record_of = spans[:, 0].astype(int)
     records = joint.measurement.records()
     trials, failed = [], {}
-    present: list[Linearised] = []
+    present: list[ResidualJacobian] = []
     moved: list[list[Displaced]] = []
     for number, record in enumerate(records):
         name = record.name or f"trial {number + 1}"
@@ -309,11 +313,13 @@ def _alone(
     joint: RecordFit, number: int, name: str, segments: NDArray[np.intp], own: Sequence[int]
 ) -> TrialEstimates:
     """Fit the law to one trial, from the joint optimum; all else is kept."""
-    problem: Part | Held = Part(joint.problem, segments.tolist(), joint.found.best)
+    problem: SubsetProblem | FixedParameterProblem = SubsetProblem(
+        joint.problem, segments.tolist(), joint.found.best
+    )
     for i in reversed(range(len(joint.unknowns))):
         if i not in own:
             # a part of a problem answers to what is asked of all of it here
-            problem = Held(problem, i, float(joint.values[i]))  # type: ignore[arg-type]
+            problem = FixedParameterProblem(problem, i, float(joint.values[i]))  # type: ignore[arg-type]
     end, _ = improve(problem, joint.values[list(own)])
     unknowns = problem.unknowns
     bounds = bounds_met(unknowns, end.values)

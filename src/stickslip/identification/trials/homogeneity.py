@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from stickslip.identification.estimation.jackknife import BLOCKS, Displaced, block_sums
-from stickslip.identification.estimation.problem import Linearised
+from stickslip.identification.estimation.problem import ResidualJacobian
 
 __all__ = ["Homogeneity", "homogeneity", "rows_of"]
 
@@ -43,12 +43,12 @@ class Homogeneity:
     """Degrees of freedom of the F distribution."""
 
 
-def rows_of(seen: Linearised, rows: NDArray[np.bool_]) -> Linearised:
+def rows_of(seen: ResidualJacobian, rows: NDArray[np.bool_]) -> ResidualJacobian:
     """Return some rows of linearised residuals.
 
     Examples
     --------
-    >>> seen = Linearised(
+    >>> seen = ResidualJacobian(
     ...     values=np.zeros(1),
     ...     residual=np.arange(3.0),
     ...     slopes=np.ones((3, 1)),
@@ -57,7 +57,7 @@ def rows_of(seen: Linearised, rows: NDArray[np.bool_]) -> Linearised:
     >>> rows_of(seen, seen.segment == 0).residual.tolist()
     [0.0, 1.0]
     """
-    return Linearised(
+    return ResidualJacobian(
         values=seen.values,
         residual=seen.residual[rows],
         slopes=seen.slopes[rows],
@@ -66,7 +66,7 @@ def rows_of(seen: Linearised, rows: NDArray[np.bool_]) -> Linearised:
 
 
 def homogeneity(
-    trials: Sequence[Linearised],
+    trials: Sequence[ResidualJacobian],
     scale: Array,
     own: Sequence[int],
     displaced: Sequence[Sequence[Displaced]] = (),
@@ -75,7 +75,7 @@ def homogeneity(
 
     Parameters
     ----------
-    trials : sequence of Linearised
+    trials : sequence of ResidualJacobian
         The residuals of each trial at the joint optimum, rows in the order of time.
     scale : array (p, p)
         Derivatives of the values by what the optimiser sees; rows that are free of bounds.
@@ -88,7 +88,7 @@ def homogeneity(
     --------
     >>> draw = np.random.default_rng(0)
     >>> def trial(level):
-    ...     return Linearised(
+    ...     return ResidualJacobian(
     ...         values=np.zeros(1),
     ...         residual=level + draw.normal(size=200),
     ...         slopes=np.ones((200, 1)),
@@ -128,7 +128,7 @@ def homogeneity(
     return _matched(float(score @ form @ score), form, scatters, freedoms)
 
 
-def _between_blocks(one: Linearised, scale: Array, blocks: int) -> float:
+def _between_blocks(one: ResidualJacobian, scale: Array, blocks: int) -> float:
     """Return by how much a whole trial varies more than its blocks, added as independent, say.
 
     Residuals on both sides of the edge between two blocks are correlated as well. Without this,

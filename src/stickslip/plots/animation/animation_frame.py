@@ -47,7 +47,8 @@ def moments_of(
 
     Examples
     --------
-    >>> from stickslip import Axis, Coulomb, Sine, simulate
+    >>> from stickslip import Axis, Coulomb, simulate
+    >>> from stickslip.drives import Sine
     >>> axis = Axis(inertia=1.0, drive=Sine(amplitude=3.0, frequency=1.0))
     >>> run = simulate(axis, Coulomb(kinetic_coefficient=1.0), t_end=1.0)
     >>> moment = moments_of(run, axis, np.array([0.25]))[0]

@@ -14,7 +14,7 @@ from stickslip.trajectory import Trajectory
 
 __all__ = [
     "Array",
-    "Look",
+    "LineStyle",
     "Sizes",
     "coordinate_name",
     "dense",
@@ -45,7 +45,7 @@ class Sizes(TypedDict):
     narrow: Size
 
 
-class Look(NamedTuple):
+class LineStyle(NamedTuple):
     """How one series is drawn."""
 
     colour: str
@@ -54,7 +54,7 @@ class Look(NamedTuple):
     order: int
 
 
-def looks(names: Iterable[str], chosen: str | None = None) -> dict[str, Look]:
+def looks(names: Iterable[str], chosen: str | None = None) -> dict[str, LineStyle]:
     """Return how each series is drawn: the chosen one blue and broad, the others thin upon it.
 
     So curves that coincide are both seen.
@@ -82,8 +82,8 @@ def looks(names: Iterable[str], chosen: str | None = None) -> dict[str, Look]:
     rivals = [name for name in names if name != chosen]
     for index, name in enumerate(rivals):
         lap, place = divmod(index, len(RIVALS))
-        found[name] = Look(RIVALS[place], DASHES[lap % len(DASHES)], 1.4, 3)
-    return {name: found.get(name, Look(C1, "-", 3.0, 2)) for name in names}
+        found[name] = LineStyle(RIVALS[place], DASHES[lap % len(DASHES)], 1.4, 3)
+    return {name: found.get(name, LineStyle(C1, "-", 3.0, 2)) for name in names}
 
 
 def dense(run: Trajectory, until: float | None = None, samples: int = SAMPLES) -> Trajectory:

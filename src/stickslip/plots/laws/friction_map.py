@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from stickslip.formatting import scale_of
 from stickslip.friction import FrictionLaw
-from stickslip.plots.core.helpers import Array, Look, Sizes, looks, wrapped
+from stickslip.plots.core.helpers import Array, LineStyle, Sizes, looks, wrapped
 from stickslip.plots.core.label_placement import Curve, label_curves
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C3, C4, DATA, LINE, MUTED, label_at
@@ -173,7 +173,9 @@ def _say_trend(axes: Axes) -> None:
         )  # fmt: skip
 
 
-def _lines(axes: Axes, lines: Mapping[str, tuple[Array, Array]], look: Mapping[str, Look]) -> None:
+def _lines(
+    axes: Axes, lines: Mapping[str, tuple[Array, Array]], look: Mapping[str, LineStyle]
+) -> None:
     for name, (v, force) in lines.items():
         colour, _, width, order = look[name]
         dashes = "-" if order == max(one.order for one in look.values()) else (0, (5, 2))
@@ -200,7 +202,7 @@ def _frame(
 def _names(
     axes: Axes,
     curves: Mapping[str, tuple[Array, Array]],
-    look: Mapping[str, Look],
+    look: Mapping[str, LineStyle],
     factor: float,
 ) -> None:
     """Name the laws in the quadrants that friction leaves free; beside the curves if one-way."""

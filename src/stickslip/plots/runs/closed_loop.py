@@ -154,7 +154,8 @@ def plot_closed_loop(
 
     Examples
     --------
-    >>> from stickslip import PID, Axis, Coulomb, closed_loop
+    >>> from stickslip import Axis, Coulomb
+    >>> from stickslip.control import PID, closed_loop
     >>> law = Coulomb(kinetic_coefficient=1.0)
     >>> control = PID(proportional=100.0, derivative=10.0, reference=0.1)
     >>> loop = closed_loop(Axis(inertia=1.0), law, control, period=1e-2, t_end=1.0)

@@ -13,7 +13,7 @@ from stickslip.formatting import scale_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
 from stickslip.plots.core.event_markers import within
-from stickslip.plots.core.helpers import Look, Sizes, dense, looks, motion_names
+from stickslip.plots.core.helpers import LineStyle, Sizes, dense, looks, motion_names
 from stickslip.plots.core.label_placement import Curve, label_curves
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import MUTED, shade
@@ -68,7 +68,7 @@ def draw_cycles(
 
 
 def _progress(
-    axes: Axes, runs: Mapping[str, Trajectory], slip: str, look: Mapping[str, Look]
+    axes: Axes, runs: Mapping[str, Trajectory], slip: str, look: Mapping[str, LineStyle]
 ) -> None:
     everything = np.concatenate([run[slip] for run in runs.values()])
     factor, unit = scale_of(everything, next(iter(runs.values())).units[slip])
@@ -89,7 +89,7 @@ def _near_zero(
     chosen: str,
     cycle: tuple[float, float],
     rate: str,
-    look: Mapping[str, Look],
+    look: Mapping[str, LineStyle],
 ) -> None:
     first, last = cycle
     # Fixed steps are shown where they stand, so that one sees them.

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.plots.core.helpers import Array, Look, Sizes, dense, horizon, looks
+from stickslip.plots.core.helpers import Array, LineStyle, Sizes, dense, horizon, looks
 from stickslip.plots.core.label_placement import Curve, label_curves
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import MUTED, SLIP_BACK, label_at
@@ -73,7 +73,7 @@ def _travels(
     times: Array,
     travel: Mapping[str, Array],
     chosen: str,
-    look: Mapping[str, Look],
+    look: Mapping[str, LineStyle],
     band: tuple[float, float] | None,
 ) -> None:
     reach = float(np.max(np.abs(travel[chosen]))) or 1.0
@@ -96,7 +96,7 @@ def _travels(
 
 
 def _differences(
-    axes: Axes, times: Array, apart: Mapping[str, Array], chosen: str, look: Mapping[str, Look]
+    axes: Axes, times: Array, apart: Mapping[str, Array], chosen: str, look: Mapping[str, LineStyle]
 ) -> None:
     largest = {name: float(np.max(np.abs(d))) for name, d in apart.items() if name != chosen}
     middle = float(np.median(list(largest.values())))
@@ -117,7 +117,9 @@ def _differences(
     label_curves(axes, [Curve(times, d, name, look[name].colour) for name, d in shown.items()])
 
 
-def _lines(axes: Axes, times: Array, curves: Mapping[str, Array], look: Mapping[str, Look]) -> None:
+def _lines(
+    axes: Axes, times: Array, curves: Mapping[str, Array], look: Mapping[str, LineStyle]
+) -> None:
     for name, y in curves.items():
         colour, dashes, width, order = look[name]
         axes.plot(times, y, color=colour, linestyle=dashes, linewidth=width, zorder=order)

@@ -13,7 +13,7 @@ from stickslip.formatting import scale_of
 from stickslip.identification.travels.model import trials_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Target, on_axes
-from stickslip.plots.core.helpers import Array, Look, Sizes, grouped, looks, wrapped
+from stickslip.plots.core.helpers import Array, LineStyle, Sizes, grouped, looks, wrapped
 from stickslip.plots.core.label_placement import Curve, label_curves, label_ends
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import INK, MUTED, STICK, SURFACE, label_at
@@ -90,7 +90,7 @@ def _name_laws(
     axes: Axes,
     settings: Array,
     paths: Mapping[str, Array],
-    look: Mapping[str, Look],
+    look: Mapping[str, LineStyle],
     titles: Mapping[str, str],
     narrow: bool,
 ) -> None:

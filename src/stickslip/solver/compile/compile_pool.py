@@ -13,11 +13,11 @@ from threading import Thread
 from typing import Any, final
 
 from stickslip.errors import CompilationError
-from stickslip.solver.compile.compile_units import Part
+from stickslip.solver.compile.compile_units import CompileUnit
 
 __all__ = ["Report", "compile_all"]
 
-Report = Callable[[Part, bool | None], object]
+Report = Callable[[CompileUnit, bool | None], object]
 """Called with a part and whether it was compiled: None when it begins, False if it was there."""
 Outcome = bool | Exception | None
 LAST_WORDS = 2000
@@ -58,7 +58,7 @@ class Process:
             self._words.close()
             raise CompilationError(f"no process for compiling can be started: {error}") from error
 
-    def compile(self, part: Part) -> bool:
+    def compile(self, part: CompileUnit) -> bool:
         """Compile or load a part there; return whether it was compiled."""
         task = {"title": part.title, "text": part.text, "entries": part.entries}
         assert self._process.stdin is not None
@@ -103,12 +103,12 @@ class Process:
                     continue
 
 
-def compile_all(parts: Sequence[Part], jobs: int, report: Report) -> None:
+def compile_all(parts: Sequence[CompileUnit], jobs: int, report: Report) -> None:
     """Compile parts in processes of their own, the first ones first.
 
     Parameters
     ----------
-    parts : sequence of Part
+    parts : sequence of CompileUnit
         What is compiled, in this order.
     jobs : int
         Processes at a time.
@@ -122,10 +122,10 @@ def compile_all(parts: Sequence[Part], jobs: int, report: Report) -> None:
             report(part, None)
             report(part, part.load())
         return
-    tasks: SimpleQueue[Part] = SimpleQueue()
+    tasks: SimpleQueue[CompileUnit] = SimpleQueue()
     for part in parts:
         tasks.put(part)
-    news: SimpleQueue[tuple[Part, Outcome]] = SimpleQueue()
+    news: SimpleQueue[tuple[CompileUnit, Outcome]] = SimpleQueue()
     crew: list[Process] = []
     threads: list[Thread] = []
     try:
@@ -146,8 +146,8 @@ def compile_all(parts: Sequence[Part], jobs: int, report: Report) -> None:
 
 def _work(
     process: Process,
-    tasks: "SimpleQueue[Part]",
-    news: "SimpleQueue[tuple[Part, Outcome]]",
+    tasks: "SimpleQueue[CompileUnit]",
+    news: "SimpleQueue[tuple[CompileUnit, Outcome]]",
 ) -> None:
     """Give a process task after task, and pass on what comes of them."""
     while True:
@@ -164,8 +164,8 @@ def _work(
 
 
 def _until_done(
-    news: "SimpleQueue[tuple[Part, Outcome]]", count: int
-) -> Iterator[tuple[Part, bool | None]]:
+    news: "SimpleQueue[tuple[CompileUnit, Outcome]]", count: int
+) -> Iterator[tuple[CompileUnit, bool | None]]:
     """Yield what happens until all parts are there; raise what a process raised."""
     while count:
         part, outcome = news.get()

@@ -9,7 +9,7 @@ from stickslip.formulation import Model
 from stickslip.solver.compile.codegen import equations_text, kernels_text
 from stickslip.solver.compile.module_cache import is_kept, keep, locked, module_of
 
-__all__ = ["Part", "parts_of"]
+__all__ = ["CompileUnit", "parts_of"]
 
 EQUATIONS = "equations"
 RUNS = ("enter_run", "enter_play")
@@ -34,7 +34,7 @@ _ready: set[tuple[str, str]] = set()
 
 
 @dataclass(frozen=True)
-class Part:
+class CompileUnit:
     """Machine code that is compiled at once and kept in files of its own."""
 
     title: str
@@ -103,7 +103,7 @@ def _files(module: ModuleType, entry: str) -> list[Path]:
     return list(Path(cache.cache_path).glob(f"{module.__name__}.{entry}-*.nb[ic]"))
 
 
-def parts_of(model: Model, *, runs: bool = True, ensembles: bool) -> list[Part]:
+def parts_of(model: Model, *, runs: bool = True, ensembles: bool) -> list[CompileUnit]:
     """Return what single runs of a model need, or ensembles, or both; the equations come last.
 
     Of a model with slopes, what sensitivities need.
@@ -126,5 +126,5 @@ def parts_of(model: Model, *, runs: bool = True, ensembles: bool) -> list[Part]:
         entries = (SENSES if runs else ()) + (SENSED_ENSEMBLES if ensembles else ())
     else:
         entries = (RUNS if runs else ()) + (ENSEMBLES if ensembles else ())
-    kernels = Part(model.title, kernels_text(model.shape), entries)
-    return [kernels, Part(model.title, equations_text(model), (EQUATIONS,))]
+    kernels = CompileUnit(model.title, kernels_text(model.shape), entries)
+    return [kernels, CompileUnit(model.title, equations_text(model), (EQUATIONS,))]

@@ -9,7 +9,7 @@ import os
 import signal
 import sys
 
-from stickslip.solver.compile.compile_units import Part
+from stickslip.solver.compile.compile_units import CompileUnit
 
 __all__ = ["serve"]
 
@@ -24,7 +24,7 @@ def serve() -> None:
 
 
 def _answer(title: str, text: str, entries: list[str]) -> dict[str, object]:
-    part = Part(title, text, tuple(entries))
+    part = CompileUnit(title, text, tuple(entries))
     try:
         compiled = part.load()
     except Exception as error:

@@ -7,7 +7,7 @@ from types import ModuleType
 
 from stickslip.formulation import Model
 from stickslip.solver.compile.codegen import equations_text, kernels_text, module_text
-from stickslip.solver.compile.compile_units import Part, parts_of
+from stickslip.solver.compile.compile_units import CompileUnit, parts_of
 from stickslip.solver.compile.messages import notice
 from stickslip.solver.compile.module_cache import cache_directory, module_of
 
@@ -79,12 +79,12 @@ def is_loaded(model: Model, *, ensembles: bool = False) -> bool:
     return all(part.is_ready() for part in parts_of(model, runs=not ensembles, ensembles=ensembles))
 
 
-def waiting(parts: Sequence[Part], processes: int = 1) -> None:
+def waiting(parts: Sequence[CompileUnit], processes: int = 1) -> None:
     """Tell who watches that these are compiled and how long it takes, if it is worth a word.
 
     Parameters
     ----------
-    parts : sequence of Part
+    parts : sequence of CompileUnit
         What is about to be loaded.
     processes : int, default 1
         How many compile at a time, by which the estimate is divided.

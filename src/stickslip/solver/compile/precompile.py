@@ -12,7 +12,7 @@ from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.compile.compile_pool import compile_all
-from stickslip.solver.compile.compile_units import Part, parts_of
+from stickslip.solver.compile.compile_units import CompileUnit, parts_of
 from stickslip.solver.compile.module_cache import cache_directory, is_writable
 from stickslip.solver.compile.modules import waiting
 
@@ -113,9 +113,9 @@ def _checked(jobs: int | None) -> int:
     return given
 
 
-def _parts(pairs: Iterable[tuple[Mechanism, FrictionLaw]], *, ensembles: bool) -> list[Part]:
+def _parts(pairs: Iterable[tuple[Mechanism, FrictionLaw]], *, ensembles: bool) -> list[CompileUnit]:
     """Return each part once, kernels first since they take longest."""
-    found: dict[str, Part] = {}
+    found: dict[str, CompileUnit] = {}
     for pair in pairs:
         for part in parts_of(_formulated(pair), ensembles=ensembles):
             found.setdefault(part.text, part)
@@ -130,7 +130,9 @@ def _formulated(pair: Any) -> Model:
     raise InputError(f"pairs must hold (mechanism, law), got {pair!r}.")
 
 
-def _compiled(parts: Sequence[Part], jobs: int, progress: Progress | None) -> set[Part]:
+def _compiled(
+    parts: Sequence[CompileUnit], jobs: int, progress: Progress | None
+) -> set[CompileUnit]:
     """Compile parts; return those that were really not there."""
     if not is_writable():
         raise InputError(
@@ -139,9 +141,9 @@ def _compiled(parts: Sequence[Part], jobs: int, progress: Progress | None) -> se
         )
     if progress is None:
         waiting(parts, min(jobs, len(parts)))
-    done: dict[Part, bool] = {}
+    done: dict[CompileUnit, bool] = {}
 
-    def report(part: Part, outcome: bool | None) -> None:
+    def report(part: CompileUnit, outcome: bool | None) -> None:
         if outcome is not None:
             done[part] = outcome
         if progress is not None:

@@ -17,7 +17,8 @@ def bars(mechanism: Mechanism, seen: Trajectory) -> Picture:
 
     Examples
     --------
-    >>> from stickslip import Axis, Coulomb, Pulse, simulate
+    >>> from stickslip import Axis, Coulomb, simulate
+    >>> from stickslip.drives import Pulse
     >>> axis = Axis(inertia=2.0, drive=Pulse(level=5.0, duration=1.0))
     >>> run = simulate(axis, Coulomb(kinetic_coefficient=1.0), t_end=10.0).sampled(50)
     >>> picture = bars(axis, run)
