@@ -308,7 +308,7 @@ import json
 
 import numpy as np
 
-from stickslip import Measurement
+from stickslip import Measurement, TowedBlock
 from stickslip.identification import RateState, fit_rate_state, simulate_velocity_steps
 
 law = RateState(
@@ -324,16 +324,22 @@ run = simulate_velocity_steps(law, stiffness=2e3, time=knots, pull=pull, at=t)
 noise = np.random.default_rng(0).normal(0.0, 3e-4, len(t))
 friction = run.coefficient + noise
 record = Measurement(time=t, pull=np.interp(t, knots, pull), friction=friction, load=1.0)
-fits = {name: fit_rate_state(record, evolution=name) for name in ("ageing", "slip")}
+machine = TowedBlock(mass=1e-3, stiffness=1e3, speed=1e-6, load=1.0)
+free = ["friction.*", "mechanism.stiffness"]
+names = {"ageing": "rate-and-state", "slip": "rate-and-state-slip"}
+fits = {key: fit_rate_state(machine, name, record, vary=free) for key, name in names.items()}
 print(json.dumps({name: fit.to_dict() for name, fit in fits.items()}))
 '''
 ROCK = '''
 """The velocity step of sepiolite gouge."""
 
-from stickslip import catalogue
+from stickslip import TowedBlock, catalogue
 from stickslip.identification import fit_rate_state
 
-print(fit_rate_state(catalogue.dataset("rock_velocity_step").measurement()))
+machine = TowedBlock(mass=1e-3, stiffness=1e3, speed=2e-7, load=1.0)
+record = catalogue.dataset("rock_velocity_step").measurement()
+free = ["friction.*", "mechanism.stiffness"]
+print(fit_rate_state(machine, "rate-and-state", record, vary=free))
 '''
 GOUGE = """
 title = "Sepiolite gouge"

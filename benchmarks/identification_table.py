@@ -169,7 +169,9 @@ def tribometer() -> Iterator[Row]:
 
 def rock() -> Iterator[Row]:
     record = dataset("rock_velocity_step").measurement()
-    found = fit_rate_state(record, after=AFTER)
+    machine = TowedBlock(mass=1e-3, stiffness=1e3, speed=2e-7, load=1.0)
+    free = ["friction.*", "mechanism.stiffness"]
+    found = fit_rate_state(machine, "rate-and-state", record, vary=free, after=AFTER)
     value = found.rate.value
     yield Row(
         record="rock",
@@ -186,7 +188,7 @@ def rock() -> Iterator[Row]:
         reached="separable" if found.separable else "inseparable",
         met=not found.separable,
     )
-    whole = fit_rate_state(record)
+    whole = fit_rate_state(machine, "rate-and-state", record, vary=free)
     yield Row(
         record="rock",
         what="a - b, whole record",

@@ -116,6 +116,7 @@ RENAMED = {
     "free": "`free` is now `vary`: vary=['kinetic_coefficient']; what is not named is held",
     "known": "`known` is now `fixed`: fixed={'viscous_coefficient': 0.4}",
     "watch": "`watch` is now `progress`, called with the same values",
+    "evolution": "`evolution` is now the law: 'rate-and-state' or 'rate-and-state-slip'",
     "compiling": "`compiling` is now `progress`, called with 'compiling: ...' and the share done",
 }
 """What was an argument's name once, and what it is now."""

@@ -29,7 +29,12 @@ from stickslip.identification.records.route_choice import choose_route
 from stickslip.identification.validation import LAW, Parameters
 from stickslip.optimisation import Limits
 from stickslip.paper.audit import audit
-from stickslip.selection import select_features, select_records, select_travels
+from stickslip.selection import (
+    select_features,
+    select_rate_state,
+    select_records,
+    select_travels,
+)
 
 AXIS = Axis(inertia=2.0)
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -221,7 +226,8 @@ FORMER = [
     (select_travels, (BLOCK, None, READING), ("watch", "compiling")),
     (choose_route, (AXIS, TABLE), ("unknown",)),
     (inverse_dynamics, (AXIS, TABLE), ("unknown",)),
-    (fit_rate_state, (TABLE,), ("watch",)),
+    (fit_rate_state, (TOWED, "rate-and-state", TABLE), ("free", "known", "unknown", "watch")),
+    (select_rate_state, (TOWED, None, TABLE), ("unknown", "watch")),
     (sample_posterior, (None,), ("watch",)),
     (optimise_profile, (PendulumCart, Coulomb, Limits), ("watch",)),
     (audit, (), ("watch",)),

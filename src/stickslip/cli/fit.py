@@ -25,16 +25,15 @@ from stickslip.cli.inputs import (
     show_warnings,
     watching,
 )
-from stickslip.cli.law_choice import fitted_name
+from stickslip.cli.law_choice import law_to_fit
 from stickslip.cli.trials import content_of, show_trials
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, load_rig
 from stickslip.experiments.preconditions import told
 from stickslip.experiments.second_records import refuse_same
-from stickslip.friction import FrictionLaw, specification
 from stickslip.identification import Fit
 from stickslip.identification.results import far_above_dry
-from stickslip.routes import FitRequest, FitSummary
+from stickslip.routes import FitRequest, FitSummary, Law
 
 __all__ = ["run"]
 
@@ -56,12 +55,14 @@ def run(
             raise InputError(f"--output takes a .toml file, got {output}.")
         refuse_overwriting(output, output.parent, force=force)
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
-    name = fitted_name(rig, name)
-    law = rig.laws.get(name) or name
-    kind = specification(law).law if isinstance(law, str) else law
-    found = measured(rig, asked, given=path is not None, law=kind)
+    found = measured(rig, asked, given=path is not None, law=partial(law_to_fit, rig, name))
+    if output is not None and not found.route.simulated:
+        raise InputError(
+            f"-o writes a law that `simulate` can run; laws of {found.route.measured} are not"
+            " simulated: use --json."
+        )
     checks = _checked(rig, found, asked)
-    result = _fitted(rig, law, found)
+    result = _fitted(rig, found)
     shown = found.route.summary(result, found.options.validate, found.options.horizon)
     if output is not None:
         write_file(output, result.to_toml().encode())
@@ -99,8 +100,9 @@ def _checked(rig: Rig, found: Inputs, asked: CommandInputs) -> Checks:
     return checks
 
 
-def _fitted(rig: Rig, law: FrictionLaw | str, found: Inputs) -> Fit:
+def _fitted(rig: Rig, found: Inputs) -> Fit:
     """Fit with a bar; of records, Ctrl-C once ends the search."""
+    law: Law = found.law
     name = law if isinstance(law, str) else law.name
     kind, vary = found.route.law_and_parameters(law, found.vary, found.fixed)
     request = FitRequest(

@@ -1,7 +1,7 @@
 """What `select` and `fit` share: what was measured, how it is fitted, what is to be said of it."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from functools import partial
@@ -22,9 +22,9 @@ from stickslip.formatting import unit_text, within
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate, RecordSettings
 from stickslip.identification.records.route_choice import RouteName
-from stickslip.identification.validation import LAW, covers, law_quantities
+from stickslip.identification.validation import LAW, AnyLaw, covers, law_quantities
 from stickslip.quantities import full_path
-from stickslip.routes import AnyRoute, Options, Request, refuse_unused, route_of
+from stickslip.routes import AnyRoute, Law, Options, Request, refuse_unused, route_of
 from stickslip.selection.records import PurposeName
 from stickslip.selection.verdict import Wording
 
@@ -67,11 +67,12 @@ class FitOptions:
         """Names of the options that say something."""
         return tuple(f.name for f in fields(self) if getattr(self, f.name) is not None)
 
-    def settings(self, rig: Rig) -> RecordSettings:
-        """Return settings of fits to records: as asked, or else as the rig says."""
+    def settings(self, rig: Rig) -> RecordSettings | None:
+        """Return settings of fits to records: as asked, or else as the rig says; None if usual."""
         given = {f.name: getattr(self, f.name, None) for f in fields(RecordSettings)}
         said = {name: value for name, value in given.items() if value is not None}
-        return RecordSettings(**{"hold": rig.hold, **said})
+        found = RecordSettings(**{"hold": rig.hold, **said})
+        return None if found == RecordSettings() else found
 
 
 @final
@@ -93,6 +94,8 @@ class Inputs:
     """What was measured, and which parameters are fitted to it."""
 
     measurement: Measurement
+    law: Law | None
+    """The law to fit, or its name; None where several are compared."""
     validate: Measurement | None
     vary: tuple[str, ...]
     fixed: Mapping[str, float]
@@ -109,11 +112,12 @@ def measured(
     asked: CommandInputs,
     *,
     given: bool,
-    law: FrictionLaw | type[FrictionLaw] | None = None,
+    law: Callable[[AnyRoute], Law] | None = None,
 ) -> Inputs:
     """Return what files or the rig say was measured, and what is to be fitted of mechanism and law.
 
-    Options for files add to what the rig says of its own. `given` is whether a rig file was.
+    Options for files add to what the rig says of its own. `given` is whether a rig file was; `law`
+    returns the one to fit, where it is one.
     """
     reading = rig.reading.with_changes(asked.reading)
     measurement, validate = rig.measurement, rig.validate
@@ -132,10 +136,11 @@ def measured(
         # a second record is predicted, whatever its conditions
         alike = replace(reading, conditions=())
         validate = read_data([asked.validate], alike, mechanism=rig.mechanism)
-    vary, fixed = _parameters(rig, asked, law)
     files = [*asked.data, *([] if asked.validate is None else [asked.validate])]
     how = asked.how
     route = route_of(measurement, how.route)
+    chosen = None if law is None else law(route)
+    vary, fixed = _parameters(rig, asked, None if chosen is None else route.owner(chosen))
     said = Options(
         route=how.route,
         settings=how.settings(rig),
@@ -154,10 +159,11 @@ def measured(
             ' type = "axis" and inertia = { value = "80 kg", vary = true }.'
         )
     request = Request(mechanism=rig.mechanism, measurement=measurement, vary=vary, fixed=fixed)
-    options = route.resolved(request, options, law)
+    options = route.resolved(request, options, None if chosen is None else route.owner(chosen))
     refuse(how.given, options)
     return Inputs(
         measurement=measurement,
+        law=chosen,
         validate=validate,
         vary=vary,
         fixed=fixed,
@@ -168,7 +174,7 @@ def measured(
 
 
 def _parameters(
-    rig: Rig, asked: CommandInputs, law: FrictionLaw | type[FrictionLaw] | None
+    rig: Rig, asked: CommandInputs, law: AnyLaw
 ) -> tuple[tuple[str, ...], dict[str, float]]:
     """Return what is varied and what fixed, with what the rig file says of both.
 
@@ -176,7 +182,9 @@ def _parameters(
     """
     names = [part.strip() for text in asked.vary for part in text.split(",")]
     fixed = _fixed(rig, asked.fixed, law)
-    given = rig.given.get(law.name, {}) if isinstance(law, type) else {}
+    given: Mapping[str, float] = {}
+    if isinstance(law, type) and issubclass(law, FrictionLaw):
+        given = rig.given.get(law.name, {})
     if given and (not names or LAW in names):
         said = ", ".join(f"{name} = {value:g}" for name, value in given.items())
         note(
@@ -191,9 +199,7 @@ def _parameters(
     return (*(names or (LAW,)), *marked), fixed
 
 
-def _fixed(
-    rig: Rig, texts: Sequence[str], law: FrictionLaw | type[FrictionLaw] | None
-) -> dict[str, float]:
+def _fixed(rig: Rig, texts: Sequence[str], law: AnyLaw) -> dict[str, float]:
     """Return fixed values by path, read with their units."""
     known = {**law_quantities(law), **all_paths(rig.mechanism, "mechanism")}
     found: dict[str, float] = {}

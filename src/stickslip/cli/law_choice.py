@@ -14,11 +14,11 @@ from stickslip.experiments.estimates import LOAD
 from stickslip.experiments.units import read_number
 from stickslip.friction import PRINTED_FORMS, FrictionLaw, law_type
 from stickslip.identification import starting_law
+from stickslip.routes import AnyRoute, Law
 
-__all__ = ["ChosenLaw", "LawAsked", "fitted_name", "rig_and_law"]
+__all__ = ["ChosenLaw", "LawAsked", "law_to_fit", "rig_and_law"]
 
 USUAL = "coulomb"
-FITTED = "coulomb-viscous"
 FILE = re.compile(r"(?P<path>.*\.toml)(?::(?P<law>[a-z0-9-]+))?", re.IGNORECASE)
 """A file, and after a colon which of its laws."""
 OTHER_FILES = (".json", ".html", ".csv")
@@ -68,11 +68,11 @@ class ChosenLaw:
         return found
 
 
-def fitted_name(rig: Rig, name: str | None) -> str:
-    """Return the law to fit: as asked, or the only one with a table of its own, or the usual."""
-    if name is not None:
-        return name
-    return rig.named[0] if len(rig.named) == 1 else FITTED
+def law_to_fit(rig: Rig, name: str | None, route: AnyRoute) -> Law:
+    """Return the law to fit, or its name: as asked, the rig's only one, or that of the route."""
+    if name is None:
+        name = rig.named[0] if len(rig.named) == 1 else route.usual_law
+    return rig.laws.get(name) or name
 
 
 def rig_and_law(

@@ -19,6 +19,10 @@ from stickslip.friction.published import PRINTED_FORMS as PRINTED_FORMS
 from stickslip.friction.published import PrintedForm as PrintedForm
 from stickslip.friction.published import RightEquation as RightEquation
 from stickslip.friction.quadratic_drag import QuadraticDrag as QuadraticDrag
+from stickslip.friction.rate_state import Evolution as Evolution
+from stickslip.friction.rate_state import RATE_STATE_FORMS as RATE_STATE_FORMS
+from stickslip.friction.rate_state import RateState as RateState
+from stickslip.friction.rate_state import RateStateForm as RateStateForm
 from stickslip.friction.registry import CandidateSpec as CandidateSpec
 from stickslip.friction.registry import LAWS as LAWS
 from stickslip.friction.registry import contained_laws as contained_laws
@@ -42,6 +46,7 @@ __all__ = [
     "Dahl",
     "DirectionDependent",
     "DirectionalLaw",
+    "Evolution",
     "FrictionLaw",
     "LAWS",
     "LuGre",
@@ -50,6 +55,9 @@ __all__ = [
     "PowerViscous",
     "PrintedForm",
     "QuadraticDrag",
+    "RATE_STATE_FORMS",
+    "RateState",
+    "RateStateForm",
     "RightEquation",
     "SOURCES",
     "SetValuedLaw",

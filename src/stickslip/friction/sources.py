@@ -17,6 +17,18 @@ SOURCES = MappingProxyType(
             "R. Stribeck. Die wesentlichen Eigenschaften der Gleit- und Rollenlager."
             " Zeitschrift des VDI 46, 1902."
         ),
+        "dieterich1979": (
+            "J. H. Dieterich. Modeling of rock friction, part 1: experimental results and"
+            " constitutive equations. Journal of Geophysical Research 84(B5), 1979."
+        ),
+        "ruina1983": (
+            "A. Ruina. Slip instability and state variable friction laws. Journal of Geophysical"
+            " Research 88(B12), 1983."
+        ),
+        "marone1998": (
+            "C. Marone. Laboratory-derived friction laws and their application to seismic faulting."
+            " Annual Review of Earth and Planetary Sciences 26, 1998."
+        ),
         "bo1982": (
             "L. C. Bo, D. Pavelescu. The friction-speed relation and its influence on the critical"
             " velocity of stick-slip motion. Wear 82, 1982."

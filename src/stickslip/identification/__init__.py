@@ -1,15 +1,12 @@
 """Identification: parameters from measurements, with their doubt."""
 
+from stickslip.friction import RateState
 from stickslip.identification.features.features import StickSlipFeatures, features_of
 from stickslip.identification.features.fit import compare_features, fit_features
 from stickslip.identification.features.result import FeatureFit
 from stickslip.identification.rate_state.fit import fit_rate_state
-from stickslip.identification.rate_state.law import (
-    RateState,
-    SliderHistory,
-    simulate_velocity_steps,
-)
 from stickslip.identification.rate_state.result import RateStateFit
+from stickslip.identification.rate_state.slider import SliderHistory, simulate_velocity_steps
 from stickslip.identification.records.fit import Prediction, RecordFit, Score
 from stickslip.identification.records.fitting import fit_records
 from stickslip.identification.records.posterior import Posterior, sample_posterior

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypeVar, override
 
 from stickslip.display import OnAxes, Summary
+from stickslip.errors import InputError
 from stickslip.experiments.estimates import HARD, LawEstimates, Levels, levels_at, spread_of
 from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.formatting import (
@@ -24,7 +25,7 @@ from stickslip.formatting import (
     with_unit,
     within,
 )
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, RateState
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters
 
@@ -36,6 +37,8 @@ __all__ = ["Estimate", "Fit", "Law_co", "estimates_for", "far_above_dry"]
 Array: TypeAlias = NDArray[np.float64]
 Law_co = TypeVar("Law_co", bound=FrictionLaw, default=FrictionLaw, covariant=True)
 """What type of law was fitted, as far as a type checker can know."""
+AnyLaw_co = TypeVar("AnyLaw_co", bound=FrictionLaw | RateState, default=FrictionLaw, covariant=True)
+"""The same, of laws that are not simulated too."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,10 +122,10 @@ class Estimate:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fit(OnAxes, ABC, Generic[Law_co]):
+class Fit(OnAxes, ABC, Generic[AnyLaw_co]):
     """A law whose free parameters make a mechanism behave as measured."""
 
-    law: Law_co
+    law: AnyLaw_co
     """The law with its fitted parameters."""
     mechanism: Mechanism
     """The mechanism: as measured first, with what was fitted of it."""
@@ -134,7 +137,7 @@ class Fit(OnAxes, ABC, Generic[Law_co]):
     """Whether the search was ended before its end."""
 
     @final
-    def to_law(self) -> Law_co:
+    def to_law(self) -> AnyLaw_co:
         """Return the fitted law."""
         return self.law
 
@@ -146,7 +149,19 @@ class Fit(OnAxes, ABC, Generic[Law_co]):
 
     @final
     def to_toml(self) -> str:
-        """Return mechanism, law and estimates as the text of a rig file, which `load_rig` reads."""
+        """Return mechanism, law and estimates as the text of a rig file, which `load_rig` reads.
+
+        Raises
+        ------
+        InputError
+            If the law is none that a rig file can have: rate-and-state friction.
+        """
+        if isinstance(self.law, RateState):
+            raise InputError(
+                f"{self.law.title.lower()} is no law of a rig file: the logarithm of the speed"
+                " knows no rest, so `simulate` cannot run it. `to_dict()` has its numbers, and"
+                " `simulate_velocity_steps` runs it."
+            )
         title = f"{self.law.title}, fitted"
         text = rig_toml(self.mechanism, self.law, title=title, estimates=self.law_estimates())
         return "".join(f"# {remark}\n" for remark in self.remarks) + text
@@ -239,7 +254,7 @@ def far_above_dry(fit: Fit) -> tuple[str, ...]:
 
 
 def estimates_for(
-    law: FrictionLaw,
+    law: FrictionLaw | RateState,
     estimates: Sequence[Estimate],
     correlation: ArrayLike,
     *,
@@ -250,7 +265,7 @@ def estimates_for(
 
     Parameters
     ----------
-    law : FrictionLaw
+    law : FrictionLaw or RateState
         With its fitted values.
     estimates : sequence of Estimate
         What was fitted.

@@ -10,7 +10,7 @@ from typing import Generic, ParamSpec, TypeAlias, TypeVar, cast, final
 from stickslip.errors import InputError, RenamedError, UnknownNameError, renamed
 from stickslip.experiments import Measurement, Rig
 from stickslip.experiments.parameter_paths import all_paths
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, RateState
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, full_path, parameters
 from stickslip.quantities import vary as with_values
@@ -29,7 +29,8 @@ __all__ = [
 
 P = ParamSpec("P")
 R = TypeVar("R")
-L = TypeVar("L", bound="FrictionLaw | type[FrictionLaw] | None")
+AnyLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | RateState | type[RateState] | None
+L = TypeVar("L", bound=AnyLaw)
 Vary: TypeAlias = str | Sequence[str] | None
 Fixed: TypeAlias = Mapping[str, float] | None
 
@@ -117,7 +118,7 @@ class Parameters(Generic[L]):
                 f"vary names no parameter of {law.__name__}, of which no values are given: add"
                 f" {LAW!r} to vary, or give a law with its values, which are then held."
             )
-        if isinstance(law, FrictionLaw) and friction:
+        if isinstance(law, FrictionLaw | RateState) and friction:
             law = cast("L", with_values(law, "friction", friction))
         return cls(
             mechanism=with_values(mechanism, "mechanism", own) if own else mechanism,
@@ -129,7 +130,7 @@ class Parameters(Generic[L]):
         )
 
 
-def law_quantities(law: FrictionLaw | type[FrictionLaw] | None) -> Mapping[str, Quantity]:
+def law_quantities(law: AnyLaw) -> Mapping[str, Quantity]:
     """Return the parameters of a law by path, those of which it has no value included.
 
     Examples
@@ -147,7 +148,7 @@ def law_quantities(law: FrictionLaw | type[FrictionLaw] | None) -> Mapping[str, 
 
 def _fixed_values(
     mechanism: Mechanism,
-    law: FrictionLaw | type[FrictionLaw] | None,
+    law: AnyLaw,
     of_law: Mapping[str, Quantity],
     fixed: Fixed,
 ) -> dict[str, float]:
@@ -177,7 +178,7 @@ def _fixed_values(
 
 def _varied(
     mechanism: Mechanism,
-    law: FrictionLaw | type[FrictionLaw] | None,
+    law: AnyLaw,
     of_law: Mapping[str, Quantity],
     vary: Vary,
     values: Collection[str],
@@ -237,6 +238,11 @@ def arguments(verb: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(verb)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
+        if args and isinstance(args[0], Measurement) and "mechanism" not in kwargs:
+            first = ", ".join(list(inspect.signature(verb).parameters)[:3])
+            raise RenamedError(
+                f"{verb.__name__} takes the mechanism first: {verb.__name__}({first}, ...)."
+            )
         if len(args) > 1 and isinstance(args[1], Measurement):
             several = "laws" in inspect.signature(verb).parameters
             laws = "laws" if several else "law"

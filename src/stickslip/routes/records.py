@@ -8,7 +8,6 @@ from typing_extensions import override
 
 from stickslip.experiments import Measurement, check
 from stickslip.formatting import NO_VALUE, quantity
-from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit, RecordSettings, Score, fit_records
 from stickslip.identification.records.fitting import ROUTES, route_of
 from stickslip.identification.records.route_choice import RouteChoice, asked_for, choose_route
@@ -19,6 +18,7 @@ from stickslip.routes.route import (
     Comparison,
     FitRequest,
     FitSummary,
+    Law,
     Options,
     Request,
     Route,
@@ -61,9 +61,7 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
         return [one.name for one in specifications(laws)]
 
     @override
-    def resolved(
-        self, request: Request, options: Options, law: FrictionLaw | type[FrictionLaw] | None = None
-    ) -> Options:
+    def resolved(self, request: Request, options: Options, law: Law | None = None) -> Options:
         """Return the options with the way to fit the records, and with its settings."""
         settings = options.settings or RecordSettings()
         if isinstance(options.route, RouteChoice):

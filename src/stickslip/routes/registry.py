@@ -10,6 +10,7 @@ from stickslip.formatting import joined
 from stickslip.identification.records.route_choice import RouteChoice
 from stickslip.quantities import plugins
 from stickslip.routes.features import FeatureRoute
+from stickslip.routes.rate_state import RateStateRoute
 from stickslip.routes.records import RecordRoute
 from stickslip.routes.route import Options, Route
 from stickslip.routes.travels import TravelRoute
@@ -21,6 +22,7 @@ AnyRoute: TypeAlias = Route[Any, Any]
 OWN: tuple[AnyRoute, ...] = (
     FeatureRoute(),
     TravelRoute(),
+    RateStateRoute(),
     RecordRoute(),
 )
 """In the order in which they are asked."""
@@ -38,7 +40,7 @@ def routes() -> tuple[AnyRoute, ...]:
     Examples
     --------
     >>> [route.measured for route in routes()][-3:]
-    ['the force of a spring', 'travels', 'records of motion or friction']
+    ['travels', 'velocity steps', 'records of motion or friction']
     """
     found: list[AnyRoute] = []
     taken = {name for route in OWN for name in route.names}

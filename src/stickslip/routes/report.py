@@ -9,6 +9,7 @@ from stickslip.errors import InputError
 from stickslip.report.core.documents import Origin
 from stickslip.report.core.page import render
 from stickslip.routes.page import verdict_page
+from stickslip.routes.registry import route_named
 from stickslip.selection import Verdict
 
 __all__ = ["LAW", "PAGE", "write_report", "write_verdict"]
@@ -121,7 +122,8 @@ def write_verdict(
     ['law.toml', 'verdict.json']
     """
     files: dict[str, str | bytes] = {DOCUMENT: json_text(content)}
-    if verdict.best is not None and verdict.best.fit is not None:
+    saved = route_named(verdict.route).simulated
+    if saved and verdict.best is not None and verdict.best.fit is not None:
         files[LAW] = verdict.best.fit.to_toml()
     write_folder(folder, files)
     for name in {LAW, PAGE} - set(files):

@@ -4,13 +4,15 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, fields
-from typing import ClassVar, Generic, TypeVar, final
+from typing import Any, ClassVar, Generic, TypeAlias, final
+
+from typing_extensions import TypeVar
 
 from stickslip.experiments import Checks, Measurement
-from stickslip.friction import FrictionLaw, specification
+from stickslip.friction import specification
 from stickslip.identification import Estimate, Fit, RecordSettings, TrialComparison
 from stickslip.identification.records.route_choice import RouteChoice
-from stickslip.identification.validation import LAW, Laws, names_of
+from stickslip.identification.validation import LAW, AnyLaw, names_of
 from stickslip.mechanisms import Mechanism
 from stickslip.report.core.documents import Origin, SectionMaker
 from stickslip.selection import Verdict
@@ -27,8 +29,12 @@ __all__ = [
     "SelectRequest",
 ]
 
-F = TypeVar("F", bound=Fit)
+F = TypeVar("F", bound="Fit[Any]")
 V = TypeVar("V", bound=Verdict)
+Law: TypeAlias = Any
+"""A law, a type or a name, of the kind that a route fits: `FrictionLaw`, or `RateState`."""
+SeveralLaws: TypeAlias = Any
+"""A mapping or a sequence of such laws."""
 Progress = Callable[[str, float], object]
 """Called with the name of a law and how far its search is; False ends searches in records."""
 
@@ -74,7 +80,7 @@ class Request:
 class FitRequest(Request):
     """A law to fit."""
 
-    law: FrictionLaw | type[FrictionLaw]
+    law: Law
     progress: Callable[[float], object] | None = None
 
 
@@ -83,7 +89,7 @@ class FitRequest(Request):
 class SelectRequest(Request):
     """Laws to compare."""
 
-    laws: Laws | None
+    laws: SeveralLaws | None
     progress: Progress | None = None
     executor: Executor | None = None
 
@@ -140,21 +146,27 @@ class Route(ABC, Generic[F, V]):
     """Names of `Options`, and of fields of `RecordSettings`, that are used."""
     counts_runs: ClassVar[bool] = False
     """Whether progress is a number of runs; else it is the least residual so far."""
+    usual_law: ClassVar[str] = "coulomb-viscous"
+    """Law that a command fits where none is named."""
+    simulated: ClassVar[bool] = True
+    """Whether fitted laws can be simulated, and written as rig files."""
 
     @abstractmethod
     def serves(self, measurement: Measurement) -> bool:
         """Whether a measurement is of this kind, where nobody asks for a route."""
 
     @abstractmethod
-    def candidates(self, laws: Laws | None, measurement: Measurement) -> list[str]:
+    def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
         """Return the names of the laws that are compared, as progress calls them."""
 
+    def owner(self, law: Law) -> AnyLaw:
+        """Return the law or the type whose parameters a law has that may be given by its name."""
+        found: AnyLaw = specification(law).law if isinstance(law, str) else law
+        return found
+
     def law_and_parameters(
-        self,
-        law: FrictionLaw | type[FrictionLaw] | str,
-        vary: str | Sequence[str] | None,
-        fixed: Collection[str] = (),
-    ) -> tuple[FrictionLaw | type[FrictionLaw], str | Sequence[str] | None]:
+        self, law: Law, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
+    ) -> tuple[Law, str | Sequence[str] | None]:
         """Return the law that a name stands for, with what is fitted of it put into `vary`.
 
         Parameters
@@ -165,6 +177,11 @@ class Route(ABC, Generic[F, V]):
             What is asked to be fitted.
         fixed : collection of str
             Names of what is held.
+
+        Returns
+        -------
+        (law, vary)
+            The law and what is fitted.
         """
         if not isinstance(law, str):
             return law, vary
@@ -201,9 +218,7 @@ class Route(ABC, Generic[F, V]):
         """Return the least residual so far in words."""
         raise NotImplementedError  # where runs are counted, nobody asks
 
-    def resolved(
-        self, request: Request, options: Options, law: FrictionLaw | type[FrictionLaw] | None = None
-    ) -> Options:
+    def resolved(self, request: Request, options: Options, law: Law | None = None) -> Options:
         """Return the options with what is chosen for this measurement, before any fit.
 
         Parameters

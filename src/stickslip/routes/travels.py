@@ -7,15 +7,16 @@ from typing_extensions import override
 
 from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE, interval, quantity, significant
-from stickslip.friction import FrictionLaw, law_type
+from stickslip.friction import law_type
 from stickslip.identification import TravelFit, fit_travels
 from stickslip.identification.travels.model import Trial, quantities_read, trials_of
-from stickslip.identification.validation import Laws
+from stickslip.identification.validation import AnyLaw, Laws
 from stickslip.report.core.documents import Origin, SectionMaker
 from stickslip.routes.route import (
     Comparison,
     FitRequest,
     FitSummary,
+    Law,
     Options,
     Route,
     SelectRequest,
@@ -54,13 +55,14 @@ class TravelRoute(Route[TravelFit, TravelVerdict]):
         return [one if isinstance(one, str) else one.name for one in laws or PLAIN]
 
     @override
+    def owner(self, law: Law) -> AnyLaw:
+        return law_type(law) if isinstance(law, str) else law
+
+    @override
     def law_and_parameters(
-        self,
-        law: FrictionLaw | type[FrictionLaw] | str,
-        vary: str | Sequence[str] | None,
-        fixed: Collection[str] = (),
-    ) -> tuple[FrictionLaw | type[FrictionLaw], str | Sequence[str] | None]:
-        return law_type(law) if isinstance(law, str) else law, vary
+        self, law: Law, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
+    ) -> tuple[Law, str | Sequence[str] | None]:
+        return self.owner(law), vary
 
     @override
     def fit(self, request: FitRequest, options: Options) -> TravelFit:

@@ -6,6 +6,12 @@ from stickslip.selection.features import select_features
 from stickslip.selection.fixed_step_comparison import FixedStepRow, compare_fixed_steps
 from stickslip.selection.lab_sheet import Plan
 from stickslip.selection.planning import plan
+from stickslip.selection.rate_state import select_rate_state
+from stickslip.selection.rate_state_verdict import (
+    OtherStep,
+    RateStateCandidate,
+    RateStateVerdict,
+)
 from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
 from stickslip.selection.records import PURPOSES, select_records
 from stickslip.selection.travel_verdict import TravelCandidate, TravelVerdict
@@ -20,7 +26,10 @@ __all__ = [
     "FeatureVerdict",
     "FixedStepRow",
     "OtherSpeed",
+    "OtherStep",
     "Plan",
+    "RateStateCandidate",
+    "RateStateVerdict",
     "RecordCandidate",
     "RecordVerdict",
     "TravelCandidate",
@@ -30,6 +39,7 @@ __all__ = [
     "criteria_of",
     "plan",
     "select_features",
+    "select_rate_state",
     "select_records",
     "select_travels",
 ]

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Candidate", "Verdict", "Wording", "plain", "score_scale", "score_text"]
 
-Fit_co = TypeVar("Fit_co", bound=Fit, default=Fit, covariant=True)
+Fit_co = TypeVar("Fit_co", bound=Fit[Any], default=Fit[Any], covariant=True)
 
 
 def score_scale(scores: Iterable[float | None], unit: str) -> Scale:
@@ -158,7 +158,7 @@ class Verdict(OnAxes, ABC, Generic[Candidate_co]):
     @property
     @abstractmethod
     def score_unit(self) -> str:
-        """SI unit of the scores; ``"1"`` for relative ones."""
+        """SI unit of the scores; ``"1"`` for relative ones, empty for those of a coefficient."""
 
     @property
     def closest(self) -> Candidate_co | None:

@@ -1,43 +1,56 @@
 """Rate-and-state parameters from a record of velocity steps, and which of them it can tell."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import Literal, TypeAlias
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ConvergenceError, InputError, renamed
+from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
+from stickslip.formatting import joined, quantity
+from stickslip.friction import RATE_STATE_FORMS, RateState, RateStateForm
 from stickslip.identification.estimation.jackknife import effective_size
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch, search
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import ResidualJacobian
-from stickslip.identification.estimation.sandwich import sandwich
-from stickslip.identification.rate_state.law import STIFFNESS, Evolution
-from stickslip.identification.rate_state.problem import Record, Slider, record_of, unknowns_for
+from stickslip.identification.features.features import load_of
+from stickslip.identification.rate_state.problem import (
+    DRIFT,
+    PATHS,
+    Record,
+    Slider,
+    record_of,
+    unknowns_for,
+)
 from stickslip.identification.rate_state.result import (
     Profile,
     RateStateFit,
     Window,
-    free_of,
-    quantile,
-    rate_error,
+    inference_of,
+    rate_of,
     result_of,
 )
+from stickslip.identification.validation import LAW, Parameters, arguments, check_given
+from stickslip.mechanisms import Mechanism, TowedBlock
 
-__all__ = ["Drift", "fit_rate_state"]
+__all__ = ["STARTS", "Drift", "fit_rate_state", "fit_steps", "form_of", "with_profile"]
 
 Array: TypeAlias = NDArray[np.float64]
 Drift: TypeAlias = Literal["auto", "none", "linear"]
 
+STIFFNESS = "mechanism.stiffness"
+CONVENTION = "friction.reference_velocity"
+"""The speed at which mu_0 holds: any will do, and none can be fitted."""
+STARTS = 6
 FEWEST = 50
 """Samples that a fit needs."""
 WORTH = 0.05
 """A drift is kept if it lowers the root mean square by this share, and its interval leaves 0."""
 DISTANCES = (2e-3, 0.05, 0.3)
-"""Critical distances that are tried first, over the way after the first step."""
+"""Critical distances that are tried too, over the way after the first step."""
 LARGER = (0.25, 0.5, 1.0, 2.0, 4.0)
 """Evolution effects at which everything else is fitted again, over a, beyond the best."""
 SMALLER = (0.5, 0.0)
@@ -48,35 +61,44 @@ MINUTE = 5e-4
 """The same for a critical distance at which the evolution is as good as instantaneous."""
 
 
-@renamed
+@arguments
 def fit_rate_state(
+    mechanism: Mechanism,
+    law: RateState | type[RateState] | str,
     measurement: Measurement,
     *,
-    evolution: Evolution = "ageing",
-    stiffness: float | None = None,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
     before: float | None = None,
     after: float | None = None,
     drift: Drift = "auto",
     lowest_evolution_effect: float = 0.0,
-    starts: int = 6,
+    starts: int = STARTS,
     seed: int = 0,
     progress: Watch | None = None,
 ) -> RateStateFit:
     """Fit rate-and-state friction to a record with steps of the speed of the load point.
 
-    The slider has no inertia and slides steadily at first. Intervals come from ten stretches of
-    time within which residuals may be correlated in any way, widened by what a profile over b
-    allows. Whether a and b can be told apart is said in words.
+    The slider has no inertia and slides steadily at first. Intervals come from leaving out blocks
+    of time (jackknife), widened by what a profile over b allows. Whether a and b can be told apart
+    is said in words.
 
     Parameters
     ----------
+    mechanism : TowedBlock
+        Stiffness of spring and machine, and the load where none was measured. Mass and speed do not
+        enter: the slider is quasi-static, and the speed of the load point was measured.
+    law : RateState, type or str
+        An instance, whose values are the start and, for what is not varied, held; the type, which
+        is the ageing law; or a name of `RATE_STATE_FORMS`, such as ``"rate-and-state-slip"``.
     measurement : Measurement
         One record with ``time``, ``pull`` (the position of the load point) and ``friction``; a
         coefficient is a friction at load 1.
-    evolution : {"ageing", "slip"}
-        How the state follows.
-    stiffness : float, optional
-        Stiffness over the load, d mu / d x [1/m]; fitted if not given.
+    vary : str or sequence of str, optional
+        Parameters to fit, as for `fit`: ``"friction.*"``, which is all if not given, stands for all
+        of the law. ``"mechanism.stiffness"`` fits the stiffness too.
+    fixed : mapping of str to float, optional
+        Values of parameters that are held, of law and mechanism.
     before, after : float, optional
         Way of the load point [m] before the first and after the last step that is used; all if not
         given. What a - b comes out as can depend on it, which `RateStateFit.windows` shows.
@@ -94,12 +116,12 @@ def fit_rate_state(
     Returns
     -------
     RateStateFit
-        Law, stiffness, drift, estimates with intervals, and sentences.
+        Law, mechanism, drift, estimates with intervals, and sentences.
 
     Raises
     ------
     InputError
-        If the record cannot be used.
+        If the record, the mechanism or a name cannot be used.
     ConvergenceError
         If the slider runs away from every start.
 
@@ -118,53 +140,225 @@ def fit_rate_state(
     >>> run = simulate_velocity_steps(truth, stiffness=2e3, time=t, pull=pull)
     >>> noise = np.random.default_rng(0).normal(0.0, 3e-4, len(t))
     >>> record = Measurement(time=t, pull=pull, friction=run.coefficient + noise, load=1.0)
-    >>> fitted = fit_rate_state(record)
+    >>> machine = TowedBlock(mass=1e-3, stiffness=2e3, speed=1e-6, load=1.0)
+    >>> fitted = fit_rate_state(machine, "rate-and-state", record)
     >>> fitted.separable, abs(fitted.law.direct_effect - 0.010) < 5e-4
     (True, True)
     """
-    if drift not in ("auto", "none", "linear"):
-        raise InputError(f"drift must be 'auto', 'none' or 'linear', got {drift!r}.")
-    if stiffness is not None:
-        stiffness = STIFFNESS.check("fit_rate_state", "stiffness", stiffness)
-    record = _used(measurement, before, after)
-    unknowns = [
-        unknowns_for(
-            record,
-            drift=drifts,
+    check_given("fit_rate_state", mechanism, measurement)
+    return with_profile(
+        fit_steps(
+            mechanism,
+            law,
+            measurement,
+            vary=vary,
+            fixed=fixed,
+            before=before,
+            after=after,
+            drift=drift,
             lowest_evolution_effect=lowest_evolution_effect,
-            stiffness=stiffness,
+            starts=starts,
+            seed=seed,
+            progress=progress,
         )
-        for drifts in ((False,) if drift == "none" else (False, True))
-    ]
-    slider = Slider.of(record, evolution, unknowns[0])
-    found = search(slider, starts=starts, seed=seed, tried=_tried(unknowns[0]), watch=progress)
-    if drift != "none" and not found.cancelled:
-        slider, found = _drifting(slider, found, unknowns[1], progress, always=drift == "linear")
-    return result_of(
-        slider,
-        found,
-        profile=Profile() if found.cancelled else _profile(slider, found.best),
-        windows=() if found.cancelled else _windows(slider, found.best),
     )
 
 
-def _used(measurement: Measurement, before: float | None, after: float | None) -> Record:
-    record = record_of(measurement).within(before, after)
-    if not len(record.path.steps) or len(record.time) < FEWEST:
+def fit_steps(
+    mechanism: Mechanism,
+    law: RateState | type[RateState] | str,
+    measurement: Measurement,
+    *,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    before: float | None = None,
+    after: float | None = None,
+    drift: Drift = "auto",
+    lowest_evolution_effect: float = 0.0,
+    starts: int = STARTS,
+    seed: int = 0,
+    progress: Watch | None = None,
+) -> RateStateFit:
+    """Fit as `fit_rate_state` does, without fits at other evolution effects and windows."""
+    if drift not in ("auto", "none", "linear"):
+        raise InputError(f"drift must be 'auto', 'none' or 'linear', got {drift!r}.")
+    asked = _asked(mechanism, law, measurement, vary, fixed)
+    record = _used(measurement, asked.block, before, after)
+    unknowns = [
+        _unknowns(asked, record, drift=drifts, lowest=lowest_evolution_effect)
+        for drifts in ((False,) if drift == "none" else (False, True))
+    ]
+    reference = record.speed if asked.reference is None else asked.reference
+    slider = Slider.of(record, asked.form.evolution, unknowns[0], reference)
+    found = search(slider, starts=starts, seed=seed, tried=_tried(slider), watch=progress)
+    if drift != "none" and not found.cancelled:
+        slider, found = _drifting(slider, found, unknowns[1], progress, always=drift == "linear")
+    return result_of(asked.block, measurement, slider, found)
+
+
+def with_profile(fit: RateStateFit) -> RateStateFit:
+    """Return a fit with intervals as wide as a profile over b allows, and a - b by window."""
+    if fit.cancelled:
+        return fit
+    slider, best = fit.problem, fit.best
+    return result_of(
+        fit.mechanism,
+        fit.measurement,
+        slider,
+        fit.found,
+        profile=_profile(slider, best),
+        windows=_windows(slider, best),
+    )
+
+
+def form_of(law: object) -> RateStateForm:
+    """Return the form of a law, its type or its name.
+
+    Raises
+    ------
+    InputError
+        If it is no form of rate-and-state friction.
+
+    Examples
+    --------
+    >>> form_of("rate-and-state-slip").title, form_of(RateState).title
+    ('Rate and state (slip)', 'Rate and state (ageing)')
+    """
+    if isinstance(law, str):
+        if law not in RATE_STATE_FORMS:
+            raise UnknownNameError("form of rate-and-state friction", law, RATE_STATE_FORMS)
+        return RATE_STATE_FORMS[law]
+    if law is RateState:
+        return RATE_STATE_FORMS["rate-and-state"]
+    if not isinstance(law, RateState):
+        called = law.__name__ if isinstance(law, type) else type(law).__name__
         raise InputError(
-            f"between {before} m before the first step and {after} m after the last are"
-            f" {len(record.time)} samples, and a fit needs at least {FEWEST}, on both sides of a"
-            " step."
+            "friction while a load point is pulled takes RateState or one of"
+            f" {', '.join(RATE_STATE_FORMS)}, got {called}: its slip speed was not measured."
+        )
+    return RATE_STATE_FORMS[law.name]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class _Asked:
+    """What a fit looks for and what it holds, by path."""
+
+    block: TowedBlock
+    form: RateStateForm
+    held: Mapping[str, float]
+    given: Mapping[str, float]
+    reference: float | None
+    """Speed at which the reference coefficient holds [m/s]; None for the first of the record."""
+
+
+def _asked(
+    mechanism: Mechanism,
+    law: RateState | type[RateState] | str,
+    measurement: Measurement,
+    vary: str | Sequence[str] | None,
+    fixed: Mapping[str, float] | None,
+) -> _Asked:
+    form = form_of(law)
+    kind = RateState if isinstance(law, str) else law
+    chosen = Parameters.of(_pulled(mechanism), kind, vary, fixed, measurement=measurement)
+    stated = [path for one in (measurement, *measurement.trials) for path in one.doubts]
+    if stated:
+        raise InputError(
+            f"the uncertainty of {stated[0]} is not propagated into intervals of rate-and-state"
+            " fits: leave it out."
+        )
+    usual = [f"friction.{name}" for name in form.fit_order]
+    known = {f"friction.{name}": value for name, value in chosen.known.items()}
+    named = (LAW,) if chosen.free is None else chosen.free
+    free = {path for path in usual if path not in known} if LAW in named else set()
+    free |= set(named) - {LAW}
+    others = [path for path in chosen.unknown if path != STIFFNESS]
+    if others or CONVENTION in free:
+        raise InputError(
+            f"a rate-and-state fit cannot vary {(*others, CONVENTION)[0]}: of the mechanism only"
+            " the stiffness enters, and the reference velocity is a convention, which fixed sets."
+        )
+    foreign = [path for path in (*free, *known) if path not in (*usual, CONVENTION)]
+    if foreign:
+        raise InputError(
+            f"{form.title.lower()} has no {foreign[0].partition('.')[2]}; its parameters are"
+            f" {', '.join(form.fit_order)}."
+        )
+    own = {} if not isinstance(chosen.law, RateState) else {
+        path: getattr(chosen.law, path.partition(".")[2]) for path in (*usual, CONVENTION)
+    }  # fmt: skip
+    own |= known
+    missing = [path for path in usual if path not in free and path not in own]
+    if missing:
+        raise InputError(f"{missing[0]} is neither varied nor fixed: add it to vary or to fixed.")
+    held = {path: own[path] for path in usual if path not in free}
+    block = _pulled(chosen.mechanism)
+    if STIFFNESS not in chosen.unknown:
+        held[STIFFNESS] = block.stiffness
+    if form is RATE_STATE_FORMS["constant-coefficient"]:  # the load point drags it along
+        held |= {PATHS[0]: 0.0, STIFFNESS: block.stiffness}
+    if not free and STIFFNESS in held:
+        raise InputError("there is nothing to fit: name at least one parameter in vary.")
+    given = {path: value for path, value in own.items() if path in free}
+    return _Asked(
+        block=block,
+        form=form,
+        held=held,
+        given=given,
+        reference=own.get(CONVENTION),
+    )
+
+
+def _pulled(mechanism: Mechanism) -> TowedBlock:
+    """Return the mechanism if a spring alone pulls it."""
+    if isinstance(mechanism, TowedBlock) and not mechanism.damping and mechanism.modulation is None:
+        return mechanism
+    raise InputError(
+        "a rate-and-state fit needs a TowedBlock without damping and modulation, whose stiffness is"
+        f" that of spring and machine, got {mechanism!r}."
+    )
+
+
+def _unknowns(asked: _Asked, record: Record, *, drift: bool, lowest: float) -> FreeParameters:
+    held = dict(asked.held)
+    if STIFFNESS in held:
+        held[STIFFNESS] /= record.load
+    return unknowns_for(
+        record,
+        asked.form.evolution,
+        drift=drift,
+        lowest_evolution_effect=lowest,
+        held=held,
+        given=asked.given,
+        reference_velocity=record.speed if asked.reference is None else asked.reference,
+    )
+
+
+def _used(
+    measurement: Measurement, block: TowedBlock, before: float | None, after: float | None
+) -> Record:
+    record = record_of(measurement, load_of(block)).within(before, after)
+    if not len(record.path.steps) or len(record.time) < FEWEST:
+        ways = {"before the first": before, "after the last": after}
+        parts = [f"{quantity(x, 'm')} {where}" for where, x in ways.items() if x is not None]
+        within = f" within {joined(parts)} step" if parts else ""
+        raise InputError(
+            f"there are {len(record.time)} samples{within}, and a rate-and-state fit needs at least"
+            f" {FEWEST}, on both sides of a step."
         )
     return record
 
 
-def _tried(unknowns: FreeParameters) -> Sequence[Array]:
+def _tried(slider: Slider) -> Sequence[Array]:
     """Return starts with other critical distances; the first one has 0.01 of the way."""
+    distance = slider.unknowns.items[2]
+    if distance.low == distance.high:
+        return ()
     tried = []
-    for distance in DISTANCES:
-        start = unknowns.start
-        start[2] *= distance / 0.01
+    for share in DISTANCES:
+        start = slider.unknowns.start
+        start[2] = share * slider.record.slid
         tried.append(start)
     return tried
 
@@ -179,13 +373,13 @@ def _drifting(
 ) -> tuple[Slider, OptimizeResult]:
     """Return problem and end with a drift, or those without if the data do not need it."""
     drifting = slider.with_unknowns(unknowns)
-    ends = [search(drifting, starts=1 + len(DISTANCES), tried=_tried(unknowns), watch=watch)]
+    ends = [search(drifting, starts=1 + len(DISTANCES), tried=_tried(drifting), watch=watch)]
     carried = unknowns.starting_at([*found.best.values, 0.0])
     ends.append(search(drifting.with_unknowns(carried), starts=1, watch=watch))
     best = min(ends, key=lambda end: end.best.cost)
     if not always:
-        error = math.sqrt(sandwich(best.best, free_of(drifting, best.best.values))[-1, -1])
-        sure = abs(best.best.values[-1]) > quantile() * error
+        width = inference_of(drifting, best.best).half_widths[drifting.unknowns.paths.index(DRIFT)]
+        sure = abs(best.best.values[-1]) > width
         if not sure or best.best.rms > (1.0 - WORTH) * found.best.rms:
             return slider, found
     return drifting, best
@@ -193,10 +387,13 @@ def _drifting(
 
 def _profile(slider: Slider, best: ResidualJacobian) -> Profile:
     """Return fits with other evolution effects held, as far as the record allows them."""
+    items = slider.unknowns.items
+    if any(item.low == item.high for item in items[:3]):  # of a and b, one alone has no rival
+        return Profile()
     values = best.values
     a, b = values[:2]
     room = best.cost * (1.0 + 4.0 / max(effective_size(best) - len(values), 4.0))
-    lowest = slider.unknowns.items[1].low
+    lowest = items[1].low
     kept: list[ResidualJacobian] = []
     unbounded = True
     for tried in (
@@ -230,17 +427,17 @@ def _holding(slider: Slider, values: Array, b: float) -> ResidualJacobian | None
 
 def _windows(slider: Slider, best: ResidualJacobian) -> tuple[Window, ...]:
     """Return a - b with less of the record after the last step, and with all that was given."""
+    if slider.unknowns.items[0].low == slider.unknowns.items[0].high:
+        return ()
+    whole = rate_of(slider, best)
+    wider = whole[1] / whole[2] if whole[2] > 0.0 else math.inf
     found = []
     for share in FRACTIONS:
         record = slider.record.within(None, share * slider.record.after)
         if not len(record.path.steps) or len(record.time) < FEWEST:
             continue
-        cropped = Slider.of(record, slider.evolution, slider.unknowns.starting_at(best.values))
-        found.append(_window(cropped, search(cropped, starts=3).best))
-    return (*found, _window(slider, best))
-
-
-def _window(slider: Slider, end: ResidualJacobian) -> Window:
-    error = rate_error(sandwich(end, free_of(slider, end.values)))
-    rate = float(end.values[0] - end.values[1])
-    return Window(after=slider.record.after, rate=rate, error=error)
+        unknowns = slider.unknowns.starting_at(best.values)
+        part = Slider.of(record, slider.evolution, unknowns, slider.reference_velocity)
+        rate, _, naive = rate_of(part, search(part, starts=3).best)
+        found.append(Window(after=record.after, rate=rate, half_width=wider * naive))
+    return (*found, Window(after=slider.record.after, rate=whole[0], half_width=whole[1]))

@@ -1,6 +1,6 @@
 """A record of a spring slider as residuals of rate-and-state friction."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias, final
 
@@ -10,14 +10,15 @@ from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.formatting import number, quantity
+from stickslip.formatting import quantity
+from stickslip.friction import Evolution, RateState
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import Problem, ResidualJacobian
-from stickslip.identification.rate_state.law import Evolution, RateState, logarithms
+from stickslip.identification.rate_state.slider import logarithms
 from stickslip.identification.series.load_point import Path, path_of
 from stickslip.quantities import Quantity, fields_of
 
-__all__ = ["DRIFT", "PATHS", "Record", "Slider", "record_of", "unknowns_for"]
+__all__ = ["DRIFT", "PATHS", "Record", "Slider", "record_of", "serves", "unknowns_for"]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -29,8 +30,12 @@ PATHS = (
     "friction.reference_coefficient",
 )
 DRIFT = "drift"
-BLOCKS = 10
-"""Stretches of equal time within which residuals may be correlated in any way."""
+MEASURED = ("pull", "friction")
+"""What a load point and a load cell measure."""
+MOTION = ("position", "velocity")
+"""Where the motion of the slider itself was measured, friction is a function of that motion."""
+PARTS = 6
+"""Parts of a record with one step, each of which is predicted by a fit to the others."""
 PLAIN = 4000
 """Up to so many samples are taken as they are, and means of longer records."""
 EVEN, CLOSE = 1000, 300
@@ -39,6 +44,8 @@ COARSE = 500
 """Stretches of the pull over which the first guess of the stiffness is read."""
 TOLERANCE = 1e-9
 """Six digits below the noise of any record."""
+LEAST = 1e-4
+"""Effects on friction below which difference quotients take no smaller steps."""
 NUDGE = 1e-4
 """Step of difference quotients, relative; half the digits of the tolerance."""
 
@@ -55,6 +62,10 @@ class Record:
     pull: Array
     """Position of the load point (n,) [m], as measured, from 0 on."""
     path: Path
+    begins: float = 0.0
+    """Time 0 on the clock of the measurement [s]."""
+    load: float = 1.0
+    """Mean load [N]."""
 
     @property
     def speed(self) -> float:
@@ -81,31 +92,70 @@ class Record:
         inner = (self.path.time > time[0]) & (self.path.time < time[-1])
         knots = np.array([time[0], *self.path.time[inner], time[-1]])
         position = np.interp(knots, self.path.time, self.path.position)
-        return Record(
+        return replace(
+            self,
             time=time - time[0],
             coefficient=self.coefficient[kept],
             pull=self.pull[kept] - self.pull[kept][0],
             path=Path(time=knots - time[0], position=position - position[0]),
+            begins=self.begins + float(time[0]),
         )
 
 
-def record_of(measurement: Measurement) -> Record:
+def serves(measurement: Measurement) -> bool:
+    """Whether a measurement is one of friction while a load point is pulled.
+
+    It has time, ``pull`` and ``friction``, but neither position nor velocity of the slider: where
+    these were measured, friction is compared along the measured motion, without a stiffness.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        Any measurement. Whether its load point changes its speed, `fit_rate_state` says.
+
+    Examples
+    --------
+    >>> pulled = {"time": [0.0, 1.0], "pull": [0.0, 1e-6], "friction": [0.6, 0.6]}
+    >>> serves(Measurement(**pulled)), serves(Measurement(**pulled, velocity=[1e-6, 1e-6]))
+    (True, False)
+    """
+    return all(
+        one.time is not None
+        and all(name in one.quantities() for name in MEASURED)
+        and not any(name in one.quantities() for name in MOTION)
+        for one in measurement.records()
+    )
+
+
+def record_of(measurement: Measurement, load: float = 1.0) -> Record:
     """Return the record of a measurement with friction, load and pull.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        One record.
+    load : float
+        Load [N] where none was measured.
 
     Raises
     ------
     InputError
         If something is missing, or the load point never changes its speed.
     """
+    if measurement.trials:
+        raise InputError(
+            f"a rate-and-state fit needs one record, got {len(measurement.trials)} trials: give one"
+            " of them, and another to validate."
+        )
     for name in ("time", "friction", "pull"):
-        if measurement.trials or getattr(measurement, name) is None:
+        if getattr(measurement, name) is None:
             raise InputError(
                 "a rate-and-state fit needs one record with time, friction and pull (the position"
                 f" of the load point); {name} is missing. A coefficient is a friction at load 1."
             )
     assert measurement.time is not None
-    load = 1.0 if measurement.load is None else measurement.values("load")
-    if np.any(np.asarray(load) <= 0.0):
+    loads = np.asarray(load if measurement.load is None else measurement.values("load"))
+    if np.any(loads <= 0.0):
         raise InputError("a rate-and-state fit needs loads above 0 N throughout.")
     time = measurement.time - measurement.time[0]
     pull = np.asarray(measurement.values("pull"))
@@ -121,10 +171,18 @@ def record_of(measurement: Measurement) -> Record:
     if path.speeds[0] <= 0.0 or np.any(path.speeds < -0.01 * path.speeds.max()):
         raise InputError(
             "a rate-and-state fit needs a load point that moves forwards at first and never back,"
-            f" got speeds from {number(path.speeds.min())} to {quantity(path.speeds.max(), 'm/s')}."
+            f" got speeds from {quantity(path.speeds.min(), 'm/s')} to"
+            f" {quantity(path.speeds.max(), 'm/s')}."
         )
-    coefficient = np.asarray(measurement.values("friction")) / load
-    return Record(time=time, coefficient=coefficient, pull=pull, path=path)
+    coefficient = np.asarray(measurement.values("friction")) / loads
+    return Record(
+        time=time,
+        coefficient=coefficient,
+        pull=pull,
+        path=path,
+        begins=float(measurement.time[0]),
+        load=float(loads.mean()),
+    )
 
 
 @final
@@ -134,13 +192,16 @@ class Slider(Problem):
 
     record: Record
     evolution: Evolution
+    reference_velocity: float
     unknowns_: FreeParameters
     mean_time: Array
     mean: Array
     weight: Array
 
     @staticmethod
-    def of(record: Record, evolution: Evolution, unknowns: FreeParameters) -> "Slider":
+    def of(
+        record: Record, evolution: Evolution, unknowns: FreeParameters, reference_velocity: float
+    ) -> "Slider":
         """Return the problem of a record; sums of squares differ by scatter within stretches."""
         bins = np.arange(len(record.time))
         if len(bins) > PLAIN:
@@ -149,6 +210,7 @@ class Slider(Problem):
         return Slider(
             record=record,
             evolution=evolution,
+            reference_velocity=reference_velocity,
             unknowns_=unknowns,
             mean_time=np.bincount(which, record.time) / count,
             mean=np.bincount(which, record.coefficient) / count,
@@ -175,15 +237,32 @@ class Slider(Problem):
         return self.mean_time
 
     @property
-    @override
-    def spans(self) -> Array:
-        edges = np.linspace(self.record.time[0], self.record.time[-1], BLOCKS + 1)
-        return np.column_stack([np.zeros(BLOCKS), edges[:-1], edges[1:]])
+    def by_steps(self) -> bool:
+        """Whether segments begin with a step, so that each can be predicted from the others."""
+        return len(self.record.path.steps) > 1
 
     @property
-    def blocks(self) -> NDArray[np.intp]:
-        """Stretch that each row belongs to (n,)."""
-        return np.searchsorted(self.spans[1:, 1], self.mean_time, side="right").astype(np.intp)
+    def edges(self) -> Array:
+        """Ends of the segments (segments + 1,) [s].
+
+        Pieces of constant speed; parts with equally many rows of a record with a single step, of
+        which nothing but that step tells how friction settles.
+        """
+        if self.by_steps:
+            return self.record.path.time
+        inner = np.quantile(self.mean_time, np.arange(1, PARTS) / PARTS)
+        return np.array([self.record.time[0], *inner, self.record.time[-1]])
+
+    @property
+    @override
+    def spans(self) -> Array:
+        edges = self.edges
+        return np.column_stack([np.zeros(len(edges) - 1), edges[:-1], edges[1:]])
+
+    @property
+    def segments(self) -> NDArray[np.intp]:
+        """Segment that each row belongs to (n,)."""
+        return np.searchsorted(self.edges[1:-1], self.mean_time, side="right").astype(np.intp)
 
     def law(self, values: Array) -> RateState:
         """Return the law with values (p,) of the unknowns."""
@@ -192,8 +271,8 @@ class Slider(Problem):
             reference_coefficient=mu_0,
             direct_effect=a,
             evolution_effect=b,
-            critical_distance=D_c,
-            reference_velocity=self.record.speed,
+            critical_distance=None if self.evolution == "none" else D_c,
+            reference_velocity=self.reference_velocity,
             evolution=self.evolution,
         )
 
@@ -217,15 +296,15 @@ class Slider(Problem):
         only: Sequence[int] | None = None,
         slopes: bool = True,
     ) -> ResidualJacobian:
-        blocks = self.blocks
-        rows = np.ones(len(blocks), dtype=bool) if only is None else np.isin(blocks, only)
+        segments = self.segments
+        rows = np.ones(len(segments), dtype=bool) if only is None else np.isin(segments, only)
         times, weight = self.mean_time[rows], self.weight[rows]
         base = self.predict(values, times)
         table = np.zeros((len(times), len(values)))
         if base is None:
             residual = np.full(len(times), np.inf)
             return ResidualJacobian(
-                values=values, residual=residual, slopes=table, segment=blocks[rows]
+                values=values, residual=residual, slopes=table, segment=segments[rows]
             )
         if slopes:
             table = weight[:, None] * self._slopes(values, times, base)
@@ -233,14 +312,19 @@ class Slider(Problem):
             values=values,
             residual=weight * (self.mean[rows] - base),
             slopes=table,
-            segment=blocks[rows],
+            segment=segments[rows],
         )
 
     def _slopes(self, values: Array, times: Array, base: Array) -> Array:
         """Return the derivatives of the prediction by the unknowns (n, p)."""
         table = np.ones((len(times), len(values)))  # the fifth is that of the level
+        items = self.unknowns.items
         for i in range(4):
-            step = NUDGE * (max(abs(values[1]), values[0]) if i == 1 else values[i])
+            if items[i].low == items[i].high:
+                table[:, i] = 0.0
+                continue
+            size = max(abs(values[0]), abs(values[1]), LEAST) if i < 2 else values[i]
+            step = NUDGE * size
             nudged = values.copy()
             nudged[i] += step
             there = self.predict(nudged, times)
@@ -261,27 +345,60 @@ def _edges(record: Record) -> Array:
 
 
 def unknowns_for(
-    record: Record, *, drift: bool, lowest_evolution_effect: float, stiffness: float | None
+    record: Record,
+    evolution: Evolution,
+    *,
+    drift: bool,
+    lowest_evolution_effect: float,
+    held: Mapping[str, float],
+    given: Mapping[str, float],
+    reference_velocity: float,
 ) -> FreeParameters:
-    """Return what is looked for, with first guesses read off the record."""
+    """Return what is looked for, with first guesses read off the record.
+
+    Parameters
+    ----------
+    record : Record
+        The record.
+    evolution : {"ageing", "slip", "none"}
+        How the state follows; without, the evolution effect is held at 0.
+    drift : bool
+        Whether friction changes steadily with the way of the load point.
+    lowest_evolution_effect : float
+        Lower bound of b.
+    held, given : mapping of str to float
+        Values by path that are not looked for, and from which a search begins; the stiffness is
+        over the load [1/m].
+    reference_velocity : float
+        Speed at which the reference coefficient holds [m/s].
+    """
     declared = fields_of(RateState)
-    slid = record.slid
-    rate, mu_0 = _levels(record)
+    slid, state = record.slid, evolution != "none"
+    rate, first = _levels(record)
+    mu_0 = first - rate * float(np.log(record.speed / reference_velocity))
     start_a = max(rate, 0.0) + 0.005
-    k = _steepest(record) if stiffness is None else stiffness
-    low_k, high_k = (1e-2 * k, 1e2 * k) if stiffness is None else (k, k)
+    k = given.get(PATHS[3], held.get(PATHS[3], _steepest(record)))
     names = [path.rpartition(".")[2] for path in PATHS]
     numbers = [
         (declared[names[0]], start_a, 1e-6, 1.0, True),
         (declared[names[1]], start_a - rate, lowest_evolution_effect, 1.0, False),
         (declared[names[2]], 0.01 * slid, 1e-4 * slid, 10.0 * slid, True),
-        (Quantity("k", "1/m", above=0), k, low_k, high_k, True),
+        (Quantity("k", "1/m", above=0), k, 1e-2 * k, 1e2 * k, True),
         (declared[names[4]], mu_0, -np.inf, np.inf, False),
     ]
-    items = [
-        FreeParameter(path=path, quantity=quantity, start=start, low=low, high=high, log=log)
-        for path, (quantity, start, low, high, log) in zip(PATHS, numbers, strict=True)
-    ]
+    if not state:
+        numbers[0] = (declared[names[0]], rate, -1.0, 1.0, False)
+        held = {PATHS[2]: slid, **held, PATHS[1]: 0.0}
+    items = []
+    for path, (symbol, guess, low, high, log) in zip(PATHS, numbers, strict=True):
+        start = held.get(path, given.get(path, guess))
+        ends = (start, start) if path in held else (min(low, start), max(high, start))
+        size = log and path not in held  # what is held stays to the last digit
+        items.append(
+            FreeParameter(
+                path=path, quantity=symbol, start=start, low=ends[0], high=ends[1], log=size
+            )
+        )
     if drift:
         items.append(FreeParameter(path=DRIFT, quantity=Quantity("eta", "1/m"), start=0.0))
     return FreeParameters(tuple(items))

@@ -1,37 +1,67 @@
 """What a rate-and-state fit gives back, and what it says about itself."""
 
-import html
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.formatting import estimate, fixed, joined, number, quantities, quantity, signed
+from stickslip.experiments import Measurement
+from stickslip.experiments.estimates import LawEstimates
+from stickslip.formatting import estimate as estimated
+from stickslip.formatting import (
+    fixed,
+    joined,
+    number,
+    quantities,
+    quantity,
+    ratio,
+    signed,
+)
+from stickslip.friction import RateState
+from stickslip.identification.estimation.jackknife import BLOCKS, Inference, effective_size, infer
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult
 from stickslip.identification.estimation.problem import ResidualJacobian
-from stickslip.identification.estimation.sandwich import sandwich
-from stickslip.identification.rate_state.law import (
-    RateState,
-    SliderHistory,
-    simulate_velocity_steps,
-)
-from stickslip.identification.rate_state.problem import BLOCKS, Slider
-from stickslip.identification.results import Estimate
+from stickslip.identification.rate_state.problem import PATHS, Slider, record_of
+from stickslip.identification.rate_state.slider import SliderHistory, simulate_velocity_steps
+from stickslip.identification.results import Estimate, Fit, estimates_for
+from stickslip.mechanisms import TowedBlock
 from stickslip.quantities import Quantity
 
-__all__ = ["Profile", "RateStateFit", "Window", "free_of", "quantile", "rate_error", "result_of"]
+__all__ = [
+    "Profile",
+    "RateStateFit",
+    "Window",
+    "bounds_met",
+    "inference_of",
+    "rate_of",
+    "result_of",
+]
 
 Array: TypeAlias = NDArray[np.float64]
 
 RATE = "friction.direct_effect - friction.evolution_effect"
+ROUTE = "rate-state"
 SAME = 0.05
 """a - b is one number for all windows if it differs by less than this share."""
 TOLD = 0.3
 """a and b are told apart where the half widths of both intervals are below this share."""
+INERTIA = 0.1
+"""Time sqrt(m/k) over D_c/V above which the mass could matter."""
+HELD = "given"
+"""Reason of what was not looked for."""
+ROOM = 3.0
+"""Effective number of rows of a block where there are more blocks than usual.
+
+The variance of a block's sum is a sixth short then, as neighbouring blocks go together; intervals
+held in 28 to 30 of 30 records (decision 0032).
+"""
+MOST_BLOCKS = 100
+UNSPENT = 1e-3
+"""Share of a below which b is none, and D_c has no effect."""
 
 
 @final
@@ -43,8 +73,12 @@ class Window:
     """Way of the load point after the last step [m]."""
     rate: float
     """a - b."""
-    error: float
-    """Standard error of a - b."""
+    half_width: float
+    """Half the width of its 95 % interval; infinite where that cannot be said.
+
+    Of less than all, it is that of independent residuals times what dependence makes of that of the
+    whole: blocks of what is left would be too short.
+    """
 
 
 @final
@@ -57,29 +91,34 @@ class Profile:
     """Whether the largest evolution effect tried is still allowed."""
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class RateStateFit:
-    """Rate-and-state friction fitted to velocity steps; made by `fit_rate_state`."""
+NO_PROFILE = Profile()
 
-    law: RateState
-    """The fitted law; its reference velocity is the first speed of the load point."""
-    stiffness: float
-    """Stiffness of spring and machine over the load, d mu / d x [1/m]."""
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class RateStateFit(Fit[RateState]):
+    """Rate-and-state friction fitted to velocity steps; made by `fit_rate_state`.
+
+    `law` has the reference velocity that it was given, or the first speed of the load point;
+    `mechanism` the fitted stiffness. `RateState` is no law of a rig file, so `to_toml` and `save`
+    refuse it; `to_dict` and `history` have its numbers.
+    """
+
+    mechanism: TowedBlock
+    measurement: Measurement
+    """The whole record."""
     drift: float
     """Steady change of the coefficient with the way of the load point [1/m]; 0 without one."""
-    estimates: tuple[Estimate, ...]
-    """Parameters of the law, stiffness, drift if any, and a - b last."""
+    rate: Estimate
+    """a - b, which says how friction changes with speed in the long run."""
     rmse: float
     """Root mean square of measured less fitted coefficient, over all samples used."""
     correlation: float
-    """Correlation of the estimates of a and b."""
+    """Correlation of the estimates of a and b; 0 where not both were fitted."""
     separable: bool
     """Whether the record tells a and b apart."""
     windows: tuple[Window, ...]
     """a - b by how much of the record after the last step is used, all of it last."""
-    starts_agreeing: int
-    """How many starts came to the least cost."""
     sentences: tuple[str, ...]
     """What can be said, in words."""
     time: Array
@@ -90,11 +129,38 @@ class RateStateFit:
     """Fitted coefficients (n,), drift included."""
     load_point: Mapping[str, Array]
     """Times [s] and positions [m] between which the load point moves steadily."""
+    problem: Slider
+    """The record as residuals."""
+    found: OptimizeResult
+    """The least cost found, and what each start came to."""
+    inference: Inference
+    """Covariance of the fitted values, those that were held included."""
 
     @property
-    def rate(self) -> Estimate:
-        """The estimate of a - b."""
-        return self.estimates[-1]
+    def best(self) -> ResidualJacobian:
+        """Residuals and slopes at the fitted values."""
+        return self.found.best
+
+    @property
+    def starts_agreeing(self) -> int:
+        """How many starts came to the least cost."""
+        return self.found.agreeing
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness of spring and machine over the load, d mu / d x [1/m]."""
+        return float(self.best.values[3])
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals, means over short stretches of long records."""
+        return self.best.rms
+
+    @property
+    def over_scatter(self) -> float:
+        """Residuals over what the scatter of neighbouring samples would leave; 0 without any."""
+        scatter = float(np.std(np.diff(self.measured)) / math.sqrt(2.0))
+        return self.rmse / scatter if scatter > 0.0 else 0.0
 
     def history(self) -> SliderHistory:
         """Return coefficient, slip speed and state of the fitted slider, without drift."""
@@ -106,30 +172,65 @@ class RateStateFit:
             at=self.time,
         )
 
+    def judged(self, measurement: Measurement) -> float:
+        """Return the root mean square error of the coefficient in another record of this machine.
+
+        Parameters
+        ----------
+        measurement : Measurement
+            One record with ``time``, ``pull`` and ``friction``.
+
+        Returns
+        -------
+        float
+            Error of the coefficient, drift included; infinite if the slider runs away.
+        """
+        record = record_of(measurement, self.problem.record.load)
+        other = Slider.of(
+            record, self.law.evolution, self.problem.unknowns, self.law.reference_velocity
+        )
+        return other.linearise(self.best.values, slopes=False).rms
+
+    @override
+    def law_estimates(self) -> LawEstimates:
+        own = [i for i, item in enumerate(self.problem.unknowns.items) if item.low < item.high]
+        return estimates_for(
+            self.law,
+            self.estimates,
+            self.inference.correlation[np.ix_(own, own)],
+            levels="per load",
+            largest_speed=float(self.problem.record.path.speeds.max()),
+        )
+
     @override
     def __str__(self) -> str:
         """Return law, estimates and error, then the sentences."""
-        numbers = "; ".join(str(estimate) for estimate in self.estimates)
+        numbers = "; ".join(str(estimate) for estimate in (*self.estimates, self.rate))
         head = (
-            f"rate and state ({self.law.evolution}) fitted to {len(self.time)} samples:"
-            f" {numbers}; rms error {number(self.rmse, 2)}"
+            f"{self.law.title} fitted to {len(self.time):,} samples: {numbers}; rms error"
+            f" {number(self.rmse, 2)}"
         )
         return "\n".join([head, *self.sentences])
 
     @override
     def __repr__(self) -> str:
-        return f"<RateStateFit: {self.rate}, rms error {number(self.rmse, 2)}>"
+        return f"<RateStateFit: {self.law.title}, {self.rate}, rms error {number(self.rmse, 2)}>"
 
-    def _repr_html_(self) -> str:
-        return "".join(f"<p>{html.escape(line)}</p>" for line in str(self).splitlines())
+    @override
+    def _notes(self) -> Sequence[str]:
+        return self.sentences
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the fit as plain numbers and strings."""
+    @override
+    def to_dict(self) -> Mapping[str, Any]:
         return {
-            "law": "rate-and-state",
+            "law": self.law.name,
+            "route": ROUTE,
             "evolution": self.law.evolution,
             "reference_velocity": self.law.reference_velocity,
             "estimates": [estimate.to_dict() for estimate in self.estimates],
+            "a_minus_b": self.rate.to_dict(),
+            "stiffness_over_load": self.stiffness,
+            "drift": self.drift,
             "rmse": self.rmse,
             "correlation_a_b": self.correlation,
             "separable": self.separable,
@@ -137,15 +238,9 @@ class RateStateFit:
                 {"after": window.after, "a_minus_b": window.rate} for window in self.windows
             ],
             "samples": len(self.time),
+            "cancelled": self.cancelled,
             "sentences": list(self.sentences),
         }
-
-
-def quantile() -> float:
-    """Return the factor of standard errors for 95 %, with as few degrees as there are stretches."""
-    from scipy.stats import t
-
-    return float(t.ppf(0.975, BLOCKS - 1))
 
 
 def free_of(slider: Slider, values: Array) -> NDArray[np.bool_]:
@@ -153,48 +248,101 @@ def free_of(slider: Slider, values: Array) -> NDArray[np.bool_]:
     low, high = slider.unknowns.limits()
     at = slider.unknowns.coordinates(values)
     free = (at > low) & (at < high)
-    if abs(values[1]) < 1e-3 * values[0]:
+    if abs(values[1]) < UNSPENT * abs(values[0]):
         free[1:3] = False
     return np.asarray(free)
 
 
+def bounds_met(fit: RateStateFit) -> tuple[str, ...]:
+    """Return the symbols of what ended at a bound of the search; b = 0 is a limit of the law."""
+    low, high = fit.problem.unknowns.limits()
+    at = fit.problem.unknowns.coordinates(fit.best.values)
+    met = (low < high) & ((at <= low) | (at >= high))
+    met[1] = met[1] and at[1] >= high[1]
+    items = zip(fit.problem.unknowns.items, met, strict=True)
+    return tuple(item.quantity.symbol for item, one in items if one)
+
+
+def inference_of(slider: Slider, best: ResidualJacobian) -> Inference:
+    """Return covariances of the values (p,), from leaving out blocks of the record."""
+    scale = slider.unknowns.slopes(slider.unknowns.coordinates(best.values))
+    scale[:, ~free_of(slider, best.values)] = 0.0
+    return infer(best, scale, blocks=blocks_of(best))
+
+
+def rate_of(
+    slider: Slider, best: ResidualJacobian, inference: Inference | None = None
+) -> tuple[float, float, float]:
+    """Return a - b, half the width of its 95 % interval, and its error of independent residuals."""
+    a, b = map(float, best.values[:2])
+    row = np.zeros(len(best.values))
+    row[:2] = np.where(free_of(slider, best.values)[:2], (1.0, -1.0), 0.0)
+    found = inference_of(slider, best) if inference is None else inference
+    if not row.any():
+        return a - b, 0.0, 0.0
+    kept = row != 0.0
+    naive = float(row[kept] @ found.naive[np.ix_(kept, kept)] @ row[kept])
+    return a - b, found.half_width(row), math.sqrt(max(naive, 0.0))
+
+
 def result_of(
-    slider: Slider, found: OptimizeResult, *, profile: Profile, windows: tuple[Window, ...]
+    block: TowedBlock,
+    measurement: Measurement,
+    slider: Slider,
+    found: OptimizeResult,
+    *,
+    profile: Profile = NO_PROFILE,
+    windows: tuple[Window, ...] = (),
 ) -> RateStateFit:
     """Return what was found, with intervals and words."""
-    values = found.best.values
-    fitted = slider.predict(values, slider.record.time)
+    values, record = found.best.values, slider.record
+    fitted = slider.predict(values, record.time)
     assert fitted is not None
-    measured = slider.record.coefficient
-    covariance = sandwich(found.best, free_of(slider, values))
-    correlation = _correlation(found.best, profile)
-    estimates = _estimates(slider, values, covariance, profile)
-    separable = all(e.bounded and e.high - e.low < 2.0 * TOLD * abs(e.value) for e in estimates[:2])
-    return RateStateFit(
+    inference = inference_of(slider, found.best)
+    everyone = _estimates(slider, found.best, inference, profile)
+    a, b = everyone[:2]
+    both = HELD not in (a.reason, b.reason)
+    separable = both and all(e.bounded and e.half_width < TOLD * abs(e.value) for e in (a, b))
+    fit = RateStateFit(
         law=slider.law(values),
-        stiffness=float(values[3]),
+        mechanism=replace(block, load=record.load, stiffness=float(values[3]) * record.load),
+        measurement=measurement,
+        estimates=tuple(e for e in everyone if e.reason != HELD),
+        cancelled=found.cancelled,
         drift=float(values[5]) if len(values) > 5 else 0.0,
-        estimates=estimates,
-        rmse=float(np.sqrt(np.mean((measured - fitted) ** 2))),
-        correlation=correlation,
+        rate=_rate(slider, found.best, inference, profile),
+        rmse=float(np.sqrt(np.mean((record.coefficient - fitted) ** 2))),
+        correlation=_correlation(slider, found.best, profile) if both else 0.0,
         separable=separable,
         windows=windows,
-        starts_agreeing=found.agreeing,
-        sentences=_sentences(slider, found, estimates, correlation, windows, separable=separable),
-        time=slider.record.time,
-        measured=measured,
+        sentences=(),
+        time=record.time,
+        measured=record.coefficient,
         fitted=fitted,
-        load_point={"time": slider.record.path.time, "position": slider.record.path.position},
+        load_point={"time": record.path.time, "position": record.path.position},
+        problem=slider,
+        found=found,
+        inference=inference,
     )
+    return replace(fit, sentences=_sentences(fit, found), remarks=_remarks(fit))
 
 
-def _correlation(best: ResidualJacobian, profile: Profile) -> float:
+def blocks_of(best: ResidualJacobian) -> int:
+    """Return how many blocks of a record are left out in turn: at least the usual number.
+
+    A step is over soon, and what one block alone shows has no interval. There are more blocks where
+    each still holds several times the correlated rows.
+    """
+    return int(np.clip(effective_size(best) / ROOM, BLOCKS, MOST_BLOCKS))
+
+
+def _correlation(slider: Slider, best: ResidualJacobian, profile: Profile) -> float:
     """Return the correlation of a and b; near b = 0 that at the next b the record allows.
 
     It is that of independent residuals, which stays defined where a and b cannot be told apart.
     """
-    if abs(best.values[1]) < 1e-3 * best.values[0] and profile.ends:
-        best = profile.ends[0]
+    if abs(best.values[1]) < UNSPENT * abs(best.values[0]) and profile.ends:
+        best = slider.linearise(profile.ends[0].values)
     others = np.delete(best.slopes, [0, 1], axis=1)
     others = others / np.maximum(np.linalg.norm(others, axis=0), 1e-300)
     both = best.slopes[:, :2]
@@ -204,49 +352,63 @@ def _correlation(best: ResidualJacobian, profile: Profile) -> float:
 
 
 def _estimates(
-    slider: Slider, values: Array, covariance: Array, profile: Profile
-) -> tuple[Estimate, ...]:
-    """Return all unknowns and a - b, each with its standard error widened by the profile."""
-    wide = quantile()
-    errors = np.sqrt(np.diag(covariance))
+    slider: Slider, best: ResidualJacobian, inference: Inference, profile: Profile
+) -> list[Estimate]:
+    """Return all unknowns, those that are held too, each interval widened by the profile."""
+    values, load = best.values, slider.record.load
     others = np.array([end.values for end in profile.ends]).reshape(-1, len(values))
-    found = []
+    found: list[Estimate] = []
     for i, item in enumerate(slider.unknowns.items):
-        reason = ""
-        low, high = _hull(values[i], wide * errors[i], others[:, i])
+        unit = load if item.path == PATHS[3] else 1.0
+        quantity = Quantity("k", "N/m", above=0) if item.path == PATHS[3] else item.quantity
+        known = item.low == item.high
+        low, high = _hull(values[i], 0.0 if known else _width(inference, i), others[:, i])
+        reason = HELD if known else inference.reasons[i] if not math.isfinite(low + high) else ""
         if i < 2 and profile.unbounded:
             high, reason = math.inf, "larger a and b of the same difference fit as well"
-        if i < 2 and not np.isfinite(low):
+        if i < 2 and profile.ends and not math.isfinite(low):
             low = values[i]
         low, high = max(low, item.low), min(high, item.high) if i > 1 else high
-        if item.low == item.high:
-            low, high, reason = values[i], values[i], "given"
-        found.append([item.path, item.quantity, values[i], low, high, reason])
-    if found[1][3] <= 0.0 <= found[1][4]:
-        found[2][3:] = [-math.inf, math.inf, "b may be 0, and then D_c has no effect"]
-    rates = others[:, 0] - others[:, 1]
-    low, high = _hull(values[0] - values[1], wide * rate_error(covariance), rates)
-    found.append([RATE, Quantity("a - b"), values[0] - values[1], low, high, ""])
-    return tuple(
-        Estimate(
-            path=path,
-            quantity=quantity,
-            value=float(value),
-            low=float(low),
-            high=float(high),
-            interval="known" if reason == "given" else "95 %",
-            reason=reason,
+        found.append(
+            Estimate(
+                path=item.path,
+                quantity=quantity,
+                value=float(values[i]) * unit,
+                low=float(low) * unit,
+                high=float(high) * unit,
+                interval="known" if known else "95 %",
+                reason=reason,
+            )
         )
-        for path, quantity, value, low, high, reason in found
+    b, D_c = found[1:3]
+    if HELD not in (b.reason, D_c.reason) and b.low <= 0.0 <= b.high:
+        why = "b may be 0, and then D_c has no effect"
+        found[2] = replace(D_c, low=-math.inf, high=math.inf, reason=why)
+    return found
+
+
+def _width(inference: Inference, index: int) -> float:
+    """Return half the width of the 95 % interval of a value; infinite where none can be said."""
+    return inference.half_width(np.eye(len(inference.reasons))[index])
+
+
+def _rate(
+    slider: Slider, best: ResidualJacobian, inference: Inference, profile: Profile
+) -> Estimate:
+    """Return the estimate of a - b."""
+    rate, width, _ = rate_of(slider, best, inference)
+    others = np.array([end.values[0] - end.values[1] for end in profile.ends])
+    low, high = _hull(rate, width, others)
+    known = slider.unknowns.items[0].low == slider.unknowns.items[0].high
+    return Estimate(
+        path=RATE,
+        quantity=Quantity("a - b"),
+        value=rate,
+        low=low,
+        high=high,
+        interval="known" if known else "95 %",
+        reason=HELD if known else "" if math.isfinite(width) else "the record does not tell it",
     )
-
-
-def rate_error(covariance: Array) -> float:
-    """Return the standard error of a - b."""
-    variance = covariance[0, 0]
-    if np.isfinite(covariance[1, 1]):
-        variance += covariance[1, 1] - 2.0 * covariance[0, 1]
-    return math.sqrt(max(float(variance), 0.0))
 
 
 def _hull(value: float, half_width: float, others: Array) -> tuple[float, float]:
@@ -254,42 +416,36 @@ def _hull(value: float, half_width: float, others: Array) -> tuple[float, float]
     low, high = value - half_width, value + half_width
     if len(others):
         low, high = min(low, float(others.min())), max(high, float(others.max()))
-    return low, high
+    return float(low), float(high)
 
 
-def _sentences(
-    slider: Slider,
-    found: OptimizeResult,
-    estimates: Sequence[Estimate],
-    correlation: float,
-    windows: Sequence[Window],
-    *,
-    separable: bool,
-) -> tuple[str, ...]:
-    speeds = joined(quantities(slider.record.path.speeds.tolist(), "m/s"))
-    said = [f"The load point moves at {speeds}.", _about_rate(estimates[-1])]
-    if separable:
+def _sentences(fit: RateStateFit, found: OptimizeResult) -> tuple[str, ...]:
+    path, law = fit.problem.record.path, fit.law
+    said = [f"The load point moves at {joined(quantities(path.speeds.tolist(), 'm/s'))}."]
+    if fit.rate.reason != HELD:
+        said.append(_about_rate(fit.rate))
+    fitted = {e.path: e for e in fit.estimates}
+    if PATHS[0] in fitted and PATHS[1] in fitted:
+        correlation = fixed(fit.correlation, 2)
+        if fit.separable and law.critical_distance is not None:
+            said.append(
+                f"a and b are told apart (correlation {correlation}): friction changes at once, and"
+                f" settles over {quantity(law.critical_distance, 'm')}."
+            )
+        else:
+            said.append(
+                f"a and b are not separable on this record (correlation {correlation}): only a - b"
+                " is known."
+            )
+    distance = fitted.get(PATHS[2])
+    if distance is not None and distance.reason:
+        said.append(f"D_c is not bounded: {distance.reason}.")
+    if fit.drift:
         said.append(
-            f"a and b are told apart (correlation {fixed(correlation, 2)}): friction changes at"
-            " once, and"
-            f" settles over {quantity(found.best.values[2], 'm')}."
+            f"Friction drifts by {signed(1e-3 * fit.drift, 2)} per mm of the load point beside the"
+            " law; a - b and a drift trade against each other."
         )
-    else:
-        said.append(
-            f"a and b are not separable on this record (correlation {fixed(correlation, 2)}):"
-            " only a - b"
-            " is known."
-        )
-    if estimates[2].reason:
-        said.append(f"D_c is not bounded: {estimates[2].reason}.")
-    if len(found.best.values) > 5:
-        drift = found.best.values[5] * 1e-3
-        said.append(
-            f"Friction drifts by {signed(drift, 2)} per mm of the load point beside the law; a -"
-            " b and a"
-            " drift trade against each other."
-        )
-    said += _about_windows(windows)
+    said += _about_windows(fit.windows)
     if found.agreeing == 1 and len(found.costs) > 1:
         said.append(f"Only one of {len(found.costs)} starts came to the least cost.")
     if found.cancelled:
@@ -302,7 +458,7 @@ def _about_rate(rate: Estimate) -> str:
     if rate.low > 0.0:
         sign = "friction grows with speed, and steady sliding is stable"
     elif rate.high < 0.0:
-        sign = "friction falls with speed, and soft springs make it slide by fits and starts"
+        sign = "friction falls with speed, and stick-slip is possible on soft springs"
     return f"{rate}, {rate.interval}: {sign}."
 
 
@@ -310,15 +466,38 @@ def _about_windows(windows: Sequence[Window]) -> list[str]:
     if not windows:
         return []
     last = windows[-1]
-    apart = [
-        abs(w.rate - last.rate)
-        > max(quantile() * math.hypot(w.error, last.error), SAME * abs(last.rate))
-        for w in windows[:-1]
-    ]
+    apart = []
+    for w in windows[:-1]:
+        # the whole has the part in it: of their difference, variances subtract (Hausman)
+        width = math.sqrt(max(w.half_width**2 - last.half_width**2, 0.0))
+        apart.append(abs(w.rate - last.rate) > max(width, SAME * abs(last.rate)))
     if not any(apart):
         return []
-    told = ", ".join(f"{estimate(w.rate, w.error)} with {quantity(w.after, 'm')}" for w in windows)
+    told = ", ".join(
+        f"{estimated(w.rate, w.half_width)} with {quantity(w.after, 'm')}" for w in windows
+    )
     return [
         f"a - b depends on how much is used after the last step: {told}. The law does not describe"
         " the whole record; the interval holds for the part used."
     ]
+
+
+def _remarks(fit: RateStateFit) -> tuple[str, ...]:
+    """Return what the fit leaves out of the mechanism."""
+    law, block = fit.law, fit.mechanism
+    fastest = float(fit.problem.record.path.speeds.max())
+    swing = math.sqrt(block.mass / block.stiffness)
+    # without a state, friction follows the load point over the way a/k
+    way = abs(law.direct_effect) / fit.stiffness
+    if law.critical_distance is not None and law.evolution_effect > UNSPENT * law.direct_effect:
+        way = law.critical_distance
+    if not way > 0.0:
+        return ()
+    told = (
+        f"sqrt(m/k) = {quantity(swing, 's', 2)} is {ratio(swing * fastest / way)} the"
+        f" {quantity(way / fastest, 's', 2)} that the slider takes for"
+        f" {quantity(way, 'm', 2)} at the highest speed"
+    )
+    if swing * fastest > INERTIA * way:
+        return (f"The fit neglects the mass, which could matter: {told}.",)
+    return (f"The fit neglects the mass, which does not matter: {told}.",)

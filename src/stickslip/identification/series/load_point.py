@@ -17,6 +17,8 @@ CANDIDATES = 30
 """Places of a change that are tried, and tried again around the best."""
 CHANGE = math.log(1.1)
 """Speeds that differ by less are one speed; friction depends on their logarithm."""
+STILL = 1e-4
+"""Speeds below this share of the largest are those of a load point that stands."""
 STRAIGHT = 3e-4
 """A piece is straight if it is left by less than this share of the whole path, in the mean."""
 NOISE = 1.5
@@ -75,13 +77,22 @@ def path_of(time: Array, pull: Array) -> Path:
 
 
 def _weakest(t: Array, x: Array, changes: list[float], least: float) -> int | None:
-    """Return which change is none: of speeds that hardly differ, or within the scatter."""
-    speeds = np.maximum(np.abs(np.diff(_positions(t, x, changes)) / _lengths(t, changes)), 1e-30)
+    """Return which change is none: of a piece of no length or of one speed, or within the scatter.
+
+    A load point that stands has a speed of rounding errors, which are no ratio of speeds.
+    """
+    whole = _squares(t, x, changes)
+    gains = [_squares(t, x, changes[:i] + changes[i + 1 :]) - whole for i in range(len(changes))]
+    lengths = _lengths(t, changes)
+    if lengths.min() < 2.0 * float(np.median(np.diff(t))):
+        short = int(lengths.argmin())
+        ends = [i for i in (short - 1, short) if 0 <= i < len(changes)]
+        return min(ends, key=gains.__getitem__)
+    speeds = np.abs(np.diff(_positions(t, x, changes)) / lengths)
+    speeds = np.maximum(speeds, STILL * max(float(speeds.max()), 1e-300))
     ratios = np.abs(np.diff(np.log(speeds)))
     if ratios.min() < CHANGE:
         return int(ratios.argmin())
-    whole = _squares(t, x, changes)
-    gains = [_squares(t, x, changes[:i] + changes[i + 1 :]) - whole for i in range(len(changes))]
     return int(np.argmin(gains)) if min(gains) < least else None
 
 

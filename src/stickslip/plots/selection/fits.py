@@ -4,13 +4,15 @@ import math
 from collections.abc import Mapping
 
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from stickslip.errors import InputError
 from stickslip.formatting import scale_of
-from stickslip.identification import FeatureFit, Fit, RecordFit, TravelFit
+from stickslip.identification import FeatureFit, Fit, RateStateFit, RecordFit, TravelFit
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels
 from stickslip.plots.core.svg import Draw
+from stickslip.plots.core.theme import C1, DATA
 from stickslip.plots.laws.friction_map import MAP_SIZES, MapLaw, draw_friction_map
 from stickslip.plots.selection.fit_data import (
     MapPoints,
@@ -22,7 +24,13 @@ from stickslip.plots.selection.fit_data import (
 from stickslip.plots.selection.intervals import INTERVAL_SIZE, Interval, draw_intervals
 from stickslip.plots.selection.residuals import draw_residuals, residual_sizes
 from stickslip.plots.selection.separation import plot_separation
-from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict, Verdict
+from stickslip.selection import (
+    FeatureVerdict,
+    RateStateVerdict,
+    RecordVerdict,
+    TravelVerdict,
+    Verdict,
+)
 
 __all__ = ["draw_fitted_map", "plot_fit", "plot_friction_map", "plot_residuals", "plot_verdict"]
 
@@ -153,13 +161,13 @@ def plot_residuals(fit: RecordFit, ax: PanelTarget = None) -> Panels:
     return on_panels(draw, ax, residual_sizes(len(panels))["wide"])
 
 
-def plot_fit(fit: Fit, ax: Target = None) -> Axes:
+def plot_fit(fit: Fit | RateStateFit, ax: Target = None) -> Axes:
     """Plot a fit beside what was measured.
 
     Parameters
     ----------
     fit : Fit
-        A fit to records, travels or features.
+        A fit to records, travels, features or velocity steps.
     ax : Axes, Figure or SubFigure, optional
         Where; a new figure if not given.
 
@@ -167,7 +175,8 @@ def plot_fit(fit: Fit, ax: Target = None) -> Axes:
     -------
     matplotlib.axes.Axes
         Of records: friction against velocity, as `plot_friction_map`. Of travels: measured less
-        predicted, by trial. Of features: their relative errors, held out where they can be.
+        predicted, by trial. Of features: their relative errors, held out where they can be. Of
+        velocity steps: the coefficient over time, measured and fitted.
 
     Raises
     ------
@@ -183,7 +192,9 @@ def plot_fit(fit: Fit, ax: Target = None) -> Axes:
     >>> plot_fit(fit(rig, Coulomb, reading), Figure()).get_xlabel()
     'measured less predicted travel, mm'
     """
-    check_type("fit", fit, RecordFit, TravelFit, FeatureFit)
+    check_type("fit", fit, RecordFit, TravelFit, FeatureFit, RateStateFit)
+    if isinstance(fit, RateStateFit):
+        return on_axes(_draw_coefficient(fit), ax, MAP_SIZES["wide"])
     if isinstance(fit, RecordFit):
         return plot_friction_map(fit, ax)
     if isinstance(fit, TravelFit):
@@ -198,6 +209,24 @@ def plot_fit(fit: Fit, ax: Target = None) -> Axes:
         rows = [Interval(name.replace("_", " "), error) for name, error in found.items()]
         draw = draw_intervals(rows, f"relative error, {kind}", "1")
     return on_axes(draw, ax, INTERVAL_SIZE)
+
+
+def _draw_coefficient(fit: RateStateFit) -> Draw:
+    """Return a drawing of the coefficient of friction over time, measured and fitted."""
+    shown = sampled(len(fit.time))
+
+    def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
+        axes = figure.subplots()
+        axes.plot(
+            fit.time[shown], fit.measured[shown], "o", color=DATA, markersize=2.2, alpha=0.6,
+            markeredgewidth=0, label="measured",
+        )  # fmt: skip
+        axes.plot(fit.time, fit.fitted, color=C1, label=fit.law.title)
+        axes.set_xlabel("time, s")
+        axes.set_ylabel("coefficient of friction")
+        axes.legend()
+
+    return draw
 
 
 def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:
@@ -232,8 +261,9 @@ def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:
     >>> plot_verdict(verdict, Figure()).get_xlabel()
     'held-out error, N'
     """
-    check_type("verdict", verdict, TravelVerdict, RecordVerdict, FeatureVerdict)
-    assert isinstance(verdict, TravelVerdict | RecordVerdict | FeatureVerdict)
+    known = (TravelVerdict, RecordVerdict, FeatureVerdict, RateStateVerdict)
+    check_type("verdict", verdict, *known)
+    assert isinstance(verdict, known)
     best = verdict.best.name if verdict.best else ""
     rows = [
         Interval(one.title, one.score, _or_nan(one.score_error), one.name == best)

@@ -34,7 +34,8 @@ def draw_intervals(rows: Sequence[Interval], label: str, unit: str) -> Draw:
     label : str
         What the values are.
     unit : str
-        Their unit: ``"1"`` is shown in percent, and a small SI unit in thousandths.
+        Their unit: ``"1"`` is shown in percent, and a small SI unit in thousandths; a number
+        without a unit, such as a coefficient of friction, has an empty one.
 
     Returns
     -------
@@ -62,6 +63,6 @@ def draw_intervals(rows: Sequence[Interval], label: str, unit: str) -> Draw:
         else:
             axes.set_xlim(left=0.0)
         axes.grid(axis="x")
-        axes.set_xlabel(f"{label}, {shown}")
+        axes.set_xlabel(f"{label}, {shown}" if shown else label)
 
     return draw

@@ -120,7 +120,13 @@ def _say_mean(axes: Axes) -> None:
 
 
 def draw_prediction_error(
-    series: Mapping[str, ErrorSeries], edges: Array, label: str, *, chosen: str
+    series: Mapping[str, ErrorSeries],
+    edges: Array,
+    label: str,
+    *,
+    chosen: str,
+    above: str = "predicted with parameters from all of the record",
+    below: str = "held out: root mean square of each block",
 ) -> Draw:
     """Return a drawing of prediction errors over time, and below of held-out errors by block.
 
@@ -134,6 +140,8 @@ def draw_prediction_error(
         Quantity and unit of the errors.
     chosen : str
         The law whose lines are solid; others are dashed.
+    above, below : str
+        Titles of the panels.
 
     Returns
     -------
@@ -160,8 +168,8 @@ def draw_prediction_error(
             )  # fmt: skip
         upper.axhline(0.0, color=MUTED, linewidth=0.8, zorder=0)
         upper.set_ylabel(label)
-        upper.set_title("predicted with parameters from all of the record", color=MUTED)
-        lower.set_title("held out: root mean square of each block", color=MUTED)
+        upper.set_title(above, color=MUTED)
+        lower.set_title(below, color=MUTED)
         top = max(float(np.nanmax(one.blocks)) for one in series.values())
         lower.set_ylim(0.0, (1.5 if _fit_one_line(series, narrow) else 1.9) * top)
         lower.set_xlim(edges[0], edges[-1])

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 from stickslip.formatting import joined
-from stickslip.friction import SOURCES, FrictionLaw
+from stickslip.friction import SOURCES, FrictionLaw, RateState
 from stickslip.report.core.blocks import (
     Block,
     Caption,
@@ -74,7 +74,7 @@ def reproduce(
 
 
 def law_references(
-    laws: Iterable[FrictionLaw], first: Mapping[str, Sequence[str]]
+    laws: Iterable[FrictionLaw | RateState], first: Mapping[str, Sequence[str]]
 ) -> tuple[Reference, ...]:
     """Return the sources of laws with the laws they are for, after those given by key."""
     used = {key: list(who) for key, who in first.items()}

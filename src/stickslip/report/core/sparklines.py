@@ -1,13 +1,14 @@
 """Plots one line high inside a table: placed in percent, so that they stretch with the cell."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple, TypeAlias, final
 
 from stickslip.errors import InputError
-from stickslip.formatting import number
+from stickslip.formatting import Scale, number
 
-__all__ = ["Axis", "Colour", "Mark", "RowPlot", "Shape", "Tick"]
+__all__ = ["Axis", "Colour", "Mark", "RowPlot", "Shape", "Tick", "error_axis", "error_plot"]
 
 Colour: TypeAlias = Literal["c1", "c2", "c3", "c4", "data", "ink", "muted"]
 """A colour by its meaning; the style sheet says which it is in light, dark and print."""
@@ -255,3 +256,49 @@ def _tick_text(value: float) -> str:
 
 def _percent(value: float) -> str:
     return f"{value:.2f}".rstrip("0").rstrip(".") + "%"
+
+
+_WIDEST: Final = 20.0
+"""Scores that span more than this many times have a logarithmic axis."""
+
+
+def error_plot(score: float, error: float, scale: Scale, colour: Colour) -> RowPlot:
+    """Return a held-out error as a dot and its standard error as a bar; nothing if there is none.
+
+    Examples
+    --------
+    >>> [mark.kind for mark in error_plot(2e-3, 1e-4, Scale(1e3, "mm"), "c1").marks]
+    ['bar', 'dot']
+    """
+    if not math.isfinite(score):
+        return RowPlot(marks=())
+    at = scale.factor * score
+    marks = [Mark(kind="dot", at=at, colour=colour)]
+    if math.isfinite(error):
+        half = scale.factor * error
+        low = max(at - half, 0.2 * at)  # a bar has a place on a logarithmic axis
+        marks.insert(0, Mark(kind="bar", at=low, to=at + half, colour=colour))
+    return RowPlot(marks=tuple(marks))
+
+
+def error_axis(errors: Iterable[float], scale: Scale) -> Axis | None:
+    """Return the axis of held-out errors, logarithmic if they span more than 20 times.
+
+    Examples
+    --------
+    >>> error_axis([2e-3, 5e-3], Scale(1e3, "mm")).ticks
+    (0.0, 2.5, 5.0)
+    """
+    scores = [scale.factor * one for one in errors if 0.0 < one < math.inf]
+    if len(scores) < 2:
+        return None
+    low, high = min(scores), max(scores)
+    caption = "dot: error; bar: ± 1 s.e."
+    if high > _WIDEST * low:
+        powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+        ticks = tuple(10.0**power for power in powers)
+        shown = ticks[:: 1 + len(ticks) // 6]
+        return Axis(low=ticks[0], high=ticks[-1], ticks=shown, log=True, caption=caption)
+    power = 10.0 ** math.floor(math.log10(high))
+    top = next(step * power for step in (1, 2, 4, 5, 10) if step * power >= high)
+    return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption=caption)

@@ -1,10 +1,10 @@
 """The end of the report: the record and its checks, next measurements, how to reproduce it."""
 
-from collections.abc import Mapping, Sequence
-from typing import Literal
+from collections.abc import Sequence
 
 from stickslip.formatting import estimate, in_words, number, percent, quantity
 from stickslip.report.core.blocks import KeyValue, KeyValues
+from stickslip.report.core.checks import check_items
 from stickslip.report.core.documents import Origin, Section
 from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Cell, Column, Row, Table
@@ -13,23 +13,13 @@ from stickslip.selection import FeatureVerdict, OtherSpeed
 
 __all__ = ["next_section", "record_section", "reproduce_section"]
 
-Severity = Literal["none", "warn", "bad"]
-
 
 def record_section(verdict: FeatureVerdict) -> Section:
     """Return the section on the features of the whole record and what was checked of it."""
-    marks: Mapping[str, Severity] = {"warning": "warn", "error": "bad"}
     items = [*_numbers(verdict)]
     for line in typeset_lines(verdict.features.sentences, verdict):
         items.append(KeyValue(key="Feature", value=line, mark="warn"))
-    items += [
-        KeyValue(
-            key=finding.kind.replace("-", " ").replace("_", " ").capitalize(),
-            value=str(finding),
-            mark=marks.get(finding.severity, "none"),
-        )
-        for finding in verdict.checks.findings
-    ]
+    items += check_items(verdict.checks)
     warned = sum(item.mark != "none" for item in items)
     heading = "The record, and no warning from its checks"
     if warned:

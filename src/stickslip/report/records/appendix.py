@@ -1,7 +1,6 @@
 """Towards the end of the report: dropped laws, the record, and what to measure next."""
 
-from collections.abc import Mapping, Sequence
-from typing import Literal
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,7 +9,8 @@ from stickslip.identification import RecordFit
 from stickslip.plots.core.svg import inline_svg
 from stickslip.plots.data.record import Channel, draw_record, record_sizes
 from stickslip.plots.selection.fit_data import speeds_of, thinned
-from stickslip.report.core.blocks import Block, Figure, KeyValue, KeyValues
+from stickslip.report.core.blocks import Block, Figure, KeyValues
+from stickslip.report.core.checks import check_items
 from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Column, Number, Row, Table
 from stickslip.report.records.texts import (
@@ -84,17 +84,9 @@ def record_section(verdict: RecordVerdict) -> Section | None:
     figure = _record_figure(verdict, fit) if fit else None
     if figure is not None:
         blocks.append(figure)
-    marks: Mapping[str, Literal["none", "warn", "bad"]] = {"warning": "warn", "error": "bad"}
-    items = [
-        KeyValue(
-            key=finding.kind.replace("-", " ").replace("_", " ").capitalize(),
-            value=str(finding),
-            mark=marks.get(finding.severity, "none"),
-        )
-        for finding in verdict.checks.findings
-    ]
+    items = check_items(verdict.checks)
     if items:
-        blocks.append(KeyValues(items=tuple(items)))
+        blocks.append(KeyValues(items=items))
     if not blocks:
         return None
     warned = sum(finding.severity != "info" for finding in verdict.checks.findings)

@@ -6,7 +6,7 @@ from typing import Final
 from stickslip.formatting import Scale, in_words, joined, percent, quantity
 from stickslip.report.core.blocks import Paragraph
 from stickslip.report.core.documents import Section
-from stickslip.report.core.sparklines import Axis, Colour, Mark, RowPlot
+from stickslip.report.core.sparklines import Axis, Colour, error_axis, error_plot
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.report.records.texts import symbols_of, typeset
 from stickslip.selection import RecordCandidate, RecordVerdict
@@ -16,8 +16,6 @@ from stickslip.selection.verdict import score_text
 
 __all__ = ["picks_text", "scores_section"]
 
-WIDEST: Final = 20.0
-"""Scores that span more than this many times have a logarithmic axis."""
 NAMES: Final = {
     "held-out blocks": "the blocks alone",
     "extrapolation": "extrapolation to the last third",
@@ -35,7 +33,7 @@ def scores_section(verdict: RecordVerdict) -> Section:
     if count == 1:
         heading = "One candidate, scored on blocks its fit has not seen"
     scale = verdict.scale
-    axis = _axis(rows, scale)
+    axis = error_axis((c.score for c in rows), scale)
     second = any(c.second is not None for c in rows)
     columns = (
         Column(head="model"),
@@ -75,7 +73,9 @@ def _row(
         Number(value=value, doubt=doubt),
     ]
     if axis is not None:
-        cells.append(_plot(c, scale, "c1" if is_best else _colour(verdict, c)))
+        cells.append(
+            error_plot(c.score, c.score_error, scale, "c1" if is_best else _colour(verdict, c))
+        )
     if verdict.plan.length:
         cells.append(scale.number(last) if math.isfinite(last) else "—")
     if second:
@@ -97,35 +97,6 @@ def _aside(verdict: RecordVerdict, c: RecordCandidate) -> str:
 def _colour(verdict: RecordVerdict, c: RecordCandidate) -> Colour:
     is_reference = verdict.reference is not None and c.name == verdict.reference.name
     return "c2" if is_reference else "muted"
-
-
-def _plot(c: RecordCandidate, scale: Scale, colour: Colour) -> RowPlot:
-    if not math.isfinite(c.score):
-        return RowPlot(marks=())
-    at = scale.factor * c.score
-    marks = [Mark(kind="dot", at=at, colour=colour)]
-    if math.isfinite(c.score_error):
-        half = scale.factor * c.score_error
-        low = max(at - half, 0.2 * at)  # a bar has a place on a logarithmic axis
-        marks.insert(0, Mark(kind="bar", at=low, to=at + half, colour=colour))
-    return RowPlot(marks=tuple(marks))
-
-
-def _axis(rows: list[RecordCandidate], scale: Scale) -> Axis | None:
-    """Return the axis of the scores, logarithmic if they span more than 20 times."""
-    scores = [scale.factor * c.score for c in rows if 0.0 < c.score < math.inf]
-    if len(scores) < 2:
-        return None
-    low, high = min(scores), max(scores)
-    caption = "dot: error; bar: ± 1 s.e."
-    if high > WIDEST * low:
-        powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-        ticks = tuple(10.0**power for power in powers)
-        shown = ticks[:: 1 + len(ticks) // 6]
-        return Axis(low=ticks[0], high=ticks[-1], ticks=shown, log=True, caption=caption)
-    power = 10.0 ** math.floor(math.log10(high))
-    top = next(step * power for step in (1, 2, 4, 5, 10) if step * power >= high)
-    return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption=caption)
 
 
 def _how(verdict: RecordVerdict) -> str:

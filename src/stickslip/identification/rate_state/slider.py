@@ -1,22 +1,20 @@
-"""Rate-and-state friction on a spring slider without inertia, as rock and gouge are tested."""
+"""A spring slider without inertia with rate-and-state friction, as rock and gouge are tested."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal, TypeAlias, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import override
 
-from stickslip.errors import InputError, ParameterError, SimulationError
+from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import number
-from stickslip.quantities import Parametrised, Quantity
+from stickslip.friction import RateState
+from stickslip.quantities import Quantity
 
-__all__ = ["Evolution", "RateState", "SliderHistory", "logarithms", "simulate_velocity_steps"]
+__all__ = ["SliderHistory", "logarithms", "simulate_velocity_steps"]
 
 Array: TypeAlias = NDArray[np.float64]
-Evolution: TypeAlias = Literal["ageing", "slip"]
-
-EVOLUTIONS: tuple[Evolution, ...] = ("ageing", "slip")
 STEEPEST = 300.0
 """Logarithms of speeds beyond this are held there: the run has failed long before."""
 STEPS = 20_000
@@ -26,94 +24,13 @@ STIFFNESS = Quantity("k", "1/m", above=0)
 
 
 @final
-@dataclass(frozen=True, kw_only=True)
-class RateState(Parametrised):
-    r"""Friction that depends on the slip speed and on a state that remembers past slip.
-
-    mu = mu_0 + a ln(V / V_0) + b ln(V_0 theta / D_c), where theta follows the ageing law
-    (Dieterich), d theta/dt = 1 - V theta / D_c, or the slip law (Ruina),
-    d theta/dt = -(V theta / D_c) ln(V theta / D_c).
-
-    It is not a `FrictionLaw`: the speed stands in a logarithm, so nothing is ever at rest, and the
-    event-driven solver has no use for it.
-
-    Examples
-    --------
-    >>> law = RateState(
-    ...     reference_coefficient=0.6,
-    ...     direct_effect=0.005,
-    ...     evolution_effect=0.01,
-    ...     critical_distance=1e-5,
-    ...     reference_velocity=1e-6,
-    ... )
-    >>> round(float(law.steady(1e-5)), 8), round(law.critical_stiffness, 9)
-    (0.58848707, 500.0)
-    """
-
-    sources: ClassVar[tuple[str, ...]] = ("dieterich1979", "ruina1983", "marone1998")
-
-    reference_coefficient: Annotated[float, Quantity("mu_0")]
-    """Steady friction coefficient at the reference velocity."""
-    direct_effect: Annotated[float, Quantity("a", above=0)]
-    """What a jump of ln V adds at once."""
-    evolution_effect: Annotated[float, Quantity("b")]
-    """What it takes away again as the contacts are renewed."""
-    critical_distance: Annotated[float, Quantity("D_c", "m", above=0)]
-    """Slip over which contacts are renewed."""
-    reference_velocity: Annotated[float, Quantity("V_0", "m/s", above=0)]
-    """Speed at which the reference coefficient holds."""
-    evolution: Evolution = "ageing"
-    """How the state follows: ``"ageing"`` or ``"slip"``."""
-
-    @override
-    def __post_init__(self) -> None:
-        """Check the parameters, and that the evolution is known."""
-        super().__post_init__()
-        if self.evolution not in EVOLUTIONS:
-            raise ParameterError(
-                f"RateState.evolution must be 'ageing' or 'slip', got {self.evolution!r}."
-            )
-
-    @property
-    def critical_stiffness(self) -> float:
-        """Stiffness (b - a) / D_c [1/m] below which steady sliding is not stable; may be negative.
-
-        It is a change of the coefficient with position: times the load, it is in N/m.
-        """
-        return (self.evolution_effect - self.direct_effect) / self.critical_distance
-
-    def steady(self, velocity: ArrayLike) -> Array:
-        """Return the coefficient after long sliding at speeds above 0 [m/s].
-
-        Examples
-        --------
-        >>> law = RateState(
-        ...     reference_coefficient=0.6,
-        ...     direct_effect=0.01,
-        ...     evolution_effect=0.01,
-        ...     critical_distance=1e-5,
-        ...     reference_velocity=1e-6,
-        ... )
-        >>> law.steady([1e-6, 1e-3])
-        array([0.6, 0.6])
-        """
-        mu_0, a, b, V_0 = (
-            self.reference_coefficient,
-            self.direct_effect,
-            self.evolution_effect,
-            self.reference_velocity,
-        )
-        V = np.asarray(velocity, dtype=float)
-        return mu_0 + (a - b) * np.log(V / V_0)
-
-
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SliderHistory:
     """What a spring slider with rate-and-state friction does in time.
 
     Examples
     --------
+    >>> from stickslip.friction import RateState
     >>> law = RateState(
     ...     reference_coefficient=0.6,
     ...     direct_effect=0.01,
@@ -132,7 +49,7 @@ class SliderHistory:
     velocity: Array
     """Slip speed (n,) [m/s]."""
     state: Array
-    """State theta (n,) [s], the age of the contacts."""
+    """State theta (n,) [s], the age of the contacts; NaN without evolution."""
 
     @override
     def __repr__(self) -> str:
@@ -153,7 +70,9 @@ def simulate_velocity_steps(
     """Pull a slider without inertia through a spring whose far end moves as given.
 
     The slider starts in steady sliding at the speed of the first piece of the pull. Each piece is
-    integrated on its own by LSODA in the logarithms of speed and state.
+    integrated on its own by LSODA in the logarithms of speed and state; without evolution there is
+    a closed form. Friction that falls with speed and has no state takes the speed of the load point
+    at once, as on an infinitely stiff spring: on any other it would run away.
 
     Parameters
     ----------
@@ -216,11 +135,12 @@ def simulate_velocity_steps(
         )
     w, s = logs.T
     a, b = law.direct_effect, law.evolution_effect
+    D_c = np.nan if law.critical_distance is None else law.critical_distance
     return SliderHistory(
         time=times,
         coefficient=law.reference_coefficient + a * w + b * s,
         velocity=law.reference_velocity * np.exp(w),
-        state=law.critical_distance / law.reference_velocity * np.exp(s),
+        state=D_c / law.reference_velocity * np.exp(s),
     )
 
 
@@ -252,6 +172,9 @@ def logarithms(
     tolerance: float,
 ) -> Array | None:
     """Return w = ln(V/V_0) and s = ln(V_0 theta/D_c) at times (n, 2); None if a run fails."""
+    if law.evolution == "none":
+        w = _without_state(law, stiffness, knots, speeds, times)
+        return np.column_stack([w, np.zeros(len(times))])
     from scipy.integrate import odeint
 
     V_0 = law.reference_velocity
@@ -284,12 +207,37 @@ def logarithms(
     return logs
 
 
+def _without_state(
+    law: RateState, stiffness: float, knots: Array, speeds: Array, times: Array
+) -> Array:
+    """Return w = ln(V/V_0) at times (n,): a dw/dt = k (V_load - V) has a closed form.
+
+    1/V relaxes towards 1/V_load over the way a/k of the load point.
+    """
+    V = float(speeds[0])
+    logs = np.full(len(times), np.log(V))
+    for start, end, V_load in zip(knots[:-1], knots[1:], speeds, strict=True):
+        here = (times > start) & (times <= end)
+        t = np.append(times[here], end) - start
+        if law.direct_effect > 0.0:
+            rate = stiffness / law.direct_effect
+            way = rate * V_load * t
+            # (1 - e^-x) / x of a load point at rest is 1
+            mean = -np.expm1(-way) / np.where(way > 0.0, way, 1.0) + (way == 0.0)
+            path = np.log(V) - np.log(np.exp(-way) + V * rate * t * mean)
+        else:
+            path = np.full(len(t), np.log(V_load if V_load > 0.0 else V))
+        logs[here], V = path[:-1], float(np.exp(path[-1]))
+    return np.asarray(logs - np.log(law.reference_velocity))
+
+
 def _rates_of(law: RateState, stiffness: float) -> Any:
     """Return the time derivatives of w and s as a function of state, time and pulling speed."""
     from math import exp
 
     a, b = law.direct_effect, law.evolution_effect
     D_c, V_0, k = law.critical_distance, law.reference_velocity, stiffness
+    assert D_c is not None  # logarithms has a closed form of what has no state
     ageing = law.evolution == "ageing"
 
     def rates(y: Array, _: float, V_load: float) -> tuple[float, float]:

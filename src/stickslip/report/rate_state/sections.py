@@ -1,0 +1,505 @@
+"""Sections of the page of a selection on velocity steps."""
+
+import math
+from collections.abc import Iterable
+from functools import partial
+from typing import Final
+
+import numpy as np
+
+from stickslip.formatting import (
+    Scale,
+    count,
+    in_words,
+    joined,
+    number,
+    quantity,
+    ratio,
+    significant,
+    with_unit,
+)
+from stickslip.identification import Estimate, RateStateFit
+from stickslip.plots.core.svg import inline_svg
+from stickslip.plots.selection.fit_data import panel_of, sampled
+from stickslip.plots.selection.prediction_excerpts import Piece, draw_pieces, piece_sizes
+from stickslip.plots.selection.residuals import (
+    ERROR_SIZES,
+    ErrorSeries,
+    draw_prediction_error,
+    draw_residuals,
+    residual_sizes,
+)
+from stickslip.quantities import fields_of
+from stickslip.report.core.blocks import (
+    Block,
+    Fact,
+    Figure,
+    KeyValue,
+    KeyValues,
+    Math,
+    Paragraph,
+    Subheading,
+)
+from stickslip.report.core.checks import check_items
+from stickslip.report.core.documents import LawLine, Opening, Origin, Section, SectionMaker
+from stickslip.report.core.reproduce import law_references, reproduce
+from stickslip.report.core.sparklines import error_axis, error_plot
+from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
+from stickslip.report.records.texts import label_of, typeset
+from stickslip.selection import RateStateCandidate, RateStateVerdict
+from stickslip.selection.verdict import score_text
+
+__all__ = ["sections"]
+
+PLAIN: Final = Scale(1.0, "")
+MILLI: Final = Scale(1e3, "10⁻³")
+"""Errors of coefficients in figures."""
+BEFORE, AFTER = 0.5, 8.0
+"""Way of the load point about a step that the close view shows, in that over which it settles."""
+
+
+def sections(
+    verdict: RateStateVerdict, origin: Origin, remark: str = ""
+) -> tuple[SectionMaker, ...]:
+    """Return what makes the sections of a page, in the order in which a reader decides.
+
+    Parameters
+    ----------
+    verdict : RateStateVerdict
+        What `stickslip.select` gave; every number of the page is computed from it.
+    origin : Origin
+        Where it is from.
+    remark : str
+        A sentence of one's own, at the end of the lede.
+    """
+    return (
+        partial(opening_section, verdict, origin.data, remark),
+        partial(friction_section, verdict),
+        partial(scores_section, verdict),
+        partial(parameters_section, verdict),
+        partial(residuals_section, verdict),
+        partial(record_section, verdict),
+        partial(next_section, verdict),
+        partial(reproduce_section, verdict, origin),
+    )
+
+
+def opening_section(verdict: RateStateVerdict, kicker: str, remark: str = "") -> Section:
+    """Return the section that a reader may stop after."""
+    words, fit = verdict.words, _fit(verdict)
+    (lede,) = _typeset([f"{words.lede} {words.no_score} {remark}".strip()], fit)
+    opening = Opening(
+        kicker=kicker,
+        verdict=words.verdict,
+        lede=lede,
+        law=_law_lines(fit),
+        facts=_facts(verdict, fit),
+        settles=_typeset(words.settles, fit),
+        cannot_tell=_typeset(words.cannot_tell, fit),
+        measure_next=_typeset(words.measure_next, fit),
+    )
+    return Section(id="verdict", nav="Verdict", heading="", blocks=(opening,))
+
+
+def _fit(verdict: RateStateVerdict) -> RateStateFit:
+    assert verdict.closest.fit is not None
+    return verdict.closest.fit
+
+
+def _typeset(lines: Iterable[str], fit: RateStateFit) -> tuple[str, ...]:
+    symbols = [e.quantity.symbol for e in fit.estimates]
+    return tuple(typeset(line, symbols) for line in lines)
+
+
+def _law_lines(fit: RateStateFit) -> tuple[LawLine, ...]:
+    """Return the parameters of the law, then what of the mechanism was fitted."""
+    found = {e.path: e for e in fit.estimates}
+    lines = []
+    for name, symbol in fields_of(type(fit.law)).items():
+        value = getattr(fit.law, name)
+        used = fit.law.evolution != "none" or symbol.symbol not in ("b", "D_c")
+        if (
+            value is None
+            or not used
+            or (fit.law.formula == r"\mu = \mu_0" and symbol.symbol == "a")
+        ):
+            continue
+        estimate = found.get(f"friction.{name}")
+        text = estimate.plus_minus if estimate else _held_text(name, quantity(value, symbol.unit))
+        lines.append(LawLine(label=name.replace("_", " "), formula=f"${symbol.symbol}$ = {text}"))
+    for path, estimate in found.items():
+        if not path.startswith("friction."):
+            name = path.rpartition(".")[2]
+            text = f"${estimate.quantity.symbol}$ = {estimate.plus_minus}"
+            lines.append(LawLine(label=name, formula=text))
+    return tuple(lines)
+
+
+def _held_text(name: str, value: str) -> str:
+    return value if name == "reference_velocity" else f"{value}, held"
+
+
+def _facts(verdict: RateStateVerdict, fit: RateStateFit) -> tuple[Fact, ...]:
+    value, doubt = score_text(PLAIN, verdict.closest.score, verdict.closest.score_error)
+    facts = [
+        Fact(
+            value=value,
+            aside=doubt,
+            what=f"held-out error of the coefficient, on {_held(verdict)}, ± 1 standard error",
+        )
+    ]
+    if fit.rate.interval != "known":
+        shown, half = fit.rate.parts
+        what = "$a$ - $b$: what a step by a factor of e changes in the long run, 95 % interval"
+        facts.append(Fact(value=shown, aside=half, what=what))
+    speeds = fit.problem.record.path.speeds
+    steps = len(fit.problem.record.path.steps)
+    facts.append(
+        Fact(
+            value=count(steps, "velocity step"),
+            what=f"between {quantity(float(speeds.min()), 'm/s')} and"
+            f" {quantity(float(speeds.max()), 'm/s')}, in {len(fit.time):,} samples",
+        )
+    )
+    return tuple(facts)
+
+
+def _held(verdict: RateStateVerdict) -> str:
+    return (
+        "velocity steps that no fit has seen"
+        if verdict.by_steps
+        else "parts of the record that no fit has seen"
+    )
+
+
+def _others(verdict: RateStateVerdict) -> list[RateStateCandidate]:
+    """Return the closest law and what it is compared with in figures: its rival or the next."""
+    rest = [c for c in verdict.candidates[1:] if c.fit is not None and c.unseen is not None]
+    # a richer law that is not established mostly coincides with the closest
+    name = verdict.closest.name
+    rest.sort(key=lambda c: (c.name != verdict.rival, name in c.simpler, c.score))
+    return [verdict.closest, *rest[:1]]
+
+
+def friction_section(verdict: RateStateVerdict) -> Section:
+    """Return the section with the coefficient over time, and what is held out of it."""
+    fit = _fit(verdict)
+    slider, shown = fit.problem, _others(verdict)
+    t = slider.mean_time
+    curves = {c.title: slider.mean - c.fit.best.residual / slider.weight for c in shown if c.fit}
+    step = max(slider.record.path.steps, key=lambda at: _change(fit, float(at)))
+    close = _about(fit, float(step))
+    pieces = [
+        Piece(name, t[rows], slider.mean[rows], {title: y[rows] for title, y in curves.items()})
+        for name, rows in (
+            ("the whole record", sampled(len(t))),
+            (f"about the step at {quantity(float(step), 's')}", np.flatnonzero(close)),
+        )
+    ]
+    record = inline_svg(
+        draw_pieces(pieces, "coefficient", "1", chosen=verdict.closest.title),
+        alt=f"Coefficient of friction over time, measured and by {joined(list(curves))}",
+        prefix="friction-figure",
+        **piece_sizes(2),
+    )
+    caption = (
+        "**The coefficient of friction**, measured (grey) and fitted to the whole record:"
+        f" {_names(shown)}. Error: measured less fitted. The second pair of panels shows the"
+        " largest step."
+    )
+    blocks: list[Block] = [Figure(svg=record, caption=caption), _held_figure(verdict, shown)]
+    heading = f"What was measured, and what {verdict.closest.title.lower()} makes of it"
+    return Section(id="friction", nav="Friction", heading=heading, blocks=tuple(blocks))
+
+
+def _names(shown: list[RateStateCandidate]) -> str:
+    return joined([c.title.lower() for c in shown])
+
+
+def _change(fit: RateStateFit, step: float) -> float:
+    """Return by how much the logarithm of the speed changes in a step."""
+    path = fit.problem.record.path
+    index = int(np.argmin(np.abs(path.steps - step)))
+    first, second = np.maximum(path.speeds[index : index + 2], 1e-300)
+    return abs(math.log(second / first))
+
+
+def _about(fit: RateStateFit, step: float) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
+    """Return which rows lie so near a step that one sees friction settle (n,)."""
+    slider = fit.problem
+    path, t = slider.record.path, slider.mean_time
+    way = fit.law.critical_distance or abs(fit.law.direct_effect) / fit.stiffness
+    place = np.interp(t, path.time, path.position) - np.interp(step, path.time, path.position)
+    near = (place > -BEFORE * AFTER * way) & (place < AFTER * way)
+    few = np.argsort(np.abs(t - step))[: len(t) // 10]  # a way that settles within no samples
+    near[few] = True
+    return np.asarray(near)
+
+
+def _held_figure(verdict: RateStateVerdict, shown: list[RateStateCandidate]) -> Figure:
+    fit = _fit(verdict)
+    slider = fit.problem
+    series = {}
+    for one in shown:
+        assert one.unseen is not None
+        error, blocks = MILLI.factor * one.unseen, []
+        for k in range(len(slider.edges) - 1):
+            own = error[slider.segments == k]
+            rows = own[~np.isnan(own)]
+            blocks.append(float(np.sqrt(np.mean(rows**2))) if len(rows) else math.nan)
+        series[one.title] = ErrorSeries(slider.mean_time, error, np.array(blocks))
+    svg = inline_svg(
+        draw_prediction_error(
+            series,
+            slider.edges,
+            f"error, {MILLI.unit}",
+            chosen=verdict.closest.title,
+            above="each part predicted by a fit that has not seen it",
+            below="root mean square of each part",
+        ),
+        alt=f"Held-out errors over time by {joined(list(series))}",
+        prefix="held-out-figure",
+        **ERROR_SIZES,
+    )
+    said = (
+        "Vertical lines: steps of the speed. What lies before the first step is in every fit."
+        if verdict.by_steps
+        else "The record has one step: parts with equally many samples are held out in turn, and"
+        " the part with the step shows what its level alone predicts."
+    )
+    return Figure(svg=svg, caption=f"**Held-out errors**: {_names(shown)}. {said}")
+
+
+def scores_section(verdict: RateStateVerdict) -> Section:
+    """Return the section that compares all laws."""
+    rows = verdict.candidates
+    axis = error_axis((c.score for c in rows), PLAIN)
+    second = any(c.second is not None for c in rows)
+    columns = (
+        Column(head="model"),
+        Column(head="free\nparameters", numeric=True, phone="hide"),
+        Column(head="held-out error\n± 1 s.e.", numeric=True),
+        *([Column(head="", axis=axis)] if axis else []),
+        Column(head="a − b\n95 % interval", numeric=True, phone="label", label="a − b:"),
+        *([Column(head="second\nrecord", numeric=True, phone="label")] if second else []),
+        Column(head="outcome", phone="show"),
+    )
+    table = Table(
+        columns=columns,
+        rows=tuple(_row(verdict, c, axis=axis is not None, second=second) for c in rows),
+        caption="A law is named only if it is established over every simpler one that it contains:"
+        " by an F test of the residuals (effective sample size) and by held-out errors. Of the"
+        " ageing and the slip law neither contains the other.",
+    )
+    how = (
+        "Each law is fitted to the whole record, and once more without each velocity step, which"
+        " it then predicts."
+        if verdict.by_steps
+        else "Each law is fitted to the whole record, and once more without each part of it, which"
+        " it then predicts. No step is left to judge by, as there is only one."
+    )
+    heading = f"{in_words(len(rows)).capitalize()} candidates, scored on {_held(verdict)}"
+    if len(rows) == 1:
+        heading = "One candidate, scored on what its fit has not seen"
+    return Section(id="scores", nav="Scores", heading=heading, blocks=(Paragraph(text=how), table))
+
+
+def _row(verdict: RateStateVerdict, one: RateStateCandidate, *, axis: bool, second: bool) -> Row:
+    closest = one is verdict.closest
+    value, doubt = score_text(PLAIN, one.score, one.score_error)
+    fit = one.fit
+    rate: Cell = "—"
+    if fit is not None and fit.rate.interval != "known":
+        shown, half = fit.rate.parts
+        rate = Number(value=shown, doubt=half) if fit.rate.bounded else f"{shown}, {half}"
+    cells: list[Cell] = [
+        Name(text=one.title),
+        str(one.parameters) if fit else "—",
+        Number(value=value, doubt=doubt),
+        *([error_plot(one.score, one.score_error, PLAIN, "c1" if closest else "muted")] * axis),
+        rate,
+    ]
+    if second:
+        cells.append("—" if one.second is None else significant(one.second, 2))
+    cells.append(one.outcome)
+    chosen = closest and verdict.best is not None
+    return Row(cells=tuple(cells), chosen=chosen, muted=bool(one.dropped))
+
+
+def parameters_section(verdict: RateStateVerdict) -> Section:
+    """Return the section on the parameters of the chosen law."""
+    fit = _fit(verdict)
+    known = [*fit.estimates, *([fit.rate] if fit.rate.interval != "known" else [])]
+    columns = (
+        Column(head="parameter"),
+        Column(head="estimate, 95 % interval", numeric=True),
+        Column(head="range", numeric=True, phone="label"),
+    )
+    table = Table(
+        columns=columns,
+        rows=tuple(_parameter(e) for e in known),
+        caption="95 % intervals: what leaving out blocks of time changes (jackknife, Student t),"
+        " and every value that fits as well with another $b$.",
+    )
+    blocks: list[Block] = [Math(latex=fit.law.formula), table]
+    if len(fit.windows) > 1:
+        blocks += [Subheading(text="By how much of the record is used"), _windows(fit)]
+    items = tuple(KeyValue(key="Note", value=line) for line in _notes(fit))
+    if items:
+        blocks += [Subheading(text="In words"), KeyValues(items=items)]
+    loose = sum(not e.bounded for e in fit.estimates)
+    total = in_words(len(fit.estimates))
+    heading = (
+        f"The record bounds all {total} parameters"
+        if not loose
+        else f"{in_words(loose).capitalize()} of {total} parameters not bounded by the record"
+    )
+    if len(fit.estimates) == 1 and not loose:
+        heading = "The record bounds the one parameter"
+    return Section(id="parameters", nav="Parameters", heading=heading, blocks=tuple(blocks))
+
+
+def _notes(fit: RateStateFit) -> tuple[str, ...]:
+    return _typeset([*fit.sentences[1:], *fit.remarks], fit)
+
+
+def _parameter(estimate: Estimate) -> Row:
+    value, doubt = estimate.parts
+    unit = "" if estimate.quantity.unit == "1" else estimate.quantity.unit
+    derived = estimate.quantity.symbol == "a - b"
+    name = "Rate dependence $a$ − $b$" if derived else label_of(estimate)
+    cells: tuple[Cell, ...] = (
+        Name(text=name, aside="" if estimate.bounded else estimate.reason),
+        Number(value=value, doubt=doubt, unit=unit) if estimate.bounded else estimate.plus_minus,
+        with_unit(estimate.range, unit) if estimate.bounded else estimate.range,
+    )
+    return Row(cells=cells)
+
+
+def _windows(fit: RateStateFit) -> Table:
+    """Return a - b by how much of the record after the last step is used."""
+    columns = (
+        Column(head="way after the last step"),
+        Column(head="a − b, 95 % interval", numeric=True),
+    )
+    rows = [
+        Row(
+            cells=(
+                quantity(one.after, "m"),
+                Number(**_parts(one.rate, one.half_width)),
+            )
+        )
+        for one in fit.windows
+    ]
+    caption = "If $a$ - $b$ changes with the way, the law does not describe the whole record."
+    return Table(columns=columns, rows=tuple(rows), caption=caption)
+
+
+def _parts(value: float, half_width: float) -> dict[str, str]:
+    if not math.isfinite(half_width):
+        return {"value": number(value), "doubt": "not bounded"}
+    return dict(zip(("value", "doubt"), PLAIN.estimate_text(value, half_width), strict=True))
+
+
+def residuals_section(verdict: RateStateVerdict) -> Section | None:
+    """Return the section on what the chosen law does not explain."""
+    fit = _fit(verdict)
+    slider = fit.problem
+    residual = MILLI.factor * fit.best.residual / slider.weight
+    path = slider.record.path
+    shown = sampled(len(residual), 1000)
+    place = 1e3 * np.interp(slider.mean_time, path.time, path.position)
+    effective = fit.inference.effective
+    panels = [
+        panel_of("time, s", slider.mean_time, residual, effective, shown),
+        panel_of("load point, mm", place, residual, effective, shown),
+    ]
+    panels = [one for one in panels if len(one.centre)]
+    if not panels:
+        return None
+    svg = inline_svg(
+        draw_residuals(panels, f"residual, {MILLI.unit}"),
+        alt="Residuals of the chosen law against time and against the way of the load point",
+        prefix="residual-figure",
+        **residual_sizes(len(panels)),
+    )
+    over = f", {ratio(fit.over_scatter)} the scatter of neighbouring samples"
+    caption = (
+        f"**Residuals** of the fit to the whole record: root mean square {number(fit.rmse, 2)}"
+        f"{over}. Error bars assume an effective sample size of"
+        f" {significant(effective, 2)} of {len(residual):,}."
+    )
+    heading = f"The fit leaves {number(fit.rmse, 2)} of the coefficient"
+    figure = Figure(svg=svg, caption=caption)
+    return Section(id="residuals", nav="Residuals", heading=heading, blocks=(figure,))
+
+
+def record_section(verdict: RateStateVerdict) -> Section:
+    """Return the section on the load point and what was checked of the record."""
+    path = _fit(verdict).problem.record.path
+    pieces = [
+        f"{quantity(float(v), 'm/s')} for {quantity(float(x), 'm')}"
+        for v, x in zip(path.speeds, np.diff(path.position), strict=True)
+    ]
+    items = (
+        KeyValue(key="Load point", value=", then ".join(pieces)),
+        *check_items(verdict.checks),
+    )
+    warned = sum(item.mark != "none" for item in items)
+    heading = "The record, and no warning from its checks"
+    if warned:
+        heading = f"The record, and {count(warned, 'warning')} from its checks"
+    return Section(
+        id="record", nav="Record and checks", heading=heading, blocks=(KeyValues(items=items),)
+    )
+
+
+def next_section(verdict: RateStateVerdict) -> Section | None:
+    """Return the section on other steps, None if laws were not to be told apart."""
+    if not verdict.next_steps:
+        return None
+    rms = _fit(verdict).rms
+    rows = tuple(
+        Row(
+            cells=(
+                f"{quantity(one.before, 'm/s')} → {quantity(one.after, 'm/s')}",
+                significant(one.separation, 2),
+                ratio(one.separation / rms) if rms > 0.0 else "—",
+            )
+        )
+        for one in verdict.next_steps
+    )
+    columns = (
+        Column(head="step"),
+        Column(head="laws part by", numeric=True),
+        Column(head="over the residual", numeric=True, phone="label"),
+    )
+    rival = next(c for c in verdict.candidates if c.name == verdict.rival)
+    caption = (
+        "Root mean square difference of the coefficients that"
+        f" {verdict.closest.title.lower()} and {rival.title.lower()} predict as fitted, over the"
+        " way on which friction settles."
+    )
+    heading = "At other steps the fitted laws part"
+    table = Table(columns=columns, rows=rows, caption=caption)
+    return Section(id="next", nav="Measure next", heading=heading, blocks=(table,))
+
+
+def reproduce_section(verdict: RateStateVerdict, origin: Origin) -> Section:
+    """Return the section with commands, the fitted law as code, data and references."""
+    fit = _fit(verdict)
+    values = [
+        f"    {name}={getattr(fit.law, name)!r},"
+        for name in (*fields_of(type(fit.law)), "evolution")
+        if getattr(fit.law, name) is not None
+    ]
+    text = "\n".join(
+        ["from stickslip.identification import RateState", "", "law = RateState(", *values, ")"]
+    )
+    note = f"The fitted law, for `simulate_velocity_steps` with stiffness={fit.stiffness:.6g} 1/m."
+    items = []
+    if verdict.measurement.provenance:
+        items.append(KeyValue(key="Data", value=verdict.measurement.provenance))
+    laws = {c.law.formula: c.law for c in verdict.candidates if c.law is not None}
+    references = law_references([one for one in laws.values() if one.evolution != "none"], {})
+    return reproduce(origin, code=[(text, note)], items=items, references=references)

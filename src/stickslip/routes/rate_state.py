@@ -1,0 +1,145 @@
+"""Velocity steps of a load point, fitted by rate-and-state friction."""
+
+from collections.abc import Collection, Sequence
+from typing import final
+
+from typing_extensions import override
+
+from stickslip.experiments import Measurement
+from stickslip.formatting import NO_VALUE, Scale, number
+from stickslip.friction import RateState
+from stickslip.identification import RateStateFit, fit_rate_state
+from stickslip.identification.rate_state.fit import STARTS
+from stickslip.identification.rate_state.problem import serves
+from stickslip.identification.rate_state.result import ROUTE
+from stickslip.report.core.documents import Origin, SectionMaker
+from stickslip.routes.route import (
+    Comparison,
+    FitRequest,
+    FitSummary,
+    Options,
+    Route,
+    SelectRequest,
+)
+from stickslip.selection import RateStateVerdict, select_rate_state
+from stickslip.selection.rate_state import RateStateLaw, RateStateLaws, rate_state_laws
+from stickslip.selection.verdict import score_text
+
+__all__ = ["RateStateRoute"]
+
+COEFFICIENT = Scale(1.0, "")
+"""Errors of a coefficient of friction are no shares of it."""
+
+
+@final
+class RateStateRoute(Route[RateStateFit, RateStateVerdict]):
+    """A slider without inertia behind a spring, fitted to the coefficient of friction."""
+
+    names = (ROUTE,)
+    measured = "velocity steps"
+    uses = frozenset({"route", "settings", "starts", "seed", "validate", "jobs"})
+    usual_law = "rate-and-state"
+    simulated = False
+
+    @override
+    def serves(self, measurement: Measurement) -> bool:
+        return serves(measurement)
+
+    @override
+    def candidates(self, laws: RateStateLaws | None, measurement: Measurement) -> list[str]:
+        return [one.name for one in rate_state_laws(laws)]
+
+    @override
+    def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
+        return f"coefficient off by {number(error, 2)}"
+
+    @override
+    def owner(self, law: RateStateLaw) -> RateState | type[RateState]:
+        return RateState if isinstance(law, str) else law
+
+    @override
+    def law_and_parameters(
+        self, law: RateStateLaw, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
+    ) -> tuple[RateStateLaw, str | Sequence[str] | None]:
+        return law, vary
+
+    @override
+    def fit(self, request: FitRequest, options: Options) -> RateStateFit:
+        settings = options.settings
+        return fit_rate_state(
+            request.mechanism,
+            request.law,
+            request.measurement,
+            vary=request.vary,
+            fixed=request.fixed,
+            starts=STARTS if settings is None else settings.starts,
+            seed=0 if settings is None else settings.seed,
+            progress=request.progress,
+        )
+
+    @override
+    def select(self, request: SelectRequest, options: Options) -> RateStateVerdict:
+        return select_rate_state(
+            request.mechanism,
+            request.laws,
+            request.measurement,
+            vary=request.vary,
+            fixed=request.fixed,
+            validate=options.validate,
+            settings=options.settings,
+            progress=request.progress,
+            executor=request.executor,
+        )
+
+    @override
+    def comparison(self, verdict: RateStateVerdict) -> Comparison:
+        second = any(one.second is not None for one in verdict.candidates)
+        heads = ["law", "free", "held-out error", "a - b", *(["second record"] if second else [])]
+        rows = []
+        for one in verdict.candidates:
+            fit = one.fit
+            rate = fit.rate.plus_minus if fit and fit.rate.interval != "known" else NO_VALUE
+            cells = [
+                one.name,
+                str(one.parameters) if fit else NO_VALUE,
+                " ".join(score_text(COEFFICIENT, one.score, one.score_error)).strip(),
+                rate,
+            ]
+            rows.append(cells + ([score_text(COEFFICIENT, one.second).value] if second else []))
+        closest = verdict.closest
+        title = closest.title + ("" if verdict.best else ", closest but not recommended")
+        fit = closest.fit
+        return Comparison(
+            heads=heads,
+            rows=rows,
+            notes=[f"{one.name}: {one.outcome}" for one in verdict.candidates],
+            checks=verdict.checks,
+            fitted=(title, (*fit.estimates, fit.rate)) if fit else None,
+        )
+
+    @override
+    def summary(
+        self,
+        fit: RateStateFit,
+        validate: Measurement | None = None,
+        horizon: float | None = None,
+    ) -> FitSummary:
+        second = None if validate is None else fit.judged(validate)
+        lines = [f"Residual of the coefficient of friction: {number(fit.rmse, 2)}"]
+        if second is not None:
+            lines.append(f"On the second record: {number(second, 2)}")
+        agreeing, starts = fit.starts_agreeing, len(fit.found.costs)
+        lines.append(f"Restarts: {agreeing} of {starts} starts end at the least residual")
+        return FitSummary(
+            lines=[*lines, *fit.remarks],
+            open=("What the velocity steps tell", fit.sentences),
+            second=second,
+        )
+
+    @override
+    def sections(
+        self, verdict: RateStateVerdict, origin: Origin, remark: str
+    ) -> tuple[SectionMaker, ...]:
+        from stickslip.report.rate_state import sections  # figures are loaded where a page is made
+
+        return sections(verdict, origin, remark)

@@ -1,0 +1,172 @@
+"""What a selection on velocity steps gives back."""
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.experiments import Checks
+from stickslip.friction import RateState
+from stickslip.identification import RateStateFit
+from stickslip.identification.rate_state.result import ROUTE, UNSPENT, bounds_met
+from stickslip.selection.choice import TRUSTED
+from stickslip.selection.cross_validation import CrossValidation
+from stickslip.selection.verdict import Candidate, Verdict, plain
+
+Array: TypeAlias = NDArray[np.float64]
+
+__all__ = ["OtherStep", "RateStateCandidate", "RateStateVerdict"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class OtherStep:
+    """A velocity step that was not measured, and how far apart two fitted laws are after it."""
+
+    before: float
+    """Speed of the load point before the step [m/s]."""
+    after: float
+    """Speed after it [m/s]."""
+    separation: float
+    """Root mean square difference of the coefficients that the two laws predict."""
+
+    def to_dict(self) -> Mapping[str, float]:
+        """Return the step as plain numbers."""
+        return {"before": self.before, "after": self.after, "separation": self.separation}
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class RateStateCandidate(Candidate[RateStateFit]):
+    """One law on velocity steps: its fit, its held-out error, and what speaks against it."""
+
+    validation: CrossValidation | None = None
+    """Mean squares of the coefficient in each part that a fit to the others has not seen."""
+    unseen: Array | None = None
+    """Measured less predicted coefficient of each row of the fit, by the fit that has not seen it
+    (n,); NaN for rows that were never held out."""
+    simpler: tuple[str, ...] = ()
+    """Names of the candidates that it contains."""
+    second: float | None = None
+    """Root mean square error on the record given to validate, if there is one."""
+
+    @property
+    def score(self) -> float:
+        """Root mean square held-out error of the coefficient, infinite without one."""
+        return self.validation.score if self.validation else math.inf
+
+    @property
+    def score_error(self) -> float:
+        """Standard error of the score."""
+        return self.validation.error if self.validation else math.nan
+
+    @property
+    def law(self) -> RateState | None:
+        """The fitted law."""
+        return self.fit.law if self.fit else None
+
+    @property
+    def residual(self) -> float:
+        """Root mean square of the residuals of the fit to the whole record."""
+        return self.fit.rms if self.fit else math.inf
+
+    @property
+    def effective(self) -> float:
+        """Effective number of independent residuals."""
+        return self.fit.inference.effective if self.fit else 0.0
+
+    @property
+    def is_simpler(self) -> Collection[str]:
+        """Names of the contained candidates that it is at its fitted values."""
+        law = self.law
+        if law is None:
+            return ()
+        if law.evolution != "none":
+            return self.simpler if abs(law.evolution_effect) < UNSPENT * law.direct_effect else ()
+        return self.simpler if law.direct_effect == 0.0 else ()
+
+    @property
+    def weak(self) -> bool:
+        """Whether a parameter ended at a bound, or the condition is too large."""
+        if self.fit is None:
+            return True
+        return self.fit.inference.condition > TRUSTED or bool(bounds_met(self.fit))
+
+    @override
+    def to_row(self) -> Mapping[str, Any]:
+        return {
+            "law": self.name,
+            "parameters": self.parameters,
+            "score": self.score,
+            "score_error": self.score_error,
+            "a_minus_b": self.fit.rate.value if self.fit else math.nan,
+            "rmse": self.fit.rmse if self.fit else math.nan,
+            "outcome": self.outcome,
+        }
+
+    @override
+    def to_dict(self) -> Mapping[str, Any]:
+        judged = self.validation
+        return {
+            "law": self.name,
+            "title": self.title,
+            "parameters": self.parameters,
+            "score": judged.score if judged else None,
+            "score_error": judged.error if judged else None,
+            "held_out": list(judged.losses) if judged else [],
+            "second_record": self.second,
+            "dropped": plain(self.dropped),
+            "outcome": plain(self.outcome),
+            "fit": self.fit.to_dict() if self.fit else None,
+        }
+
+
+@final
+@dataclass(frozen=True, kw_only=True, repr=False)
+class RateStateVerdict(Verdict[RateStateCandidate]):
+    """A verdict on friction while a load point is pulled with steps of its speed."""
+
+    nearest: RateStateCandidate
+    """The best law, or the one that comes closest to the record."""
+    checks: Checks
+    """What the record can tell, before any fit."""
+    by_steps: bool
+    """Whether what was held out begins with a velocity step; else parts of a record with one."""
+    rival: str = ""
+    """Name of the law that the record does not tell from the closest; empty without one."""
+    next_steps: tuple[OtherStep, ...] = ()
+    """Steps that would tell the closest from its rival, the most telling first."""
+
+    @property
+    @override
+    def route(self) -> str:
+        return ROUTE
+
+    @property
+    @override
+    def score_unit(self) -> str:
+        return ""
+
+    @property
+    @override
+    def closest(self) -> RateStateCandidate:
+        """The best law, or the one that comes closest to the record."""
+        return self.nearest
+
+    @override
+    def _basis(self) -> str:
+        return f" to velocity steps, judged on {'steps' if self.by_steps else 'parts'} held out"
+
+    @override
+    def _details(self) -> Mapping[str, Any]:
+        held = "velocity steps" if self.by_steps else "parts of the record"
+        return {
+            "scored": f"coefficient of friction after held-out {held}, root mean square",
+            "not_told_from": self.rival or None,
+            "checks": self.checks.to_dict(),
+            "next_measurements": [one.to_dict() for one in self.next_steps],
+        }
