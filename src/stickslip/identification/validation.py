@@ -318,4 +318,4 @@ def laws_of(given: Laws | FrictionLaw | type[FrictionLaw] | str | None) -> Laws 
     >>> laws_of("coulomb"), laws_of(None)
     (['coulomb'], None)
     """
-    return [given] if isinstance(given, str | type | FrictionLaw) else given
+    return [given] if isinstance(given, str | type | FrictionLaw | RateState) else given

@@ -14,6 +14,8 @@ HOMES = {
     "Fit": "identification",
     "Optimum": "optimisation",
     "Plan": "selection",
+    "RateStateFit": "identification",
+    "RateStateVerdict": "selection",
     "RecordFit": "identification",
     "RecordVerdict": "selection",
     "Sensitivity": "solver",

@@ -4,12 +4,14 @@ from stickslip.experiments import Finding as Finding
 from stickslip.identification import Estimate as Estimate
 from stickslip.identification import FeatureFit as FeatureFit
 from stickslip.identification import Fit as Fit
+from stickslip.identification import RateStateFit as RateStateFit
 from stickslip.identification import RecordFit as RecordFit
 from stickslip.identification import TravelFit as TravelFit
 from stickslip.identification import TrialComparison as TrialComparison
 from stickslip.optimisation import Optimum as Optimum
 from stickslip.selection import FeatureVerdict as FeatureVerdict
 from stickslip.selection import Plan as Plan
+from stickslip.selection import RateStateVerdict as RateStateVerdict
 from stickslip.selection import RecordVerdict as RecordVerdict
 from stickslip.selection import TravelVerdict as TravelVerdict
 from stickslip.selection import Verdict as Verdict
@@ -32,6 +34,8 @@ __all__ = [
     "Fit",
     "Optimum",
     "Plan",
+    "RateStateFit",
+    "RateStateVerdict",
     "RecordFit",
     "RecordVerdict",
     "Sensitivity",

@@ -2,25 +2,27 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from typing import cast
+from typing import TypeAlias, cast
 
 from typing_extensions import TypeVar
 
 from stickslip.experiments import Measurement
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, RateState
 from stickslip.identification import Fit, RecordSettings
 from stickslip.identification.records.route_choice import RouteChoice, RouteName
-from stickslip.identification.validation import Laws, arguments, check_given, laws_of
+from stickslip.identification.validation import Laws, arguments, check_given
 from stickslip.mechanisms import Mechanism
 from stickslip.routes.registry import refuse_unused, route_of
 from stickslip.routes.route import FitRequest, Options, SelectRequest
-from stickslip.selection import FeatureVerdict, RecordVerdict, TravelVerdict
+from stickslip.selection import FeatureVerdict, RateStateVerdict, RecordVerdict, TravelVerdict
+from stickslip.selection.rate_state import RateStateLaw, RateStateLaws
 from stickslip.selection.records import PurposeName
 
 __all__ = ["fit", "select"]
 
-AnyLaw = TypeVar("AnyLaw", bound=FrictionLaw, default=FrictionLaw)
+AnyLaw = TypeVar("AnyLaw", bound=FrictionLaw | RateState, default=FrictionLaw)
 """The type of law that a fit was given; a name could stand for any."""
+AnyVerdict: TypeAlias = TravelVerdict | RecordVerdict | FeatureVerdict | RateStateVerdict
 
 
 @arguments
@@ -40,7 +42,8 @@ def fit(
 
     Travels are fitted by runs to rest; records in time by simulated segments; friction that was
     measured directly along the measured motion; the force of a spring that pulls a block by its
-    features, since no law follows irregular stick-slip sample by sample.
+    features, since no law follows irregular stick-slip sample by sample; friction under a load
+    point with steps of its speed by rate-and-state laws.
 
     Parameters
     ----------
@@ -61,11 +64,12 @@ def fit(
         Parameters of the mechanism are for records and features.
     fixed : mapping of str to float, optional
         Values of parameters that are held, of law and mechanism, by the same names.
-    route : {"shooting", "force-map", "inverse-dynamics", "features"} or RouteChoice, optional
+    route : {"shooting", "force-map", "inverse-dynamics", "features", "rate-state"} or RouteChoice
         How records are fitted, or what `choose_route` returned for them, with its settings; chosen
         by `choose_route` if not given.
     settings : RecordSettings, optional
-        Segments, starts and seed of fits to records; of these, features have the seed only.
+        Segments, starts and seed of fits to records; of these, features use the seed and velocity
+        steps the starts and the seed.
     t_end : float, optional
         Time after which a body whose travel to rest was measured counts as stopped [s]; 10 s if not
         given.
@@ -76,8 +80,8 @@ def fit(
     Returns
     -------
     Fit
-        A `TravelFit`, a `RecordFit` or a `FeatureFit`: the fitted law, estimates with intervals,
-        predictions.
+        A `TravelFit`, `RecordFit`, `FeatureFit` or `RateStateFit`: the fitted law, estimates with
+        intervals, predictions.
 
     Raises
     ------
@@ -116,7 +120,7 @@ def fit(
 @arguments
 def select(
     mechanism: Mechanism,
-    laws: Laws | FrictionLaw | type[FrictionLaw] | str | None,
+    laws: Laws | RateStateLaws | FrictionLaw | type[FrictionLaw] | RateStateLaw | None,
     measurement: Measurement,
     *,
     vary: str | Sequence[str] | None = None,
@@ -130,7 +134,7 @@ def select(
     t_end: float | None = None,
     progress: Callable[[str, float], object] | None = None,
     executor: Executor | None = None,
-) -> TravelVerdict | RecordVerdict | FeatureVerdict:
+) -> AnyVerdict:
     """Fit every law to a measurement, compare them on what they have not seen, and name one.
 
     Parameters
@@ -158,13 +162,14 @@ def select(
         over 4 s, motion over 1 s, or the friction force.
     horizon : float, optional
         Length of the stretches that are predicted [s], if not that of the purpose.
-    route : {"shooting", "force-map", "inverse-dynamics", "features"} or RouteChoice, optional
+    route : {"shooting", "force-map", "inverse-dynamics", "features", "rate-state"} or RouteChoice
         How records are fitted, or what `choose_route` returned for them, with its settings; chosen
         by `choose_route` if not given.
     validate : Measurement, optional
         A second record, which no fit sees; each law's error on it is reported.
     settings : RecordSettings, optional
-        Segments, starts and seed of fits to records; of these, features have the seed only.
+        Segments, starts and seed of fits to records; of these, features use the seed and velocity
+        steps the starts and the seed.
     t_end : float, optional
         Time after which a body whose travel to rest was measured counts as stopped [s]; 10 s if not
         given.
@@ -179,7 +184,7 @@ def select(
 
     Returns
     -------
-    TravelVerdict, RecordVerdict or FeatureVerdict
+    TravelVerdict, RecordVerdict, FeatureVerdict or RateStateVerdict
         Candidates, the law to use, what the data settle and what they cannot tell.
 
     Raises
@@ -212,12 +217,12 @@ def select(
     refuse_unused(way, options.given, options)
     request = SelectRequest(
         mechanism=mechanism,
-        laws=laws_of(laws),
+        laws=[laws] if isinstance(laws, str | type | FrictionLaw | RateState) else laws,
         measurement=measurement,
         vary=vary,
         fixed=fixed,
         progress=progress,
         executor=executor,
     )
-    verdict: TravelVerdict | RecordVerdict | FeatureVerdict = way.select(request, options)
+    verdict: AnyVerdict = way.select(request, options)
     return verdict

@@ -184,8 +184,8 @@ def _other_way(record: Measurement) -> str:
     if "pull" not in record.quantities():
         return ""
     return (
-        " Friction while a load point is pulled is what rate-and-state friction is about:"
-        " stickslip.identification.fit_rate_state fits it."
+        " Friction under a load point is fitted by rate-and-state laws: leave out the route, or"
+        " give route='rate-state'."
     )
 
 

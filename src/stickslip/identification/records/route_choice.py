@@ -37,7 +37,9 @@ __all__ = [
     "unexplained_share",
 ]
 
-RouteName: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics", "features"]
+RouteName: TypeAlias = Literal[
+    "shooting", "force-map", "inverse-dynamics", "features", "rate-state"
+]
 """What `fit` and `select` may be asked for."""
 
 UNPREDICTED = 0.5
