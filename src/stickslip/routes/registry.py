@@ -66,6 +66,11 @@ def route_of(measurement: Measurement, asked: str | RouteChoice | None = None) -
     asked : str or RouteChoice, optional
         A name of a route, or what `choose_route` returned.
 
+    Returns
+    -------
+    Route
+        The route.
+
     Raises
     ------
     UnknownNameError

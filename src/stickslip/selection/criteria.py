@@ -52,6 +52,11 @@ def criteria_of(run: Trajectory, mechanism: Mechanism, measured: float | None = 
     measured : float, optional
         Measured travel [m].
 
+    Returns
+    -------
+    Criteria
+        Travel [m], velocities [m/s], energies [J] and what follows from them.
+
     Examples
     --------
     >>> from stickslip import Coulomb, SpringBlock, simulate

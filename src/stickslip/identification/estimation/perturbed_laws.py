@@ -87,6 +87,12 @@ class PerturbedLaws:
         slopes : bool
             Whether moved copies are wanted.
 
+        Returns
+        -------
+        PerturbedLaws
+            The law at the values, followed by one copy for each of its free parameters that is
+            moved.
+
         Raises
         ------
         ParameterError
@@ -135,6 +141,18 @@ def _size(value: float, start: float, high: float) -> float:
 
 def with_arrays(law: FrictionLaw, table: Mapping[str, Array]) -> Any:
     """Return a law with arrays (copies,) for some of its parameters, by path.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        Gives type and all other parameters.
+    table : mapping of str to array
+        Values (copies,) [SI] by path.
+
+    Returns
+    -------
+    object
+        A stand-in for the law, which broadcasts over a last axis (copies,).
 
     Examples
     --------

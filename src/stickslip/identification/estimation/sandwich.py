@@ -20,6 +20,18 @@ def sandwich(at: ResidualJacobian, free: NDArray[np.bool_]) -> Array:
     segments carry all the information that comes out too small by chance, so variances are at least
     those of independent residuals.
 
+    Parameters
+    ----------
+    at : ResidualJacobian
+        Residuals (n,), Jacobian (n, p) and segments of the rows, at the estimates.
+    free : array of bool (p,)
+        Which estimates no bound holds.
+
+    Returns
+    -------
+    array (p, p)
+        The covariance.
+
     Examples
     --------
     >>> draw = np.random.default_rng(0)
