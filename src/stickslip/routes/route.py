@@ -112,7 +112,7 @@ class Comparison:
     heads: Sequence[str]
     """Titles of the columns."""
     rows: Sequence[Sequence[str]]
-    """Cells of each law, the best law first."""
+    """Cells, a row for each law."""
     notes: Sequence[str] = ()
     """Lines below: what became of each law, and why a cell is empty."""
     checks: Checks | None = None
@@ -179,7 +179,7 @@ class Route(ABC, Generic[F, V]):
         Returns
         -------
         list of str
-            Names in the order in which laws are fitted.
+            Names of the candidates, in their order.
         """
 
     def law_and_parameters(
@@ -297,7 +297,7 @@ class Route(ABC, Generic[F, V]):
         Parameters
         ----------
         error : float
-            Least root mean square of the residuals, in the unit of what is compared.
+            Least root mean square of the residuals [SI], or relative error of features.
         measurement : Measurement
             The records, which say what is compared.
         options : Options
@@ -306,7 +306,7 @@ class Route(ABC, Generic[F, V]):
         Returns
         -------
         str
-            Number and unit.
+            The residual with its unit or as a percentage.
         """
         raise NotImplementedError  # where runs are counted, nobody asks
 

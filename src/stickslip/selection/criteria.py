@@ -55,7 +55,7 @@ def criteria_of(run: Trajectory, mechanism: Mechanism, measured: float | None = 
     Returns
     -------
     Criteria
-        Travel [m], velocities [m/s], energies [J] and what follows from them.
+        Travel [m], least velocity [m/s], energies [J] and stop time [s], and whether criteria hold.
 
     Examples
     --------

@@ -31,7 +31,7 @@ def other_speeds(
     best : FeatureCandidate
         The best law, with its fit.
     rivals : sequence of FeatureCandidate
-        Laws that are not told apart from it.
+        Other laws that were fitted and not dropped.
 
     Returns
     -------

@@ -89,7 +89,7 @@ def feature_wording(
     ordered : sequence of FeatureCandidate
         All laws tried, the best first.
     control : FeatureCandidate or None
-        The best law with the nominal mechanism; None if nothing of it was fitted.
+        The best law, fitted with the nominal mechanism; None if all laws were.
     features : StickSlipFeatures
         Features of the whole record.
     checks : Checks

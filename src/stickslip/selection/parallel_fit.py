@@ -96,7 +96,7 @@ def fitted_side_by_side(
     chosen : sequence of CandidateSpec
         The candidates to fit.
     watch : callable or None
-        Called with name and least residual; None if nobody watches.
+        Called with name and least residual; False ends the searches. None if nobody watches.
     executor : Executor or None
         Processes that fit; None to fit one after the other.
 

@@ -118,7 +118,7 @@ def select_records(
     mechanism : Mechanism
         What was measured; trials may override its parameters.
     laws : mapping of str to FrictionLaw or sequence of FrictionLaw or type or str or None
-        The candidates; the usual ten if None.
+        The candidates; the usual ones if None.
     measurement : Measurement
         Records in time, or measured friction.
     vary : str or sequence of str, optional

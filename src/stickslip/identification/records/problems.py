@@ -55,9 +55,9 @@ class ProblemRequest:
     measurement: Measurement
     """Records in time, or measured friction."""
     unknown: Sequence[str]
-    """Full paths of the parameters of the mechanism to fit."""
+    """Parameters of the mechanism to fit, by path or last name."""
     free: Sequence[str] | None
-    """Full paths of the parameters of the law to fit; its `fit_order` if None."""
+    """Parameters of the law to fit, by path or last name; its `fit_order` if None."""
     known: Mapping[str, float] | None
     """Values of parameters of the law that are held [SI], by name."""
     settings: RecordSettings

@@ -106,7 +106,7 @@ def better_route(fits: Sequence[RecordFit], others: Sequence[RecordFit]) -> str:
     Returns
     -------
     str
-        A clause with the reason.
+        A clause with both unexplained shares, or an empty text.
     """
     if not others:
         return ""

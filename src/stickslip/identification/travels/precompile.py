@@ -29,7 +29,7 @@ def compile_for(
     laws : iterable of FrictionLaw
         Laws to fit.
     progress : callable, optional
-        Called with the number of compiled pairs and that of all.
+        Called with the number of modules done and of all to compile, and the pair in work.
     """
     cycles = under_cycles(trials)
     slow = [law for law in laws if cycles or isinstance(law, BristleLaw)]

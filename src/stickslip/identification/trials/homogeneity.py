@@ -99,7 +99,7 @@ def homogeneity(
     Returns
     -------
     Homogeneity
-        Test statistic, p-value and estimates of each trial.
+        F statistic, its degrees of freedom and the p-value.
 
     Examples
     --------

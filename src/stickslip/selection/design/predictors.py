@@ -171,7 +171,7 @@ def own_force(mechanism: Mechanism, velocity: float) -> float:
     Parameters
     ----------
     mechanism : Mechanism
-        A mechanism with its drive at rest.
+        The mechanism; its drive is taken to be 0.
     velocity : float
         Velocity of its slip coordinate [m/s].
 
