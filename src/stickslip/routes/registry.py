@@ -69,7 +69,7 @@ def route_of(measurement: Measurement, asked: str | RouteChoice | None = None) -
     Returns
     -------
     Route
-        The route.
+        The route that was asked for, or the first that serves.
 
     Raises
     ------

@@ -131,7 +131,7 @@ class FitSummary:
     heads: Sequence[str] = ()
     """Titles of the columns of a table; empty for no table."""
     rows: Sequence[Sequence[str]] = ()
-    """Its cells."""
+    """Cells of that table."""
     lines: Sequence[str] = ()
     """Residuals, restarts, remarks."""
     findings: Sequence[str] = ()
@@ -227,7 +227,7 @@ class Route(ABC, Generic[F, V]):
         Returns
         -------
         Fit
-            The fit.
+            Fitted law, estimates with intervals, predictions.
         """
 
     @abstractmethod

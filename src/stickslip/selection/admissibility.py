@@ -43,7 +43,7 @@ def limit_of(law: FrictionLaw, name: str) -> float:
     Returns
     -------
     float
-        The limit [SI].
+        Lowest value [SI].
 
     Examples
     --------

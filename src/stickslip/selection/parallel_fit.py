@@ -102,7 +102,7 @@ def fitted_side_by_side(
 
     Returns
     -------
-    list of ScoredCandidate
+    list of Tried
         The fitted candidates, in the order of `chosen`.
     """
     found: dict[str, C] = {}

@@ -35,7 +35,7 @@ def objection(fit: RecordFit, *, shown: bool = False) -> str:
     Parameters
     ----------
     fit : RecordFit
-        The fit.
+        Fit of the law in question.
     shown : bool
         Whether the law is established over simpler ones.
 

@@ -409,7 +409,7 @@ def freedom_of(squares: Array, direction: Array) -> float:
     squares : array (b, p, p)
         Gauss-Newton matrices of the blocks.
     direction : array (p,)
-        The direction.
+        Coefficients of the linear function of the values whose variance is meant.
 
     Returns
     -------

@@ -77,7 +77,7 @@ class Counter:
     """Counts predictions and tells a watcher of the least root mean square, which may end them."""
 
     watch: Watch | None
-    """Called with the least root mean square so far; False ends the search. None for none."""
+    """Called with the least root mean square so far, if given; False ends the search."""
     least: float = math.inf
     """Least root mean square so far."""
     count: int = 0

@@ -44,7 +44,7 @@ class ResidualJacobian:
         Parameters
         ----------
         values : array (p,)
-            Values of the unknowns [SI].
+            Values of the free parameters [SI].
         residual : array (n,)
             Measured less predicted; infinite where the prediction failed.
         slopes : array (n, p) or callable
@@ -118,7 +118,7 @@ class LeastSquaresProblem(Protocol):
         Parameters
         ----------
         values : array (p,)
-            Values of the unknowns [SI].
+            Values of the free parameters [SI].
         near : ResidualJacobian, optional
             An earlier answer for near values.
 
@@ -245,7 +245,7 @@ class SubsetProblem:
         Parameters
         ----------
         values : array (p,)
-            Values of the unknowns [SI].
+            Values of the free parameters [SI].
         near : ResidualJacobian, optional
             An earlier answer for near values; the one given at first if None.
 
@@ -265,9 +265,9 @@ class FixedParameterProblem:
     Parameters
     ----------
     whole : Problem
-        The problem with all p unknowns.
+        The problem with all p free parameters.
     index : int
-        Position of the unknown that is held.
+        Position of the parameter that is held.
     value : float
         Its value [SI].
     """
@@ -284,7 +284,7 @@ class FixedParameterProblem:
         Parameters
         ----------
         values : array (p - 1,)
-            Values of the other unknowns [SI].
+            Values of the other free parameters [SI].
         near : ResidualJacobian, optional
             An earlier answer of this problem for near values.
 

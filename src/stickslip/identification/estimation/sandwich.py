@@ -30,7 +30,7 @@ def sandwich(at: ResidualJacobian, free: NDArray[np.bool_]) -> Array:
     Returns
     -------
     array (p, p)
-        The covariance.
+        Covariance of the values.
 
     Examples
     --------

@@ -247,7 +247,7 @@ def compare_features(
     Returns
     -------
     tuple of FeatureFit
-        One fit for each law.
+        One fit for each law; of equal ones, that with fewer free parameters first.
 
     Examples
     --------

@@ -37,7 +37,7 @@ class Known:
     """Slopes that are known."""
 
     slopes: Array
-    """Derivatives of the prediction by the unknowns (n, p)."""
+    """Derivatives of the prediction by the free parameters (n, p)."""
 
     def __call__(self) -> Array:
         """Return them."""
@@ -177,9 +177,9 @@ def followed(
     Parameters
     ----------
     before : LocalState
-        The segment at earlier values of the unknowns.
+        The segment at earlier values of the free parameters.
     change : array (p,)
-        Change of the unknowns since then.
+        Change of the free parameters since then [SI].
     rest : array (m,)
         Initial coordinates and rates at rest.
     shoot : callable

@@ -164,9 +164,14 @@ def check_rest(found: TravelFit, t_end: float) -> None:
     Parameters
     ----------
     found : TravelFit
-        The fit.
+        Fit whose law and trials are run.
     t_end : float
         Time after which a body counts as stopped [s].
+
+    Raises
+    ------
+    ConvergenceError
+        If a body whose travel to rest was measured still moves at ``t_end``.
     """
     errors, _ = standard_errors(found.trials)
     TravelModel(found.law, (), t_end).check_rest(found.trials, (), errors)

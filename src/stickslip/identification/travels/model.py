@@ -356,7 +356,7 @@ class TravelModel:
         Returns
         -------
         float
-            Travel of the coordinate that slips.
+            Travel of the coordinate that slips [m].
         """
         self.runs += 1
         if self.watch is not None:

@@ -94,7 +94,7 @@ def covariance_of(scatter: Array, shared: Mapping[str, Array]) -> Array:
     Returns
     -------
     array (n, n)
-        The covariance.
+        Covariance [m^2].
 
     Examples
     --------

@@ -145,7 +145,7 @@ def doubling_slope(model: TravelModel, trials: Sequence[Trial], values: Start) -
     Returns
     -------
     float
-        Viscous coefficient.
+        Viscous coefficient [N s/m].
     """
     trial = max(trials, key=lambda one: abs(one.travel))
     law = model.with_values(values)
@@ -273,7 +273,7 @@ def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
     Returns
     -------
     FrictionLaw
-        The law.
+        The law with start values.
 
     Raises
     ------
@@ -305,7 +305,7 @@ def with_known(law: FrictionLaw, known: Mapping[str, float] | None) -> FrictionL
     Parameters
     ----------
     law : FrictionLaw
-        The law with other values.
+        The law whose values are replaced.
     known : mapping of str to float or None
         Values [SI] by name of the field; None or empty for none.
 
