@@ -83,7 +83,7 @@ def slips_of(force: Array, half_period: int) -> Slips:
 def cycles_of(force: Array, period: float) -> NDArray[np.intp]:
     """Return where the cycles of a force (n,) begin: where it has come from low to high.
 
-    What changes over two of the `period`s (in samples) or more does not count.
+    What changes over two periods or more does not count.
 
     Parameters
     ----------
