@@ -57,7 +57,20 @@ class CandidateSpec:
 
     @classmethod
     def of(cls, name: str, law: FrictionLaw | type[FrictionLaw]) -> "CandidateSpec":
-        """Return a law with all it can fit."""
+        """Return a law with all it can fit.
+
+        Parameters
+        ----------
+        name : str
+            Key of the candidate.
+        law : FrictionLaw or type
+            The law, whose title is taken.
+
+        Returns
+        -------
+        CandidateSpec
+            The candidate, with all parameters of the law's `fit_order` free.
+        """
         return cls(name=name, title=law.title, law=law)
 
 

@@ -44,7 +44,20 @@ SEPARABLE = 300.0
 
 
 def bounds_met(unknowns: FreeParameters, values: Array) -> Mapping[str, str]:
-    """Return which unknowns ended at a bound, by path: ``"lower"`` or ``"upper"``."""
+    """Return which unknowns ended at a bound, by path: ``"lower"`` or ``"upper"``.
+
+    Parameters
+    ----------
+    unknowns : FreeParameters
+        The free parameters with their bounds.
+    values : array (p,)
+        Their estimates [SI].
+
+    Returns
+    -------
+    mapping of str to str
+        ``"lower"`` or ``"upper"`` by path; those within their bounds are not among them.
+    """
     found = {}
     low, high = unknowns.limits()
     at = unknowns.coordinates(values)
@@ -63,7 +76,24 @@ def estimates_of(
     inference: Inference,
     at_bounds: Mapping[str, str],
 ) -> tuple[Estimate, ...]:
-    """Return the estimates with 95 % intervals, and why an interval is not bounded."""
+    """Return the estimates with 95 % intervals, and why an interval is not bounded.
+
+    Parameters
+    ----------
+    unknowns : FreeParameters
+        The free parameters.
+    seen : ResidualJacobian
+        Residuals and Jacobian at the estimates.
+    inference : Inference
+        Covariance of the estimates, and why an interval has no ends.
+    at_bounds : mapping of str to str
+        The bound that a parameter ended at, by path, from `bounds_met`.
+
+    Returns
+    -------
+    tuple of Estimate
+        One estimate for each free parameter, in their order.
+    """
     found = []
     for i, item in enumerate(unknowns.items):
         value, half = float(seen.values[i]), float(inference.half_widths[i])
@@ -114,7 +144,22 @@ def _bound_reason(item: FreeParameter, side: str, value: float) -> str:
 
 
 def with_unit(value: float, item: FreeParameter, digits: int = 3) -> str:
-    """Return a value of an unknown with its unit."""
+    """Return a value of an unknown with its unit.
+
+    Parameters
+    ----------
+    value : float
+        Value of the parameter [SI].
+    item : FreeParameter
+        The parameter, whose unit is written.
+    digits : int
+        Significant digits.
+
+    Returns
+    -------
+    str
+        Number and unit, such as ``"0.25 m/s"``.
+    """
     return formatting.with_unit(number(value, digits), item.quantity.unit)
 
 
@@ -132,7 +177,22 @@ def in_words(path: str) -> str:
 def step_intervals(
     unknowns: FreeParameters, seen: ResidualJacobian, inference: Inference
 ) -> Mapping[str, tuple[float, float, float]]:
-    """Return by path surplus, lower and upper end, for unknowns that stand above another."""
+    """Return by path surplus, lower and upper end, for unknowns that stand above another.
+
+    Parameters
+    ----------
+    unknowns : FreeParameters
+        The free parameters, some of which are bounded below by another one.
+    seen : ResidualJacobian
+        Residuals and Jacobian at the estimates.
+    inference : Inference
+        Covariance of the estimates.
+
+    Returns
+    -------
+    mapping of str to (float, float, float)
+        By path, the difference to the parameter below and both ends of its 95 % interval [SI].
+    """
     found = {}
     paths = list(unknowns.paths)
     for i, item in enumerate(unknowns.items):
@@ -154,7 +214,27 @@ def sentences_of(
     at_bounds: Mapping[str, str],
     estimates: Sequence[Estimate],
 ) -> tuple[str, ...]:
-    """Return what the record cannot tell."""
+    """Return what the record cannot tell.
+
+    Parameters
+    ----------
+    unknowns : FreeParameters
+        The free parameters.
+    seen : ResidualJacobian
+        Residuals and Jacobian at the estimates.
+    inference : Inference
+        Covariance of the estimates and condition number of the scaled Jacobian.
+    at_bounds : mapping of str to str
+        The bound that a parameter ended at, by path, from `bounds_met`.
+    estimates : sequence of Estimate
+        Estimates of the free parameters, in their order.
+
+    Returns
+    -------
+    tuple of str
+        Parameters that are undetermined, tied to each other or not separable; empty if there are
+        none.
+    """
     lines = [
         f"{in_words(estimate.path)} ({estimate.quantity.symbol}) is undetermined:"
         f" {estimate.reason}."
@@ -189,6 +269,21 @@ def offset_left_out(
 
     Half the sum of the levels acts against the motion and half their difference always one way, so
     a constant force beside them is the same number twice.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The fitted law.
+    mechanism : Mechanism
+        Mechanism that was measured; its offset [N] is named.
+    unknowns : FreeParameters
+        The free parameters, perhaps with a constant force.
+
+    Returns
+    -------
+    tuple of str
+        The sentence; empty if the law has one level for both directions or a constant force was
+        fitted.
     """
     constants = ("mechanism.offset", "measurement.offset.friction")
     if not isinstance(law, DirectionalLaw) or any(path in unknowns.paths for path in constants):

@@ -276,6 +276,11 @@ def estimates_for(
     largest_speed : float or None
         Largest slip speed in what was fitted, if it is known.
 
+    Returns
+    -------
+    LawEstimates
+        Values, intervals and covariance of the law's parameters.
+
     Examples
     --------
     >>> from stickslip import Coulomb

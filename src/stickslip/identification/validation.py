@@ -87,6 +87,11 @@ class Parameters(Generic[L]):
         measurement : Measurement, optional
             Its trials must not override what is fixed.
 
+        Returns
+        -------
+        `Parameters`
+            Full paths of what is fitted, and law and mechanism with what is fixed.
+
         Raises
         ------
         InputError
@@ -216,6 +221,18 @@ def _varied(
 def covers(name: str, path: str) -> bool:
     """Whether a name or a pattern stands for a path; without a dot it is that of a last name.
 
+    Parameters
+    ----------
+    name : str
+        Last name, full path or pattern with ``*``.
+    path : str
+        Full path of a parameter.
+
+    Returns
+    -------
+    bool
+        True if the pattern matches.
+
     Examples
     --------
     >>> covers("visc*", "friction.viscous_coefficient"), covers("mechanism.*", "friction.exponent")
@@ -258,6 +275,15 @@ def arguments(verb: Callable[P, R]) -> Callable[P, R]:
 
 def check_given(verb: str, mechanism: object, measurement: object) -> None:
     """Check that a verb was given a mechanism and a measurement.
+
+    Parameters
+    ----------
+    verb : str
+        Name of the function that was called, for the error.
+    mechanism : object
+        What was given as mechanism.
+    measurement : object
+        What was given as measurement.
 
     Raises
     ------

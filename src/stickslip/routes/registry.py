@@ -84,6 +84,11 @@ def route_of(measurement: Measurement, asked: str | RouteChoice | None = None) -
     asked : str or RouteChoice, optional
         A name of a route, or what `choose_route` returned.
 
+    Returns
+    -------
+    Route
+        The route that was asked for, or the first that serves.
+
     Raises
     ------
     UnknownNameError

@@ -109,6 +109,15 @@ def write_verdict(
     The page comes after, since it must not cost the verdict; that of an earlier verdict is removed,
     and so is an earlier law where this verdict names none.
 
+    Parameters
+    ----------
+    folder : Path
+        Directory to write to.
+    verdict : Verdict
+        The verdict, whose best law is written.
+    content : mapping of str to object
+        The verdict as a JSON document.
+
     Examples
     --------
     >>> import tempfile

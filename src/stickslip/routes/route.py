@@ -48,12 +48,19 @@ class Options:
     """
 
     route: str | RouteChoice | None = None
+    """Name of the route for records, or what `choose_route` returned."""
     settings: RecordSettings | None = None
+    """Segments, starts and seed of fits to records."""
     purpose: PurposeName | None = None
+    """What the law is for: ``"simulate"``, ``"position"`` or ``"compensate"``."""
     horizon: float | None = None
+    """Length of the stretches that are predicted [s]."""
     validate: Measurement | None = None
+    """A second record, which no fit sees."""
     assumed: Mapping[str, Sequence[str]] | None = None
+    """By name of the law, parameters whose values were assumed."""
     t_end: float | None = None
+    """Time after which a body counts as stopped [s]."""
 
     @property
     def given(self) -> tuple[str, ...]:
@@ -70,9 +77,13 @@ class Request:
     """What was measured, and what is fitted beside the laws."""
 
     mechanism: Mechanism
+    """Mechanism that was measured."""
     measurement: Measurement
+    """Travels, records in time, measured friction, or the force of a spring."""
     vary: str | Sequence[str] | None = None
+    """Parameters to fit; ``"friction.*"`` if None."""
     fixed: Mapping[str, float] | None = None
+    """Values of parameters that are held [SI], by the same names."""
 
 
 @final
@@ -81,7 +92,9 @@ class FitRequest(Request):
     """A law to fit."""
 
     law: Law
+    """An instance, whose values are the start, or a type."""
     progress: Callable[[float], object] | None = None
+    """Called with the number of runs, or the least residual so far."""
 
 
 @final
@@ -90,8 +103,11 @@ class SelectRequest(Request):
     """Laws to compare."""
 
     laws: SeveralLaws | None
+    """The candidates; the usual ones if None."""
     progress: Progress | None = None
+    """Called with the name of a law and its number of runs or least residual so far."""
     executor: Executor | None = None
+    """Processes that fit laws at the same time; one after the other if None."""
 
 
 @final
@@ -100,7 +116,9 @@ class Comparison:
     """The laws of a verdict beside each other, as a terminal shows them."""
 
     heads: Sequence[str]
+    """Titles of the columns."""
     rows: Sequence[Sequence[str]]
+    """Cells, a row for each law."""
     notes: Sequence[str] = ()
     """Lines below: what became of each law, and why a cell is empty."""
     checks: Checks | None = None
@@ -117,7 +135,9 @@ class FitSummary:
     """What a terminal shows of a fit below its estimates."""
 
     heads: Sequence[str] = ()
+    """Titles of the columns of a table; empty for no table."""
     rows: Sequence[Sequence[str]] = ()
+    """Cells of that table."""
     lines: Sequence[str] = ()
     """Residuals, restarts, remarks."""
     findings: Sequence[str] = ()
@@ -157,7 +177,20 @@ class Route(ABC, Generic[F, V]):
 
     @abstractmethod
     def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
-        """Return the names of the laws that are compared, as progress calls them."""
+        """Return the names of the laws that are compared, as progress calls them.
+
+        Parameters
+        ----------
+        laws : mapping or sequence or None
+            The candidates that were asked for; the usual ones if None.
+        measurement : Measurement
+            The measurement, which may rule out some of the usual ones.
+
+        Returns
+        -------
+        list of str
+            Names of the candidates, in their order.
+        """
 
     def owner(self, law: Law) -> AnyLaw:
         """Return the law or the type whose parameters a law has that may be given by its name."""
@@ -180,8 +213,8 @@ class Route(ABC, Generic[F, V]):
 
         Returns
         -------
-        (law, vary)
-            The law and what is fitted.
+        (FrictionLaw or type, str or sequence of str or None)
+            The law, and the parameters to fit.
         """
         if not isinstance(law, str):
             return law, vary
@@ -194,11 +227,37 @@ class Route(ABC, Generic[F, V]):
 
     @abstractmethod
     def fit(self, request: FitRequest, options: Options) -> F:
-        """Fit a law."""
+        """Fit a law.
+
+        Parameters
+        ----------
+        request : FitRequest
+            Mechanism, law, measurement and free parameters.
+        options : Options
+            Options of this route.
+
+        Returns
+        -------
+        Fit
+            Fitted law, estimates with intervals, predictions.
+        """
 
     @abstractmethod
     def select(self, request: SelectRequest, options: Options) -> V:
-        """Compare laws and name one."""
+        """Compare laws and name one.
+
+        Parameters
+        ----------
+        request : SelectRequest
+            Mechanism, laws, measurement and free parameters.
+        options : Options
+            Options of this route.
+
+        Returns
+        -------
+        Verdict
+            Candidates and the law that is named.
+        """
 
     @abstractmethod
     def comparison(self, verdict: V) -> Comparison:
@@ -208,14 +267,59 @@ class Route(ABC, Generic[F, V]):
     def summary(
         self, fit: F, validate: Measurement | None = None, horizon: float | None = None
     ) -> FitSummary:
-        """Return what a terminal shows of a fit, with its error on a second record."""
+        """Return what a terminal shows of a fit, with its error on a second record.
+
+        Parameters
+        ----------
+        fit : Fit
+            A fit of this route.
+        validate : Measurement, optional
+            A second record, which the fit has not seen.
+        horizon : float, optional
+            Length of the stretches that are predicted there [s].
+
+        Returns
+        -------
+        FitSummary
+            Table, lines and limits.
+        """
 
     @abstractmethod
     def sections(self, verdict: V, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
-        """Return what makes the sections of the page of a verdict."""
+        """Return what makes the sections of the page of a verdict.
+
+        Parameters
+        ----------
+        verdict : Verdict
+            A verdict of this route.
+        origin : Origin
+            Title, source of the data and command, for the page.
+        remark : str
+            A sentence that the page adds; empty for none.
+
+        Returns
+        -------
+        tuple of callable
+            Functions without arguments, each of which makes a section.
+        """
 
     def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
-        """Return the least residual so far in words."""
+        """Return the least residual so far in words.
+
+        Parameters
+        ----------
+        error : float
+            Least root mean square of the residuals [SI], or relative error of features.
+        measurement : Measurement
+            The records, which say what is compared.
+        options : Options
+            Options with the route that was chosen.
+
+        Returns
+        -------
+        str
+            The residual with its unit or as a percentage.
+        """
         raise NotImplementedError  # where runs are counted, nobody asks
 
     def resolved(self, request: Request, options: Options, law: Law | None = None) -> Options:
@@ -229,6 +333,11 @@ class Route(ABC, Generic[F, V]):
             What was said.
         law : FrictionLaw or type, optional
             The law, where only one is fitted.
+
+        Returns
+        -------
+        Options
+            The options, with the route and settings that the fit will use.
         """
         return options
 
@@ -244,5 +353,10 @@ class Route(ABC, Generic[F, V]):
             One of `Options`, or a field of `RecordSettings`.
         options : Options
             With what was chosen for the measurement.
+
+        Returns
+        -------
+        str
+            The end of the sentence, or an empty text.
         """
         return ""

@@ -33,6 +33,18 @@ def doubts(candidate: TravelCandidate) -> dict[str, str]:
 def limit_of(law: FrictionLaw, name: str) -> float:
     """Return the lowest value that a parameter of a law may have beside the others.
 
+    Parameters
+    ----------
+    law : FrictionLaw
+        Gives the values of the other parameters.
+    name : str
+        Field of the law.
+
+    Returns
+    -------
+    float
+        Lowest value [SI].
+
     Examples
     --------
     >>> from stickslip import Coulomb
@@ -66,6 +78,11 @@ def improves(richer: TravelFit, simpler: TravelFit, extra: int) -> bool:
         Fits to the same trials.
     extra : int
         Number of parameters that the richer law has more, at least 1.
+
+    Returns
+    -------
+    bool
+        True if the richer law improves the fit significantly.
     """
     from scipy import stats
 
@@ -109,14 +126,40 @@ def _improves(one: TravelCandidate, other: TravelCandidate) -> bool:
 
 
 def told_apart(candidate: TravelCandidate, best: TravelCandidate) -> bool:
-    """Whether the readings speak for the best law against another one beyond their uncertainty."""
+    """Whether the readings speak for the best law against another one beyond their uncertainty.
+
+    Parameters
+    ----------
+    candidate : TravelCandidate
+        Another law on the same trials.
+    best : TravelCandidate
+        The best law.
+
+    Returns
+    -------
+    bool
+        True if they are told apart, or the other law was not fitted or was dropped.
+    """
     return candidate.fit is None or bool(candidate.dropped) or _improves(best, candidate)
 
 
 def mark_passed_over(
     candidates: Sequence[TravelCandidate], best: TravelCandidate
 ) -> list[TravelCandidate]:
-    """Mark which laws are not told apart from the best, and why they are not taken."""
+    """Mark which laws are not told apart from the best, and why they are not taken.
+
+    Parameters
+    ----------
+    candidates : sequence of TravelCandidate
+        All laws that were tried.
+    best : TravelCandidate
+        The best of them.
+
+    Returns
+    -------
+    list of TravelCandidate
+        The candidates in the same order, with a reason where they were passed over.
+    """
     return [
         c
         if c is best or c.fit is None

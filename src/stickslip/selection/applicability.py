@@ -44,6 +44,18 @@ def unsuited_by(measurement: Measurement, law: FrictionLaw | type[FrictionLaw]) 
     On friction against velocity alone a bristle law has its steady curve, which is that of a law
     without bristles: it predicts as well, with numbers that nothing tells.
 
+    Parameters
+    ----------
+    measurement : Measurement
+        The record.
+    law : FrictionLaw or type
+        The law in question.
+
+    Returns
+    -------
+    str
+        The reason as a clause.
+
     Examples
     --------
     >>> from stickslip.friction import LuGre

@@ -86,6 +86,18 @@ def check_apart(names: Sequence[str]) -> None:
 def contains(rich: CandidateSpec, simple: CandidateSpec) -> bool:
     """Whether a candidate is another one for some values of what is looked for.
 
+    Parameters
+    ----------
+    rich : CandidateSpec
+        The candidate with more free parameters.
+    simple : CandidateSpec
+        The other candidate.
+
+    Returns
+    -------
+    bool
+        True if the first contains the second and is not the same.
+
     Examples
     --------
     >>> by_name = {one.name: one for one in specifications(None)}

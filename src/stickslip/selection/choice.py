@@ -120,7 +120,22 @@ def paired(other: Sequence[float], best: Sequence[float]) -> tuple[float, float]
 
 
 def as_good(other: ScoredCandidate, best: ScoredCandidate, *, share: float = NEAR) -> bool:
-    """Whether another's loss is within one paired standard error and a share of the best's."""
+    """Whether another's loss is within one paired standard error and a share of the best's.
+
+    Parameters
+    ----------
+    other : ScoredCandidate
+        A candidate on the same blocks.
+    best : ScoredCandidate
+        The candidate with the least held-out error.
+    share : float
+        Share of the least error within which the other error must lie.
+
+    Returns
+    -------
+    bool
+        True if the held-out errors do not tell them apart.
+    """
     if other.validation is None or best.validation is None:
         return False
     gap, error = paired(other.validation.losses, best.validation.losses)
@@ -140,6 +155,11 @@ def established(
     uncertainty : float
         Of what is compared, as stated, or of its rounding: a simpler law whose held-out error is
         within it needs no richer one.
+
+    Returns
+    -------
+    bool
+        True if F test and held-out errors are for the richer law.
     """
     assert rich.validation is not None
     assert simple.validation is not None
@@ -178,6 +198,11 @@ def beyond_doubt(worse: Sequence[float], better: Sequence[float]) -> bool:
     worse, better : sequence of float (blocks,)
         Mean squares on the same blocks; a single one leaves any difference in doubt.
 
+    Returns
+    -------
+    bool
+        True if the difference is significant.
+
     Examples
     --------
     >>> beyond_doubt([2.0, 2.1, 1.9], [1.0, 1.0, 1.0]), beyond_doubt([2.0], [1.0])
@@ -214,6 +239,11 @@ def choose(scored: Sequence[C], *, uncertainty: float = 0.0) -> C:
         Candidates with held-out errors, at least one.
     uncertainty : float
         Of what is compared, as stated, or of its rounding.
+
+    Returns
+    -------
+    ScoredCandidate
+        The candidate to name.
     """
     shown = [
         c
@@ -240,6 +270,11 @@ def shown_over_simpler(rich: C, scored: Sequence[C], *, uncertainty: float = 0.0
         All candidates with held-out errors.
     uncertainty : float
         Of what is compared, as for `established`.
+
+    Returns
+    -------
+    bool
+        True if it contains a simpler law and is established over each.
     """
     simpler = _simpler_of(rich, scored)
     return bool(simpler) and all(established(rich, c, uncertainty=uncertainty) for c in simpler)
@@ -259,6 +294,11 @@ def reduces_to(fit: RecordFit, simpler: str) -> bool:
         The fit of the richer law.
     simpler : str
         Registry name of the simpler law.
+
+    Returns
+    -------
+    bool
+        True if the fitted values make it the simpler law.
 
     Examples
     --------

@@ -58,6 +58,11 @@ def contradiction(
         The law that the readings call for, with its fit.
     candidates : sequence of TravelCandidate
         All laws; what was not fitted of them may be what is wrong.
+
+    Returns
+    -------
+    Contradiction or None
+        The reason, and what to check at the rig.
     """
     if closest.fit is None or len(trials) < 2:
         return None
@@ -184,7 +189,20 @@ def _usual(candidates: Sequence[TravelCandidate]) -> str:
 
 
 def setting_of(trials: Sequence[Trial], trial: Trial) -> str:
-    """Return how the rig was set in a trial, where trials differ, such as ``" at x_0 = 60 mm"``."""
+    """Return how the rig was set in a trial, where trials differ, such as ``" at x_0 = 60 mm"``.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        All trials.
+    trial : Trial
+        One of them.
+
+    Returns
+    -------
+    str
+        The setting with symbols and units; empty if all trials have the same one.
+    """
     tables = [{p: (q, v) for p, q, v in parameters(t.mechanism, "mechanism")} for t in trials]
     own = {p: (q, v) for p, q, v in parameters(trial.mechanism, "mechanism")}
     varied = [p for p in own if len({t[p][1] if p in t else None for t in tables}) > 1]

@@ -52,6 +52,11 @@ def criteria_of(run: Trajectory, mechanism: Mechanism, measured: float | None = 
     measured : float, optional
         Measured travel [m].
 
+    Returns
+    -------
+    Criteria
+        Travel [m], least velocity [m/s], energies [J] and stop time [s], and whether criteria hold.
+
     Examples
     --------
     >>> from stickslip import Coulomb, SpringBlock, simulate

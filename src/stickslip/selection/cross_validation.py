@@ -66,7 +66,22 @@ class CrossValidation:
 
 
 def plan_of(fit: RecordFit, *, horizon: float, folds: int = FOLDS) -> Plan:
-    """Return a plan: gaps as long as residuals of a fit are correlated, a horizon that fits in."""
+    """Return a plan: gaps as long as residuals of a fit are correlated, a horizon that fits in.
+
+    Parameters
+    ----------
+    fit : RecordFit
+        A fit to the whole record, with its effective sample size.
+    horizon : float
+        Length of the segments to predict [s].
+    folds : int
+        Number of blocks of time.
+
+    Returns
+    -------
+    Plan
+        Blocks, gap and horizon for all candidates.
+    """
     spans = fit.problem.spans
     if interleaved(spans):
         return Plan(folds=min(folds, len(spans)), gap=0.0, horizon=horizon, length=0.0)
@@ -104,7 +119,25 @@ def _check_block(measurement: Measurement, block: float, length: float, folds: i
 
 
 def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
-    """Return held-out errors of a fit, its unknowns fitted anew without each block."""
+    """Return held-out errors of a fit, its unknowns fitted anew without each block.
+
+    Parameters
+    ----------
+    fit : RecordFit
+        A fit to the whole record.
+    plan : Plan
+        Blocks, gap [s] and horizon [s].
+
+    Returns
+    -------
+    CrossValidation
+        Mean square of each block, and the error of an extrapolation.
+
+    Raises
+    ------
+    InputError
+        If nothing is left to fit to when a block is held out.
+    """
     judged = fit.build(fit.measurement, plan.horizon)
     trained, tested = positions_of(fit.problem), positions_of(judged)
     edges = np.linspace(0.0, max(trained[-1, 1], tested[-1, 1]), plan.folds + 1)

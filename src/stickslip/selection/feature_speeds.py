@@ -25,6 +25,18 @@ def other_speeds(
     """Return what the best law and its rivals predict at other speeds, the most telling first.
 
     A speed at which any of them does not settle within some cycles is left out.
+
+    Parameters
+    ----------
+    best : FeatureCandidate
+        The best law, with its fit.
+    rivals : sequence of FeatureCandidate
+        Other laws that were fitted and not dropped.
+
+    Returns
+    -------
+    tuple of OtherSpeed
+        Speeds [m/s] with the features that each law predicts.
     """
     if best.fit is None or not rivals:
         return ()

@@ -67,7 +67,34 @@ def select_features(
     progress: RecordWatch | None = None,
     executor: Executor | None = None,
 ) -> FeatureVerdict:
-    """Select a law for the force of a spring that pulls a block; arguments as in `select`."""
+    """Select a law for the force of a spring that pulls a block; arguments as in `select`.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        A `TowedBlock` with nominal mass, stiffness and speed.
+    laws : mapping of str to FrictionLaw or sequence of FrictionLaw or type or str or None
+        The candidates; those with a step above sliding if None.
+    measurement : Measurement
+        One record with time and spring_force [N].
+    vary : str or sequence of str, optional
+        Parameters of the mechanism to fit too, by path or last name.
+    fixed : mapping of str to float, optional
+        Values of parameters of the mechanism that are held [SI].
+    validate : Measurement, optional
+        A second record, which no fit sees.
+    settings : RecordSettings, optional
+        Gives the seed of the global search.
+    progress : callable, optional
+        Called with the name of a law and its least residual so far; False ends its search.
+    executor : Executor, optional
+        Processes that fit laws at the same time; one after the other if not given.
+
+    Returns
+    -------
+    FeatureVerdict
+        Candidates, the law to use and sentences.
+    """
     refuse_uncertainties(measurement)
     parameters = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
     mechanism = parameters.mechanism

@@ -57,6 +57,27 @@ def compare_fixed_steps(
     A run with a step that is too large for the law ends where it grows beyond all numbers;
     `largest_step` tells what bristles allow.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+    t_end : float
+        Time at which runs end [s].
+    y0 : mapping of str to float, optional
+        Initial states by name [SI]; those of the mechanism if not given.
+    steps : sequence of float
+        Fixed steps [s].
+    method : str
+        Integration method of the fixed-step runs.
+
+    Returns
+    -------
+    tuple of FixedStepRow
+        The event-driven run, then two runs for each step, with and without a rule that holds the
+        body.
+
     Examples
     --------
     >>> from stickslip import Coulomb, SpringBlock

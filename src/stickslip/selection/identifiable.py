@@ -20,6 +20,18 @@ def limit_of(fit: RecordFit | TravelFit, estimate: Estimate) -> str:
     """Return what limits the interval of an estimate, as a sentence; empty if nothing was stated.
 
     It is the record or the readings, or the uncertainty of the mechanism.
+
+    Parameters
+    ----------
+    fit : RecordFit or TravelFit
+        The fit, with its record or readings.
+    estimate : Estimate
+        One of its estimates, with the sources of its interval.
+
+    Returns
+    -------
+    str
+        The sentence.
     """
     if not estimate.sources:
         return ""

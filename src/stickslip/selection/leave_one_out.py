@@ -38,6 +38,11 @@ def held_out_errors(
         Time after which a body counts as stopped [s].
     watch : callable, optional
         Called with the number of runs of the fit at hand.
+
+    Returns
+    -------
+    tuple of float
+        Errors [m], in the order of the trials.
     """
     free = [estimate.path for estimate in fit.estimates]
     start = [estimate.value for estimate in fit.estimates]

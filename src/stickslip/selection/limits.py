@@ -25,6 +25,11 @@ def limit_text(
     readings : str
         What was measured: ``"the reading"``, ``"the readings"`` or ``"the record"``.
 
+    Returns
+    -------
+    str
+        The sentence, with a space before it.
+
     Examples
     --------
     >>> from stickslip import Coulomb, Measurement, SpringBlock, fit

@@ -88,6 +88,22 @@ def fitted_side_by_side(
 
     `watch` is called here: with the least residual of each candidate when its search ends, and in
     between to ask whether to go on. When it answers False, searches end with the best so far.
+
+    Parameters
+    ----------
+    fitted : callable
+        Fits one candidate, given fits of contained laws and the least mean square of the others.
+    chosen : sequence of CandidateSpec
+        The candidates to fit.
+    watch : callable or None
+        Called with name and least residual; False ends the searches. None if nobody watches.
+    executor : Executor or None
+        Processes that fit; None to fit one after the other.
+
+    Returns
+    -------
+    list of Tried
+        The fitted candidates, in the order of `chosen`.
     """
     found: dict[str, C] = {}
     waiting = list(chosen)

@@ -339,6 +339,20 @@ class _Contrast:
 def setting_of(mechanism: Mechanism, measurement: Measurement | None, t_end: float) -> str:
     """Return the path of what `plan` sets to get other travels.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The rig as it stands.
+    measurement : Measurement or None
+        Travels that were measured before, if any.
+    t_end : float
+        Time after which a body counts as stopped [s].
+
+    Returns
+    -------
+    str
+        Full path of a parameter of the mechanism.
+
     Raises
     ------
     InputError

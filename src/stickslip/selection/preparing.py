@@ -37,6 +37,11 @@ def how_to(mechanism: Mechanism, path: str, needed: float, largest: float) -> st
         Standard uncertainty that it needs, SI.
     largest : float
         Largest setting of the plan, SI: how far a spring is compressed.
+
+    Returns
+    -------
+    str
+        One or two sentences, with the uncertainty that readings need.
     """
     known: Mapping[str, tuple[Quantity, float]] = {
         name: (q, value) for name, q, value in parameters(mechanism, "mechanism")
@@ -81,6 +86,11 @@ def otherwise(mechanism: Mechanism, law: FrictionLaw, share: float) -> Mapping[s
         The law with its plausible values.
     share : float
         Standard uncertainty of the kinetic level over itself.
+
+    Returns
+    -------
+    mapping of str to str
+        Instructions by title; empty if the rig does not allow any.
     """
     known = {path: value for path, _, value in parameters(mechanism, "mechanism")}
     level = float(law.break_away(1.0))

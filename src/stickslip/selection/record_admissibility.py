@@ -31,6 +31,18 @@ def objection(fit: RecordFit, *, shown: bool = False) -> str:
     Only the law's parameters are judged: an offset may well be 0. An interval that reaches 0 counts
     only where the law is not established over simpler ones (`shown`): that of one of several
     correlated parameters is wide though all of them are needed together.
+
+    Parameters
+    ----------
+    fit : RecordFit
+        Fit of the law in question.
+    shown : bool
+        Whether the law is established over simpler ones.
+
+    Returns
+    -------
+    str
+        All reasons, separated by semicolons.
     """
     reasons = [fit.search_failure.rstrip(".")] if fit.search_failure else []
     seen = fit.found.best
@@ -76,6 +88,18 @@ def _ran(fit: RecordFit, estimate: Estimate) -> str:
 def standard_uncertainty(measurement: Measurement, quantity: str) -> float:
     """Return the largest stated standard uncertainty of a quantity, 0 if none is stated.
 
+    Parameters
+    ----------
+    measurement : Measurement
+        Records, perhaps with stated uncertainties.
+    quantity : str
+        Name of the quantity, such as ``"position"``.
+
+    Returns
+    -------
+    float
+        Standard uncertainty, in the unit of the quantity.
+
     Examples
     --------
     >>> read = Measurement(velocity=[0.1, 0.2], friction=[2.0, 2.1], uncertainty={"friction": 0.1})
@@ -101,6 +125,11 @@ def unexplained(candidate: RecordCandidate, variation: float, *, uncertainty: fl
         Of what is predicted, from `variation_of`.
     uncertainty : float
         Stated standard uncertainty of what is predicted, 0 if none is.
+
+    Returns
+    -------
+    str
+        The contradiction as a clause.
     """
     share = candidate.score / variation if variation > 0.0 else 0.0
     assert candidate.fit is not None
@@ -126,6 +155,11 @@ def variation_of(candidate: RecordCandidate, horizon: float) -> float:
         Any law that was fitted to the record.
     horizon : float
         Length of the predicted segments [s].
+
+    Returns
+    -------
+    float
+        Root mean square, in the unit of what is predicted.
     """
     fit = candidate.fit
     assert fit is not None

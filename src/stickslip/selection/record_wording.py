@@ -41,6 +41,20 @@ NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
 def error_text(value: float, quantity: str, *, turning: bool = False) -> str:
     """Return a score of one law alone with its unit; angles if what was measured turns.
 
+    Parameters
+    ----------
+    value : float
+        Held-out error [SI].
+    quantity : str
+        Name of the quantity that is predicted, such as ``"position"``.
+    turning : bool
+        Whether it is of rotation: rad for m, N m for N.
+
+    Returns
+    -------
+    str
+        Number and unit.
+
     Examples
     --------
     >>> error_text(0.00024, "position"), error_text(1.234, "friction")
@@ -58,6 +72,20 @@ def _scale(candidates: Sequence[RecordCandidate], fit: RecordFit) -> Scale:
 def distinct(scale: Scale, among: Sequence[float], value: float) -> str:
     """Return a score; one of several with the digits that tell it from them, seven at most.
 
+    Parameters
+    ----------
+    scale : Scale
+        Unit of all scores of the verdict.
+    among : sequence of float
+        Scores that must be told apart [SI].
+    value : float
+        The score to write [SI].
+
+    Returns
+    -------
+    str
+        Number and unit.
+
     Examples
     --------
     >>> [distinct(Scale(1e3, "mm"), (1.234e-3, 1.2341e-3), one) for one in (1.234e-3, 1.2341e-3)]
@@ -74,7 +102,22 @@ def distinct(scale: Scale, among: Sequence[float], value: float) -> str:
 def outcomes(
     candidates: Sequence[RecordCandidate], best: RecordCandidate, *, recommended: bool = True
 ) -> list[RecordCandidate]:
-    """Add to each candidate what became of it."""
+    """Add to each candidate what became of it.
+
+    Parameters
+    ----------
+    candidates : sequence of RecordCandidate
+        All laws that were tried.
+    best : RecordCandidate
+        The law that the rule of choice takes.
+    recommended : bool
+        Whether it is recommended.
+
+    Returns
+    -------
+    list of RecordCandidate
+        Copies with an outcome in words, in the same order.
+    """
     return [replace(c, outcome=_outcome(c, best, recommended=recommended)) for c in candidates]
 
 
@@ -142,6 +185,11 @@ def record_wording(
         What a second record says of the choice.
     trials : TrialComparison, optional
         Whether several trials share the best law.
+
+    Returns
+    -------
+    Wording
+        Verdict, reasons, what is open and what to measure next.
     """
     assert best.fit is not None
     rivals = [

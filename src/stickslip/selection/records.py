@@ -111,7 +111,41 @@ def select_records(
     progress: RecordWatch | None = None,
     executor: Executor | None = None,
 ) -> RecordVerdict:
-    """Select a law for records in time or measured friction; arguments as in `select`."""
+    """Select a law for records in time or measured friction; arguments as in `select`.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured; trials may override its parameters.
+    laws : mapping of str to FrictionLaw or sequence of FrictionLaw or type or str or None
+        The candidates; the usual ones if None.
+    measurement : Measurement
+        Records in time, or measured friction.
+    vary : str or sequence of str, optional
+        Parameters of the mechanism to fit too, by path or last name.
+    fixed : mapping of str to float, optional
+        Values of parameters of the mechanism that are held [SI].
+    purpose : {"simulate", "position", "compensate"}
+        What the law is for, which sets what is scored.
+    horizon : float, optional
+        Length of the stretches that are predicted [s]; that of the purpose if not given.
+    route : str or RouteChoice, optional
+        How records are fitted, or what `choose_route` returned.
+    validate : Measurement, optional
+        A second record, which no fit sees.
+    settings : RecordSettings, optional
+        Segments, starts and seed.
+    progress : callable, optional
+        Called with the name of a law and its least residual so far; False ends the search with the
+        best so far.
+    executor : Executor, optional
+        Processes that fit laws at the same time; one after the other if not given.
+
+    Returns
+    -------
+    RecordVerdict
+        Candidates, the law to use and sentences.
+    """
     aim = _aim(purpose, horizon)
     parameters = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
     mechanism = parameters.mechanism
@@ -177,6 +211,18 @@ def _tried(
 def way_for(purpose: str | None, measurement: Measurement) -> Route | None:
     """Return how records are fitted for a purpose: one that compensates needs the force itself.
 
+    Parameters
+    ----------
+    purpose : str or None
+        What the law is for; None if nothing was said.
+    measurement : Measurement
+        The records.
+
+    Returns
+    -------
+    {"inverse-dynamics"} or None
+        Name of the route; None if the purpose asks for none.
+
     Examples
     --------
     >>> way_for("compensate", Measurement(time=[0.0, 1.0], position=[0.0, 1.0], force=[1.0, 1.0]))
@@ -236,7 +282,29 @@ def checked(
     validate: Measurement | None = None,
     which: str = "This record",
 ) -> Checks:
-    """Return what the record can tell; refuse one that cannot decide."""
+    """Return what the record can tell; refuse one that cannot decide.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        The record.
+    validate : Measurement, optional
+        A second record, which must have the same quantities and other samples.
+    which : str
+        Subject of the error's first sentence.
+
+    Returns
+    -------
+    Checks
+        Findings on the record, none of which is an error.
+
+    Raises
+    ------
+    InputError
+        If the record, or the second one, cannot decide.
+    """
     if validate is not None:
         refuse_lack(measurement, validate, which="the second record")
         refuse_unused(validate, inside(mechanism, validate))

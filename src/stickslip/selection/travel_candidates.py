@@ -55,6 +55,11 @@ def try_law(
         Paths of the parameters to fit, if not those that trials pay for.
     watch : callable, optional
         Called with the name and the number of runs so far.
+
+    Returns
+    -------
+    TravelCandidate
+        The candidate with its fit, or with the reason why it was dropped.
     """
     report = None if watch is None else (lambda runs: watch(name, runs))
     _, given = _seen(trials[0], law, t_end)
@@ -138,7 +143,24 @@ def _absent(law: FrictionLaw, path: str) -> float:
 def with_held_out(
     candidate: TravelCandidate, trials: Sequence[Trial], *, t_end: float, watch: Watch | None = None
 ) -> TravelCandidate:
-    """Return a candidate with its held-out errors; the same where trials repeat one setting."""
+    """Return a candidate with its held-out errors; the same where trials repeat one setting.
+
+    Parameters
+    ----------
+    candidate : TravelCandidate
+        The law with its fit, if it has one.
+    trials : sequence of Trial
+        The readings.
+    t_end : float
+        Time after which a body counts as stopped [s].
+    watch : callable, optional
+        Called with the name of the law and its number of runs so far.
+
+    Returns
+    -------
+    TravelCandidate
+        A copy with errors [m] and their root mean square, or with the reason why a fit failed.
+    """
     if candidate.fit is None or len({trial.setting for trial in trials}) < 2:
         return candidate
     report = None if watch is None else (lambda runs: watch(candidate.name, runs))

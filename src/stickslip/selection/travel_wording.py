@@ -54,7 +54,28 @@ def wording(
     *,
     ranked: bool,
 ) -> Wording:
-    """Put a selection into words."""
+    """Put a selection into words.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        The readings.
+    candidates : sequence of TravelCandidate
+        All laws that were tried.
+    best : TravelCandidate or None
+        The law that is named or closest; None if no law fits.
+    proposal : Proposal or None
+        Settings that would tell laws apart; None if there are none.
+    against : Contradiction or None
+        Why no law explains the readings; None if one does.
+    ranked : bool
+        Whether held-out errors rank the laws.
+
+    Returns
+    -------
+    Wording
+        Verdict, reasons, what is open and what to measure next.
+    """
     explained = [c for c in candidates if not c.dropped]
     unsettled = _unsettled(explained, best) if ranked else {}
     if against is not None:

@@ -31,6 +31,18 @@ def score_scale(scores: Iterable[float | None], unit: str) -> Scale:
 
     The median chooses: neither a law that fails nor one that is exact hides the others.
 
+    Parameters
+    ----------
+    scores : iterable of float or None
+        Held-out errors [SI]; None for laws without one.
+    unit : str
+        Their SI unit.
+
+    Returns
+    -------
+    Scale
+        Factor and unit, such as 1000 and mm.
+
     Examples
     --------
     >>> score_scale([1e-15, 0.0002, 0.0003, math.inf], "m")
@@ -42,6 +54,20 @@ def score_scale(scores: Iterable[float | None], unit: str) -> Scale:
 
 def score_text(scale: Scale, score: float | None, error: float | None = None) -> EstimateText:
     """Return a score and its standard error, without the unit; nothing for what is not known.
+
+    Parameters
+    ----------
+    scale : Scale
+        Unit of all scores of the verdict.
+    score : float or None
+        Held-out error [SI]; None if there is none.
+    error : float, optional
+        Its standard error [SI].
+
+    Returns
+    -------
+    EstimateText
+        Value and uncertainty.
 
     Examples
     --------

@@ -55,6 +55,11 @@ def reachable(
     fitted : sequence of FittedLaw
         Fits of simpler laws, or of the same law with fewer unknowns.
 
+    Returns
+    -------
+    tuple of FittedLaw
+        Those fits whose law and free parameters the richer law contains.
+
     Examples
     --------
     >>> from stickslip import CoulombViscous, Stribeck
@@ -102,6 +107,11 @@ def starts_from(
     load : float
         Normal force [N].
 
+    Returns
+    -------
+    tuple of array (p,)
+        Start values [SI], one array for each way in which the richer law becomes a fitted one.
+
     Examples
     --------
     >>> from stickslip import CoulombViscous, QuadraticDrag
@@ -132,6 +142,18 @@ def not_whole(item: FreeParameter, value: float) -> float:
     """Return a value; next to it if it is a whole exponent, which has no slope.
 
     Whole exponents shape the equations.
+
+    Parameters
+    ----------
+    item : FreeParameter
+        The free parameter, whose quantity says whether whole values shape equations.
+    value : float
+        Its start value [SI].
+
+    Returns
+    -------
+    float
+        The value, or one next to it by the factor 1 + `NOT_WHOLE`.
     """
     whole = item.quantity.structural and value.is_integer()
     return value * (1.0 + NOT_WHOLE) if whole else value
@@ -178,6 +200,22 @@ def search_failure(
     """Return a sentence if a contained law fits more closely than the richer one; empty if none.
 
     A law that is another one in a limit only, such as that of infinite stiffness, may leave more.
+
+    Parameters
+    ----------
+    kind : type
+        The richer law.
+    cost : float
+        Its sum of squares at the end of the search.
+    rows : int
+        Its number of residuals; fits to other numbers of rows are not compared.
+    fitted : sequence of FittedLaw
+        Fits of laws that it may contain.
+
+    Returns
+    -------
+    str
+        The sentence, with the difference of the root mean squares.
 
     Examples
     --------

@@ -37,6 +37,7 @@ class Directions:
     cut: Array
     """Directions of scaled coordinates that are not seen (p, k), columns of norm 1."""
     condition: float
+    """Largest over smallest singular value of the scaled slopes, those that are 0 left out."""
 
     @classmethod
     def of(cls, table: Array) -> "Directions":
@@ -75,7 +76,20 @@ class Directions:
 
 
 def takes_part(rows: Array, directions: Array) -> NDArray[np.bool_]:
-    """Return which linear functions (m, p) change along any of the directions (p, k) of norm 1."""
+    """Return which linear functions (m, p) change along any of the directions (p, k) of norm 1.
+
+    Parameters
+    ----------
+    rows : array (m, p)
+        Coefficients of the linear functions.
+    directions : array (p, k)
+        Directions, columns of norm 1.
+
+    Returns
+    -------
+    array of bool (m,)
+        Whether each function changes.
+    """
     if not directions.shape[1]:
         return np.zeros(len(rows), dtype=bool)
     change = np.linalg.norm(rows @ directions, axis=1)

@@ -69,6 +69,11 @@ class Displaced:
         scale : array (p, p)
             Derivatives of the values by what the optimiser sees; rows that are free of bounds.
 
+        Returns
+        -------
+        array (p,)
+            Change of the estimates [SI].
+
         Examples
         --------
         >>> line = ResidualJacobian(
@@ -165,7 +170,22 @@ class Inference:
 def block_sums(
     seen: ResidualJacobian, table: Array, *, blocks: int = BLOCKS
 ) -> tuple[Array, Array]:
-    """Return the Gauss-Newton matrices (b, p, p) and gradients (b, p) of contiguous blocks."""
+    """Return the Gauss-Newton matrices (b, p, p) and gradients (b, p) of contiguous blocks.
+
+    Parameters
+    ----------
+    seen : ResidualJacobian
+        Residuals (n,) of the record.
+    table : array (n, p)
+        Derivatives of the prediction by what the optimiser sees.
+    blocks : int
+        Number b of contiguous blocks.
+
+    Returns
+    -------
+    (array (b, p, p), array (b, p))
+        Gauss-Newton matrices and gradients.
+    """
     squares, slopes = [], []
     for rows in np.array_split(np.arange(len(seen.residual)), blocks):
         part = table[rows]
@@ -235,6 +255,10 @@ def infer(
     sum with others, and of what one block alone shows: without that block nothing is known of it,
     and how far the estimate would go cannot be said.
 
+    Source: J. G. MacKinnon, M. O. Nielsen, M. D. Webb, "Fast and reliable jackknife and bootstrap
+    methods for cluster-robust inference", 2023 (CV3); G. W. Imbens, M. Kolesar, "Robust standard
+    errors in small samples: some practical advice", 2016 (HC2).
+
     Parameters
     ----------
     seen : ResidualJacobian
@@ -246,9 +270,10 @@ def infer(
     displaced : sequence of Displaced
         What the uncertainties of the mechanism make of the residuals.
 
-    Source: J. G. MacKinnon, M. O. Nielsen, M. D. Webb, "Fast and reliable jackknife and bootstrap
-    methods for cluster-robust inference", 2023 (CV3); G. W. Imbens, M. Kolesar, "Robust standard
-    errors in small samples: some practical advice", 2016 (HC2).
+    Returns
+    -------
+    Inference
+        Covariance (p, p), degrees of freedom (p,) and condition number of the estimates.
 
     Examples
     --------
@@ -379,6 +404,18 @@ def freedom_of(squares: Array, direction: Array) -> float:
     Source: R. M. Bell, D. F. McCaffrey, "Bias reduction in standard errors for linear regression
     with multi-stage samples", 2002; J. E. Pustejovsky, E. Tipton, 2018.
 
+    Parameters
+    ----------
+    squares : array (b, p, p)
+        Gauss-Newton matrices of the blocks.
+    direction : array (p,)
+        Coefficients of the linear function of the values whose variance is meant.
+
+    Returns
+    -------
+    float
+        Degrees of freedom, at least 1.
+
     Examples
     --------
     >>> alike = np.ones((8, 1, 1))
@@ -444,6 +481,27 @@ def bootstrap(
     of a chi square of as many degrees as each parameter has; blocks drawn with replacement vary too
     little where there are so few, and covered 83 % for 95 %. What held parameters of the mechanism
     make of the estimates, as in `Inference.held`, is added.
+
+    Parameters
+    ----------
+    seen : ResidualJacobian
+        Residuals (n,) and Jacobian (n, p) at the estimates, rows in the order of time.
+    scale : array (p, p)
+        Derivatives of the values by what the optimiser sees; rows that are free of bounds.
+    draws : int
+        Number of draws.
+    blocks : int
+        Number of blocks of equal length, of records in time.
+    seed : int
+        Seed of the random weights.
+    held : mapping of str to array, optional
+        Change of the estimates by uncertain parameters of the mechanism, by path, as in
+        `Inference.held`.
+
+    Returns
+    -------
+    array (draws, p)
+        Changes in the coordinates of the optimiser.
 
     Examples
     --------

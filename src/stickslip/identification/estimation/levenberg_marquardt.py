@@ -49,6 +49,7 @@ class OptimizeResult:
     """The least cost found, and what each start came to."""
 
     best: ResidualJacobian
+    """Residuals and Jacobian at the least cost."""
     costs: tuple[float, ...]
     """Cost each start ended with, the first start first; scaled to all segments, if starts were
     compared on some."""
@@ -57,6 +58,7 @@ class OptimizeResult:
     evaluations: int
     """How often the record was predicted."""
     cancelled: bool = False
+    """Whether the watcher ended the search."""
     hopeless: bool = False
     """Whether only the best of several starts was continued, for a rival far below."""
 
@@ -75,8 +77,11 @@ class Counter:
     """Counts predictions and tells a watcher of the least root mean square, which may end them."""
 
     watch: Watch | None
+    """Called with the least root mean square so far, if given; False ends the search."""
     least: float = math.inf
+    """Least root mean square so far."""
     count: int = 0
+    """Predictions so far."""
 
     def __call__(self, seen: ResidualJacobian) -> None:
         """Note a prediction."""
@@ -116,6 +121,11 @@ def search(
         on.
     watch : callable, optional
         Called with the least root mean square so far; False ends the search with the best so far.
+
+    Returns
+    -------
+    OptimizeResult
+        The best end of all starts, and the cost and values that each start ended with.
 
     Raises
     ------
@@ -293,6 +303,28 @@ def improve(
     with a `goal`, and where a step promises to lower it by less than the share `flat`; a share that
     is not the usual one never stops the first step.
 
+    Parameters
+    ----------
+    problem : LeastSquaresProblem
+        The residuals; its free parameters give the bounds.
+    values : array (p,)
+        Start values [SI].
+    near : ResidualJacobian, optional
+        Residuals and Jacobian at these values, where an earlier descent ended.
+    counter : callable, optional
+        Called with each linearisation; may end the descent.
+    rounds : int
+        Largest number of iterations.
+    goal : float
+        Sum of squares that another start came to; 0 for none.
+    flat : float
+        Share of the cost below which a promised gain ends the descent.
+
+    Returns
+    -------
+    (ResidualJacobian, bool)
+        Residuals and Jacobian at the end, and whether the watcher ended the descent.
+
     Raises
     ------
     ConvergenceError
@@ -347,7 +379,28 @@ def _eased(gained: float, promised: float) -> float:
 def step_of(
     table: Array, residual: Array, at: Array, low: Array, high: Array, damping: float
 ) -> tuple[Array, float]:
-    """Return a damped step (p,) that leaves no bound, and what it promises to take off the cost."""
+    """Return a damped step (p,) that leaves no bound, and what it promises to take off the cost.
+
+    Parameters
+    ----------
+    table : array (n, p)
+        Derivatives of the prediction by coordinates.
+    residual : array (n,)
+        Measured less predicted.
+    at : array (p,)
+        Coordinates from which the step goes.
+    low : array (p,)
+        Lower bounds of the coordinates.
+    high : array (p,)
+        Upper bounds of the coordinates.
+    damping : float
+        Levenberg-Marquardt damping, over the diagonal of the Gauss-Newton matrix.
+
+    Returns
+    -------
+    (array (p,), float)
+        The step, and the decrease of the sum of squares in the linear model.
+    """
     slope = table.T @ residual
     free = ~(((at <= low) & (slope < 0.0)) | ((at >= high) & (slope > 0.0)))
     step = np.zeros_like(at)

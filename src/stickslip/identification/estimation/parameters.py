@@ -49,6 +49,11 @@ class FreeParameter:
         factor : float
             Above 1.
 
+        Returns
+        -------
+        FreeParameter
+            A copy with the bound moved, or the parameter itself.
+
         Examples
         --------
         >>> from stickslip.quantities import Quantity
@@ -109,6 +114,7 @@ class FreeParameters:
     """
 
     items: tuple[FreeParameter, ...]
+    """The free parameters, in the order of all arrays (p,)."""
     known: Mapping[str, float] | None = None
     """Values of parameters that are not looked for, as far as an unknown stands above one."""
 
@@ -131,7 +137,20 @@ class FreeParameters:
         return replace(self, items=tuple(items))
 
     def widened(self, sides: Mapping[str, str], factor: float) -> "FreeParameters":
-        """Return the unknowns with guessed bounds farther out where one was met, by path."""
+        """Return the unknowns with guessed bounds farther out where one was met, by path.
+
+        Parameters
+        ----------
+        sides : mapping of str to str
+            ``"lower"`` or ``"upper"`` by path: the bound that was met.
+        factor : float
+            Factor by which these bounds move, above 1.
+
+        Returns
+        -------
+        FreeParameters
+            All free parameters, in their order.
+        """
         items = (
             item.widened(sides[item.path], factor) if item.path in sides else item
             for item in self.items

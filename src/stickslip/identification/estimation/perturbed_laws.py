@@ -26,9 +26,11 @@ class PerturbedLaws:
     Examples
     --------
     >>> from stickslip import Coulomb
-    >>> from stickslip.identification.estimation.parameters import Unknown
+    >>> from stickslip.identification.estimation.parameters import FreeParameter
     >>> from stickslip.quantities import Quantity
-    >>> level = Unknown(path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), start=0.5)
+    >>> level = FreeParameter(
+    ...     path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), start=0.5
+    ... )
     >>> own = PerturbedLaws.of(
     ...     Coulomb(kinetic_coefficient=0.5), FreeParameters((level,)), np.array([0.4]), constant=""
     ... )
@@ -87,6 +89,12 @@ class PerturbedLaws:
         slopes : bool
             Whether moved copies are wanted.
 
+        Returns
+        -------
+        PerturbedLaws
+            The law at the values, followed by one copy for each of its free parameters that is
+            moved.
+
         Raises
         ------
         ParameterError
@@ -135,6 +143,18 @@ def _size(value: float, start: float, high: float) -> float:
 
 def with_arrays(law: FrictionLaw, table: Mapping[str, Array]) -> Any:
     """Return a law with arrays (copies,) for some of its parameters, by path.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        Gives type and all other parameters.
+    table : mapping of str to array
+        Values (copies,) [SI] by path.
+
+    Returns
+    -------
+    object
+        A stand-in for the law, which broadcasts over a last axis (copies,).
 
     Examples
     --------

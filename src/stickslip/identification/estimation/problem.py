@@ -39,7 +39,21 @@ class ResidualJacobian:
         segment: NDArray[np.intp],
         memory: Any = None,
     ) -> None:
-        """Take residuals; slopes may be what finds them, when they are asked for."""
+        """Take residuals; slopes may be what finds them, when they are asked for.
+
+        Parameters
+        ----------
+        values : array (p,)
+            Values of the free parameters [SI].
+        residual : array (n,)
+            Measured less predicted; infinite where the prediction failed.
+        slopes : array (n, p) or callable
+            Derivatives of the prediction by the values, or what returns them.
+        segment : array of int (n,)
+            Segment each row belongs to.
+        memory : object, optional
+            What the problem is handed again when it linearises near by.
+        """
         self.values = values
         """Values of the unknowns (p,)."""
         self.residual = residual
@@ -99,7 +113,20 @@ class LeastSquaresProblem(Protocol):
         """What is looked for."""
 
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
-        """Return residuals and slopes at values (p,), from an answer for near values if any."""
+        """Return residuals and slopes at values (p,), from an answer for near values if any.
+
+        Parameters
+        ----------
+        values : array (p,)
+            Values of the free parameters [SI].
+        near : ResidualJacobian, optional
+            An earlier answer for near values.
+
+        Returns
+        -------
+        ResidualJacobian
+            Residuals (n,) and Jacobian (n, p).
+        """
 
 
 class Problem(ABC):
@@ -146,6 +173,11 @@ class Problem(ABC):
             Segments that are wanted; all if not given.
         slopes : bool
             Whether slopes are needed; zeros may stand for them if not.
+
+        Returns
+        -------
+        ResidualJacobian
+            Residuals (n,) and Jacobian (n, p) of the wanted segments.
         """
 
 
@@ -191,21 +223,54 @@ class RecordProblem(Problem):
 
 @final
 class SubsetProblem:
-    """Some segments of a problem, for a search that begins near an earlier answer."""
+    """Some segments of a problem, for a search that begins near an earlier answer.
+
+    Parameters
+    ----------
+    whole : Problem
+        The problem with all segments.
+    chosen : sequence of int
+        Indices of the segments that are kept.
+    known : ResidualJacobian
+        Its residuals and Jacobian at some values, from which local states are carried on.
+    """
 
     def __init__(self, whole: Problem, chosen: Sequence[int], known: ResidualJacobian) -> None:
         self.whole, self.chosen, self.known = whole, chosen, known
         self.unknowns = whole.unknowns
 
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
-        """Return residuals and slopes at values (p,)."""
+        """Return residuals and slopes at values (p,).
+
+        Parameters
+        ----------
+        values : array (p,)
+            Values of the free parameters [SI].
+        near : ResidualJacobian, optional
+            An earlier answer for near values; the one given at first if None.
+
+        Returns
+        -------
+        ResidualJacobian
+            Residuals and Jacobian of the chosen segments.
+        """
         near = self.known if near is None else near
         return self.whole.linearise(values, near, only=self.chosen)
 
 
 @final
 class FixedParameterProblem:
-    """A problem with one unknown held at a value, for a search."""
+    """A problem with one unknown held at a value, for a search.
+
+    Parameters
+    ----------
+    whole : Problem
+        The problem with all p free parameters.
+    index : int
+        Position of the parameter that is held.
+    value : float
+        Its value [SI].
+    """
 
     def __init__(self, whole: Problem, index: int, value: float) -> None:
         self.whole, self.index, self.value = whole, index, value
@@ -214,7 +279,20 @@ class FixedParameterProblem:
         self.unknowns = FreeParameters(items[:index] + items[index + 1 :], known)
 
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
-        """Return residuals and slopes at the values (p - 1,) of the others."""
+        """Return residuals and slopes at the values (p - 1,) of the others.
+
+        Parameters
+        ----------
+        values : array (p - 1,)
+            Values of the other free parameters [SI].
+        near : ResidualJacobian, optional
+            An earlier answer of this problem for near values.
+
+        Returns
+        -------
+        ResidualJacobian
+            Residuals (n,) and Jacobian (n, p - 1).
+        """
         full = np.insert(values, self.index, self.value)
         before = near.memory if near is not None else None
         assert before is None or isinstance(before, ResidualJacobian)

@@ -21,8 +21,11 @@ class Range:
     """Start value and bounds of a parameter, in its unit; bounds of a surplus where it has one."""
 
     start: float
+    """Start value."""
     low: float
+    """Lower bound."""
     high: float
+    """Upper bound."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -29,6 +29,24 @@ def positive_root(
 ) -> float | None:
     """Return the root between `low` and `high` that is nearest to `start`, or None.
 
+    Parameters
+    ----------
+    function : callable
+        Function of a positive number, continuous near its root.
+    start : float
+        Where the search begins, above 0.
+    low : float
+        Lower end of the interval that is searched.
+    high : float
+        Upper end of the interval that is searched.
+    reach : float
+        Factor above and below `start` beyond which the search ends.
+
+    Returns
+    -------
+    float or None
+        The root; None if the sign changes nowhere within reach.
+
     Examples
     --------
     >>> round(positive_root(lambda x: x * x - 2.0, 1.0), 9)
@@ -49,6 +67,22 @@ def positive_roots(
 
     The search goes outwards from `start` by a factor, so it needs no scale. Points at which the
     function cannot be evaluated are passed over.
+
+    Parameters
+    ----------
+    function : callable
+        Function of a positive number; it may fail at some points.
+    start : float
+        Where the search begins, above 0.
+    low : float
+        Lower end of the interval that is searched.
+    high : float
+        Upper end of the interval that is searched.
+
+    Returns
+    -------
+    tuple of float
+        The roots by their distance from `start`; empty if there are none.
 
     Examples
     --------

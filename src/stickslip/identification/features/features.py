@@ -231,6 +231,18 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
 def by_features(measurement: Measurement, route: str | None = None) -> bool:
     """Whether a measurement is compared by its features: as asked, or if it is a spring's force.
 
+    Parameters
+    ----------
+    measurement : Measurement
+        The record.
+    route : str, optional
+        Name of the route that was asked for; None if none was.
+
+    Returns
+    -------
+    bool
+        True if features are compared.
+
     Examples
     --------
     >>> record = Measurement(time=[0.0, 1.0, 2.0], spring_force=[0.1, 0.2, 0.3])
@@ -278,7 +290,25 @@ def load_of(block: TowedBlock) -> float:
 
 
 def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
-    """Return the time between samples [s] and the force over the load, sampled evenly."""
+    """Return the time between samples [s] and the force over the load, sampled evenly.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        One record with time and spring_force [N].
+    block : TowedBlock
+        The towed block; its mass, stiffness and load are used.
+
+    Returns
+    -------
+    (float, array (n,))
+        Sampling interval [s], and the force over the normal force [1].
+
+    Raises
+    ------
+    InputError
+        If there are trials, time or force is missing, or there are too few samples.
+    """
     if measurement.trials or measurement.time is None or measurement.spring_force is None:
         raise InputError(
             "features of stick-slip need one record with time and spring_force [N]. A coefficient"

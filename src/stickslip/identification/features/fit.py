@@ -222,6 +222,33 @@ def compare_features(
     Laws whose errors differ by less than the features themselves differ between the parts are not
     told apart by this record, and their sentences say so.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        A `TowedBlock` with nominal mass, stiffness and speed.
+    laws : sequence of FrictionLaw or type
+        The laws to fit.
+    measurement : Measurement
+        One record with time and spring_force [N].
+    vary : str or sequence of str, optional
+        Parameters to fit, as for `fit_features`.
+    fixed : mapping of str to float, optional
+        Values of parameters that are held [SI], of laws and mechanism.
+    share : float
+        Share of the record that is fitted, above 0 and up to 1.
+    points : int
+        Points of the global search of each law.
+    seed : int
+        Seed of the search's scrambling.
+    progress : callable, optional
+        Called with the least root mean square error so far; False ends the search of a law with the
+        best so far.
+
+    Returns
+    -------
+    tuple of FeatureFit
+        One fit for each law; of equal ones, that with fewer free parameters first.
+
     Examples
     --------
     >>> from stickslip import Coulomb, simulate

@@ -44,9 +44,13 @@ class FeatureProblem(Problem):
     """Logarithms of frequency, mean and standard deviation of a simulated limit cycle."""
 
     block: TowedBlock
+    """The towed block, with its nominal parameters."""
     law: FrictionLaw
+    """Holds the parameters that are not fitted."""
     observed: StickSlipFeatures
+    """Features of the record, which the limit cycle is compared with."""
     unknowns_: FreeParameters
+    """The free parameters."""
 
     @property
     @override
@@ -69,7 +73,20 @@ class FeatureProblem(Problem):
         return np.zeros(len(COMPARED))
 
     def features(self, values: Array, progress: Progress | None = None) -> Array:
-        """Return the compared features (n, 3) of limit cycles with values (n, p)."""
+        """Return the compared features (n, 3) of limit cycles with values (n, p).
+
+        Parameters
+        ----------
+        values : array (n, p)
+            Values of the free parameters [SI], a row for each limit cycle.
+        progress : callable, optional
+            Called with the number of finished runs and that of all.
+
+        Returns
+        -------
+        array (n, 3)
+            Frequency [Hz], mean and standard deviation of F/N; NaN where a run fails.
+        """
         return cycle_features(
             self.block,
             self.law,
@@ -124,7 +141,26 @@ def unknowns_of(
     unknown: Sequence[str],
     free: Sequence[str],
 ) -> FreeParameters:
-    """Return what is looked for, with ranges about what the record shows."""
+    """Return what is looked for, with ranges about what the record shows.
+
+    Parameters
+    ----------
+    block : TowedBlock
+        The towed block, with nominal values.
+    law : FrictionLaw
+        Gives start values and the parameters that are held.
+    observed : StickSlipFeatures
+        Features of the record, which scale the ranges.
+    unknown : sequence of str
+        Parameters of the mechanism to fit, by path or last name.
+    free : sequence of str
+        Parameters of the law to fit, by path or last name.
+
+    Returns
+    -------
+    FreeParameters
+        The free parameters with start values and bounds, on logarithmic scales.
+    """
     declared = [*parameters(block, "mechanism"), *parameters(law, "friction")]
     known = {path: quantity for path, quantity, _ in declared}
     values = {path: value for path, _, value in declared}
@@ -200,6 +236,28 @@ def cycle_features(
 
     Runs start where the spring holds the mean level, and are watched after they have settled;
     rows are NaN where a run fails.
+
+    Parameters
+    ----------
+    block : TowedBlock
+        The towed block, with nominal values.
+    law : FrictionLaw
+        The friction law, with nominal values.
+    paths : sequence of str
+        Paths of the p parameters that vary from run to run.
+    values : array (n, p)
+        Their values [SI], a row for each run.
+    period : float
+        Observed period [s], which sets the sampling and the length of the runs.
+    level : float
+        Observed mean of F/N [1], at which the spring begins.
+    progress : callable, optional
+        Called with the number of finished runs and that of all.
+
+    Returns
+    -------
+    array (n, 3)
+        Frequency [Hz], mean and standard deviation of F/N.
     """
     load = load_of(block)
     times = period * (SETTLING + np.arange(WATCHED * SAMPLES + 1) / SAMPLES)

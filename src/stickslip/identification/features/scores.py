@@ -44,6 +44,18 @@ def paired(other: FeatureFit, best: FeatureFit) -> tuple[float, float]:
 
     Both are judged by the same features, so what is in doubt of these cancels as far as the laws
     err alike.
+
+    Parameters
+    ----------
+    other : FeatureFit
+        A fit to the same record.
+    best : FeatureFit
+        The fit with the least score.
+
+    Returns
+    -------
+    (float, float)
+        Difference of the scores and its standard error [1].
     """
     slope = _slope(other.held_out_errors) - _slope(best.held_out_errors)
     return other.score - best.score, _doubt(best, slope)
@@ -54,6 +66,18 @@ def as_good(other: FeatureFit, best: FeatureFit) -> bool:
 
     The difference must exceed one paired standard error, and half of what the features change by
     themselves: a law that misses the fitted part may come nearer to the other by chance.
+
+    Parameters
+    ----------
+    other : FeatureFit
+        A fit to the same record.
+    best : FeatureFit
+        The fit with the least score.
+
+    Returns
+    -------
+    bool
+        True if the difference is within its standard error or the scatter of the features.
     """
     if best.held_out is None:
         return other.rms <= best.rms + LEAST

@@ -126,6 +126,11 @@ def stretches_of(
         Samples of a record at most; of more, every second, third and so on is picked. The motion
         between them is kept.
 
+    Returns
+    -------
+    tuple of MotionSegment
+        One stretch for each part of a record without a gap.
+
     Raises
     ------
     InputError
@@ -204,6 +209,13 @@ def refuse_timeless(
 ) -> None:
     """Refuse a bristle law where nothing has a time: a table does not depend on its bristles.
 
+    Parameters
+    ----------
+    law : FrictionLaw or type
+        The law to fit.
+    stretches : sequence of MotionSegment
+        Stretches of the measurement.
+
     Raises
     ------
     InputError
@@ -224,7 +236,20 @@ def refuse_timeless(
 
 
 def weighs(mechanism: Mechanism, record: Measurement) -> bool:
-    """Whether the load of a record is the weight of a mechanism, and not measured or prescribed."""
+    """Whether the load of a record is the weight of a mechanism, and not measured or prescribed.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Mechanism that was measured.
+    record : Measurement
+        One record of it.
+
+    Returns
+    -------
+    bool
+        True if the normal force follows from the mechanism's weight.
+    """
     return "load" not in record.quantities() and any(
         contact.normal is not None for contact in mechanism.contacts()
     )
@@ -232,6 +257,20 @@ def weighs(mechanism: Mechanism, record: Measurement) -> bool:
 
 def load_along(mechanism: Mechanism, record: Measurement, count: int) -> Array:
     """Return the normal force at each sample (n,) [N]: measured, else the mechanism's.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Gives the normal force [N] where none was measured.
+    record : Measurement
+        One record.
+    count : int
+        Number n of samples.
+
+    Returns
+    -------
+    array (n,)
+        Normal force [N].
 
     Raises
     ------
@@ -351,6 +390,11 @@ def smoothed(columns: Array, passed: float) -> Array:
         Evenly sampled.
     passed : float
         What the filter passes, over half the sampling frequency.
+
+    Returns
+    -------
+    array
+        The filtered columns, of the same shape.
     """
     from scipy import signal
 

@@ -112,6 +112,11 @@ def balanced(
     wider : float
         Factor on what the common filter passes: more noise, and more of what is fast.
 
+    Returns
+    -------
+    tuple of MotionSegment
+        One stretch for each part of a record without a gap.
+
     Raises
     ------
     InputError
@@ -155,8 +160,11 @@ class BalanceProblemBuilder:
     """Builds the problem of a record that friction is derived from."""
 
     mechanism: Mechanism
+    """Its mass times the acceleration is taken off the force."""
     problem: ForceMap
+    """The problem that was fitted, whose law and free parameters others share."""
     hold: Hold
+    """Whether a force keeps its value until the next sample or goes straight to it."""
 
     def __call__(self, record: Measurement, length: float | None) -> ForceMap:
         """Return the problem of a record, in segments of a length [s]."""
@@ -164,7 +172,20 @@ class BalanceProblemBuilder:
         return replace(self.problem.along(own, record), mass=mass_of(self.mechanism))
 
     def fitted(self, record: Measurement, length: float | None = None) -> ForceMap:
-        """Return the problem that is fitted: rows that slip, since rests only judge a law."""
+        """Return the problem that is fitted: rows that slip, since rests only judge a law.
+
+        Parameters
+        ----------
+        record : Measurement
+            Records in time of motion and force.
+        length : float, optional
+            Length of segments [s]; a fortieth of each record if not given.
+
+        Returns
+        -------
+        ForceMap
+            The problem, with the mass that friction was derived with.
+        """
         own = balanced(self.mechanism, record, hold=self.hold, segment=length, slipping=True)
         return replace(self.problem.along(own, record), mass=mass_of(self.mechanism))
 
@@ -230,6 +251,18 @@ def mean_force(force: Array, *, joined: bool) -> Array:
     These weigh accelerations from one sample before to one after as a triangle: of a force that is
     held, that is half of the one before; of one whose samples are joined, nearly its own.
 
+    Parameters
+    ----------
+    force : array (n,)
+        Evenly sampled force [N].
+    joined : bool
+        Whether the force goes straight from sample to sample; else each is held until the next.
+
+    Returns
+    -------
+    array (n,)
+        Mean force [N].
+
     Examples
     --------
     >>> mean_force(np.array([0.0, 0.0, 6.0, 6.0]), joined=False)
@@ -247,7 +280,20 @@ def mean_force(force: Array, *, joined: bool) -> Array:
 
 
 def second_differences(x: Array, dt: float) -> Array:
-    """Return accelerations (n,) [m/s^2]; the outer ones are repeated."""
+    """Return accelerations (n,) [m/s^2]; the outer ones are repeated.
+
+    Parameters
+    ----------
+    x : array (n,)
+        Evenly sampled positions [m].
+    dt : float
+        Sampling interval [s].
+
+    Returns
+    -------
+    array (n,)
+        Accelerations [m/s^2].
+    """
     inner = (x[2:] - 2.0 * x[1:-1] + x[:-2]) / dt**2
     return np.concatenate([inner[:1], inner, inner[-1:]])
 

@@ -80,7 +80,9 @@ class ForceMap(RecordProblem):
     law: FrictionLaw
     """Holds the parameters that are not looked for."""
     unknowns_: FreeParameters
+    """The free parameters."""
     stretches: tuple[MotionSegment, ...]
+    """Measured motion and friction, between gaps."""
     constant: str = "mechanism.offset"
     """Path of the constant force beside friction."""
     offset: float = 0.0
@@ -134,6 +136,18 @@ class ForceMap(RecordProblem):
         """Return the same along other stretches, with the constant force that records set.
 
         Records that set different ones keep that of the mechanism.
+
+        Parameters
+        ----------
+        stretches : sequence of MotionSegment
+            Measured motion and friction.
+        measurement : Measurement
+            The records they come from, whose overrides may set the constant force [N].
+
+        Returns
+        -------
+        ForceMap
+            The problem along these stretches.
         """
         offsets = {one.overrides.get(self.constant, self.offset) for one in measurement.records()}
         offset = offsets.pop() if len(offsets) == 1 else self.offset

@@ -115,6 +115,30 @@ def map_along(
     Start values of a law that knows no history come from stretches of fewer samples. `mass` is
     that which friction was derived with, where it is looked for too.
 
+    Parameters
+    ----------
+    law : FrictionLaw or type
+        The law; start values of a type come from the stretches.
+    mechanism : Mechanism
+        Gives the offset [N], if it has one.
+    stretches : sequence of MotionSegment
+        Measured motion and friction along which the law is fitted.
+    few : sequence of MotionSegment
+        The same with fewer samples, from which start values come.
+    free : collection of str, optional
+        Parameters of the law to fit, by path or last name; its `fit_order` if not given.
+    held : collection of str
+        Parameters that are not fitted, by path or last name.
+    known : mapping of str to float, optional
+        Values of parameters of the law that are held [SI], by name.
+    mass : FreeParameter, optional
+        The mass as a free parameter.
+
+    Returns
+    -------
+    (ForceMap, tuple of array (p,))
+        The problem, and start values [SI].
+
     Raises
     ------
     InputError

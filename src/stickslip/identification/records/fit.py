@@ -51,7 +51,20 @@ class ProblemBuilder(Protocol):
         """Return the problem of a record, all of it, in segments of a length [s]."""
 
     def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
-        """Return the problem of a record as it is fitted: perhaps some of its rows only."""
+        """Return the problem of a record as it is fitted: perhaps some of its rows only.
+
+        Parameters
+        ----------
+        record : Measurement
+            The record.
+        length : float or None
+            Length of segments [s]; the usual one if None.
+
+        Returns
+        -------
+        RecordProblem
+            The problem.
+        """
 
     def with_unknowns(self, unknowns: FreeParameters) -> Self:
         """Return what builds the same with other bounds or start values of the unknowns."""
@@ -272,7 +285,20 @@ class RecordFit(Fit[Law_co]):
     def score(
         self, measurement: Measurement | None = None, *, horizon: float | None = None
     ) -> Score:
-        """Return the error of predictions, arguments as in `predict`."""
+        """Return the error of predictions, arguments as in `predict`.
+
+        Parameters
+        ----------
+        measurement : Measurement, optional
+            Records to predict; those that were fitted if not given.
+        horizon : float, optional
+            Length of the predicted segments [s]; that of the fit if not given.
+
+        Returns
+        -------
+        Score
+            Root mean square of all residuals and of each segment.
+        """
         problem, seen = self._seen(measurement, horizon)
         squares = [
             float(np.mean(seen.residual[seen.segment == k] ** 2)) for k in range(len(problem.spans))
@@ -305,6 +331,19 @@ class RecordFit(Fit[Law_co]):
 
         What the record does not tell is not a number in all draws, as its interval has no ends.
         Stated uncertainties of the mechanism move each draw as well.
+
+        Parameters
+        ----------
+        draws : int
+            Number of draws.
+        seed : int
+            Seed of the random weights.
+
+        Returns
+        -------
+        array (draws, p)
+            Estimates [SI], in the order of the free parameters; NaN where a standard error is
+            infinite.
         """
         unknowns = self.unknowns
         low, high = unknowns.limits()
@@ -325,6 +364,11 @@ class RecordFit(Fit[Law_co]):
             Path or last name of an unknown.
         values : sequence of float
             Where it is held.
+
+        Returns
+        -------
+        array (n,)
+            Sums of squares.
         """
         index = self.unknowns.paths.index(self.estimate(name).path)
         costs = []
@@ -408,6 +452,22 @@ def settled(
 
     Where a segment begins at rest, each round takes three quarters off the error of its first
     state only: after two, one such segment could outweigh all others in a held-out score.
+
+    Parameters
+    ----------
+    problem : Problem
+        The residuals of a record.
+    values : array (p,)
+        Values of the free parameters [SI].
+    only : sequence of int, optional
+        Segments that are wanted; all if not given.
+    rounds : int
+        Largest number of linearisations.
+
+    Returns
+    -------
+    ResidualJacobian
+        Residuals of the wanted segments; its Jacobian is not computed.
     """
     seen = problem.linearise(values, only=only, slopes=False)
     best = seen
@@ -436,6 +496,20 @@ def scale_of(unknowns: FreeParameters, values: Array, at_bounds: Mapping[str, st
 
     A level or a slope that a bound holds, such as 0, is as unsure as any: were it taken for known,
     what trades off with it would seem better known than it is.
+
+    Parameters
+    ----------
+    unknowns : FreeParameters
+        The free parameters.
+    values : array (p,)
+        Their estimates [SI].
+    at_bounds : mapping of str to str
+        The bound that a parameter ended at, by path.
+
+    Returns
+    -------
+    array (p, p)
+        Derivatives of values by the coordinates of the optimiser.
     """
     scale = unknowns.slopes(unknowns.coordinates(values))
     for i, item in enumerate(unknowns.items):

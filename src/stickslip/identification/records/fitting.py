@@ -72,6 +72,25 @@ ROUTES: tuple[Route, ...] = ("shooting", "force-map", "inverse-dynamics")
 def route_of(measurement: Measurement, route: str | None = None) -> Route:
     """Return how a measurement is fitted: as asked, or as its quantities suggest.
 
+    Parameters
+    ----------
+    measurement : Measurement
+        The records.
+    route : str, optional
+        Name of the route that was asked for; None if none was.
+
+    Returns
+    -------
+    {"shooting", "force-map", "inverse-dynamics"}
+        Name of the route.
+
+    Raises
+    ------
+    InputError
+        If the route is that of features, which has no residuals.
+    UnknownNameError
+        If no route has that name.
+
     Examples
     --------
     >>> route_of(Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6]))
@@ -104,10 +123,34 @@ def fit_records(
 ) -> RecordFit:
     """Fit a law to records in time or measured friction; arguments as in `stickslip.fit`.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured; trials may override its parameters.
+    law : FrictionLaw or type
+        An instance, whose values are the start, or a type.
+    measurement : Measurement
+        Records in time, or measured friction.
+    vary : str or sequence of str, optional
+        Parameters to fit; ``"friction.*"`` if not given.
+    fixed : mapping of str to float, optional
+        Values of parameters that are held [SI], of law and mechanism.
+    route : str or RouteChoice, optional
+        How records are fitted, or what `choose_route` returned.
+    settings : RecordSettings, optional
+        Segments, starts and seed.
+    progress : callable, optional
+        Called with the least root mean square so far; False ends the search with the best so far.
+
+    Returns
+    -------
+    RecordFit
+        The fitted law, estimates with intervals, predictions.
+
     Examples
     --------
     >>> from stickslip import Axis, Coulomb
-    >>> table = Measurement(velocity=[-0.1, 0.1, 0.2, 0.3], friction=[-2.0, 2.0, 2.0, 2.0])
+    >>> table = Measurement(velocity=[-0.1, 0.1] * 4, friction=[-2.0, 2.0] * 4)
     >>> fit_records(Axis(inertia=1.0), Coulomb, table).route
     'force-map'
     """

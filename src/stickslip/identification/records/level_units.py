@@ -15,6 +15,18 @@ __all__ = ["in_forces", "reads_as_forces", "turned_as"]
 def reads_as_forces(mechanism: Mechanism, measurement: Measurement) -> bool:
     """Whether levels read as forces [N]: the mechanism has no load, and none was measured.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        Records, perhaps with a load.
+
+    Returns
+    -------
+    bool
+        True if a coefficient stands for a force.
+
     Examples
     --------
     >>> from stickslip import Axis
@@ -40,6 +52,20 @@ def in_forces(
     A law's levels are pure numbers, times the normal force. Where that is 1 for want of another,
     the number is the force, and is said in N.
 
+    Parameters
+    ----------
+    unknowns : FreeParameters
+        The free parameters.
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        Records, perhaps with a load.
+
+    Returns
+    -------
+    FreeParameters
+        The same parameters, levels in N where no load is known.
+
     Examples
     --------
     >>> from stickslip import Axis
@@ -57,6 +83,18 @@ def in_forces(
 
 def turned_as(measurement: Measurement, unknowns: FreeParameters) -> FreeParameters:
     """Return the unknowns in the units of what was measured: about an axis, forces are torques.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        Records, which say whether the mechanism turns about an axis.
+    unknowns : FreeParameters
+        The free parameters, in units of translation.
+
+    Returns
+    -------
+    FreeParameters
+        The same parameters, with N m for N and rad for m if it turns.
 
     Examples
     --------

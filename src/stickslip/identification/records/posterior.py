@@ -63,6 +63,11 @@ class Posterior:
         level : float
             Probability that it holds.
 
+        Returns
+        -------
+        (float, float)
+            Lower and upper end [SI].
+
         Raises
         ------
         UnknownNameError

@@ -49,12 +49,19 @@ class ProblemRequest:
     """What is to be fitted to what, as `fit_record` is asked."""
 
     mechanism: Mechanism
+    """What was measured."""
     law: FrictionLaw | type[FrictionLaw]
+    """A law with start values, or the type of one."""
     measurement: Measurement
+    """Records in time, or measured friction."""
     unknown: Sequence[str]
+    """Parameters of the mechanism to fit, by path or last name."""
     free: Sequence[str] | None
+    """Parameters of the law to fit, by path or last name; its `fit_order` if None."""
     known: Mapping[str, float] | None
+    """Values of parameters of the law that are held [SI], by name."""
     settings: RecordSettings
+    """Segments, starts and seed."""
     held: Sequence[str] = ()
     """Parameters of the mechanism that are not to be fitted, such as an offset."""
 
@@ -67,9 +74,13 @@ class FitSetup(Generic[P_co]):
     """A problem and where its search begins."""
 
     mechanism: Mechanism
+    """Mechanism with the values that are held."""
     start: FrictionLaw
+    """Law with start values."""
     problem: P_co
+    """Residuals of the record."""
     build: ProblemBuilder
+    """Makes problems of other records."""
     tried: tuple[Array, ...] = ()
     """Further start values (p,), the best first."""
     load: float = 1.0
@@ -155,6 +166,18 @@ def _rows(settings: RecordSettings, length: float | None) -> int:
 
 def prepared(route: Route, wanted: ProblemRequest) -> FitSetup:
     """Return the problem of a route.
+
+    Parameters
+    ----------
+    route : {"shooting", "force-map", "inverse-dynamics"}
+        Name of the route.
+    wanted : ProblemRequest
+        Law, mechanism, record and free parameters.
+
+    Returns
+    -------
+    FitSetup
+        The problem with start values.
 
     Raises
     ------

@@ -97,6 +97,18 @@ def better_route(fits: Sequence[RecordFit], others: Sequence[RecordFit]) -> str:
     """Return why the route of other fits to the same record serves better; empty if it does not.
 
     It does where the best of its fits leaves a smaller share of what it explains.
+
+    Parameters
+    ----------
+    fits : sequence of RecordFit
+        Fits by simulated segments, one for each law.
+    others : sequence of RecordFit
+        Fits by inverse dynamics.
+
+    Returns
+    -------
+    str
+        A clause with both unexplained shares, or an empty text.
     """
     if not others:
         return ""
@@ -115,6 +127,18 @@ def to_compare(choice: RouteChoice, fits: Sequence[RecordFit]) -> bool:
     """Whether the alternative of a choice is to be tried, as even the best fit leaves much.
 
     Not after a search was ended early.
+
+    Parameters
+    ----------
+    choice : RouteChoice
+        The route that was chosen, perhaps with an alternative.
+    fits : sequence of RecordFit
+        Fits by that route, one for each law.
+
+    Returns
+    -------
+    bool
+        True if the alternative is to be fitted as well.
     """
     if choice.alternative is None or any(fit.found.cancelled for fit in fits):
         return False
@@ -148,6 +172,11 @@ def choose_route(
         given.
     settings : RecordSettings, optional
         Segments; a length other than the usual one is kept.
+
+    Returns
+    -------
+    RouteChoice
+        The route with its settings, and perhaps an alternative.
 
     Examples
     --------
@@ -281,6 +310,20 @@ def serves_inverse_dynamics(
     mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str] = ()
 ) -> bool:
     """Whether friction can be derived from motion and force: one coordinate, driven, positions.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        Records, which need time and position.
+    unknown : sequence of str
+        Parameters of the mechanism to fit, by path or last name; only a mass can be.
+
+    Returns
+    -------
+    bool
+        True if inverse dynamics applies.
 
     Examples
     --------

@@ -52,6 +52,11 @@ def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str
     quantity : {"position", "velocity"}
         What is compared.
 
+    Returns
+    -------
+    Scales
+        Level, load [N], speed [m/s] and stroke [m] to start from.
+
     Raises
     ------
     ConvergenceError

@@ -44,6 +44,7 @@ class Fitted:
     law: FrictionLaw
     """The same."""
     measurement: Measurement
+    """Records that were fitted."""
     unknowns: FreeParameters
     """What was fitted."""
     estimates: Sequence[Estimate]
@@ -77,7 +78,9 @@ class Balance:
     passed: float
     """Highest frequency that the filter passes [Hz]."""
     signals: Signals
+    """Motion and force from which columns of errors are made."""
     stretches: tuple[MotionSegment, ...]
+    """Measured motion and friction, between gaps."""
     picked: NDArray[np.intp]
     """Which samples are looked at."""
     rows: NDArray[np.intp]
@@ -109,6 +112,20 @@ class Balance:
 def whitened(columns: Array, rows: NDArray[np.intp], memory: Array) -> Array:
     """Return rows (m, ...) less what an autoregression (order,) says of them from rows before.
 
+    Parameters
+    ----------
+    columns : array (n, ...)
+        Signals, all samples.
+    rows : array of int (m,)
+        Samples that are kept; each has as many samples before it as the order.
+    memory : array (order,)
+        Coefficients of the autoregression, the nearest sample first.
+
+    Returns
+    -------
+    array (m, ...)
+        The whitened rows.
+
     Examples
     --------
     >>> whitened(np.array([1.0, 0.5, 0.25, 1.0]), np.array([1, 2, 3]), np.array([0.5]))
@@ -131,6 +148,11 @@ def balance_of(fit: Fitted, wider: float, order: int) -> Balance:
         Factor on what the filter of inverse dynamics passes.
     order : int
         Of the autoregression that makes residuals white; 0 leaves them as they are.
+
+    Returns
+    -------
+    Balance
+        Whitened residuals (m,) and Jacobian (m, p).
 
     Raises
     ------

@@ -31,6 +31,7 @@ class Signals:
     time: Array
     """From the start of each record [s]."""
     position: Array
+    """Measured position [m]."""
     velocity: Array
     """Slip velocity [m/s]."""
     level: Array
@@ -85,6 +86,7 @@ class Effect:
     """What an error adds to the balance of forces, but for its coefficients."""
 
     kind: str
+    """Name of the error, a key of the table of sentences."""
     columns: Callable[[Signals], tuple[Array, ...]]
     """Columns (n,) of it."""
     scale: float = 0.0
@@ -94,7 +96,22 @@ class Effect:
 
 
 def effects(s: Signals, passed: float, *, driven: bool) -> Iterator[Effect]:
-    """Yield the errors that are looked for, those with fewer coefficients first."""
+    """Yield the errors that are looked for, those with fewer coefficients first.
+
+    Parameters
+    ----------
+    s : Signals
+        Motion and force of the record.
+    passed : float
+        Highest frequency that the filter passes [Hz], which limits waves over the position.
+    driven : bool
+        Whether a force drives the record: its errors are looked for too.
+
+    Yields
+    ------
+    Effect
+        Each error with its columns (n,).
+    """
     if driven:
         yield delay_of(0.0)
         yield Effect("clock", lambda s: (s.time * s.rate,), filtered=True)

@@ -30,7 +30,20 @@ def basis_of(slopes: Array) -> Array:
 
 
 def beside(columns: Array, slopes: Array) -> Array:
-    """Return columns (m, ...) less what slopes (m, p) can take up."""
+    """Return columns (m, ...) less what slopes (m, p) can take up.
+
+    Parameters
+    ----------
+    columns : array (m, ...)
+        Columns to project.
+    slopes : array (m, p)
+        Columns of the Jacobian.
+
+    Returns
+    -------
+    array (m, ...)
+        The part of the columns that is orthogonal to the slopes.
+    """
     basis = basis_of(slopes)
     return np.asarray(columns - basis @ (basis.T @ columns))
 
@@ -40,6 +53,20 @@ def gains_of(basis: Array, directions: Array, residual: Array) -> tuple[Array, A
 
     And their coefficients without it (blocks, q). What `basis` (m, p) takes off is no gain; all
     columns are orthonormal.
+
+    Parameters
+    ----------
+    basis : array (m, p)
+        Orthonormal basis of the Jacobian.
+    directions : array (m, q)
+        Orthonormal columns, orthogonal to the basis.
+    residual : array (m,)
+        Whitened residuals, in the order of time.
+
+    Returns
+    -------
+    (array (blocks,), array (blocks, q))
+        Decrease of the sum of squares of each block, and the coefficients that predicted it.
     """
     table = np.column_stack([basis, directions])
     p = basis.shape[1]

@@ -58,6 +58,11 @@ def peaks_of(fit: Fitted, least: float) -> Iterator[ModelError]:
         Its law, mechanism and record, of which the longest stretch without a gap is looked at.
     least : float
         Root mean square [N] from which a peak matters.
+
+    Yields
+    ------
+    ModelError
+        The highest peak, if it is a vibration or a ripple.
     """
     stretches = balanced(
         fit.mechanism, fit.measurement, hold=fit.hold, samples=math.inf, slipping=True

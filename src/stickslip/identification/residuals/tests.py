@@ -78,6 +78,7 @@ class ScoreTest:
     """An effect with what it predicts and its coefficients."""
 
     effect: Effect
+    """The error that was tested for."""
     share: float
     """Squares that it takes off in blocks left out, over those of the residuals."""
     chance: float

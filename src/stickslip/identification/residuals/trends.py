@@ -38,6 +38,18 @@ def has_trend(residual: Array, by: Array) -> bool:
     Their means in cells of the quantity, from all blocks but one, must take squares off that one:
     in so many blocks that chance would do so in one record of 20.
 
+    Parameters
+    ----------
+    residual : array (n,)
+        Residuals in the order of time.
+    by : array (n,)
+        The quantity, such as time [s] or velocity [m/s].
+
+    Returns
+    -------
+    bool
+        True if the trend is significant.
+
     Examples
     --------
     >>> random = np.random.default_rng(1)
@@ -63,6 +75,18 @@ def ljung_box(residual: Array, lags: int = LAGS) -> float:
     """Return the probability of autocorrelations as large as these in white residuals (n,).
 
     Source: G. M. Ljung, G. E. P. Box, "On a measure of lack of fit in time series models", 1978.
+
+    Parameters
+    ----------
+    residual : array (n,)
+        Residuals in the order of time.
+    lags : int
+        Number of autocorrelations.
+
+    Returns
+    -------
+    float
+        Probability, from 0 to 1; 1 if there are no more rows than lags.
 
     Examples
     --------

@@ -113,6 +113,22 @@ def finding_of(
 ) -> str:
     """Return what an error is, with its size and interval.
 
+    Parameters
+    ----------
+    effect : Effect
+        The error.
+    value : float
+        Its coefficient [SI].
+    interval : (float, float)
+        Ends of its 95 % interval [SI].
+    measurement : Measurement
+        The record, which says whether units are those of rotation.
+
+    Returns
+    -------
+    str
+        A clause with size, unit and interval.
+
     Examples
     --------
     >>> record = Measurement(time=[0.0, 1e-3], position=[0.0, 1e-3], force=[1.0, 1.0])

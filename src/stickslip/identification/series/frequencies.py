@@ -63,6 +63,11 @@ def frequency_of(
     slips : array (k,), optional
         Samples at which the block slips; None where it does not stick.
 
+    Returns
+    -------
+    Frequency
+        The frequency [Hz] with its bootstrap draws.
+
     Raises
     ------
     InputError
@@ -153,6 +158,15 @@ def refuse_without_cycles(force: Array, step: float, top: float) -> None:
     """Refuse a slow force with too few slips to be stick-slip, unless it has smooth cycles.
 
     `top` is the frequency [Hz] of its spectrum.
+
+    Parameters
+    ----------
+    force : array (n,)
+        Evenly sampled force.
+    step : float
+        Sampling interval [s].
+    top : float
+        Frequency of the highest peak of its spectrum [Hz].
 
     Raises
     ------

@@ -23,6 +23,20 @@ def inertia_of(
 ) -> FreeParameter | None:
     """Return the mass of a mechanism where it is looked for, to start from by robust regression.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured, with its nominal mass.
+    measurement : Measurement
+        Records in time of position and force.
+    unknown : sequence of str
+        Parameters of the mechanism to fit, by path or last name; at most a mass.
+
+    Returns
+    -------
+    FreeParameter or None
+        The mass [kg] with start value and bounds; None if it is not fitted.
+
     Raises
     ------
     InputError

@@ -117,6 +117,9 @@ def inverse_dynamics(
     is delayed; velocity and acceleration are central differences. Nothing is filtered across a gap:
     what lies on either side is taken as two records, and left out if it has fewer than 30 samples.
 
+    Source: M. Gautier, "Dynamic identification of robots with power model", 1997; filtered as in
+    A. Janot et al., EMPS, 2019.
+
     Parameters
     ----------
     mechanism : Mechanism
@@ -148,9 +151,6 @@ def inverse_dynamics(
     ------
     InputError
         If there is no position in time or too little of it.
-
-    Source: M. Gautier, "Dynamic identification of robots with power model", 1997; filtered as in
-    A. Janot et al., EMPS, 2019.
     """
     offset = not directional if offset is None else offset
     names = [name for name in names_of(vary) if name != LAW]
@@ -312,6 +312,22 @@ def _both_ways(coefficients: tuple[Array, Array], column: Array) -> Array:
 
 def known_forces(mechanism: Mechanism, x: Array, v: Array, applied: Array) -> tuple[float, Array]:
     """Return the mass [kg], and the forces (n,) [N] on it but for friction and a constant.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        A mechanism of one coordinate.
+    x : array (n,)
+        Positions [m].
+    v : array (n,)
+        Velocities [m/s].
+    applied : array (n,)
+        Force of its drive [N].
+
+    Returns
+    -------
+    (float, array (n,))
+        Mass and sum of the forces.
 
     Raises
     ------

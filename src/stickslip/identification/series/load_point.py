@@ -54,6 +54,18 @@ class Path:
 def path_of(time: Array, pull: Array) -> Path:
     """Return the pieces of constant speed that a measured position consists of.
 
+    Parameters
+    ----------
+    time : array (n,)
+        Instants, increasing [s].
+    pull : array (n,)
+        Measured position of the load point [m].
+
+    Returns
+    -------
+    Path
+        Ends of the pieces [s] and the positions there [m].
+
     Examples
     --------
     >>> t = np.linspace(0.0, 20.0, 401)

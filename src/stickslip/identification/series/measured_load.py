@@ -24,6 +24,18 @@ VARIES = 0.05
 def loaded(mechanism: Mechanism, measurement: Measurement) -> Measurement:
     """Return a measurement with each measured load as an override of the mechanism's.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured, with a load that can be set.
+    measurement : Measurement
+        Records, perhaps with a load [N].
+
+    Returns
+    -------
+    Measurement
+        The measurement, its records without a load of their own.
+
     Raises
     ------
     InputError

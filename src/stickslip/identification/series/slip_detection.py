@@ -38,6 +38,18 @@ class Slips:
 def slips_of(force: Array, half_period: int) -> Slips:
     """Return the slips of a force sampled evenly, each lasting about half a natural period.
 
+    Parameters
+    ----------
+    force : array (n,)
+        Evenly sampled force.
+    half_period : int
+        Half of the natural period, in samples.
+
+    Returns
+    -------
+    Slips
+        Place, level and fall of each slip, and slopes between slips.
+
     Examples
     --------
     >>> saw = np.tile(np.linspace(0.0, 1.0, 100), 5)
@@ -71,7 +83,19 @@ def slips_of(force: Array, half_period: int) -> Slips:
 def cycles_of(force: Array, period: float) -> NDArray[np.intp]:
     """Return where the cycles of a force (n,) begin: where it has come from low to high.
 
-    What changes over two of the `period`s (in samples) or more does not count.
+    What changes over two periods or more does not count.
+
+    Parameters
+    ----------
+    force : array (n,)
+        Evenly sampled force.
+    period : float
+        Typical period, in samples.
+
+    Returns
+    -------
+    array of int (k,)
+        Samples at which cycles begin.
 
     Examples
     --------
@@ -89,7 +113,22 @@ def cycles_of(force: Array, period: float) -> NDArray[np.intp]:
 
 
 def spectra_of(force: Array, blocks: int, highest: float = 0.5) -> tuple[Array, Array]:
-    """Return frequencies by sample (m,) and the spectra of half overlapping blocks (k, m)."""
+    """Return frequencies by sample (m,) and the spectra of half overlapping blocks (k, m).
+
+    Parameters
+    ----------
+    force : array (n,)
+        Evenly sampled force.
+    blocks : int
+        Number k of blocks.
+    highest : float
+        Highest frequency that is returned, over the sampling frequency.
+
+    Returns
+    -------
+    (array (m,), array (k, m))
+        Frequencies over the sampling frequency, and power spectra.
+    """
     from scipy.fft import next_fast_len, rfft
 
     length = 2 * len(force) // (blocks + 1)
@@ -109,6 +148,18 @@ def spectra_of(force: Array, blocks: int, highest: float = 0.5) -> tuple[Array, 
 
 def peak_of(frequency: Array, spectrum: Array) -> float:
     """Return the frequency that carries most, counted by octaves: slow wandering does not.
+
+    Parameters
+    ----------
+    frequency : array (m,)
+        Frequencies, evenly spaced from 0.
+    spectrum : array (m,)
+        Power spectrum.
+
+    Returns
+    -------
+    float
+        Frequency of the peak, interpolated, in the unit of `frequency`.
 
     Examples
     --------

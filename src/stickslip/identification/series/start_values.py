@@ -76,7 +76,22 @@ class Scales:
 def scales_of(
     mechanism: Mechanism, measurement: Measurement, unknown: Sequence[str] = ()
 ) -> Scales:
-    """Return the sizes that robust linear regression of forces finds."""
+    """Return the sizes that robust linear regression of forces finds.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured, with its nominal mass.
+    measurement : Measurement
+        Records in time of position and force.
+    unknown : sequence of str
+        Parameters of the mechanism to fit; the mass is estimated if it is one of them.
+
+    Returns
+    -------
+    Scales
+        Level, slope, mass, speed and stroke to start from.
+    """
     free = ["inertia"] if any(path.endswith(("inertia", "mass")) for path in unknown) else []
 
     def solved(*, directional: bool) -> InverseDynamics:
@@ -165,6 +180,22 @@ def law_unknowns(
     known: Mapping[str, float] | None = None,
 ) -> tuple[FrictionLaw, tuple[FreeParameter, ...], tuple[Mapping[str, float], ...]]:
     """Return a law to start from, its unknowns, and further starts by path.
+
+    Parameters
+    ----------
+    law : FrictionLaw or type
+        An instance, whose values are the start, or a type.
+    scales : Scales
+        Sizes of friction in the record.
+    free : sequence of str, optional
+        Parameters to fit, by path or last name; the law's `fit_order` if not given.
+    known : mapping of str to float, optional
+        Values of parameters that are held [SI], by name.
+
+    Returns
+    -------
+    (FrictionLaw, tuple of FreeParameter, tuple of mapping)
+        The law, its free parameters with bounds, and further start values [SI] by path.
 
     Raises
     ------
@@ -298,6 +329,24 @@ def mechanism_unknowns(
     A constant force is left out where it is held, and where the record has one number for it and a
     level: with laws that have a level of their own in each direction, and where slip is in one
     direction only.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured, with nominal values.
+    law : FrictionLaw
+        The law that is fitted.
+    unknown : sequence of str
+        Parameters to fit, by path or last name.
+    scales : Scales
+        Sizes of friction in the record.
+    held : collection of str
+        Full paths of parameters that are not fitted.
+
+    Returns
+    -------
+    tuple of FreeParameter
+        The free parameters with start values and bounds.
     """
     known: Mapping[str, tuple[Quantity, float]] = {
         path: (quantity, value) for path, quantity, value in parameters(mechanism, "mechanism")
@@ -328,6 +377,19 @@ def mechanism_unknowns(
 
 
 def joined(law: FrictionLaw, items: Sequence[FreeParameter]) -> FreeParameters:
-    """Return the unknowns of a fit together, with what the law does not look for."""
+    """Return the unknowns of a fit together, with what the law does not look for.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        Gives the values that are held.
+    items : sequence of FreeParameter
+        Free parameters of law and mechanism.
+
+    Returns
+    -------
+    FreeParameters
+        All free parameters, in that order.
+    """
     rest = {path: value for path, _, value in parameters(law, "friction")}
     return FreeParameters(tuple(items), rest)

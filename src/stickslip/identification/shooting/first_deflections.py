@@ -37,6 +37,11 @@ def first_deflection(law: FrictionLaw, velocity: float, end: float) -> float:
     end : float
         Length of the segment [s].
 
+    Returns
+    -------
+    float
+        Deflection [m].
+
     Examples
     --------
     >>> from stickslip import Dahl
@@ -56,10 +61,19 @@ def deflection_slopes(
 
     Parameters
     ----------
-    law, velocity, end
-        As of `first_deflection`, of a law with one bristle.
+    law : BristleLaw
+        A law with one bristle.
+    velocity : float
+        First slip velocity of a segment [m/s].
+    end : float
+        Length of the segment [s].
     paths : sequence of str
         Full paths; those that are not of the law change nothing.
+
+    Returns
+    -------
+    (array (n,), float)
+        Derivatives by the parameters [m per unit of each], and by the velocity [s].
     """
     assert isinstance(law, BristleLaw)
     if velocity == 0.0:

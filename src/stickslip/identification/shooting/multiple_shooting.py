@@ -84,9 +84,13 @@ class Shooting(RecordProblem):
     """Positions (or velocities) of segments simulated with the measured drive."""
 
     law: FrictionLaw
+    """Holds the parameters that are not fitted."""
     unknowns_: FreeParameters
+    """The free parameters."""
     segments: tuple[Segment, ...]
+    """Stretches of the records that are simulated."""
     quantity_: str = "position"
+    """What is compared: ``"position"`` or ``"velocity"``."""
 
     @property
     @override

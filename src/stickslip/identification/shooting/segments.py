@@ -64,6 +64,18 @@ def _other_way(measurement: Measurement) -> str:
 def with_drive(mechanism: Mechanism, drive: Drive | None) -> Mechanism:
     """Return a mechanism driven by what was measured.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        A mechanism with a field ``drive``.
+    drive : Drive or None
+        Drive with the measured force; None for no force.
+
+    Returns
+    -------
+    Mechanism
+        A copy with that drive.
+
     Raises
     ------
     InputError
@@ -104,6 +116,18 @@ def segments_of(
         straight to it, as one that a sensor measured. A reference is always joined.
     quantity : str, optional
         What is compared, which all records have; the position, or else the velocity, if not given.
+
+    Returns
+    -------
+    tuple of Segment
+        The segments, in the order of records and of time.
+
+    Raises
+    ------
+    InputError
+        If no stretch without a gap has enough samples.
+    ParameterError
+        If the length is not above 0 s.
     """
     if not 0.0 < length < np.inf:
         raise ParameterError(f"the length of segments must be above 0 s, got {length!r}.")

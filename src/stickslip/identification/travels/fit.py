@@ -44,6 +44,33 @@ def fit_travels(
 ) -> TravelFit:
     """Fit a law to travels by runs to rest; arguments and errors as in `stickslip.fit`.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured; trials may override its parameters.
+    law : FrictionLaw or type
+        An instance, whose values hold for what is not fitted, or a type.
+    measurement : Measurement
+        One travel or several trials.
+    vary : str or sequence of str, optional
+        Parameters of the law to fit; as many as different trials can tell if not given.
+    fixed : mapping of str to float, optional
+        Values of parameters that are held [SI], of law and mechanism.
+    t_end : float
+        Time after which a body counts as stopped [s].
+    progress : callable, optional
+        Called with the number of runs so far.
+
+    Returns
+    -------
+    TravelFit
+        The fitted law, estimates with intervals, predicted travels.
+
+    Raises
+    ------
+    InputError
+        If parameters of the mechanism are to be fitted, or the measurement does not serve.
+
     Examples
     --------
     >>> from stickslip import SpringBlock, Viscous
@@ -92,6 +119,31 @@ def fit_trials(
 
     Where there are several, searches begin at `starts`, or at points found by a scan of the
     parameters if none are given.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        Start values, and the values of what is not fitted.
+    trials : sequence of Trial
+        The readings.
+    free : sequence of str, optional
+        Parameters of the law to fit, by path or last name; those of `payable` if not given.
+    starts : sequence of sequence of float, optional
+        Values of the free parameters [SI] at which searches begin.
+    t_end : float
+        Time after which a body counts as stopped [s].
+    watch : callable, optional
+        Called with the number of runs so far.
+
+    Returns
+    -------
+    TravelFit
+        The fitted law, estimates with intervals, predicted travels.
+
+    Raises
+    ------
+    InputError
+        If there are more free parameters than trials.
     """
     names = payable(law, trials) if free is None else [_path(law, name) for name in free]
     if len(names) > len(trials):
@@ -107,7 +159,20 @@ def fit_trials(
 
 
 def check_rest(found: TravelFit, t_end: float) -> None:
-    """Refuse a fit to travels to rest with whose law the body still moves at ``t_end``."""
+    """Refuse a fit to travels to rest with whose law the body still moves at ``t_end``.
+
+    Parameters
+    ----------
+    found : TravelFit
+        Fit whose law and trials are run.
+    t_end : float
+        Time after which a body counts as stopped [s].
+
+    Raises
+    ------
+    ConvergenceError
+        If a body whose travel to rest was measured still moves at ``t_end``.
+    """
     errors, _ = standard_errors(found.trials)
     TravelModel(found.law, (), t_end).check_rest(found.trials, (), errors)
 
@@ -116,6 +181,20 @@ def payable(law: FrictionLaw, trials: Sequence[Trial], fixed: Collection[str] = 
     """Return the paths of the parameters that the trials can pay for, one left over if possible.
 
     A law without a level at rest of its own is not given one; what is fixed, by name, is left out.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law, whose `fit_order` gives the order.
+    trials : sequence of Trial
+        The readings, of which different settings count.
+    fixed : collection of str
+        Names of parameters that are held.
+
+    Returns
+    -------
+    list of str
+        At least one path, if the law has a parameter that is not held.
     """
     different = len({trial.setting for trial in trials})
     known = fields_of(type(law))

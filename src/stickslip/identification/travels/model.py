@@ -51,8 +51,11 @@ class Trial:
     """One measured travel and how the rig was set for it."""
 
     mechanism: Mechanism
+    """The rig as it was set."""
     initial: Mapping[str, float]
+    """Initial states by name [SI]."""
     travel: float
+    """Measured travel, to rest or over the cycles [m]."""
     half_width: float
     """Uncertainty of the travel [m]; 0 if none was given."""
     quantity: str = "travel"
@@ -200,6 +203,18 @@ def uncertainties_of(
     Those of the record alone come first, then those that all records share: what any record sets
     was set anew for each of them, and what none sets is one number for all.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured; records may override its parameters.
+    measurement : Measurement
+        Records with uncertainties of the mechanism's parameters, `Measurement.doubts`.
+
+    Returns
+    -------
+    list of (dict, dict)
+        For each record, its own and the shared uncertainties [SI], by path.
+
     Raises
     ------
     InputError
@@ -313,10 +328,15 @@ class TravelModel:
     """Travel as a function of the free parameters of a law."""
 
     law: FrictionLaw
+    """Holds the parameters that are not free."""
     free: Sequence[str]
+    """Full paths of the p free parameters."""
     t_end: float
+    """Time after which a body counts as stopped [s]."""
     watch: Callable[[int], object] | None = None
+    """Called with the number of runs so far."""
     runs: int = field(default=0, init=False)
+    """Number of runs so far."""
 
     def with_values(self, values: Sequence[float]) -> FrictionLaw:
         """Return the law with other values of the free parameters."""
@@ -324,7 +344,20 @@ class TravelModel:
         return vary(self.law, "friction", changes)
 
     def travel(self, trial: Trial, values: Sequence[float]) -> float:
-        """Return the travel [m] of one trial."""
+        """Return the travel [m] of one trial.
+
+        Parameters
+        ----------
+        trial : Trial
+            Setting, initial state and end of the run.
+        values : sequence of float (p,)
+            Values of the free parameters [SI].
+
+        Returns
+        -------
+        float
+            Travel of the coordinate that slips [m].
+        """
         self.runs += 1
         if self.watch is not None:
             self.watch(self.runs)
@@ -335,7 +368,20 @@ class TravelModel:
         return float(ends[1] - ends[0])
 
     def travels(self, trials: Sequence[Trial], values: Sequence[float]) -> Array:
-        """Return the travel of each trial [m] (n,); trials of one setting are one run."""
+        """Return the travel of each trial [m] (n,); trials of one setting are one run.
+
+        Parameters
+        ----------
+        trials : sequence of Trial
+            The n settings.
+        values : sequence of float (p,)
+            Values of the free parameters [SI].
+
+        Returns
+        -------
+        array (n,)
+            Travels [m].
+        """
         found: dict[Hashable, float] = {}
         for trial in trials:
             if trial.run not in found:

@@ -21,6 +21,15 @@ def compile_for(
 
     These are the laws with bristles, if there are several trials, and all laws if the trials are
     of many cycles.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        Trials, whose mechanisms are compiled with the laws.
+    laws : iterable of FrictionLaw
+        Laws to fit.
+    progress : callable, optional
+        Called with the number of modules done and of all to compile, and the pair in work.
     """
     cycles = under_cycles(trials)
     slow = [law for law in laws if cycles or isinstance(law, BristleLaw)]

@@ -35,7 +35,9 @@ class Propagated:
     """
 
     own: Mapping[str, Array]
+    """Standard errors of what was set anew for each trial (n,) [m], by path."""
     shared: Mapping[str, Array]
+    """Those of what all trials share (n,) [m], with signs."""
 
     def scaled(self, factor: float) -> "Propagated":
         """Return all of it times a factor."""
@@ -57,6 +59,11 @@ class Propagated:
             Standard errors of the readings [m].
         gain : array (p, n)
             Derivatives of the parameters by the travels; infinite where these do not tell one.
+
+        Returns
+        -------
+        list of dict of str to float
+            For each of p parameters, its standard error [SI] from the readings and from each path.
         """
         open_ = np.any(~np.isfinite(gain), axis=1, keepdims=True)
         gain = np.where(open_, 0.0, gain)
@@ -76,6 +83,18 @@ def covariance_of(scatter: Array, shared: Mapping[str, Array]) -> Array:
 
     That is the covariance which a nuisance parameter with a Gaussian prior leaves once it is
     integrated out, so that estimates are those of least squares with a row for each.
+
+    Parameters
+    ----------
+    scatter : array (n,)
+        Standard errors of each trial alone [m].
+    shared : mapping of str to array
+        Standard errors (n,) [m] of what all trials share, with signs, by path.
+
+    Returns
+    -------
+    array (n, n)
+        Covariance [m^2].
 
     Examples
     --------
@@ -103,6 +122,11 @@ def agreeing_scale(
         Degrees of freedom of the residuals, above 0, which chi-square then has.
     covariance : callable
         Covariance of the travels (n, n) [m^2] by that scale.
+
+    Returns
+    -------
+    float
+        Ratio of the variances.
 
     Examples
     --------
@@ -133,6 +157,11 @@ def propagated(model: TravelModel, trials: Sequence[Trial], values: Sequence[flo
         The readings, with the uncertainties of their mechanisms.
     values : sequence of float
         Values of the law's free parameters.
+
+    Returns
+    -------
+    Propagated
+        Standard errors of the travels [m], by path of the parameter.
     """
     slopes: dict[tuple[Hashable, str], float] = {}
 
@@ -168,6 +197,20 @@ def _slope(
 
 def span_of(mechanism: Mechanism, path: str, doubt: float) -> tuple[float, float]:
     """Return the two values of a parameter, inside its range, between which slopes are taken.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Gives the value and the range of the parameter.
+    path : str
+        Full path of the parameter.
+    doubt : float
+        Its standard uncertainty [SI], which sets the step where the value is 0.
+
+    Returns
+    -------
+    (float, float)
+        Lower and upper value [SI].
 
     Examples
     --------

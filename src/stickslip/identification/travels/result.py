@@ -28,6 +28,20 @@ SIGNIFICANT = 0.99
 def variance_of(chi_square: float, freedom: int, *, stated: bool) -> tuple[float, float]:
     """Return the variance of standardised residuals and its degrees of freedom.
 
+    Parameters
+    ----------
+    chi_square : float
+        Sum of squares of the standardised residuals.
+    freedom : int
+        Degrees of freedom of the residuals.
+    stated : bool
+        Whether the readings have stated uncertainties.
+
+    Returns
+    -------
+    (float, float)
+        Variance, at least 1, and its degrees of freedom; infinite where it is known.
+
     Examples
     --------
     >>> variance_of(3.0, 2, stated=True), variance_of(30.0, 2, stated=True)

@@ -67,6 +67,16 @@ def fit_several(
         The readings; repeats of one setting are simulated once.
     starts : sequence of sequence of float, optional
         Where searches begin; a scan of the parameters if not given.
+
+    Returns
+    -------
+    TravelFit
+        The fitted law, estimates with intervals, predicted travels.
+
+    Raises
+    ------
+    ConvergenceError
+        If no values are found with which every trial can be run.
     """
     problem = _Problem(model, trials)
     points = starting_points(model, trials) if starts is None else list(starts)
@@ -103,6 +113,11 @@ def expected_fit(model: TravelModel, trials: Sequence[Trial], values: Sequence[f
         Settings with standard errors and uncertainties; what was measured there is not looked at.
     values : sequence of float
         Values of the free parameters.
+
+    Returns
+    -------
+    TravelFit
+        The fit, with the predicted travels in place of measured ones.
     """
     measured = model.travels(trials, values)
     pairs = zip(trials, measured.tolist(), strict=True)

@@ -26,7 +26,25 @@ STEP = 1e-4
 
 
 def fit_one(model: TravelModel, trial: Trial) -> TravelFit:
-    """Find the value of the one free parameter that gives the travel, and those at its ends."""
+    """Find the value of the one free parameter that gives the travel, and those at its ends.
+
+    Parameters
+    ----------
+    model : TravelModel
+        The law with one free parameter.
+    trial : Trial
+        The reading [m] with its uncertainty.
+
+    Returns
+    -------
+    TravelFit
+        The fitted law, the estimate with its interval, the predicted travel.
+
+    Raises
+    ------
+    ConvergenceError
+        If no value of the parameter gives the travel.
+    """
     (path,) = model.free
     known = {name: (field, value) for name, field, value in parameters(model.law, "friction")}
     field, start = known[path]
@@ -99,7 +117,22 @@ def _estimate(
 
 
 def room_for(law: FrictionLaw, name: str, free: Collection[str] = ()) -> tuple[float, float]:
-    """Return the values a parameter may take while all that are not free stay as they are."""
+    """Return the values a parameter may take while all that are not free stay as they are.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        Gives the values of all other parameters.
+    name : str
+        Field of the law.
+    free : collection of str
+        Full paths of parameters that may move, too, and bound nothing.
+
+    Returns
+    -------
+    (float, float)
+        Lower and upper bound [SI].
+    """
     quantities = fields_of(type(law))
     quantity = quantities[name]
     low, high = max(quantity.low, quantity.above or 0.0, 0.0), quantity.high

@@ -84,6 +84,11 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
         The law, whose values are the centre of the scan, and its free parameters.
     trials : sequence of Trial
         Several travels.
+
+    Returns
+    -------
+    list of sequence of float (p,)
+        Points, the best first.
     """
     trials = _spread(trials)
     first, *others = model.free
@@ -126,7 +131,22 @@ def _least(model: TravelModel, path: str, centre: float) -> float:
 
 
 def doubling_slope(model: TravelModel, trials: Sequence[Trial], values: Start) -> float:
-    """Return the slope [N s/m] that doubles the friction of a law at the largest speed of a run."""
+    """Return the slope [N s/m] that doubles the friction of a law at the largest speed of a run.
+
+    Parameters
+    ----------
+    model : TravelModel
+        The law, whose first free parameter is a level.
+    trials : sequence of Trial
+        Travels, of which the longest one is run.
+    values : sequence of float (p,)
+        Values of the free parameters [SI].
+
+    Returns
+    -------
+    float
+        Viscous coefficient [N s/m].
+    """
     trial = max(trials, key=lambda one: abs(one.travel))
     law = model.with_values(values)
     end = trial.until(model.t_end)
@@ -250,6 +270,11 @@ def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
     load : float
         Normal force [N]; start values that are not per unit load scale with it.
 
+    Returns
+    -------
+    FrictionLaw
+        The law with start values.
+
     Raises
     ------
     InputError
@@ -276,6 +301,18 @@ def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
 
 def with_known(law: FrictionLaw, known: Mapping[str, float] | None) -> FrictionLaw:
     """Return a law with the values that are known, by name.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law whose values are replaced.
+    known : mapping of str to float or None
+        Values [SI] by name of the field; None or empty for none.
+
+    Returns
+    -------
+    FrictionLaw
+        A copy of the law.
 
     Examples
     --------

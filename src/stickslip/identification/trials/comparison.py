@@ -180,8 +180,22 @@ def compare_trials(
 
     Parameters
     ----------
-    mechanism, law, measurement, vary, fixed, route, settings, progress
-        As for `fit`; the measurement has trials.
+    mechanism : Mechanism
+        What was measured; trials may override its parameters.
+    law : FrictionLaw, type or str
+        An instance, whose values are the start; or a type or a name.
+    measurement : Measurement
+        Trials with records in time or measured friction, at least two.
+    vary : str or sequence of str, optional
+        Parameters to fit, as for `fit`.
+    fixed : mapping of str to float, optional
+        Values of parameters that are held [SI], of law and mechanism.
+    route : {"shooting", "force-map", "inverse-dynamics", "features"}, optional
+        How records are fitted; chosen by `choose_route` if not given.
+    settings : RecordSettings, optional
+        Segments, starts and seed.
+    progress : callable, optional
+        Called with the least root mean square so far; False ends a search with the best so far.
 
     Returns
     -------

@@ -46,6 +46,18 @@ class Homogeneity:
 def rows_of(seen: ResidualJacobian, rows: NDArray[np.bool_]) -> ResidualJacobian:
     """Return some rows of linearised residuals.
 
+    Parameters
+    ----------
+    seen : ResidualJacobian
+        Residuals and Jacobian with n rows.
+    rows : array of bool (n,)
+        Which rows are kept.
+
+    Returns
+    -------
+    ResidualJacobian
+        The kept rows at the same values.
+
     Examples
     --------
     >>> seen = ResidualJacobian(
@@ -83,6 +95,11 @@ def homogeneity(
         Which of these each trial may have values of its own for; all trials share the others.
     displaced : sequence of sequence of Displaced
         What the uncertainties of the mechanism make of each trial, in one order; none if not given.
+
+    Returns
+    -------
+    Homogeneity
+        F statistic, its degrees of freedom and the p-value.
 
     Examples
     --------

@@ -31,7 +31,24 @@ def sentences_of(
     lines: Sequence[ConditionLine],
     failed: Mapping[str, str],
 ) -> Iterator[str]:
-    """Yield what a comparison says; the outcome of the test first."""
+    """Yield what a comparison says; the outcome of the test first.
+
+    Parameters
+    ----------
+    trials : sequence of TrialEstimates
+        Estimates of each trial alone.
+    test : Homogeneity
+        Test whether trials share one law.
+    lines : sequence of ConditionLine
+        Each parameter as a line over each condition.
+    failed : mapping of str to str
+        Reason by name, for trials that could not be fitted.
+
+    Yields
+    ------
+    str
+        One sentence.
+    """
     clear = _clear(lines)
     yield _outcome(trials, test, clear)
     if test.p < SURE:

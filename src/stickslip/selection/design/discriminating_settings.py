@@ -51,6 +51,18 @@ def unit_of(unit: str) -> tuple[str, float]:
 def rounded_setting(value: float, unit: str) -> float:
     """Return a setting [SI] with three digits in the unit that it is read in.
 
+    Parameters
+    ----------
+    value : float
+        The setting [SI].
+    unit : str
+        Its SI unit, such as ``"m"``, which is read as mm.
+
+    Returns
+    -------
+    float
+        The rounded setting [SI].
+
     Examples
     --------
     >>> rounded_setting(0.0123456, "m"), math.degrees(rounded_setting(0.314, "rad"))
@@ -78,7 +90,9 @@ class Separation:
     path: str
     """Parameter to set."""
     symbol: str
+    """Its symbol."""
     unit: str
+    """Its SI unit."""
     value: float
     """Setting, SI."""
     predicted: Mapping[str, float]
@@ -93,7 +107,20 @@ class Separation:
         return f"{number(factor * self.value, 6)} {unit}".replace(" °", "°")
 
     def gap(self, one: str, other: str) -> float:
-        """Return the difference of two predictions [m]."""
+        """Return the difference of two predictions [m].
+
+        Parameters
+        ----------
+        one : str
+            Name of a law.
+        other : str
+            Name of another one.
+
+        Returns
+        -------
+        float
+            Difference of the predicted travels, not negative.
+        """
         return abs(self.predicted[one] - self.predicted[other])
 
     @property
@@ -182,6 +209,11 @@ def propose(
         Keys of the others.
     doubt : float
         Difference of two travels that readings can show [m].
+
+    Returns
+    -------
+    Proposal or None
+        Settings to measure, and which rivals they separate.
     """
     if not rows or not rivals:
         return None
@@ -217,6 +249,18 @@ def knob_of(
 
     What the trials vary, if that is one parameter, can be set; else, or where that one is 0 as the
     rig stands, it is the one that is easiest to turn.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The rig as it stands.
+    trials : sequence of Trial
+        What was measured before.
+
+    Returns
+    -------
+    (str, str, str, float) or None
+        Full path, symbol, SI unit and present value; None if no parameter can be set.
     """
     known = {
         path: (q.symbol, q.unit, value) for path, q, value in parameters(mechanism, "mechanism")
@@ -256,6 +300,11 @@ def separations(
         beyond them are added.
     factors : sequence of float
         Settings over the present one.
+
+    Returns
+    -------
+    tuple of Separation
+        A prediction for each setting; empty if nothing can be set.
     """
     knob = knob_of(mechanism, trials)
     if knob is None or not laws:
@@ -297,6 +346,11 @@ def predictions(
         Initial states by name.
     per_cycle : bool
         Whether travels are those of the whole cycles that end by then.
+
+    Returns
+    -------
+    tuple of Separation
+        A prediction for each setting.
     """
     symbol, unit = next(
         (q.symbol, q.unit) for one, q, _ in parameters(mechanism, "mechanism") if one == path

@@ -178,6 +178,11 @@ def design(
     sides : sequence of float
         Signs of the directions that the body can be moved in; no reversal is proposed with one.
 
+    Returns
+    -------
+    tuple of Experiment
+        Experiments, the most telling first.
+
     Examples
     --------
     >>> from stickslip import Axis, Coulomb, Viscous

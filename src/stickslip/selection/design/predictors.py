@@ -60,7 +60,20 @@ class Predictor:
     """Their correlation (p, p)."""
 
     def moved(self, path: str, value: float) -> "Predictor":
-        """Return the candidate with another value of what was fitted."""
+        """Return the candidate with another value of what was fitted.
+
+        Parameters
+        ----------
+        path : str
+            Full path of the parameter.
+        value : float
+            Its other value [SI].
+
+        Returns
+        -------
+        Predictor
+            A copy; the candidate itself if the path is neither of the law nor of the mechanism.
+        """
         room = path.partition(".")[0]
         if room == "friction":
             return replace(self, law=vary(self.law, room, {path: value}))
@@ -77,6 +90,20 @@ def error_of(read: Reading, candidate: Predictor, value: float) -> float:
     """Return the standard error of a prediction, from runs with each parameter one error off.
 
     What the record does not tell is taken to be known to its own size.
+
+    Parameters
+    ----------
+    read : callable
+        Predicts the reading from a candidate.
+    candidate : Predictor
+        The candidate, with standard errors and correlation of its estimates.
+    value : float
+        Its prediction at the estimates.
+
+    Returns
+    -------
+    float
+        Standard error, in the unit of the reading.
     """
     changes = [
         _change(read, candidate, path, min(error, abs(estimate)) if estimate else error, value)
@@ -108,6 +135,7 @@ class Steady:
     """Reads the force that a constant speed takes, its size."""
 
     velocity: float
+    """Constant velocity [m/s]."""
     driven: bool
     """Whether the force is that of a drive, which moves the mechanism too."""
     distance: float = math.inf
@@ -138,7 +166,20 @@ def _after_long_sliding(law: FrictionLaw, velocity: float, load: float) -> float
 
 
 def own_force(mechanism: Mechanism, velocity: float) -> float:
-    """Return the force of a mechanism on itself at a speed [N]: its damper and its offset."""
+    """Return the force of a mechanism on itself at a speed [N]: its damper and its offset.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The mechanism; its drive is taken to be 0.
+    velocity : float
+        Velocity of its slip coordinate [m/s].
+
+    Returns
+    -------
+    float
+        Force [N].
+    """
     slip = mechanism.contacts()[0].slip
     at: Mapping[str, float] = defaultdict(float)
     moving: Mapping[str, float] = defaultdict(float, {slip: velocity})
@@ -165,9 +206,11 @@ class Coast:
     """Reads how far a body goes without a drive."""
 
     speed: float
+    """Velocity with which it is let go [m/s]."""
     start: float = 0.0
     """Where it is let go [m]."""
     t_end: float = 60.0
+    """Time after which the run ends [s]."""
 
     def __call__(self, candidate: Predictor) -> float:
         """Return the distance [m]."""
@@ -185,7 +228,9 @@ class Presliding:
     """Reads how far a body gives way to a force that does not break it away."""
 
     drive: Drive
+    """Force over time, which stays below break-away."""
     t_end: float = 4.0
+    """Time after which the run ends [s]."""
 
     def __call__(self, candidate: Predictor) -> float:
         """Return the movement from peak to peak [m] in the second half."""
