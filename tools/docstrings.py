@@ -4,7 +4,8 @@ In the rooms listed here, a public function or method of two or more arguments h
 Parameters and Returns (or Yields), and Raises if it raises something itself. Parameters, wherever
 they stand, have the names of the signature, in its order; each has a type and says something. A
 public class tells the arguments of its `__init__` in a section Parameters, and its fields there or
-in a text after each of them. Overrides, properties and enumerations need none.
+in a text after each of them. Overrides, properties and enumerations need none, nor do commands of
+the command line, whose docstrings are their help.
 
 Kernels have a hundred functions that only kernels call: of these, what is in `__all__` needs the
 sections. The docstring of each says which slots of the vectors it reads and writes, as
@@ -22,6 +23,7 @@ from tools import slots, structure
 
 ROOMS = (
     "catalogue",
+    "cli",
     "control",
     "formatting",
     "documents",
@@ -34,7 +36,9 @@ ROOMS = (
     "maths",
     "mechanisms",
     "optimisation",
+    "paper",
     "quantities",
+    "report",
     "simulation",
     "solver",
     "sweep",
@@ -84,6 +88,16 @@ def raised(function: structure.Function) -> Iterator[str]:
                 yield name
         if not isinstance(node, structure.Function | ast.ClassDef | ast.Lambda):
             inner += ast.iter_child_nodes(node)
+
+
+def is_command(function: structure.Function) -> bool:
+    """Return whether a decorator such as ``@app.command()`` makes a function a command."""
+    return any(
+        isinstance(mark, ast.Call)
+        and isinstance(mark.func, ast.Attribute)
+        and mark.func.attr == "command"
+        for mark in function.decorator_list
+    )
 
 
 def answers(function: structure.Function) -> bool:
@@ -171,7 +185,8 @@ def faults(tree: ast.Module, *, kernel: bool = False) -> Iterator[tuple[int, str
     """Yield line, name and fault of each public function and class of a module."""
     public = listed(tree) if kernel else set()
     for name, function, arguments in structure.public_functions(tree):
-        found = [*of_function(function, arguments, needed=not kernel or name in public)]
+        needed = name in public if kernel else not is_command(function)
+        found = [*of_function(function, arguments, needed=needed)]
         if kernel and name not in slots.equations():
             found += of_kernel(name, function)
         for fault in found:

@@ -95,6 +95,26 @@ def test_private_functions_overrides_and_single_arguments_need_no_sections() -> 
     assert faults(textwrap.dedent(source)) == []
 
 
+@pytest.mark.parametrize(
+    ("mark", "is_exempt"),
+    [
+        ("@app.command()", True),
+        ('@data.command("show")', True),
+        ("@app.callback()", False),
+        ("@command", False),
+        ("@final", False),
+    ],
+)
+def test_only_commands_have_their_help_for_a_docstring(mark: str, is_exempt: bool) -> None:
+    source = f"""
+    {mark}
+    def show(name: str, as_json: bool = False) -> None:
+        '''Show a record.'''
+    """
+    expected = [] if is_exempt else ["no section Parameters (name, as_json)"]
+    assert faults(textwrap.dedent(source)) == expected
+
+
 def test_a_kernel_must_list_the_slots_that_it_touches() -> None:
     source = """
     def rises(guard, w):
