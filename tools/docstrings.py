@@ -3,9 +3,10 @@
 In the rooms listed here, a public function or method of two or more arguments has the sections
 Parameters and Returns (or Yields), and Raises if it raises something itself. Parameters, wherever
 they stand, have the names of the signature, in its order; each has a type and says something. A
-public class tells the arguments of its `__init__` in a section Parameters, and its fields there or
-in a text after each of them. Overrides, properties and enumerations need none, nor do commands of
-the command line, whose docstrings are their help.
+public class tells the arguments of its `__init__` in a section Parameters, and its fields there, in
+a text after each of them or in a `description` that a call such as pydantic's `Field` is given.
+Overrides, properties and enumerations need none, nor do commands of the command line, whose
+docstrings are their help.
 
 Kernels have a hundred functions that only kernels call: of these, what is in `__all__` needs the
 sections. The docstring of each says which slots of the vectors it reads and writes, as
@@ -29,6 +30,7 @@ ROOMS = (
     "documents",
     "drives",
     "errors",
+    "experiments",
     "formulation",
     "friction",
     "kernels",
@@ -37,6 +39,7 @@ ROOMS = (
     "mechanisms",
     "optimisation",
     "paper",
+    "plots",
     "quantities",
     "report",
     "simulation",
@@ -152,6 +155,9 @@ def of_class(node: ast.ClassDef) -> Iterator[str]:
             continue
         name = ast.unparse(one.target)
         has_text = isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
+        has_text |= isinstance(one.value, ast.Call) and any(
+            word.arg == "description" for word in one.value.keywords
+        )
         if not name.startswith("_"):
             fields.append(name)
             silent += [] if has_text else [name]

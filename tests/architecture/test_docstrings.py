@@ -115,6 +115,20 @@ def test_only_commands_have_their_help_for_a_docstring(mark: str, is_exempt: boo
     assert faults(textwrap.dedent(source)) == expected
 
 
+@pytest.mark.parametrize(
+    ("value", "is_told"),
+    [('Field(description="Place [m].")', True), ("Field(default=0.0)", False), ("0.0", False)],
+)
+def test_a_description_tells_a_field(value: str, is_told: bool) -> None:
+    source = f"""
+    class Point(Table):
+        '''A point.'''
+
+        x: float = {value}
+    """
+    assert faults(textwrap.dedent(source)) == ([] if is_told else ["no word on x"])
+
+
 def test_a_kernel_must_list_the_slots_that_it_touches() -> None:
     source = """
     def rises(guard, w):
