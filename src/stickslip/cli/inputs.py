@@ -87,15 +87,15 @@ class CommandInputs:
     """What is fitted and how, as the options say it."""
 
     data: Sequence[Path]
-    """Data files; the rig file names them if empty."""
+    """Data files; the measurement of the rig is used if empty."""
     reading: Reading
     """How data files are read."""
     validate: Path | None
     """Data file of a second record, which no fit uses."""
     vary: Sequence[str]
-    """Paths of the parameters to fit."""
+    """Names or patterns of the parameters to fit, perhaps joined by commas."""
     fixed: Sequence[str]
-    """Parameters to hold, each as ``PATH`` or ``PATH=VALUE``."""
+    """Values of parameters that are held, each as ``NAME=VALUE``, perhaps joined by commas."""
     how: FitOptions
     """Settings of fit and score."""
 

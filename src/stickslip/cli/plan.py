@@ -49,7 +49,8 @@ def run(
     changes : sequence of str
         Overrides of the rig file, each as ``PATH=VALUE``.
     laws : str or None
-        Names of the laws to tell apart, joined by commas; those of the rig if None.
+        Names of the laws to tell apart, joined by commas; those of the rig, or the usual ones, if
+        None.
     between : str or None
         Range of the setting as ``LOW..HIGH``; that of the rig if None.
     settings : int

@@ -91,8 +91,9 @@ def run(
     Raises
     ------
     Exit
-        With the exit code, if no law is recommended, a criterion fails with `enforce`, or the page
-        could not be drawn.
+        If no law is recommended, or a criterion fails with `enforce`.
+    ToldExit
+        If the page could not be drawn.
     """
     if not as_json:
         refuse_overwriting(output, output, force=force)

@@ -125,8 +125,9 @@ def run(
     Raises
     ------
     Exit
-        With the exit code, if the run ends early, a criterion fails with `enforce`, or the page
-        could not be drawn.
+        If a criterion fails with `enforce`.
+    ToldExit
+        If the page could not be drawn.
     """
     if output is not None:
         check_table(output)

@@ -45,7 +45,7 @@ def run(
     mechanisms : sequence of str
         Names of the mechanisms to compile; all if empty.
     laws : str or None
-        Names of the laws to compile, joined by commas; all if None.
+        Names of the laws to compile, joined by commas; those of the rig, or all, if None.
     allow_import : bool
         Whether the rig file may import classes, which runs their code.
     jobs : int or None

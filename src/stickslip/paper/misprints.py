@@ -73,7 +73,7 @@ class Consequence:
     form: type[PrintedForm]
     """The printed equation."""
     outcomes: tuple[Outcome, ...]
-    """What came of each test, in the order of `TESTS`."""
+    """What came of each test of the equation."""
 
     def outcome(self, test: str) -> Outcome | None:
         """Return what came of a test; None if it says nothing about the equation."""

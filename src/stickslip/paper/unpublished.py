@@ -46,7 +46,7 @@ class Requirement:
     value: float | None
     """What it would have to be; None if no value gives the row."""
     low: float | None
-    """End of the range for travels that round to the printed one."""
+    """Lower end of the range for travels that round to the printed one."""
     high: float | None
     """Upper end of that range."""
     start: float
@@ -87,7 +87,7 @@ def requirements(
     Returns
     -------
     tuple of Requirement
-        One entry per law and reading that has a free value.
+        One entry per reading of each law with a free value and a published travel.
     """
     readings = {key: rigs(values.rig)[key][-1] for key in READINGS}
     return tuple(

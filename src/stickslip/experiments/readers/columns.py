@@ -32,7 +32,7 @@ def check_columns(names: Iterable[str], mechanism: Mechanism | None = None) -> N
     Raises
     ------
     InputError
-        If a name is that of a motor constant, which is a force with a gain.
+        If a name is ``current``, ``voltage`` or ``torque``, which is read as a force with a gain.
     UnknownNameError
         If a name is neither a quantity nor a path.
 

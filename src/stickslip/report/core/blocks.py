@@ -157,7 +157,7 @@ class Panel:
     text : str
         A sentence below the name.
     colour : {"ink", "c1", "c2", "c3", "c4"}
-        Colour of the drawing, by its name in the theme.
+        Colour of the title, by its name in the style sheet.
 
     Examples
     --------
@@ -187,7 +187,7 @@ class Gallery:
     Parameters
     ----------
     panels : tuple of Panel
-        One to three drawings.
+        At most three drawings.
 
     Examples
     --------
@@ -236,7 +236,7 @@ class Facts:
     Parameters
     ----------
     facts : tuple of Fact
-        One to three facts.
+        At most three facts.
 
     Examples
     --------

@@ -41,7 +41,7 @@ class Shape(NamedTuple):
     kind : str
         Kind of mark, or ``"below"`` or ``"above"`` for an arrow at the end of the axis.
     colour : str
-        Colour by its name in the theme.
+        Colour, by its name in the style sheet.
     left : str
         Distance from the left end of the axis, as a percentage of its length.
     right : str
