@@ -76,25 +76,6 @@ def test_a_gap_in_a_docstring_is_a_fault(old: str, new: str, fault: str) -> None
     assert any(fault in found for found in faults(changed)), faults(changed)
 
 
-def test_private_functions_overrides_and_single_arguments_need_no_sections() -> None:
-    source = """
-    def _inner(a: int, b: int) -> int:
-        return a + b
-
-    def one(a: int) -> int:
-        '''Return it.'''
-        return a
-
-    class Kind(Base):
-        '''A kind.'''
-
-        @override
-        def add(self, a: int, b: int) -> int:
-            return a + b
-    """
-    assert faults(textwrap.dedent(source)) == []
-
-
 @pytest.mark.parametrize(
     ("mark", "is_exempt"),
     [
@@ -127,6 +108,25 @@ def test_a_description_tells_a_field(value: str, is_told: bool) -> None:
         x: float = {value}
     """
     assert faults(textwrap.dedent(source)) == ([] if is_told else ["no word on x"])
+
+
+def test_private_functions_overrides_and_single_arguments_need_no_sections() -> None:
+    source = """
+    def _inner(a: int, b: int) -> int:
+        return a + b
+
+    def one(a: int) -> int:
+        '''Return it.'''
+        return a
+
+    class Kind(Base):
+        '''A kind.'''
+
+        @override
+        def add(self, a: int, b: int) -> int:
+            return a + b
+    """
+    assert faults(textwrap.dedent(source)) == []
 
 
 def test_a_kernel_must_list_the_slots_that_it_touches() -> None:
