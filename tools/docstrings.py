@@ -3,8 +3,10 @@
 In the rooms listed here, a public function or method of two or more arguments has the sections
 Parameters and Returns (or Yields), and Raises if it raises something itself. Parameters, wherever
 they stand, have the names of the signature, in its order; each has a type and says something. A
-public class tells the arguments of its `__init__` in a section Parameters, and its fields there or
-in a text after each of them. Overrides, properties and enumerations need none.
+public class tells the arguments of its `__init__` in a section Parameters, and its fields there, in
+a text after each of them or in a `description` that a call such as pydantic's `Field` is given.
+Overrides, properties and enumerations need none, nor do commands of the command line, whose
+docstrings are their help.
 
 Kernels have a hundred functions that only kernels call: of these, what is in `__all__` needs the
 sections. The docstring of each says which slots of the vectors it reads and writes, as
@@ -22,11 +24,13 @@ from tools import slots, structure
 
 ROOMS = (
     "catalogue",
+    "cli",
     "control",
     "formatting",
     "documents",
     "drives",
     "errors",
+    "experiments",
     "formulation",
     "friction",
     "identification",
@@ -35,7 +39,10 @@ ROOMS = (
     "maths",
     "mechanisms",
     "optimisation",
+    "paper",
+    "plots",
     "quantities",
+    "report",
     "routes",
     "selection",
     "simulation",
@@ -92,6 +99,16 @@ def raised(function: structure.Function) -> Iterator[str]:
             inner += ast.iter_child_nodes(node)
 
 
+def is_command(function: structure.Function) -> bool:
+    """Return whether a decorator such as ``@app.command()`` makes a function a command."""
+    return any(
+        isinstance(mark, ast.Call)
+        and isinstance(mark.func, ast.Attribute)
+        and mark.func.attr == "command"
+        for mark in function.decorator_list
+    )
+
+
 def answers(function: structure.Function) -> bool:
     """Return whether a function gives something back."""
     return function.returns is not None and ast.unparse(function.returns) not in {
@@ -144,6 +161,9 @@ def of_class(node: ast.ClassDef) -> Iterator[str]:
             continue
         name = ast.unparse(one.target)
         has_text = isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
+        has_text |= isinstance(one.value, ast.Call) and any(
+            word.arg == "description" for word in one.value.keywords
+        )
         if not name.startswith("_"):
             fields.append(name)
             silent += [] if has_text else [name]
@@ -177,7 +197,8 @@ def faults(tree: ast.Module, *, kernel: bool = False) -> Iterator[tuple[int, str
     """Yield line, name and fault of each public function and class of a module."""
     public = listed(tree) if kernel else set()
     for name, function, arguments in structure.public_functions(tree):
-        found = [*of_function(function, arguments, needed=not kernel or name in public)]
+        needed = name in public if kernel else not is_command(function)
+        found = [*of_function(function, arguments, needed=needed)]
         if kernel and name not in slots.equations():
             found += of_kernel(name, function)
         for fault in found:

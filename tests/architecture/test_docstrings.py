@@ -76,6 +76,40 @@ def test_a_gap_in_a_docstring_is_a_fault(old: str, new: str, fault: str) -> None
     assert any(fault in found for found in faults(changed)), faults(changed)
 
 
+@pytest.mark.parametrize(
+    ("mark", "is_exempt"),
+    [
+        ("@app.command()", True),
+        ('@data.command("show")', True),
+        ("@app.callback()", False),
+        ("@command", False),
+        ("@final", False),
+    ],
+)
+def test_only_commands_have_their_help_for_a_docstring(mark: str, is_exempt: bool) -> None:
+    source = f"""
+    {mark}
+    def show(name: str, as_json: bool = False) -> None:
+        '''Show a record.'''
+    """
+    expected = [] if is_exempt else ["no section Parameters (name, as_json)"]
+    assert faults(textwrap.dedent(source)) == expected
+
+
+@pytest.mark.parametrize(
+    ("value", "is_told"),
+    [('Field(description="Place [m].")', True), ("Field(default=0.0)", False), ("0.0", False)],
+)
+def test_a_description_tells_a_field(value: str, is_told: bool) -> None:
+    source = f"""
+    class Point(Table):
+        '''A point.'''
+
+        x: float = {value}
+    """
+    assert faults(textwrap.dedent(source)) == ([] if is_told else ["no word on x"])
+
+
 def test_private_functions_overrides_and_single_arguments_need_no_sections() -> None:
     source = """
     def _inner(a: int, b: int) -> int:

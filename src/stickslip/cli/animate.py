@@ -33,9 +33,13 @@ class AnimationStyle:
     """What the animation looks like."""
 
     fps: float
+    """Frames per second of the animation [1/s]."""
     speed: float
+    """Seconds of the run per second of the animation; 0.1 is slow motion."""
     size: str
+    """Width and height as ``WIDTHxHEIGHT`` [CSS px]."""
     dpi: float
+    """Resolution; 72 makes one pixel of each CSS pixel."""
 
 
 def run(
@@ -50,7 +54,29 @@ def run(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Simulate, draw, show; a run that ends early is shown up to its end."""
+    """Simulate, draw, show; a run that ends early is shown up to its end.
+
+    Parameters
+    ----------
+    path : Path or None
+        Rig file (TOML); the bundled rig if None.
+    changes : sequence of str
+        Overrides of the rig file, each as ``PATH=VALUE``.
+    asked : LawAsked
+        The friction law, and the load its levels refer to.
+    t_end : float or None
+        Last time [s]; that of the rig if None.
+    look : AnimationStyle
+        Frame rate, speed, size and resolution.
+    output : Path
+        GIF or MP4 file to write.
+    allow_import : bool
+        Whether the rig file may import classes, which runs their code.
+    force : bool
+        Whether files that exist are replaced.
+    as_json : bool
+        Whether one JSON document is printed on stdout instead of text.
+    """
     from stickslip.plots.animation.animation import animate, frame_times
     from stickslip.plots.animation.video_encoding import encoder_of
 

@@ -36,7 +36,28 @@ def run(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Check, print the sentences, draw an overview if asked for one."""
+    """Check, print the sentences, draw an overview if asked for one.
+
+    Parameters
+    ----------
+    files : sequence of Path
+        Data files, at most one rig file (TOML) among them.
+    reading : Reading
+        Columns, units, gains, repairs and conditions of the data files.
+    output : Path or None
+        Folder of the overview and the findings; none is written if None.
+    allow_import : bool
+        Whether the rig file may import classes, which runs their code.
+    force : bool
+        Whether files that exist are replaced.
+    as_json : bool
+        Whether one JSON document is printed on stdout instead of text.
+
+    Raises
+    ------
+    Exit
+        With code 2 if the check finds an error.
+    """
     if output is not None:
         refuse_overwriting(output, output, force=force)
     rig, data = _parted(files, allow_import=allow_import)

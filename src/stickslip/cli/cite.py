@@ -9,7 +9,15 @@ __all__ = ["run"]
 
 
 def run(names: Sequence[str], *, as_json: bool) -> None:
-    """Print citations."""
+    """Print citations.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of laws whose sources are printed; all laws if empty.
+    as_json : bool
+        Whether one JSON document is printed on stdout instead of text.
+    """
     from stickslip import __version__
 
     own = f"stickslip {__version__}. The stickslip authors, 2026. BSD-3-Clause."

@@ -65,6 +65,17 @@ def show_table(
 
     Numbers are never broken, nor are cells below the heads in `whole`, so that they can be copied.
     Words are folded where a terminal is narrow; a file or a pipe gets rows of any length.
+
+    Parameters
+    ----------
+    title : str
+        Heading of the table; none if empty.
+    heads : sequence of str
+        Column heads (n,).
+    rows : sequence of sequence of str
+        Cells (rows, n).
+    whole : collection of str
+        Heads of the columns whose cells are not broken.
     """
     table = Table(
         title=Text(title) if title else None,
@@ -130,6 +141,22 @@ def refuse_overwriting(path: Path, folder: Path, *, force: bool, option: str = "
     """Refuse early what could not be written into a folder in the end; leave no trace.
 
     `option` is the one that names the file or the folder.
+
+    Parameters
+    ----------
+    path : Path
+        File or folder that will be written.
+    folder : Path
+        Folder that must be writable.
+    force : bool
+        Whether `path` may exist already.
+    option : str
+        Option that names the file or the folder, for messages.
+
+    Raises
+    ------
+    InputError
+        If `path` exists without `force`, or `folder` cannot be written into.
     """
     if path.exists() and not force:
         raise InputError(

@@ -24,7 +24,15 @@ def run_list(*, as_json: bool) -> None:
 
 
 def run_show(name: str, *, as_json: bool) -> None:
-    """Show a record in full."""
+    """Show a record in full.
+
+    Parameters
+    ----------
+    name : str
+        Name of the record in the catalogue.
+    as_json : bool
+        Whether one JSON document is printed on stdout instead of text.
+    """
     record = dataset(name)
     if as_json:
         print_json(document("data", _record(record)))
@@ -49,7 +57,17 @@ def run_show(name: str, *, as_json: bool) -> None:
 
 
 def run_path(name: str, file: str | None, *, as_json: bool) -> None:
-    """Print the path of a table; what is downloaded for it is said on stderr."""
+    """Print the path of a table; what is downloaded for it is said on stderr.
+
+    Parameters
+    ----------
+    name : str
+        Name of the record in the catalogue.
+    file : str or None
+        One of its files; the first if None.
+    as_json : bool
+        Whether one JSON document is printed on stdout instead of text.
+    """
     record = dataset(name)
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always", UserWarning)

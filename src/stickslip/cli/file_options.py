@@ -16,7 +16,26 @@ def reading_of(
     repair: Sequence[str] | None,
     conditions: Sequence[str] | None = None,
 ) -> Reading:
-    """Return what the options of that name say together."""
+    """Return what the options of that name say together.
+
+    Parameters
+    ----------
+    columns : sequence of str or None
+        Pairs ``NAME=COLUMN`` of ``--columns``.
+    units : sequence of str or None
+        Pairs ``NAME=UNIT`` of ``--unit``.
+    gain : sequence of str or None
+        Pairs ``NAME=FACTOR`` of ``--gain``.
+    repair : sequence of str or None
+        Repairs of ``--repair``, which may be joined by commas.
+    conditions : sequence of str, optional
+        Columns of ``--conditions``, which may be joined by commas.
+
+    Returns
+    -------
+    Reading
+        How data files are read.
+    """
     texts = [part.strip() for given in repair or () for part in given.split(",")]
     names = [part.strip() for given in conditions or () for part in given.split(",")]
     return Reading(

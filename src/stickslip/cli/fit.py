@@ -49,7 +49,32 @@ def run(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Fit, write the rig file of the fitted law, print its parameters."""
+    """Fit, write the rig file of the fitted law, print its parameters.
+
+    Parameters
+    ----------
+    path : Path or None
+        Rig file (TOML); the bundled rig if None.
+    name : str or None
+        Name of the law to fit; that of the rig file, or the usual one, if None.
+    asked : CommandInputs
+        Data, free parameters and settings of the fit.
+    changes : sequence of str
+        Overrides of the rig file, each as ``PATH=VALUE``.
+    output : Path or None
+        Rig file (TOML) of the fitted law; none is written if None.
+    allow_import : bool
+        Whether the rig file may import classes, which runs their code.
+    force : bool
+        Whether files that exist are replaced.
+    as_json : bool
+        Whether one JSON document is printed on stdout instead of text.
+
+    Raises
+    ------
+    InputError
+        If `output` is not a TOML file.
+    """
     if output is not None:
         if output.suffix != ".toml":
             raise InputError(f"--output takes a .toml file, got {output}.")

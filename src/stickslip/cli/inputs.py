@@ -46,12 +46,19 @@ class FitOptions:
     """How records are fitted and judged, as the options say it; None where they say nothing."""
 
     purpose: PurposeName | None = None
+    """What the law is selected for."""
     horizon: float | None = None
+    """Length of the predictions that are scored [s]."""
     route: RouteName | None = None
+    """Method of the fit."""
     segment: float | None = None
+    """Length of the segments of a fit by shooting [s]."""
     hold: str | None = None
+    """How the force runs between its samples."""
     starts: int | None = None
+    """Number of start values of the search."""
     seed: int | None = None
+    """Seed of the random numbers."""
 
     def __post_init__(self) -> None:
         """Check lengths of time and the hold; other names are checked where they are used."""
@@ -81,11 +88,17 @@ class CommandInputs:
     """What is fitted and how, as the options say it."""
 
     data: Sequence[Path]
+    """Data files; the measurement of the rig is used if empty."""
     reading: Reading
+    """How data files are read."""
     validate: Path | None
+    """Data file of a second record, which no fit uses."""
     vary: Sequence[str]
+    """Names or patterns of the parameters to fit, perhaps joined by commas."""
     fixed: Sequence[str]
+    """Values of parameters that are held, each as ``NAME=VALUE``, perhaps joined by commas."""
     how: FitOptions
+    """Settings of fit and score."""
 
 
 @final
@@ -94,11 +107,15 @@ class Inputs:
     """What was measured, and which parameters are fitted to it."""
 
     measurement: Measurement
+    """What the laws are fitted to."""
     law: Law | None
     """The law to fit, or its name; None where several are compared."""
     validate: Measurement | None
+    """Second record, which no fit uses."""
     vary: tuple[str, ...]
+    """Paths of the parameters of mechanism and law to fit."""
     fixed: Mapping[str, float]
+    """Values of parameters that are not fitted [SI], by path."""
     digest: str
     """SHA-256 of the rig and of all files that were read."""
     route: AnyRoute
@@ -116,8 +133,28 @@ def measured(
 ) -> Inputs:
     """Return what files or the rig say was measured, and what is to be fitted of mechanism and law.
 
-    Options for files add to what the rig says of its own. `given` is whether a rig file was; `law`
-    returns the one to fit, where it is one.
+    Options for files add to what the rig says of its own. `given` is whether a rig file was.
+
+    Parameters
+    ----------
+    rig : Rig
+        The rig, perhaps with data of its own.
+    asked : CommandInputs
+        Data, free parameters and settings that the options give.
+    given : bool
+        Whether a rig file was given; False for the bundled rig.
+    law : callable, optional
+        Returns the law to fit, or its name, on a route; not given if several are compared.
+
+    Returns
+    -------
+    Inputs
+        Measurement, free and fixed parameters, and route.
+
+    Raises
+    ------
+    InputError
+        If there is no measurement, or an option does not apply to it.
     """
     reading = rig.reading.with_changes(asked.reading)
     measurement, validate = rig.measurement, rig.validate
@@ -227,7 +264,20 @@ def _number(text: str) -> float | str:
 
 @contextmanager
 def watching(names: Sequence[str], found: Inputs) -> Iterator[Watching | Searching]:
-    """Show how far the fits of laws are; where searches can be ended early, Ctrl-C does so."""
+    """Show how far the fits of laws are; where searches can be ended early, Ctrl-C does so.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Laws in the order in which they are fitted.
+    found : Inputs
+        What is fitted, and by which route.
+
+    Yields
+    ------
+    Watching or Searching
+        The progress bar, which a fit calls.
+    """
     if found.route.counts_runs:
         with Watching(names, "Fitting") as counting:
             yield counting

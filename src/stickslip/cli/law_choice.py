@@ -41,6 +41,7 @@ class ChosenLaw:
     """A law and how well it is known."""
 
     carried: CarriedLaw
+    """The law with its estimates, as transferred to this mechanism."""
     source: Rig | None = None
     """Where it was fitted, if that is another file than the rig's."""
 
@@ -81,6 +82,27 @@ def rig_and_law(
     """Return the rig and its law: one of its own, an ordinary one, or that of another file.
 
     Where the law is from another file, overrides of friction are of that file.
+
+    Parameters
+    ----------
+    path : Path or None
+        Rig file (TOML); the bundled rig if None.
+    changes : sequence of str
+        Overrides of the rig file, each as ``PATH=VALUE``.
+    asked : LawAsked
+        Name or file of the law, and the load its levels refer to.
+    allow_import : bool
+        Whether the rig file may import classes, which runs their code.
+
+    Returns
+    -------
+    tuple of Rig and ChosenLaw
+        The rig, and the law with its estimates.
+
+    Raises
+    ------
+    InputError
+        If the law or its file cannot be used, or an override has no effect.
     """
     given = overrides(changes)
     file = None if asked.law is None else FILE.fullmatch(asked.law)

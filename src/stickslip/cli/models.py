@@ -28,7 +28,17 @@ INDENT = "    "
 
 
 def run(name: str | None, *, published: bool, as_json: bool) -> None:
-    """List laws, or show one."""
+    """List laws, or show one.
+
+    Parameters
+    ----------
+    name : str or None
+        Law to show in full; all laws are listed if None.
+    published : bool
+        Whether the printed equations of the source paper are listed instead.
+    as_json : bool
+        Whether one JSON document is printed on stdout instead of text.
+    """
     if name is not None:
         _one(name, as_json=as_json)
     elif published:

@@ -10,6 +10,18 @@ __all__ = ["number_of", "range_of"]
 def number_of(text: str, quantity: Quantity) -> float:
     """Return a number in SI, given plainly or with a unit.
 
+    Parameters
+    ----------
+    text : str
+        The number, perhaps with a unit.
+    quantity : Quantity
+        Symbol, unit and range of the number.
+
+    Returns
+    -------
+    float
+        The number [SI].
+
     Examples
     --------
     >>> number_of("2 mm", Quantity("x", "m")), number_of("0.002", Quantity("x", "m"))
@@ -24,6 +36,27 @@ def number_of(text: str, quantity: Quantity) -> float:
 
 def range_of(option: str, text: str, quantity: Quantity) -> tuple[float, float]:
     """Return both ends of ``LOW..HIGH`` in SI.
+
+    Parameters
+    ----------
+    option : str
+        Name of the option, for messages.
+    text : str
+        Both ends as ``LOW..HIGH``, each perhaps with a unit.
+    quantity : Quantity
+        Symbol, unit and range of both ends.
+
+    Returns
+    -------
+    tuple of float
+        Lower and upper end [SI].
+
+    Raises
+    ------
+    InputError
+        If `text` is not of the form ``LOW..HIGH``.
+    ParameterError
+        If an end is not a number, or lies outside the range of the quantity.
 
     Examples
     --------

@@ -19,6 +19,22 @@ def draw_page(folder: Path, page: Callable[[], str], *, kept: str, quiet: bool =
 
     An older page does not stay where a new one fails: it would be read as that of this result.
     `kept` says where the result is.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the page.
+    page : callable
+        Returns the page as HTML.
+    kept : str
+        Sentence that says where the result is, for messages.
+    quiet : bool
+        Whether the path of the page is not printed.
+
+    Returns
+    -------
+    int
+        Exit code; 0 if the page was drawn.
     """
     note("Drawing the page ...")
     try:

@@ -26,7 +26,17 @@ DOCUMENT = "paper.json"
 
 
 def run(output: Path, *, force: bool, as_json: bool) -> None:
-    """Recompute the paper, write the page, print Table II."""
+    """Recompute the paper, write the page, print Table II.
+
+    Parameters
+    ----------
+    output : Path
+        Folder of the page and the numbers.
+    force : bool
+        Whether files that exist are replaced.
+    as_json : bool
+        Whether one JSON document is printed on stdout instead of text.
+    """
     if not as_json:
         refuse_overwriting(output, output, force=force)
     with Watching(list(load_rig().laws), "Recomputing the paper:") as watch:

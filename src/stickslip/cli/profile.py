@@ -57,14 +57,23 @@ class Settings:
     """What to look for and how."""
 
     limits: Mapping[str, str | None]
+    """Limits of the motion as text with a unit, by field of `Limits`; None where there is none."""
     goal: str
+    """Name of the quantity to maximise."""
     kind: str
+    """Name of the family of motions."""
     law: LawAsked
+    """The friction law, and the load its levels refer to."""
     interval: Sequence[str]
+    """Ranges of uncertain parameters, each as ``PATH=LOW..HIGH``."""
     knots: int
+    """Number of knots of the motion."""
     evaluations: int
+    """Number of runs that the search may use."""
     seed: int
+    """Seed of the random numbers."""
     resume: Path | None
+    """File with the state of an earlier search."""
 
 
 def run(
@@ -76,7 +85,23 @@ def run(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Search, write rig file, figure and numbers, print what was found."""
+    """Search, write rig file, figure and numbers, print what was found.
+
+    Parameters
+    ----------
+    path : Path
+        Rig file (TOML) with a prescribed motion.
+    changes : sequence of str
+        Overrides of the rig file, each as ``PATH=VALUE``.
+    settings : Settings
+        Goal and limits of the search.
+    output : Path
+        Folder of rig file, figure and numbers.
+    force : bool
+        Whether files that exist are replaced.
+    as_json : bool
+        Whether one JSON document is printed on stdout instead of text.
+    """
     if not as_json:
         refuse_overwriting(output, output, force=force)
     rig, chosen = rig_and_law(path, changes, settings.law)

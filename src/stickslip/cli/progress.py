@@ -71,6 +71,11 @@ class Compiling(_Shown):
     """A bar that is there while equations are compiled; callable as ``report(done, total, what)``.
 
     It stands among the bars of other work, if there is any.
+
+    Parameters
+    ----------
+    bars : Progress, optional
+        Bars that this one is added to; a display of its own if None.
     """
 
     def __init__(self, bars: Progress | None = None) -> None:
@@ -91,7 +96,13 @@ class Compiling(_Shown):
 
 @final
 class Drawing(_Shown):
-    """A bar that counts what is drawn or run; callable as ``report(done, total)``."""
+    """A bar that counts what is drawn or run; callable as ``report(done, total)``.
+
+    Parameters
+    ----------
+    verb : str
+        Word before the bar.
+    """
 
     def __init__(self, verb: str = "Drawing") -> None:
         super().__init__(_bars())
@@ -107,6 +118,13 @@ class Watching(_Shown):
     """A bar that counts laws and names the one in work; callable as ``watch(name, runs)``.
 
     What is compiled before the work begins comes as ``watch("compiling: what", share)``.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Laws in the order of the work.
+    verb : str
+        Word before the name of the law in work.
     """
 
     def __init__(self, names: Sequence[str], verb: str) -> None:
@@ -133,6 +151,15 @@ class Searching(_Shown):
 
     Callable as ``watch(name, residual)``; the answer is whether to go on. Residuals are put into
     words by `told`.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Laws in the order of the work.
+    told : callable
+        Returns the text of a residual [SI].
+    interrupts : Interrupts
+        Counts Ctrl-C, which ends the search.
     """
 
     def __init__(
@@ -160,6 +187,13 @@ class Improving(_Shown):
     """A bar that counts what searches try, with the best so far.
 
     Callable as ``watch(search, done, total, best)``; the answer is whether to go on.
+
+    Parameters
+    ----------
+    told : callable
+        Returns the text of the best value so far [SI].
+    interrupts : Interrupts
+        Counts Ctrl-C, which ends the search.
     """
 
     def __init__(self, told: Callable[[float], str], interrupts: Interrupts) -> None:

@@ -55,14 +55,23 @@ class Settings:
     """What to run and how."""
 
     law: LawAsked
+    """The friction law, and the load its levels refer to."""
     t_end: float | None
+    """Last time [s]; that of the rig if None."""
     samples: int
+    """Number of evenly spaced rows of the export."""
     fixed_step: float | None
+    """Step of a fixed-step integrator [s]; events are located exactly if None."""
     method: str
+    """Integrator of the fixed step: ``euler``, ``heun`` or ``rk4``."""
     stick_rule: bool
+    """Whether fixed steps hold the body at rest by a rule."""
     ensemble: int | None = None
+    """Number of draws of the law's parameters; none if None."""
     seed: int = 0
+    """Seed of these draws."""
     report: Path | None = None
+    """Folder of the report; none is written if None."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,9 +79,13 @@ class Ran:
     """What was run, and what came of it."""
 
     rig: Rig
+    """The rig that was simulated."""
     chosen: ChosenLaw
+    """The law, with its estimates."""
     run: Trajectory
+    """The trajectory."""
     band: Band | None
+    """Where 95 % of the runs of an ensemble lie; None without an ensemble."""
     remarks: tuple[str, ...]
     """What does not carry over from where the law was fitted."""
 
@@ -88,7 +101,34 @@ def run(
     as_json: bool,
     enforce: bool,
 ) -> None:
-    """Simulate, export, show; then draw the page."""
+    """Simulate, export, show; then draw the page.
+
+    Parameters
+    ----------
+    path : Path or None
+        Rig file (TOML); the bundled rig if None.
+    changes : sequence of str
+        Overrides of the rig file, each as ``PATH=VALUE``.
+    settings : Settings
+        Law, end time, integrator and ensemble.
+    output : Path or None
+        CSV or Parquet file of the export; none is written if None.
+    allow_import : bool
+        Whether the rig file may import classes, which runs their code.
+    force : bool
+        Whether files that exist are replaced.
+    as_json : bool
+        Whether one JSON document is printed on stdout instead of text.
+    enforce : bool
+        Whether a criterion of the paper that fails sets the exit code.
+
+    Raises
+    ------
+    Exit
+        If a criterion fails with `enforce`.
+    ToldExit
+        If the page could not be drawn.
+    """
     if output is not None:
         check_table(output)
         refuse_overwriting(output, output.parent, force=force)
@@ -226,7 +266,20 @@ def _page(ran: Ran, settings: Settings) -> str:
 
 
 def start_of(rig: Rig, law: FrictionLaw) -> Mapping[str, float]:
-    """Return how the first trial begins; bristles that the law does not have are left out."""
+    """Return how the first trial begins; bristles that the law does not have are left out.
+
+    Parameters
+    ----------
+    rig : Rig
+        The rig, perhaps with trials.
+    law : FrictionLaw
+        The friction law.
+
+    Returns
+    -------
+    mapping of str to float
+        Initial values of states [SI] by name; the others are 0.
+    """
     if rig.measurement is None:
         return {}
     bristles = bristles_of(law)
@@ -252,7 +305,20 @@ def check_table(output: Path) -> None:
 
 
 def table_bytes(frame: "pd.DataFrame", output: Path) -> bytes:
-    """Return a table as the file's kind asks for."""
+    """Return a table as the file's kind asks for.
+
+    Parameters
+    ----------
+    frame : pandas.DataFrame
+        The table.
+    output : Path
+        The file, whose ending says CSV or Parquet.
+
+    Returns
+    -------
+    bytes
+        Contents of the file.
+    """
     if output.suffix == ".csv":
         return frame.to_csv(index=False).encode()
     buffer = io.BytesIO()

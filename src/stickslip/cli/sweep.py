@@ -41,7 +41,31 @@ def run(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Run the grid, write table and figure, show."""
+    """Run the grid, write table and figure, show.
+
+    Parameters
+    ----------
+    path : Path or None
+        Rig file (TOML); the bundled rig if None.
+    changes : sequence of str
+        Overrides of the rig file, each as ``PATH=VALUE``.
+    asked : LawAsked
+        The friction law, and the load its levels refer to.
+    vary : sequence of str
+        Axes of the grid, each as ``PATH=LOW:HIGH:N``.
+    cycles : int
+        Number of cycles that the mean is taken over; even.
+    settle : int
+        Number of cycles before them.
+    output : Path
+        CSV or Parquet file; the figure (SVG) stands beside it.
+    allow_import : bool
+        Whether the rig file may import classes, which runs their code.
+    force : bool
+        Whether files that exist are replaced.
+    as_json : bool
+        Whether one JSON document is printed on stdout instead of text.
+    """
     check_table(output)
     figure = output.with_suffix(".svg")
     for file in (output, figure):

@@ -36,7 +36,28 @@ def run(
     jobs: int | None,
     as_json: bool,
 ) -> None:
-    """Compile, and say what was done."""
+    """Compile, and say what was done.
+
+    Parameters
+    ----------
+    path : Path or None
+        Rig file (TOML) whose mechanism and laws are compiled; all mechanisms if None.
+    mechanisms : sequence of str
+        Names of the mechanisms to compile; all if empty.
+    laws : str or None
+        Names of the laws to compile, joined by commas; those of the rig, or all, if None.
+    allow_import : bool
+        Whether the rig file may import classes, which runs their code.
+    jobs : int or None
+        Number of processes; one per core if None.
+    as_json : bool
+        Whether one JSON document is printed on stdout instead of text.
+
+    Raises
+    ------
+    InputError
+        If both a rig file and mechanisms are given.
+    """
     if path is not None and mechanisms:
         raise InputError("give --rig or --mechanism, not both: a rig file has its own mechanism.")
     if path is not None:

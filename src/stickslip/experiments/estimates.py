@@ -96,6 +96,18 @@ def unit_on(mechanism: Mechanism, quantity: Quantity) -> str:
     A level over the normal force reads as a force where that force is left at 1, and about a pivot
     all are those of torque and angle.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The mechanism on which the law acts.
+    quantity : Quantity
+        The parameter of the law.
+
+    Returns
+    -------
+    str
+        SI unit.
+
     Examples
     --------
     >>> from stickslip import Axis, Pendulum
@@ -115,6 +127,22 @@ def spread_of(value: float, low: float, high: float, kind: str = "95 %") -> floa
     """Return the standard deviation that an interval stands for.
 
     The longer side counts of an interval of 95 %: the other may be cut off where values end.
+
+    Parameters
+    ----------
+    value : float
+        The estimate.
+    low : float
+        Lower end of its interval, in the unit of the value.
+    high : float
+        Upper end, likewise.
+    kind : str
+        Kind of the interval; even between the ends for a rounding range or a stated interval.
+
+    Returns
+    -------
+    float
+        Standard deviation, in the unit of the value.
 
     Examples
     --------
@@ -333,6 +361,20 @@ class LawEstimates:
         Normal with the covariance, and independent without one; even between the ends of a rounding
         range or a stated interval. Draws outside the valid ranges of the law are drawn again. Other
         parameters keep their values and are not among those returned.
+
+        Parameters
+        ----------
+        law : FrictionLaw
+            The law whose values these are.
+        count : int
+            Number of draws.
+        seed : int
+            Seed of the random numbers.
+
+        Returns
+        -------
+        dict of str to array (count,)
+            Values [SI] by full path.
 
         Raises
         ------

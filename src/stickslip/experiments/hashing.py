@@ -12,6 +12,18 @@ def with_files(digest: str, files: Sequence[Path]) -> str:
 
     Names do not count: a file that was moved is the same input.
 
+    Parameters
+    ----------
+    digest : str
+        A digest in hexadecimal.
+    files : sequence of Path
+        Files in the order in which they count.
+
+    Returns
+    -------
+    str
+        Digest in hexadecimal.
+
     Examples
     --------
     >>> with_files("0123", [])

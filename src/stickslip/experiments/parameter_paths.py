@@ -14,6 +14,18 @@ PREFIX = "mechanism"
 def all_paths(root: Parametrised, prefix: str) -> dict[str, Quantity]:
     """Return the quantities below `root` by path, those that are not given included.
 
+    Parameters
+    ----------
+    root : Parametrised
+        Mechanism, drive or law.
+    prefix : str
+        Path of `root` itself.
+
+    Returns
+    -------
+    dict of str to Quantity
+        Quantities by full path.
+
     Examples
     --------
     >>> from stickslip import SpringBlock
@@ -38,6 +50,18 @@ def all_paths(root: Parametrised, prefix: str) -> dict[str, Quantity]:
 def canonical(mechanism: Mechanism, path: str) -> str:
     """Return the full path for a full path, or for a last name that only one parameter has.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Whose parameter it is.
+    path : str
+        Full path, or last name of a parameter.
+
+    Returns
+    -------
+    str
+        Full path.
+
     Examples
     --------
     >>> from stickslip import SpringBlock
@@ -48,7 +72,25 @@ def canonical(mechanism: Mechanism, path: str) -> str:
 
 
 def quantity_at(mechanism: Mechanism, path: str) -> Quantity:
-    """Return the quantity at a full path, or say which known paths are nearest."""
+    """Return the quantity at a full path, or say which known paths are nearest.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Whose parameter it is.
+    path : str
+        Full path.
+
+    Returns
+    -------
+    Quantity
+        Symbol, unit and range of the parameter.
+
+    Raises
+    ------
+    UnknownNameError
+        If the mechanism has no such parameter.
+    """
     known = all_paths(mechanism, PREFIX)
     if path not in known:
         raise UnknownNameError("parameter", path, known)

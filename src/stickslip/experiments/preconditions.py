@@ -25,6 +25,15 @@ def refuse_faults(
 ) -> None:
     """Refuse a measurement with errors that `check` finds.
 
+    Parameters
+    ----------
+    measurement : Measurement
+        What was measured.
+    mechanism : Mechanism
+        What was measured on.
+    said : str
+        First sentence of the message.
+
     Raises
     ------
     InputError
@@ -153,6 +162,25 @@ def with_doubts(
     of: type[InputError | ConvergenceError] = InputError,
 ) -> Iterator[None]:
     """Add what `check` warns of to the message of a record that turns out not to serve.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        What was measured.
+    mechanism : Mechanism
+        What was measured on.
+    of : type of InputError or ConvergenceError
+        Type of the errors that are given the warnings.
+
+    Yields
+    ------
+    None
+        Once, for the body of a ``with`` statement.
+
+    Raises
+    ------
+    InputError, ConvergenceError
+        The error of the body, with the warnings at the end of its message.
 
     Examples
     --------

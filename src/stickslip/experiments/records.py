@@ -74,11 +74,17 @@ def load_measurement(
         or newtons per volt of an amplifier and its motor. It multiplies what a unit of the
         quantity's kind (mN, mm/s) has made SI of; where the column has another unit (V, A) or
         none, it makes SI of the numbers that stand there.
-    conditions : str or sequence of str, optional
-        Columns that hold a condition of the trial, such as a temperature or a direction: one value
-        in each trial, a number or a text. See `compare_trials`.
-    uncertainty, uncertainty_kind, overrides, initial, offset
-        As in `Measurement`, in SI; for several trials, of every one that says nothing else.
+    uncertainty : float or mapping of str to float, optional
+        As in `Measurement`, in SI. This and the next four are those of every trial that says
+        nothing else.
+    uncertainty_kind : {"standard", "rounding", "interval"}
+        As in `Measurement`.
+    overrides : mapping of str to float, optional
+        As in `Measurement`, in SI.
+    initial : mapping of str to float, optional
+        As in `Measurement`, in SI.
+    offset : mapping of str to float, optional
+        As in `Measurement`, in SI.
     name : str
         What the measurement is called; the file's name if not given.
     mechanism : Mechanism, optional
@@ -89,6 +95,9 @@ def load_measurement(
         average those of one time that differ. ``"gaps"``: drop samples that are not finite in
         every column. What was done stands in `Measurement.provenance`. Nothing is repaired unless
         it is asked for.
+    conditions : str or sequence of str, optional
+        Columns that hold a condition of the trial, such as a temperature or a direction: one value
+        in each trial, a number or a text. See `compare_trials`.
 
     Returns
     -------
@@ -139,6 +148,26 @@ def read_data(
     name: str = "",
 ) -> Measurement:
     r"""Return the measurement of one file, or of several as trials, read as they are to be.
+
+    Parameters
+    ----------
+    files : sequence of Path
+        Data files; several are several trials.
+    reading : Reading
+        Columns, units, gains, repairs and conditions.
+    mechanism : Mechanism, optional
+        Mechanism whose parameters columns may name.
+    overrides : mapping of str to float, optional
+        Parameters of every record [SI], by path.
+    initial : mapping of str to float, optional
+        Initial states of every record [SI], by name.
+    name : str
+        Name of the measurement; that of the file if empty.
+
+    Returns
+    -------
+    Measurement
+        What was measured, in SI.
 
     Examples
     --------

@@ -222,7 +222,24 @@ def state_units(mechanism: Mechanism) -> dict[str, str]:
 
 
 def check_record(mechanism: Mechanism, record: Measurement, label: str) -> None:
-    """Check that what a record overrides and starts from exists in the mechanism."""
+    """Check that what a record overrides and starts from exists in the mechanism.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured on.
+    record : Measurement
+        One record.
+    label : str
+        What messages call the record.
+
+    Raises
+    ------
+    ParameterError
+        If an overridden value is outside its range.
+    UnknownNameError
+        If a path or an initial state does not exist.
+    """
     for path in record.overrides:
         quantity_at(mechanism, path)
     try:

@@ -11,6 +11,13 @@ __all__ = ["refuse_same"]
 def refuse_same(first: Measurement, second: Measurement) -> None:
     """Refuse a second record that holds what the fit is made to, number by number.
 
+    Parameters
+    ----------
+    first : Measurement
+        What the fit is made to.
+    second : Measurement
+        What it is judged on.
+
     Raises
     ------
     InputError

@@ -14,6 +14,20 @@ __all__ = ["between_gaps", "rows_of"]
 def rows_of(record: Measurement, first: int, end: int) -> Measurement:
     """Return the rows of a record in time from one on, up to another that is left out.
 
+    Parameters
+    ----------
+    record : Measurement
+        One record in time, with n samples.
+    first : int
+        First row, from 0.
+    end : int
+        Row after the last one.
+
+    Returns
+    -------
+    Measurement
+        The record with ``end - first`` samples.
+
     Examples
     --------
     >>> record = Measurement(time=[0.0, 1.0, 2.0], position=[5.0, 6.0, 7.0], load=9.0)

@@ -70,6 +70,18 @@ def scale_of(
 def whole_cycles(mechanism: Mechanism, t_end: float) -> int:
     """Return the number of cycles of the drives that end by a time [s], at least 1.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The mechanism with its drives.
+    t_end : float
+        Last time [s].
+
+    Returns
+    -------
+    int
+        Number of cycles.
+
     Raises
     ------
     InputError

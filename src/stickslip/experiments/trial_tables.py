@@ -27,7 +27,26 @@ def read_trials(
     mechanism: Mechanism | None,
     conditions: Sequence[str] = (),
 ) -> Measurement:
-    """Return the trials of a table; what a row does not say is taken from `common`."""
+    """Return the trials of a table; what a row does not say is taken from `common`.
+
+    Parameters
+    ----------
+    frame : Frame
+        The table, one row per trial.
+    common : mapping of str to object
+        Arguments of `Measurement` for all trials.
+    name : str
+        Name of the measurement, if there are several trials.
+    mechanism : Mechanism or None
+        Mechanism whose parameters columns may name.
+    conditions : sequence of str
+        Names of the columns that hold conditions.
+
+    Returns
+    -------
+    Measurement
+        The trials, in SI.
+    """
     keys = condition_keys(frame, conditions)
     named = {key: condition_cells(frame, column) for key, column in keys.items()}
     columns = {

@@ -122,6 +122,11 @@ def check_uncertainty(
     given : object, optional
         The uncertainty as it was written; with its unit if not given.
 
+    Returns
+    -------
+    float
+        The uncertainty, as it was given.
+
     Raises
     ------
     ParameterError
@@ -188,6 +193,18 @@ def _from_text(text: str, quantity: Quantity) -> float:
 def factor(unit: str, target: str | None) -> float:
     """Return by what numbers in `unit` are to be multiplied to be in `target`, or in SI.
 
+    Parameters
+    ----------
+    unit : str
+        Unit of the numbers.
+    target : str or None
+        Unit of the result; SI if None.
+
+    Returns
+    -------
+    float
+        The factor.
+
     Examples
     --------
     >>> factor("mm", "m")
@@ -213,6 +230,18 @@ TURNED = {
 def turned(unit: str, turning: bool = True) -> str:
     """Return the unit of the same quantity about an axis; as it is where nothing is `turning`.
 
+    Parameters
+    ----------
+    unit : str
+        SI unit of a quantity along a line.
+    turning : bool
+        Whether the quantity is about an axis.
+
+    Returns
+    -------
+    str
+        SI unit.
+
     Examples
     --------
     >>> turned("N s/m"), turned("1"), turned("m", turning=False)
@@ -223,6 +252,18 @@ def turned(unit: str, turning: bool = True) -> str:
 
 def is_of(unit: str, target: str) -> bool:
     """Whether a unit is of the same kind as another one.
+
+    Parameters
+    ----------
+    unit : str
+        A unit.
+    target : str
+        The unit that it is compared with.
+
+    Returns
+    -------
+    bool
+        Whether one can be converted into the other.
 
     Examples
     --------

@@ -29,7 +29,9 @@ class TableRow:
     """One row of the paper's Table II with ours beside it."""
 
     law: FrictionLaw
+    """The row's law, with the paper's values."""
     published: Published
+    """What the paper prints in the row."""
     readings: tuple[Excitation, ...]
     """The row's law in the readings A, B and C."""
 
@@ -43,6 +45,7 @@ class PaperAudit:
     """Everything recomputed, beside what was printed."""
 
     rig: Rig
+    """The bundled rig."""
     values: PaperValues
     """The rig's numbers in the paper's terms."""
     measured: float
@@ -196,6 +199,11 @@ def audit(
         The selection on the bundled rig, if it was already made.
     progress : callable, optional
         Called with the name of a law and the number of its runs so far.
+
+    Returns
+    -------
+    PaperAudit
+        The numbers of the paper, recomputed.
 
     Examples
     --------

@@ -26,10 +26,24 @@ class BristleRow:
     held: bool
     """Whether the static switch holds the block at its first stop."""
     criteria: Criteria
+    """The paper's criteria of that run."""
 
 
 def bristle_rows(values: PaperValues, *, t_end: float) -> tuple[BristleRow, ...]:
-    """Push the block with Dahl friction, held, and with LuGre friction, not held."""
+    """Push the block with Dahl friction, held, and with LuGre friction, not held.
+
+    Parameters
+    ----------
+    values : PaperValues
+        The paper's rig and coefficients.
+    t_end : float
+        Length of the runs [s].
+
+    Returns
+    -------
+    tuple of BristleRow
+        One row per law and stiffness, Dahl first.
+    """
     _, _, push = rigs(values.rig)["A"]
     laws: list[tuple[Dahl | LuGre, float]] = []
     laws += [(dahl_row(values, stiffness), stiffness) for stiffness in STIFFNESSES]

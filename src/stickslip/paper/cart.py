@@ -35,10 +35,15 @@ class CartRun:
     """What the cart does in some cycles of the swing."""
 
     key: str
+    """Name by which figures and tables find the run."""
     title: str
+    """Words that name the run in figures and tables."""
     law: FrictionLaw | PrintedForm
+    """The law or the printed equation that was run."""
     run: Trajectory
+    """The trajectory."""
     cycles: tuple[DrivenCycle, ...]
+    """Travel of each cycle of the swing."""
 
     @property
     def travels(self) -> tuple[float, ...]:
@@ -107,7 +112,9 @@ class CartStudy:
     """The paper's two figures of the cart."""
 
     cart: PendulumCart
+    """The cart with its pendulum."""
     swing: ThreePhase
+    """The prescribed swing of the pendulum."""
     runs: tuple[CartRun, ...]
     """Fig. 2: as printed, corrected in fixed steps, exactly."""
     table_1: tuple[CartRun, ...]
@@ -193,6 +200,11 @@ def study_cart(
         What the paper chose.
     levels : tuple of float
         Kinetic and static coefficient of Table I.
+
+    Returns
+    -------
+    CartStudy
+        The runs of the two figures.
 
     Examples
     --------

@@ -22,10 +22,15 @@ class Excitation:
     key: str
     """A, B or C."""
     title: str
+    """Words that name the reading."""
     text: str
+    """What the reading assumes, in one sentence."""
     mechanism: SpringBlock
+    """The block in that reading."""
     run: Trajectory
+    """The trajectory."""
     criteria: Criteria
+    """The paper's criteria of that run."""
     closed_form: float | None
     """Travel of Coulomb friction by formula [m], where there is one."""
 
@@ -61,6 +66,22 @@ def excitations(
     rig: SpringBlock, law: FrictionLaw, *, measured: float, t_end: float
 ) -> tuple[Excitation, ...]:
     """Run a law in the three readings of the rig.
+
+    Parameters
+    ----------
+    rig : SpringBlock
+        The block, as the rig file gives it.
+    law : FrictionLaw
+        The friction law.
+    measured : float
+        Measured travel [m].
+    t_end : float
+        Length of the runs [s].
+
+    Returns
+    -------
+    tuple of Excitation
+        The readings A, B and C, in this order.
 
     Examples
     --------

@@ -51,7 +51,9 @@ class Outcome:
     test: str
     """Key of `TESTS`."""
     printed: Criteria
+    """The paper's criteria of the run with the printed equation."""
     corrected: Criteria
+    """The same with the corrected law."""
     diverged: bool
     """Whether the printed equation grew beyond all numbers."""
     lasted: float
@@ -69,7 +71,9 @@ class Consequence:
     """One printed equation and what it does in the tests."""
 
     form: type[PrintedForm]
+    """The printed equation."""
     outcomes: tuple[Outcome, ...]
+    """What came of each test of the equation."""
 
     def outcome(self, test: str) -> Outcome | None:
         """Return what came of a test; None if it says nothing about the equation."""

@@ -55,6 +55,11 @@ def beside(rig: Rig, verdict: TravelVerdict) -> Beside:
         What was measured.
     verdict : TravelVerdict
         What `select` found.
+
+    Returns
+    -------
+    Beside
+        Remark and sections of the page; empty for any other rig.
     """
     if not _bundled(rig, verdict):
         return Beside()
@@ -94,7 +99,20 @@ def _remark(found: PaperAudit) -> str:
 
 
 def paper_report(found: PaperAudit, *, command: str = "stickslip paper") -> str:
-    """Return the audit of the paper as one HTML page."""
+    """Return the audit of the paper as one HTML page.
+
+    Parameters
+    ----------
+    found : PaperAudit
+        The audit.
+    command : str
+        Command that gives this page again.
+
+    Returns
+    -------
+    str
+        The page as HTML.
+    """
     page = Page(
         title="The pendulum-driven cart paper, recomputed",
         subject="Tables and figures beside what was printed",

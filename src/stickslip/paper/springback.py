@@ -20,7 +20,9 @@ class Springback:
     """A stiff bristle law without the static switch, pushed and left to stop."""
 
     law: FrictionLaw
+    """The bristle law."""
     criteria: Criteria
+    """The paper's criteria of that run."""
 
 
 def springbacks(values: PaperValues) -> tuple[Springback, ...]:

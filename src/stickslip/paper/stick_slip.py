@@ -22,7 +22,9 @@ class StickSlip:
     """The block of Table I, pulled slowly by its spring."""
 
     mechanism: TowedBlock
+    """The block with the spring that pulls it."""
     run: Trajectory
+    """The trajectory."""
     stick_time: float
     """Of a period, from the run [s]."""
     slip_time: float

@@ -40,17 +40,20 @@ class Requirement:
     published: float
     """Printed travel [m]."""
     symbol: str
+    """Symbol of the parameter."""
     unit: str
+    """Its SI unit."""
     value: float | None
     """What it would have to be; None if no value gives the row."""
     low: float | None
-    """End of the range for travels that round to the printed one."""
+    """Lower end of the range for travels that round to the printed one."""
     high: float | None
+    """Upper end of that range."""
     start: float
     """Travel with the least value tried [m]."""
     kept: bool
-    """Whether the model and all that is published are kept, so that only unpublished values"
-    " differ."""
+    """Whether the model and all that is published are kept, so that only unpublished values
+    differ."""
     text: str
     """What that means, in words."""
     solution: FrictionLaw | None
@@ -80,6 +83,11 @@ def requirements(
         Printed travel [m] by law.
     t_end : float
         Length of the paper's runs [s].
+
+    Returns
+    -------
+    tuple of Requirement
+        One entry per reading of each law with a free value and a published travel.
     """
     readings = {key: rigs(values.rig)[key][-1] for key in READINGS}
     return tuple(
@@ -148,6 +156,7 @@ class StepTravel:
     """What a fixed step makes of a published travel, with the stick rule."""
 
     law: FrictionLaw
+    """The law, with its published values."""
     published: float
     """Printed travel [m]."""
     travel: float
@@ -169,6 +178,11 @@ def step_travels(
         Printed travel [m] by law.
     t_end : float
         Length of the paper's runs [s].
+
+    Returns
+    -------
+    tuple of StepTravel
+        One entry per law with a published travel.
     """
     level = {"kinetic_coefficient": values.mu_k, "static_coefficient": values.mu_s}
     laws = [
@@ -188,7 +202,20 @@ def step_travels(
 
 
 def dahl_row(values: PaperValues, sigma_0: float) -> Dahl:
-    """Return Dahl friction with bristles of a stiffness [N/m], held at the first stop."""
+    """Return Dahl friction with bristles of a stiffness [N/m], held at the first stop.
+
+    Parameters
+    ----------
+    values : PaperValues
+        The paper's rig and coefficients.
+    sigma_0 : float
+        Stiffness of the bristles [N/m].
+
+    Returns
+    -------
+    Dahl
+        The law, its levels over the load.
+    """
     return Dahl.from_forces(
         load=values.load,
         kinetic_force=values.mu_k * values.load,
@@ -198,7 +225,20 @@ def dahl_row(values: PaperValues, sigma_0: float) -> Dahl:
 
 
 def lugre_row(values: PaperValues, sigma_0: float) -> LuGre:
-    """Return LuGre friction with the damping, viscosity and Stribeck velocity of LuGre 1995."""
+    """Return LuGre friction with the damping, viscosity and Stribeck velocity of LuGre 1995.
+
+    Parameters
+    ----------
+    values : PaperValues
+        The paper's rig and coefficients.
+    sigma_0 : float
+        Stiffness of the bristles [N/m].
+
+    Returns
+    -------
+    LuGre
+        The law, its levels over the load.
+    """
     return LuGre.from_forces(
         load=values.load,
         kinetic_force=values.mu_k * values.load,

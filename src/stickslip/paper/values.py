@@ -16,10 +16,13 @@ class PaperValues:
     """Rig and coefficients in the paper's own terms: forces, not levels."""
 
     rig: SpringBlock
+    """The block, as the rig file gives it."""
     measured: float
     """Measured travel [m]."""
     mu_k: float
+    """Kinetic coefficient."""
     mu_s: float
+    """Static coefficient."""
     viscous: float
     """Viscous coefficient [N s/m]; assumed."""
     stribeck_velocity: float

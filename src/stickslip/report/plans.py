@@ -53,6 +53,11 @@ def plan_page(
     digest : str
         Hash of the inputs.
 
+    Returns
+    -------
+    Page
+        The sheet, not yet rendered.
+
     Examples
     --------
     >>> from stickslip import SpringBlock, plan

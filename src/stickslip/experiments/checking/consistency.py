@@ -71,7 +71,20 @@ def _guess(factor: float) -> str:
 
 
 def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
-    """Compare the sign of friction with that of the velocity."""
+    """Compare the sign of friction with that of the velocity.
+
+    Parameters
+    ----------
+    record : Measurement
+        One record.
+    motion : Motion or None
+        Its velocity; None if it has none.
+
+    Yields
+    ------
+    Finding
+        What was found.
+    """
     if motion is None or not isinstance(record.friction, np.ndarray):
         return
     direction = motion.directions

@@ -149,6 +149,18 @@ def check(measurement: Measurement, *, mechanism: Mechanism | None = None) -> Ch
 def faults(measurement: Measurement, *, mechanism: Mechanism | None = None) -> tuple[Finding, ...]:
     """Return the errors that `check` finds, without the work for what is no error.
 
+    Parameters
+    ----------
+    measurement : Measurement
+        What was measured.
+    mechanism : Mechanism, optional
+        What was measured on, if known.
+
+    Returns
+    -------
+    tuple of Finding
+        Findings of severity ``"error"``.
+
     Examples
     --------
     >>> still = Measurement(time=np.arange(50.0), position=np.zeros(50))

@@ -44,7 +44,20 @@ IMPOSSIBLE: Final = 300.0
 
 
 def missing(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
-    """Say that nothing was recorded that could drive a motion, nor does the mechanism."""
+    """Say that nothing was recorded that could drive a motion, nor does the mechanism.
+
+    Parameters
+    ----------
+    record : Measurement
+        One record.
+    mechanism : Mechanism or None
+        What was measured on; None if unknown.
+
+    Yields
+    ------
+    Finding
+        What was found.
+    """
     known = record.quantities()
     moved = "position" in known or "velocity" in known
     if record.time is None or not moved or {*known} & {*DRIVES, *OTHERS}:
@@ -65,6 +78,18 @@ def has_offset(record: Measurement, mechanism: Mechanism | None) -> bool:
 
     A sensor of force may have one, and so may the mechanism; one that drives itself, and whose
     position alone was recorded, has the forces that its parameters say.
+
+    Parameters
+    ----------
+    record : Measurement
+        One record.
+    mechanism : Mechanism or None
+        What was measured on; None if unknown.
+
+    Returns
+    -------
+    bool
+        Whether a fit may have a constant force.
     """
     measured = {*record.quantities()} & {*DRIVES, *OTHERS}
     return bool(measured) or mechanism is None or "offset" in mechanism.__dataclass_fields__
@@ -75,6 +100,18 @@ def energy(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding
 
     At one position springs hold the same energy every time, so that without a drive no later
     passage can be faster; without a spring no speed can rise and fall again.
+
+    Parameters
+    ----------
+    record : Measurement
+        One record.
+    mechanism : Mechanism or None
+        What was measured on; None if unknown.
+
+    Yields
+    ------
+    Finding
+        What was found.
     """
     if not _undriven(record) or (mechanism is not None and not _passive(mechanism, record)):
         return
@@ -232,7 +269,20 @@ def _pull(mechanism: Mechanism, x: Array) -> Array:
 
 
 def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
-    """Compare a force with what a mechanism takes to move as it did, friction left aside."""
+    """Compare a force with what a mechanism takes to move as it did, friction left aside.
+
+    Parameters
+    ----------
+    record : Measurement
+        One record.
+    mechanism : Mechanism or None
+        What was measured on; None if unknown.
+
+    Yields
+    ------
+    Finding
+        What was found.
+    """
     known = record.quantities()
     if mechanism is None or "force" not in known or record.time is None:
         return

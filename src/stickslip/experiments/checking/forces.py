@@ -36,6 +36,18 @@ def direction(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
     """Doubt the sign of a force that seems to move a negative inertia against negative friction.
 
     Springs and a constant are left aside; no passive mechanism has both.
+
+    Parameters
+    ----------
+    record : Measurement
+        One record.
+    motion : Motion or None
+        Its velocity; None if it has none.
+
+    Yields
+    ------
+    Finding
+        What was found.
     """
     known = {*record.quantities()}
     if motion is None or "force" not in known or known & {"friction", "spring_force", "pull"}:
@@ -72,7 +84,20 @@ def direction(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
 
 
 def coefficient(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:
-    """Doubt friction that is a small share of its load and of the size of a coefficient."""
+    """Doubt friction that is a small share of its load and of the size of a coefficient.
+
+    Parameters
+    ----------
+    record : Measurement
+        One record.
+    mechanism : Mechanism or None
+        What was measured on, perhaps with a load; None if unknown.
+
+    Yields
+    ------
+    Finding
+        What was found.
+    """
     if record.friction is None:
         return
     if record.load is None:

@@ -114,6 +114,20 @@ def is_narrow(values: Array, step: float, frequency: float) -> bool:
 
     Below some 16 periods in a block of 20 s, a line cannot be told from a broader peak.
 
+    Parameters
+    ----------
+    values : array (n,)
+        Evenly sampled signal.
+    step : float
+        Time between samples [s].
+    frequency : float
+        Frequency of the line [Hz].
+
+    Returns
+    -------
+    bool
+        Whether there is such a line.
+
     Examples
     --------
     >>> t = np.arange(0.0, 20.0, 1e-3)

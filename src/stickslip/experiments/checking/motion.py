@@ -41,6 +41,7 @@ class Motion:
     """The velocity of a record and what of it is noise."""
 
     time: Array
+    """Times (n,) [s]."""
     velocity: Array
     """Filtered [m/s]."""
     noise: float
@@ -95,6 +96,18 @@ def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
 
     Motion one way tells no friction level from a constant force: one that a fit looks for, or that
     a sensor of force may add. Where there is no such `offset`, nothing is lost.
+
+    Parameters
+    ----------
+    motion : Motion
+        Velocity of a record.
+    offset : bool
+        Whether a constant force may stand beside friction.
+
+    Yields
+    ------
+    Finding
+        What was found.
     """
     seen = motion.directions[motion.directions != 0]
     if not seen.size:

@@ -297,7 +297,20 @@ def quantised(record: Measurement) -> Iterator[Finding]:
 
 
 def plausible(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
-    """Ask for the unit of numbers that no rig has."""
+    """Ask for the unit of numbers that no rig has.
+
+    Parameters
+    ----------
+    record : Measurement
+        One record.
+    motion : Motion or None
+        Its velocity; None if it has none.
+
+    Yields
+    ------
+    Finding
+        What was found, by quantity.
+    """
     for name, values in arrays(record):
         unit = record.unit(name)
         largest, span = float(np.abs(values).max()), float(np.ptp(values))

@@ -29,16 +29,32 @@ class Level(NamedTuple):
     """A signal without what the motion explains of it."""
 
     name: str
+    """Name of the quantity."""
     what: str
     """Where it comes from, in words."""
     values: Array
+    """What remains of the signal (n,)."""
     size: float
     """Root mean square of the whole signal."""
     unit: str = "N"
+    """SI unit of the signal."""
 
 
 def levels(record: Measurement, motion: Motion | None) -> Iterator[Level]:
-    """Yield forces less what acceleration, velocity and direction explain of them."""
+    """Yield forces less what acceleration, velocity and direction explain of them.
+
+    Parameters
+    ----------
+    record : Measurement
+        One record.
+    motion : Motion or None
+        Its velocity; None if it has none.
+
+    Yields
+    ------
+    Level
+        One entry per force that was recorded.
+    """
     for name in FORCES:
         if not isinstance(getattr(record, name), np.ndarray):
             continue
@@ -120,7 +136,20 @@ def _doubt(values: Array) -> float:
 
 
 def effective(record: Measurement, found: list[Level]) -> Iterator[Finding]:
-    """Say how many independent values the record has, and of what."""
+    """Say how many independent values the record has, and of what.
+
+    Parameters
+    ----------
+    record : Measurement
+        One record.
+    found : list of Level
+        Forces without what the motion explains of them.
+
+    Yields
+    ------
+    Finding
+        What was found.
+    """
     chosen = next((level for level in found if level.name != "load"), None)
     time = record.time
     if chosen is not None:

@@ -22,10 +22,19 @@ MOTORS = {
 def check_columns(names: Iterable[str], mechanism: Mechanism | None = None) -> None:
     """Check that each key of ``columns`` is a quantity or a path: a typo would drop its column.
 
+    Parameters
+    ----------
+    names : iterable of str
+        Keys of ``columns``: quantities or parameter paths.
+    mechanism : Mechanism, optional
+        Mechanism whose parameters may be named too.
+
     Raises
     ------
     InputError
-        If one is not.
+        If a name is ``current``, ``voltage`` or ``torque``, which is read as a force with a gain.
+    UnknownNameError
+        If a name is neither a quantity nor a path.
 
     Examples
     --------

@@ -41,6 +41,18 @@ def by_trial(frame: Frame) -> Iterator[tuple[str, Frame]]:
 def condition_keys(frame: Frame, wanted: Sequence[str]) -> dict[str, str]:
     """Return by name of a condition, with its unit if its column has one, the name of its column.
 
+    Parameters
+    ----------
+    frame : Frame
+        The table.
+    wanted : sequence of str
+        Names of the columns that hold conditions.
+
+    Returns
+    -------
+    dict of str to str
+        Names of columns by name of the condition.
+
     Raises
     ------
     UnknownNameError
@@ -57,7 +69,20 @@ def condition_keys(frame: Frame, wanted: Sequence[str]) -> dict[str, str]:
 
 
 def condition_cells(frame: Frame, name: str) -> list[float | str | None]:
-    """Return the cells of a column as numbers, or as texts if one is none; None where empty."""
+    """Return the cells of a column as numbers, or as texts if one is none; None where empty.
+
+    Parameters
+    ----------
+    frame : Frame
+        The table.
+    name : str
+        Name of the column.
+
+    Returns
+    -------
+    list of float, str or None (rows,)
+        The cells.
+    """
     column = frame.data[frame.names[name]]
     numbers = pd.to_numeric(column, errors="coerce")
     if numbers.notna().sum() == column.notna().sum() and column.dtype != bool:
@@ -69,6 +94,18 @@ def conditions_in(frame: Frame, wanted: Sequence[str]) -> dict[str, float | str]
     """Return the conditions of a record, whose columns have one value each.
 
     A condition without any value is left out.
+
+    Parameters
+    ----------
+    frame : Frame
+        The table of one record.
+    wanted : sequence of str
+        Names of the columns that hold conditions.
+
+    Returns
+    -------
+    dict of str to float or str
+        Values by name of the condition.
 
     Raises
     ------
@@ -100,7 +137,20 @@ def conditions_in(frame: Frame, wanted: Sequence[str]) -> dict[str, float | str]
 
 
 def unused_in(frame: Frame, used: Collection[str]) -> dict[str, float | str | None]:
-    """Return the columns that nothing was read from, with their value if they have one."""
+    """Return the columns that nothing was read from, with their value if they have one.
+
+    Parameters
+    ----------
+    frame : Frame
+        The table.
+    used : collection of str
+        Names of the columns that were read.
+
+    Returns
+    -------
+    dict of str to float, str or None
+        Values by name of the column; None where they differ.
+    """
     found: dict[str, float | str | None] = {}
     for name in frame.names:
         if name in used or not name:

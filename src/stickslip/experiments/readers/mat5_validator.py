@@ -32,7 +32,9 @@ class Element(NamedTuple):
     """One piece of a file."""
 
     kind: int
+    """Number of its data type in the MAT-file format."""
     body: memoryview
+    """Its bytes, without the tag."""
 
 
 def is_level_5(data: bytes) -> bool:

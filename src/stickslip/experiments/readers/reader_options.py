@@ -19,6 +19,18 @@ PAIR: Final = (list, tuple)
 def column_of(quantity: str, given: Any) -> Column:
     """Return the name of the column that holds a quantity, or the two names of a position.
 
+    Parameters
+    ----------
+    quantity : str
+        Name of the quantity.
+    given : object
+        What ``columns`` says of it.
+
+    Returns
+    -------
+    str or tuple of str
+        Name of the column, or both names.
+
     Raises
     ------
     InputError

@@ -35,7 +35,9 @@ class Frame:
     """A table whose columns are known by the quantities they hold."""
 
     file: str
+    """Name of the file, for messages."""
     data: pd.DataFrame
+    """The table, one row per sample or trial."""
     names: Mapping[str, str]
     """Quantity, parameter path, or the column's own name -> column in the data."""
     units: Mapping[str, str | None]
@@ -49,11 +51,36 @@ class Frame:
         return f"{kind} {self.first_row + int(self.data.index[row])}"
 
     def place(self, name: str, row: int) -> str:
-        """Return where a cell stands, for messages."""
+        """Return where a cell stands, for messages.
+
+        Parameters
+        ----------
+        name : str
+            Quantity, path or name of a column.
+        row : int
+            Number of the row, from 0.
+
+        Returns
+        -------
+        str
+            File, column and line.
+        """
         return f"{self.file}: column {self.names[name]!r}, {self.line(row)}"
 
     def numbers(self, name: str, target: str | None) -> NDArray[np.float64]:
         """Return a column (n,) as numbers in the target unit, or in SI.
+
+        Parameters
+        ----------
+        name : str
+            Quantity, path or name of a column.
+        target : str or None
+            Unit of the result; SI if None.
+
+        Returns
+        -------
+        array (n,)
+            Finite numbers in that unit.
 
         Raises
         ------
@@ -69,6 +96,25 @@ class Frame:
 
         All are finite, unless `holes` lets cells be empty, NaN or infinite. `repairable` says that
         the caller has an option that would.
+
+        Parameters
+        ----------
+        name : str
+            Quantity, path or name of a column.
+        holes : bool
+            Whether cells may be empty, NaN or infinite.
+        repairable : bool
+            Whether the message names the option that drops such rows.
+
+        Returns
+        -------
+        array (n,)
+            Numbers in the unit of the file; NaN where a cell is empty.
+
+        Raises
+        ------
+        ParameterError
+            If a cell is not a number, or not finite without `holes`.
         """
         column = self.data[self.names[name]]
         if name == "time" and not pd.api.types.is_numeric_dtype(
@@ -97,7 +143,27 @@ class Frame:
     def scaled(
         self, name: str, values: NDArray[np.float64], target: str | None
     ) -> NDArray[np.float64]:
-        """Convert values of a column from its unit to the target unit, or to SI."""
+        """Convert values of a column from its unit to the target unit, or to SI.
+
+        Parameters
+        ----------
+        name : str
+            Quantity, path or name of a column.
+        values : array (n,)
+            Numbers in the unit of the file.
+        target : str or None
+            Unit of the result; SI if None.
+
+        Returns
+        -------
+        array (n,)
+            Numbers in that unit.
+
+        Raises
+        ------
+        ParameterError
+            If the unit of the column is of another kind.
+        """
         unit = self.units.get(name)
         if unit is None:
             return values
@@ -127,7 +193,27 @@ def _is_other(column: "pd.Series[Any]") -> bool:
 def read_frame(
     path: str | Path, *, columns: Mapping[str, Column], units: Mapping[str, str]
 ) -> Frame:
-    """Read a file and find out what its columns hold."""
+    """Read a file and find out what its columns hold.
+
+    Parameters
+    ----------
+    path : str or Path
+        A ``.csv``, ``.tsv``, ``.txt``, ``.parquet``, ``.pq`` or ``.mat`` file.
+    columns : mapping of str to str or tuple of str
+        Names of columns by quantity or path, where they differ.
+    units : mapping of str to str
+        Units of columns by quantity or path, where the header has none.
+
+    Returns
+    -------
+    Frame
+        The table.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is of another kind, or has no rows.
+    """
     check_file(path)
     single = dict(_single(columns))
     file, suffix = str(path), Path(path).suffix.lower()

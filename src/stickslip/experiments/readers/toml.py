@@ -15,7 +15,25 @@ LARGEST = 10_000_000
 
 
 def read_bytes(path: str | Path, *, largest: int | None = None) -> bytes:
-    """Return the contents of a regular file, or say why it cannot be read."""
+    """Return the contents of a regular file, or say why it cannot be read.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    largest : int, optional
+        Largest size [bytes]; no limit if not given.
+
+    Returns
+    -------
+    bytes
+        Its contents.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is empty or too large.
+    """
     check_file(path, largest=largest)
     try:
         return Path(path).read_bytes()
@@ -24,7 +42,20 @@ def read_bytes(path: str | Path, *, largest: int | None = None) -> bytes:
 
 
 def check_file(path: str | Path, *, largest: int | None = None) -> None:
-    """Check that a file is there, is a file, and is neither empty nor too large."""
+    """Check that a file is there, is a file, and is neither empty nor too large.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    largest : int, optional
+        Largest size [bytes]; no limit if not given.
+
+    Raises
+    ------
+    InputError
+        If it is not a regular file, is empty or too large.
+    """
     if not isinstance(path, str | Path):
         raise InputError(f"A path must be text or a Path, got {path!r}.")
     try:
@@ -60,7 +91,25 @@ def _siblings(path: Path) -> str:
 
 
 def decode(data: bytes, file: str) -> str:
-    """Return text from UTF-8, or the line at which it is none."""
+    """Return text from UTF-8, or the line at which it is none.
+
+    Parameters
+    ----------
+    data : bytes
+        Text in UTF-8, perhaps with a byte-order mark.
+    file : str
+        Name of the file, for messages.
+
+    Returns
+    -------
+    str
+        The text.
+
+    Raises
+    ------
+    InputError
+        If it is not UTF-8.
+    """
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -72,7 +121,25 @@ def decode(data: bytes, file: str) -> str:
 
 
 def parse(data: bytes, file: str) -> dict[str, Any]:
-    """Return the tables of a TOML file."""
+    """Return the tables of a TOML file.
+
+    Parameters
+    ----------
+    data : bytes
+        Text of a TOML file.
+    file : str
+        Name of the file, for messages.
+
+    Returns
+    -------
+    dict of str to object
+        Tables and values by key.
+
+    Raises
+    ------
+    InputError
+        If it is not valid TOML, or has no tables.
+    """
     try:
         tables = tomllib.loads(decode(data, file))
     except tomllib.TOMLDecodeError as error:
@@ -90,6 +157,18 @@ def parse(data: bytes, file: str) -> dict[str, Any]:
 
 def apply(tables: dict[str, Any], overrides: Mapping[Any, object]) -> None:
     """Put values given by dotted path into the tables.
+
+    Parameters
+    ----------
+    tables : dict of str to object
+        Tables of a rig file, which are changed in place.
+    overrides : mapping of object to object
+        Values by dotted path.
+
+    Raises
+    ------
+    InputError
+        If a path is malformed, or leads through something that is no table.
 
     Examples
     --------

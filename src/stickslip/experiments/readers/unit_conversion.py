@@ -29,10 +29,24 @@ TWICE: Final = 0.01
 def gains_of(given: Mapping[str, float], known: Iterable[str]) -> dict[str, float]:
     """Return gains as numbers, each of a quantity that is known.
 
+    Parameters
+    ----------
+    given : mapping of str to float
+        Gains by quantity.
+    known : iterable of str
+        Quantities that were read.
+
+    Returns
+    -------
+    dict of str to float
+        Gains by quantity.
+
     Raises
     ------
-    InputError
-        If one is not a finite number other than 0, or of nothing that was read.
+    ParameterError
+        If one is not a finite number other than 0.
+    UnknownNameError
+        If one is of a quantity that was not read.
 
     Examples
     --------
@@ -56,6 +70,18 @@ def gains_of(given: Mapping[str, float], known: Iterable[str]) -> dict[str, floa
 
 def load_stated(mechanism: Mechanism | None, overrides: Mapping[str, float]) -> float | None:
     """Return the load that a mechanism states [N], or None where it has one only by default.
+
+    Parameters
+    ----------
+    mechanism : Mechanism or None
+        What was measured on; None if unknown.
+    overrides : mapping of str to float
+        Parameters of the record [SI], by full path.
+
+    Returns
+    -------
+    float or None
+        Normal force [N].
 
     Examples
     --------
@@ -82,7 +108,9 @@ class Scaling:
     """How the columns of one file become numbers in SI."""
 
     frame: "Frame"
+    """The table of the file."""
     gains: Mapping[str, float]
+    """Factors by quantity."""
     load: Array | float | None = None
     """Normal force [N] by which coefficients are multiplied where the file has none."""
     load_offset: float = 0.0

@@ -18,6 +18,7 @@ class Known(NamedTuple):
     """Laws with all parameters by name, and what else a file says of laws."""
 
     laws: Mapping[str, FrictionLaw]
+    """Complete laws by registry name."""
     assumed: Mapping[str, tuple[str, ...]]
     """Fields that were marked as assumed."""
     named: tuple[str, ...]
@@ -35,6 +36,27 @@ def known_laws(
     """Return the laws for which the table gives every required parameter.
 
     A value in a law's own table comes before a shared one, but not before an override of that.
+
+    Parameters
+    ----------
+    friction : Table
+        The table ``[friction]``.
+    file : str
+        Name of the file, for messages.
+    overridden : collection of str
+        Paths that overrides set.
+    kinds : mapping of str to type of FrictionLaw
+        Types of laws by registry name.
+
+    Returns
+    -------
+    Known
+        Complete laws, with their assumed fields.
+
+    Raises
+    ------
+    ParameterError
+        If the table of a law lacks a required parameter.
     """
     found: dict[str, FrictionLaw] = {}
     assumed: dict[str, tuple[str, ...]] = {}
@@ -66,7 +88,24 @@ def known_laws(
 def overridden_fields(
     law: type[FrictionLaw], overridden: Collection[str], *, shared: bool = True, own: bool = True
 ) -> set[str]:
-    """Return the fields of a law that overrides set: by shared paths, by those of its own table."""
+    """Return the fields of a law that overrides set: by shared paths, by those of its own table.
+
+    Parameters
+    ----------
+    law : type of FrictionLaw
+        Type of the law.
+    overridden : collection of str
+        Paths that overrides set.
+    shared : bool
+        Whether paths shared by all laws count.
+    own : bool
+        Whether paths of the law's own table count.
+
+    Returns
+    -------
+    set of str
+        Names of fields.
+    """
     found = set()
     forces = force_parameters(law)
     for path in overridden:

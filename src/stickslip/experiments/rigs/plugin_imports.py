@@ -52,6 +52,11 @@ def imported(
     allow : bool
         Whether the user allows it.
 
+    Returns
+    -------
+    Imported
+        The classes that were imported.
+
     Raises
     ------
     InputError

@@ -45,7 +45,22 @@ BUNDLED = "paper_rig.toml"
 def read_rig(
     path: str | Path | None, overrides: Mapping[str, Any], *, allow_import: bool = False
 ) -> Rig:
-    """Return the rig of a file, or the bundled one, with overrides put in."""
+    """Return the rig of a file, or the bundled one, with overrides put in.
+
+    Parameters
+    ----------
+    path : str, Path or None
+        Rig file (TOML); the bundled rig if None.
+    overrides : mapping of str to object
+        Values by dotted path, which replace those of the file.
+    allow_import : bool
+        Whether the file may import classes, which runs their code.
+
+    Returns
+    -------
+    Rig
+        The rig.
+    """
     if path is None:
         file, data = BUNDLED, files("stickslip.experiments").joinpath(BUNDLED).read_bytes()
     else:

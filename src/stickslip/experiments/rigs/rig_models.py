@@ -34,7 +34,9 @@ class Given:
     """A number from a file, and whether it bears the mark that it may have there."""
 
     value: float
+    """The number [SI]."""
     marked: bool
+    """Whether it bears the mark."""
     uncertainty: float | None = None
     """Its standard uncertainty, in the unit of the number."""
 
@@ -44,6 +46,7 @@ class Number:
     """Annotation of a field that holds a quantity."""
 
     quantity: Quantity
+    """Symbol, unit and range of the number."""
     mark: str = ""
     """What may be said of it, such as ``"assumed"``: ``{ value = ..., assumed = true }``."""
     alternatives: tuple[Quantity, ...] = ()
@@ -220,6 +223,24 @@ def table_of(
     With a `mark`, that may be said of its own numbers, and where they are `measured` they may have
     an uncertainty. What is `moved`, in m or in rad, decides
     between the units of a motor or a profile; without it both will do.
+
+    Parameters
+    ----------
+    cls : type
+        Class of a mechanism or a drive.
+    kind : str
+        What its ``type`` must say.
+    mark : str
+        Mark that its numbers may bear; none if empty.
+    moved : str
+        Unit of the coordinate that it moves, ``"m"`` or ``"rad"``; both will do if empty.
+    measured : bool
+        Whether its numbers may have an uncertainty.
+
+    Returns
+    -------
+    type of Table
+        A pydantic model of the table.
     """
     fields: dict[str, Any] = {"type": (Literal[kind], ...)}
     for field in dataclasses.fields(cls):

@@ -25,6 +25,24 @@ def rig_toml(
     Numbers, texts, truth values, motors and profiles are written; a drive is left out, which in an
     identified mechanism is the record itself. What is in no registry is named by its import path.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The mechanism.
+    law : FrictionLaw
+        The friction law.
+    title : str
+        Title of the rig; none is written if empty.
+    t_end : float, optional
+        Length of the runs [s]; none is written if not given.
+    estimates : LawEstimates, optional
+        Intervals and covariance of the law's parameters.
+
+    Returns
+    -------
+    str
+        Text in TOML.
+
     Examples
     --------
     >>> from stickslip import Axis, Coulomb

@@ -37,6 +37,7 @@ class RunTable(Table):
     """How long runs last."""
 
     t_end: Annotated[Any, Number(Quantity("t_end", "s", above=0))] = 10.0
+    """Last time of the runs [s]."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -87,15 +88,21 @@ class TrialTable(ReadTable):
     """
 
     travel: Annotated[Any, Number(TRAVEL)] = None
+    """Measured travel [m]."""
     mean_velocity: Annotated[Any, Number(QUANTITIES["mean_velocity"])] = None
+    """Measured mean velocity of a driven rig [m/s]."""
     travel_per_cycle: Annotated[Any, Number(QUANTITIES["travel_per_cycle"])] = None
+    """Measured travel per cycle of the drive [m]."""
     file: str = Field(default="", description="a record, relative to the rig file")
     uncertainty: Annotated[Any, Doubt()] = Field(
         default=None, description="above 0, in the unit of what was measured"
     )
     uncertainty_kind: Literal["rounding", "standard", "interval"] = "standard"
+    """What the uncertainty is, as in `Measurement`."""
     name: str = ""
+    """Name of the trial."""
     provenance: str = ""
+    """Where the trial is from."""
     set: dict[str, Any] = Field(
         default={}, description="parameter path: value in this trial, perhaps with its uncertainty"
     )
@@ -136,11 +143,17 @@ class PublishedTable(Table):
     law: Annotated[str, AfterValidator(_known_law)] = Field(
         json_schema_extra=lambda schema: schema.update(enum=list(known_laws()))
     )
+    """Registry name of the law."""
     travel: Annotated[Any, Number(TRAVEL)] = None
+    """Printed travel [m]."""
     velocity_positive: bool | None = None
+    """Whether the velocity never becomes negative, as printed."""
     displacement_monotone: bool | None = None
+    """Whether the displacement never decreases, as printed."""
     relative_error: Annotated[Any, Number(Quantity("e", "1", low=0))] = None
+    """Printed error of the travel over the measured travel."""
     note: str = ""
+    """A remark."""
 
 
 class EstimatesTable(Table):
@@ -148,6 +161,7 @@ class EstimatesTable(Table):
 
     law: str = Field(description="whose values these are")
     interval: Literal["95 %", "rounding range", "stated interval"] = "95 %"
+    """Kind of the intervals."""
     levels: Literal["per load", "forces", "torques"] = Field(
         default="per load",
         description="whether levels and bristles are over the normal force, or none was known",
@@ -174,15 +188,25 @@ class RigTable(Table):
     """A rig: what moves, which friction values are known, and what was measured."""
 
     title: str = ""
+    """Title of the rig; the name of the file if empty."""
     subject: str = ""
+    """What moves, in words."""
     source: str = ""
+    """Where the rig is from."""
     run: RunTable = RunTable()
+    """Length of the runs."""
     trial: list[TrialTable] = Field(default=[], min_length=1)
+    """Measured runs."""
     data: DataTable = DataTable()
+    """Data files."""
     published: list[PublishedTable] = Field(default=[], min_length=1)
+    """What a publication reports, by law."""
     estimates: EstimatesTable | None = None
+    """How well the values of one law are known."""
     mechanism: Any
+    """The mechanism; `rig_table` sets its type."""
     friction: FrictionTable
+    """Parameters of friction laws."""
 
 
 @functools.cache
@@ -192,6 +216,18 @@ def rig_table(
     """Return the model of a rig file with all mechanisms, drives and laws that are installed.
 
     A mechanism of the user's, with its ``type``, and more laws may come to them.
+
+    Parameters
+    ----------
+    own : tuple of str and type of Mechanism, optional
+        Import path and class of a mechanism that is in no registry.
+    laws : tuple of type of FrictionLaw
+        Types of laws that are in no registry.
+
+    Returns
+    -------
+    type of RigTable
+        A pydantic model of the whole file.
     """
     known = {**mechanisms(), **({} if own is None else dict([own]))}
     options = choice(

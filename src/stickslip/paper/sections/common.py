@@ -19,7 +19,20 @@ def in_words(number: int) -> str:
 
 
 def travel_axis(found: PaperAudit, caption: str) -> Axis:
-    """Return the travel axis of the tables, with the measured travel as its line."""
+    """Return the travel axis of the tables, with the measured travel as its line.
+
+    Parameters
+    ----------
+    found : PaperAudit
+        The audit, which has the measured travel.
+    caption : str
+        What the marks are.
+
+    Returns
+    -------
+    Axis
+        An axis from 0 to 0.5 m.
+    """
     return Axis(
         low=0.0,
         high=0.5,

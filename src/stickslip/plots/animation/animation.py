@@ -175,6 +175,30 @@ def frame_times(
 ) -> NDArray[np.float64]:
     """Return the times of the frames of an animation [s]: evenly spaced, the start among them.
 
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    mechanism : Mechanism
+        What moves in it.
+    fps : float
+        Frames per second of the animation [1/s].
+    speed : float
+        Seconds of the run per second of the animation.
+    until : float, optional
+        Last time shown [s]; if not given, as in `animate`.
+
+    Returns
+    -------
+    array (n,)
+        Times [s].
+
+    Raises
+    ------
+    InputError
+        If a number is not finite and above 0, `until` lies outside the run, or there are too many
+        frames.
+
     Examples
     --------
     >>> from stickslip import Coulomb, Pendulum, simulate
@@ -216,7 +240,28 @@ def frames(
     dpi: float,
     scene: Scene | None,
 ) -> Iterator[Pixels]:
-    """Yield pictures (height, width, 3) of a run at some times."""
+    """Yield pictures (height, width, 3) of a run at some times.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    mechanism : Mechanism
+        What moves in it.
+    times : array (n,)
+        Times of the frames [s].
+    size : tuple of float
+        Width and height [CSS px].
+    dpi : float
+        Resolution; 72 makes one pixel of each CSS pixel.
+    scene : callable or None
+        How the mechanism is drawn; its registered scene if None.
+
+    Yields
+    ------
+    array (height, width, 3)
+        One frame in RGB.
+    """
     with house_style():
         figure = Figure(figsize=(size[0] / 72, size[1] / 72), dpi=dpi, layout="constrained")
         figure.set_facecolor(SURFACE)

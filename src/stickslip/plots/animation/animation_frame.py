@@ -45,6 +45,20 @@ def moments_of(
 ) -> list[Moment]:
     """Return the columns of a run and the values of its drives at each of some times.
 
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    mechanism : Mechanism
+        What moves in it.
+    times : array (n,)
+        Times [s].
+
+    Returns
+    -------
+    list of mapping of str to float
+        One entry per time, with the values [SI] by name.
+
     Examples
     --------
     >>> from stickslip import Axis, Coulomb, simulate

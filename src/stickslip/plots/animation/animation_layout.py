@@ -38,6 +38,11 @@ def layout(figure: Figure, *, narrow: bool, flat: bool) -> tuple[Axes, list[Axes
         Whether there is room for one column only.
     flat : bool
         Whether the scene is much wider than high.
+
+    Returns
+    -------
+    tuple of Axes and list of Axes
+        Axes of the scene, and of the three plots.
     """
     figure.set_layout_engine("none")
     width, height = (72.0 * inches for inches in figure.get_size_inches())

@@ -51,14 +51,22 @@ def animation_html(
         What moves in it.
     alt : str
         What is to be seen, for readers who cannot see it.
-    fps, speed, until, size, scene
-        As in `animate`.
+    fps : float
+        Frames per second of the animation, as in `animate` [1/s].
+    speed : float
+        Seconds of the run per second of the animation.
+    until : float, optional
+        Last time shown [s]; if not given, as in `animate`.
+    size : tuple of float
+        Width and height [CSS px].
     narrow : tuple of float, optional
         Width and height of a second GIF, which phones show: there the scene stands above the plots.
     still : float, optional
         Time of the still picture [s]; the middle of what is shown if not given.
     most_bytes : int
         Largest GIF of each size [bytes].
+    scene : callable, optional
+        How the mechanism is drawn, as in `animate`.
 
     Returns
     -------

@@ -28,7 +28,17 @@ class Encoder(Protocol):
     """Writes pictures (height, width, 3) into a file."""
 
     def write(self, pictures: Iterator[Any], path: Path, fps: float) -> None:
-        """Write them all, so many a second."""
+        """Write them all, so many a second.
+
+        Parameters
+        ----------
+        pictures : iterator of object
+            Arrays (height, width, 3) of RGB values.
+        path : Path
+            The file to write.
+        fps : float
+            Frames per second [1/s].
+        """
 
 
 @final
@@ -37,12 +47,34 @@ class Gif:
     """GIF by Pillow; durations are hundredths of a second, kept right on the whole."""
 
     def write(self, pictures: Iterator[Any], path: Path, fps: float) -> None:
-        """Write them all, so many a second."""
+        """Write them all, so many a second.
+
+        Parameters
+        ----------
+        pictures : iterator of object
+            Arrays (height, width, 3) of RGB values.
+        path : Path
+            The file to write.
+        fps : float
+            Frames per second [1/s].
+        """
         path.write_bytes(gif_of(pictures, fps))
 
 
 def gif_of(pictures: Iterator[Any], fps: float) -> bytes:
     """Return pictures (height, width, 3) as a GIF that repeats itself, empty if there are none.
+
+    Parameters
+    ----------
+    pictures : iterator of object
+        Arrays (height, width, 3) of RGB values.
+    fps : float
+        Frames per second [1/s].
+
+    Returns
+    -------
+    bytes
+        Contents of the GIF file.
 
     Examples
     --------
@@ -99,7 +131,22 @@ class Mp4:
     """H.264 by the program ffmpeg, which reads raw pictures."""
 
     def write(self, pictures: Iterator[Any], path: Path, fps: float) -> None:
-        """Write them all, so many a second."""
+        """Write them all, so many a second.
+
+        Parameters
+        ----------
+        pictures : iterator of object
+            Arrays (height, width, 3) of RGB values.
+        path : Path
+            The file to write.
+        fps : float
+            Frames per second [1/s].
+
+        Raises
+        ------
+        InputError
+            If ffmpeg is missing or fails.
+        """
         first = next(pictures, None)
         if first is None:
             return

@@ -17,6 +17,20 @@ def check_scene(run: object, mechanism: object, scene: object = None) -> None:
 
     Mechanisms are told apart by their coordinates and rates; bristles of a law come after these.
 
+    Parameters
+    ----------
+    run : object
+        What should be a run.
+    mechanism : object
+        What should be the mechanism that was simulated.
+    scene : object
+        What should be a function that draws it; not checked if None.
+
+    Raises
+    ------
+    InputError
+        If one is of another type, or the run is of another mechanism.
+
     Examples
     --------
     >>> from stickslip import Coulomb, Pendulum, simulate
@@ -58,6 +72,18 @@ def file_of(path: object) -> Path:
 def number(name: str, value: object) -> None:
     """Refuse what is no finite number.
 
+    Parameters
+    ----------
+    name : str
+        Name of the argument, for messages.
+    value : object
+        What should be a finite number.
+
+    Raises
+    ------
+    InputError
+        If it is none.
+
     Examples
     --------
     >>> number("fps", 25)
@@ -81,6 +107,20 @@ def check_size(size: object) -> None:
 
 def check_type(name: str, value: object, *kinds: type) -> None:
     """Refuse an argument of another type.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument, for messages.
+    value : object
+        What is checked.
+    *kinds : type
+        Types of which it must have one.
+
+    Raises
+    ------
+    InputError
+        If it has none of them.
 
     Examples
     --------

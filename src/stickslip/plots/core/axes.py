@@ -87,6 +87,20 @@ def on_panels(draw: Draw, ax: PanelTarget, size: Size) -> Panels:
 def on_axes(draw: Draw, ax: Target, size: Size) -> Axes:
     """Draw what has a single panel, as `on_panels` does.
 
+    Parameters
+    ----------
+    draw : callable
+        Draws into a figure.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if None.
+    size : tuple of float
+        Width and height of a new figure [CSS px].
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel.
+
     Examples
     --------
     >>> axes = Figure().add_subplot()

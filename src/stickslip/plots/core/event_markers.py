@@ -15,12 +15,35 @@ MOST_NAMED: Final = 4
 
 
 def within(spans: Sequence[tuple[float, float]], last: float) -> list[tuple[float, float]]:
-    """Return the spans up to a time."""
+    """Return the spans up to a time.
+
+    Parameters
+    ----------
+    spans : sequence of tuple of float
+        First and last time of each span [s].
+    last : float
+        Time after which spans are cut off [s].
+
+    Returns
+    -------
+    list of tuple of float
+        First and last time of each span that is left [s].
+    """
     return [(low, min(high, last)) for low, high in spans if low < last]
 
 
 def name_modes(axes: Axes, run: Trajectory, last: float) -> None:
-    """Write "stick" and "slip" once, each in the longest stretch of its mode."""
+    """Write "stick" and "slip" once, each in the longest stretch of its mode.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Panel whose horizontal axis is time [s].
+    run : Trajectory
+        The run.
+    last : float
+        Last time shown [s].
+    """
     sticks = within(run.stick_spans(), last)
     if not sticks:
         return
@@ -41,7 +64,17 @@ def name_modes(axes: Axes, run: Trajectory, last: float) -> None:
 
 
 def name_events(axes: Axes, events: Sequence[Event], narrow: bool) -> None:
-    """Say in words what each kind of event is, above the panel and at the first of its kind."""
+    """Say in words what each kind of event is, above the panel and at the first of its kind.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Panel whose horizontal axis is time [s]; its limits are set already.
+    events : sequence of Event
+        Events in the order of time.
+    narrow : bool
+        Whether the figure is one for phones.
+    """
     first = {event.reason: event for event in reversed(events)}
     if not first or len(first) > MOST_NAMED:
         return

@@ -49,9 +49,13 @@ class LineStyle(NamedTuple):
     """How one series is drawn."""
 
     colour: str
+    """Colour of the line."""
     dashes: str | tuple[int, tuple[float, ...]]
+    """Dash pattern, as matplotlib takes it."""
     width: float
+    """Line width [CSS px]."""
     order: int
+    """Drawing order; the largest is on top."""
 
 
 def looks(names: Iterable[str], chosen: str | None = None) -> dict[str, LineStyle]:
@@ -160,7 +164,25 @@ def horizon(run: Trajectory, slip: str = "x") -> float:
 
 
 def coordinate_name(run: Trajectory, name: str | None = None) -> str:
-    """Return the column that a plot shows: the one given, ``"x"``, or the first of the run."""
+    """Return the column that a plot shows: the one given, ``"x"``, or the first of the run.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    name : str, optional
+        Name of the column asked for.
+
+    Returns
+    -------
+    str
+        Name of the column shown.
+
+    Raises
+    ------
+    UnknownNameError
+        If the run has no such column.
+    """
     if name is not None and name not in run.names:
         raise UnknownNameError("column", name, run.names)
     known = run.states or run.names
@@ -169,6 +191,25 @@ def coordinate_name(run: Trajectory, name: str | None = None) -> str:
 
 def motion_names(run: Trajectory, slip: str | None, rate: str | None) -> tuple[str, str]:
     """Return the names of the coordinate and the rate that a plot shows, those given or the first.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    slip : str or None
+        Name of the coordinate asked for.
+    rate : str or None
+        Name of the rate asked for.
+
+    Returns
+    -------
+    tuple of str
+        Names of coordinate and rate.
+
+    Raises
+    ------
+    InputError
+        If no column of the run is a rate of the coordinate.
 
     Examples
     --------
@@ -224,6 +265,18 @@ def grouped(
 
 def wrapped(names: Sequence[str], width: int) -> list[str]:
     """Return names joined by commas, in lines of at most `width` characters where they allow it.
+
+    Parameters
+    ----------
+    names : sequence of str
+        The names.
+    width : int
+        Length of a line [characters].
+
+    Returns
+    -------
+    list of str
+        The lines.
 
     Examples
     --------

@@ -27,9 +27,13 @@ class Curve(NamedTuple):
     """A drawn curve and the name it wants; a curve without a name only stands in the way."""
 
     x: Array
+    """Horizontal coordinates (n,), in the units of the axes."""
     y: Array
+    """Vertical coordinates (n,), likewise."""
     text: str
+    """Name to write beside the curve; empty if it has none."""
     colour: str
+    """Colour of the name."""
 
 
 class _Box(NamedTuple):

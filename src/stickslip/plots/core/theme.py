@@ -255,6 +255,11 @@ def label_column(
     gap : float
         Smallest distance between two names [CSS px].
 
+    Raises
+    ------
+    InputError
+        If the axes belong to no figure.
+
     Examples
     --------
     >>> from matplotlib.figure import Figure

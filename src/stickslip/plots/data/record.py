@@ -21,9 +21,13 @@ class Channel(NamedTuple):
     """A quantity of a record: its name, SI unit, times and values."""
 
     name: str
+    """Name of the quantity."""
     unit: str
+    """Its SI unit."""
     t: Array
+    """Times (n,) [s]."""
     values: Array
+    """Values (n,) [SI]."""
 
 
 def record_sizes(count: int) -> Sizes:

@@ -216,6 +216,20 @@ def _presliding(axes: Axes, loop: PreslidingLoop, level: float | None) -> None:
 def characteristic(law: FrictionLaw, load: float, v_max: float) -> tuple[Array, Array]:
     """Return velocity and force; at rest an upright line between the break-away levels.
 
+    Parameters
+    ----------
+    law : FrictionLaw
+        The friction law.
+    load : float
+        Normal force [N].
+    v_max : float
+        Largest velocity, in both directions [m/s].
+
+    Returns
+    -------
+    tuple of array (n,)
+        Velocity [m/s] and steady friction force [N].
+
     Examples
     --------
     >>> from stickslip import Coulomb

@@ -36,7 +36,9 @@ class MapLaw(NamedTuple):
     """A law of a friction map, and the constant force with it [N]."""
 
     law: FrictionLaw
+    """The friction law."""
     offset: float
+    """Constant force that adds to friction [N]."""
 
 
 def low_speed(v_max: float) -> float:

@@ -21,8 +21,11 @@ class Loop(NamedTuple):
     """Once to and fro: displacements [m], measured friction [N], that of each law by its title."""
 
     displacement: Array
+    """Displacements (n,) [m]."""
     measured: Array
+    """Measured friction (n,) [N]."""
     predicted: Mapping[str, Array]
+    """Friction (n,) [N] of each law, by its title."""
 
 
 def loop_sizes(count: int) -> Sizes:

@@ -144,8 +144,14 @@ def plot_closed_loop(
         Two Axes; a new figure if not given.
     state : str, optional
         What is controlled; ``"x"`` or the first state if not given.
-    reference, level, since, unit
-        As in `draw_closed_loop`.
+    reference : float or callable, optional
+        Where it should be, a number or a function of time.
+    level : float, optional
+        Break-away level, drawn on both sides of 0 beside the command.
+    since : float
+        First time shown [s].
+    unit : str
+        Unit of the command.
 
     Returns
     -------

@@ -32,6 +32,7 @@ class MotionView:
     column: str
     """Name of the coordinate or rate."""
     title: str
+    """Title of the panel."""
     span: tuple[float, float] | None = None
     """First and last time [s]; all that is shown if not given."""
     difference: bool = False

@@ -116,10 +116,12 @@ def draw_friction_velocity(
     ----------
     run : Trajectory
         The run.
-    rate, slip : str
-        Names of the slip velocity and of the coordinate.
+    rate : str
+        Name of the slip velocity.
     until : float, optional
         Last time shown [s].
+    slip : str
+        Name of the coordinate.
 
     Returns
     -------
@@ -281,8 +283,12 @@ def plot_friction_velocity(
         The run.
     ax : Axes, Figure or SubFigure, optional
         Where; a new figure if not given.
-    slip, rate, until
-        As in `plot_run`.
+    slip : str, optional
+        Name of the coordinate, as in `plot_run`.
+    rate : str, optional
+        Name of its rate, as in `plot_run`.
+    until : float, optional
+        Last time shown [s]; some time after the body has arrived if not given.
 
     Returns
     -------

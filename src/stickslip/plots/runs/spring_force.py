@@ -20,18 +20,26 @@ class Half(NamedTuple):
     """A part of the record: first and last time [s] and mean of the force over the load."""
 
     start: float
+    """First time [s]."""
     end: float
+    """Last time [s]."""
     mean: float
+    """Mean of the force over the load."""
 
 
 class Excerpt(NamedTuple):
     """Some cycles: a name, measured and simulated force over the load, times [s] from 0."""
 
     name: str
+    """Name of the excerpt."""
     time: Array
+    """Times (n,) of the samples [s]."""
     measured: Array
+    """Measured force (n,) over the load."""
     simulated_time: Array
+    """Times (m,) of the simulation [s]."""
     simulated: Array
+    """Simulated force (m,) over the load."""
 
 
 def draw_pull(

@@ -19,9 +19,13 @@ class Interval(NamedTuple):
     """A value and its standard error, NaN where it is not known."""
 
     name: str
+    """Name of the row."""
     value: float
+    """The value, in the unit of the axis."""
     error: float = np.nan
+    """Its standard error, in the same unit."""
     chosen: bool = False
+    """Whether the row stands out."""
 
 
 def draw_intervals(rows: Sequence[Interval], label: str, unit: str) -> Draw:

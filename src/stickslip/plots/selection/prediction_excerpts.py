@@ -23,9 +23,13 @@ class Piece(NamedTuple):
     """A stretch of a record: its name, times [s], what was measured, and predictions by title."""
 
     name: str
+    """Name of the stretch."""
     t: Array
+    """Times (n,) [s]."""
     measured: Array
+    """What was measured (n,)."""
     predicted: Mapping[str, Array]
+    """Predictions (n,), by title of the law."""
 
 
 def piece_sizes(count: int) -> Sizes:

@@ -30,19 +30,28 @@ class ResidualPanel(NamedTuple):
     """Residuals against one quantity, as dots and as means of bins with their doubt."""
 
     label: str
+    """Quantity and unit of the horizontal axis."""
     x: Array
+    """The quantity (n,), in that unit."""
     residual: Array
+    """Residuals (n,), in the unit shown."""
     centre: Array
+    """Middles of the bins (k,), in the unit of `x`."""
     mean: Array
+    """Means of the residuals in the bins (k,)."""
     doubt: Array
+    """Twice the standard errors of these means (k,)."""
 
 
 class ErrorSeries(NamedTuple):
     """Errors of one law: over time, and by block."""
 
     t: Array
+    """Times (n,) [s]; records follow one another."""
     error: Array
+    """Errors of the predictions (n,), in the unit shown; NaN between segments."""
     blocks: Array
+    """Root mean square error of each held-out block (folds,), in the unit shown."""
 
 
 def residual_sizes(count: int) -> Sizes:

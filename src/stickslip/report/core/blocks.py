@@ -52,6 +52,11 @@ class Block(Protocol):
 class Paragraph:
     """A paragraph of text.
 
+    Parameters
+    ----------
+    text : str
+        The text; equations stand between dollar signs.
+
     Examples
     --------
     >>> Paragraph(text="One travel fixes one number: $mu_d$.").template
@@ -67,6 +72,11 @@ class Paragraph:
 class Caption:
     """A remark in small print below a table or a matrix.
 
+    Parameters
+    ----------
+    text : str
+        The remark; equations stand between dollar signs.
+
     Examples
     --------
     >>> Caption(text="Dot: held-out error. Bar: ± 1 standard error.").template
@@ -81,6 +91,11 @@ class Caption:
 @dataclass(frozen=True, kw_only=True)
 class Subheading:
     """A heading inside a section.
+
+    Parameters
+    ----------
+    text : str
+        The heading.
 
     Examples
     --------
@@ -133,6 +148,17 @@ class Figure:
 class Panel:
     """A small drawing with a name and a sentence, part of a `Gallery`.
 
+    Parameters
+    ----------
+    svg : str
+        The drawing, an ``<svg>`` element with an ``aria-label``.
+    title : str
+        Its name.
+    text : str
+        A sentence below the name.
+    colour : {"ink", "c1", "c2", "c3", "c4"}
+        Colour of the title, by its name in the style sheet.
+
     Examples
     --------
     >>> Panel(svg='<svg aria-label="Push"></svg>', title="A. Push.", text="10 N for 0.1 s.").colour
@@ -158,6 +184,11 @@ class Panel:
 class Gallery:
     """Up to three small drawings side by side.
 
+    Parameters
+    ----------
+    panels : tuple of Panel
+        At most three drawings.
+
     Examples
     --------
     >>> panel = Panel(svg='<svg aria-label="Push"></svg>', title="A. Push.", text="10 N.")
@@ -177,6 +208,15 @@ class Gallery:
 class Fact:
     """A number one would quote, its doubt, and below it what it is.
 
+    Parameters
+    ----------
+    value : str
+        The number with its unit.
+    what : str
+        What the number is.
+    aside : str
+        Its interval or another qualification.
+
     Examples
     --------
     >>> Fact(value="0.255", aside="0.249 to 0.261", what="$mu_d$ for Coulomb").value
@@ -192,6 +232,11 @@ class Fact:
 @dataclass(frozen=True, kw_only=True)
 class Facts:
     """Up to three facts side by side.
+
+    Parameters
+    ----------
+    facts : tuple of Fact
+        At most three facts.
 
     Examples
     --------
@@ -211,6 +256,15 @@ class Facts:
 class Note:
     """A warning or remark that must not be missed.
 
+    Parameters
+    ----------
+    title : str
+        First sentence, in bold.
+    text : str
+        The rest of it.
+    kind : {"warn", "info"}
+        Whether it warns or informs.
+
     Examples
     --------
     >>> Note(title="The record is short.", text="24.8 s.").kind
@@ -228,6 +282,15 @@ class Note:
 class KeyValue:
     """A named value, perhaps with the outcome of a check.
 
+    Parameters
+    ----------
+    key : str
+        Name of the value or the check.
+    value : str
+        The value as text, with its unit.
+    mark : {"none", "ok", "warn", "bad"}
+        Outcome of the check; ``"none"`` if it is not a check.
+
     Examples
     --------
     >>> KeyValue(key="Drift at rest", value="exactly 0", mark="ok").mark
@@ -244,6 +307,11 @@ class KeyValue:
 class KeyValues:
     """A list of named values or checks.
 
+    Parameters
+    ----------
+    items : tuple of KeyValue
+        The entries, in order.
+
     Examples
     --------
     >>> KeyValues(items=(KeyValue(key="Sampling", value="1 kHz", mark="ok"),)).template
@@ -258,6 +326,11 @@ class KeyValues:
 @dataclass(frozen=True, kw_only=True)
 class Code:
     """Commands or code, shown as they are.
+
+    Parameters
+    ----------
+    text : str
+        The lines, joined by newlines.
 
     Examples
     --------
@@ -333,6 +406,11 @@ class Reference:
 class References:
     """A numbered list of cited works.
 
+    Parameters
+    ----------
+    items : tuple of Reference
+        The works, in the order of their numbers.
+
     Examples
     --------
     >>> References(items=(Reference(title="A solid friction model"),)).template
@@ -347,6 +425,13 @@ class References:
 @dataclass(frozen=True, kw_only=True)
 class Columns:
     """Blocks side by side, below each other on a phone.
+
+    Parameters
+    ----------
+    left : tuple of Block
+        Blocks of the left column.
+    right : tuple of Block
+        Blocks of the right column.
 
     Examples
     --------

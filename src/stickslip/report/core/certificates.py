@@ -17,6 +17,11 @@ def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
     located : bool
         Whether its events were located, as those of fixed steps are not.
 
+    Returns
+    -------
+    tuple of KeyValue
+        One entry per check, with its outcome.
+
     Examples
     --------
     >>> from stickslip import Coulomb, SpringBlock, simulate

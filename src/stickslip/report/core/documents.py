@@ -31,6 +31,13 @@ CAUGHT: tuple[type[Exception], ...] = (Exception,)
 class LawLine:
     """A line of the law with its numbers, ready to copy.
 
+    Parameters
+    ----------
+    label : str
+        What the line is of, such as a direction or a parameter.
+    formula : str
+        The formula; equations stand between dollar signs.
+
     Examples
     --------
     >>> LawLine(label="forward", formula="$F$ = 21.1 N + 158 N s/m × $v$").label
@@ -258,6 +265,18 @@ def made_sections(*parts: Section | SectionMaker) -> tuple[Section, ...]:
 
 def failed_section(name: str, error: Exception) -> Section:
     """Return the line that stands where a section could not be made.
+
+    Parameters
+    ----------
+    name : str
+        Name of the section, with underscores.
+    error : Exception
+        What its maker raised.
+
+    Returns
+    -------
+    Section
+        A section with one note that states the error.
 
     Examples
     --------

@@ -17,7 +17,17 @@ _SPACED: Final = frozenset("=+−<>≤≥≠&")
 
 
 class Branches(NamedTuple):
-    """An equation with a brace: what stands before it, its rows of cells, what stands behind."""
+    """An equation with a brace: what stands before it, its rows of cells, what stands behind.
+
+    Parameters
+    ----------
+    before : str
+        LaTeX before the brace.
+    rows : tuple of tuple of str
+        LaTeX of the cells of each row; all rows have the same number.
+    after : str
+        LaTeX behind the rows.
+    """
 
     before: str
     rows: tuple[tuple[str, ...], ...]

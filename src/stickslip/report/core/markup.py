@@ -100,14 +100,40 @@ def symbol_text(name: str) -> str:
 
 
 def lowered(text: str, subscript: str) -> str:
-    """Return plain text with a subscript."""
+    """Return plain text with a subscript.
+
+    Parameters
+    ----------
+    text : str
+        The text before the subscript.
+    subscript : str
+        The subscript.
+
+    Returns
+    -------
+    str
+        Subscript characters of Unicode where they exist, else an underscore.
+    """
     if set(subscript) <= set(_PLAIN):
         return text + subscript.translate(_SUBSCRIPTS)
     return f"{text}_{subscript}"
 
 
 def raised(text: str, superscript: str) -> str:
-    """Return plain text with a superscript."""
+    """Return plain text with a superscript.
+
+    Parameters
+    ----------
+    text : str
+        The text before the superscript.
+    superscript : str
+        The superscript.
+
+    Returns
+    -------
+    str
+        Superscript characters of Unicode where they exist, else a caret.
+    """
     if set(superscript) <= set(_PLAIN):
         return text + superscript.translate(_SUPERSCRIPTS)
     return f"{text}^{superscript if len(superscript) == 1 else f'({superscript})'}"
@@ -219,7 +245,25 @@ def mathml(latex: str, *, display: bool = True) -> Markup:
 
 
 def math_tree(latex: str, *, display: bool = True) -> ElementTree.Element:
-    """Return an equation as the tree of its MathML, entities resolved."""
+    """Return an equation as the tree of its MathML, entities resolved.
+
+    Parameters
+    ----------
+    latex : str
+        The equation in LaTeX.
+    display : bool
+        Whether it stands on a line of its own.
+
+    Returns
+    -------
+    xml.etree.ElementTree.Element
+        The ``<math>`` element.
+
+    Raises
+    ------
+    InputError
+        If the equation cannot be read.
+    """
     from latex2mathml.converter import convert_to_element
 
     try:

@@ -44,6 +44,11 @@ def reproduce(
     references : sequence of Reference
         What laws and criteria come from.
 
+    Returns
+    -------
+    Section
+        The section, without the blocks that would be empty.
+
     Examples
     --------
     >>> section = reproduce(
@@ -76,7 +81,20 @@ def reproduce(
 def law_references(
     laws: Iterable[FrictionLaw | RateState], first: Mapping[str, Sequence[str]]
 ) -> tuple[Reference, ...]:
-    """Return the sources of laws with the laws they are for, after those given by key."""
+    """Return the sources of laws with the laws they are for, after those given by key.
+
+    Parameters
+    ----------
+    laws : iterable of FrictionLaw
+        Laws whose sources are cited.
+    first : mapping of str to sequence of str
+        What else cites a source, by key of the source; these come first.
+
+    Returns
+    -------
+    tuple of Reference
+        One reference per source, each with what cites it.
+    """
     used = {key: list(who) for key, who in first.items()}
     for law in laws:
         for key in law.sources:

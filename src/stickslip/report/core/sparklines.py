@@ -17,7 +17,17 @@ _NEAR_AN_END: Final = 4.0
 
 
 class Tick(NamedTuple):
-    """A tick of an axis, ready to place."""
+    """A tick of an axis, ready to place.
+
+    Parameters
+    ----------
+    left : str
+        Distance from the left end of the axis, as a percentage of its length.
+    text : str
+        The number.
+    side : {"first", "middle", "last"}
+        Where along the axis it is, which decides how the number is aligned.
+    """
 
     left: str
     text: str
@@ -25,7 +35,19 @@ class Tick(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """A piece of a row plot, ready to place."""
+    """A piece of a row plot, ready to place.
+
+    Parameters
+    ----------
+    kind : str
+        Kind of mark, or ``"below"`` or ``"above"`` for an arrow at the end of the axis.
+    colour : str
+        Colour, by its name in the style sheet.
+    left : str
+        Distance from the left end of the axis, as a percentage of its length.
+    right : str
+        Distance from the right end, likewise.
+    """
 
     kind: str
     colour: str

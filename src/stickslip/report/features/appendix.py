@@ -99,7 +99,20 @@ def _speed(one: OtherSpeed, names: Sequence[str]) -> Row:
 
 
 def reproduce_section(verdict: FeatureVerdict, origin: Origin) -> Section:
-    """Return the section with commands, the rig file of the fit, data and references."""
+    """Return the section with commands, the rig file of the fit, data and references.
+
+    Parameters
+    ----------
+    verdict : FeatureVerdict
+        The selection.
+    origin : Origin
+        Commands, versions and hashes.
+
+    Returns
+    -------
+    Section
+        The section.
+    """
     fit = verdict.best.fit if verdict.best else None
     code, items = [], []
     if fit is not None:

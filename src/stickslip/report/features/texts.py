@@ -36,6 +36,19 @@ def symbols_of(verdict: FeatureVerdict) -> frozenset[str]:
 
 
 def typeset_lines(lines: Iterable[str], verdict: FeatureVerdict) -> tuple[str, ...]:
-    """Return texts with the symbols in them typeset."""
+    """Return texts with the symbols in them typeset.
+
+    Parameters
+    ----------
+    lines : iterable of str
+        Texts with plain symbols.
+    verdict : FeatureVerdict
+        The selection, whose parameters have these symbols.
+
+    Returns
+    -------
+    tuple of str
+        The texts, with symbols between dollar signs.
+    """
     symbols = symbols_of(verdict)
     return tuple(typeset(line, symbols) for line in lines)

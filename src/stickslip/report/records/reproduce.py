@@ -24,7 +24,20 @@ WIDTH: Final = 66
 
 
 def reproduce_section(verdict: RecordVerdict, origin: Origin) -> Section:
-    """Return the section with commands, the selection and the law as code, data and references."""
+    """Return the section with commands, the selection and the law as code, data and references.
+
+    Parameters
+    ----------
+    verdict : RecordVerdict
+        The selection.
+    origin : Origin
+        Commands, versions and hashes.
+
+    Returns
+    -------
+    Section
+        The section.
+    """
     names = "`record` is" if verdict.second is None else "`record` and `second` are"
     caption = (
         f"The selection in Python; {names} what `load_measurement` reads, with the columns, units"

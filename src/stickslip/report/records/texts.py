@@ -29,7 +29,21 @@ def rival_of(verdict: RecordVerdict) -> RecordCandidate | None:
 
 
 def paired(other: RecordCandidate, best: RecordCandidate) -> float | None:
-    """Return the difference of two losses over its standard error, from blocks in pairs."""
+    """Return the difference of two losses over its standard error, from blocks in pairs.
+
+    Parameters
+    ----------
+    other : RecordCandidate
+        A candidate.
+    best : RecordCandidate
+        The candidate it is compared with.
+
+    Returns
+    -------
+    float or None
+        Mean difference of the losses of held-out blocks over its standard error; None if the blocks
+        cannot be paired, or all differences are equal.
+    """
     if other.validation is None or best.validation is None:
         return None
     one, two = other.validation.losses, best.validation.losses
@@ -59,6 +73,18 @@ def typeset(text: str, symbols: Iterable[str]) -> str:
     """Return text whose symbols stand between dollar signs, which the page typesets.
 
     Minus signs become true ones. A single letter is left alone: it may be a word or a unit.
+
+    Parameters
+    ----------
+    text : str
+        Text with plain symbols.
+    symbols : iterable of str
+        Symbols to typeset.
+
+    Returns
+    -------
+    str
+        The text, with symbols between dollar signs.
 
     Examples
     --------

@@ -109,5 +109,20 @@ class RunReport:
         return () if period is None else cycles_in(self.run, self.rig.mechanism, period)
 
     def of(self, value: float, digits: int = 3, *, per_second: bool = False) -> str:
-        """Return a distance or a speed of the slipping coordinate, with its unit."""
+        """Return a distance or a speed of the slipping coordinate, with its unit.
+
+        Parameters
+        ----------
+        value : float
+            Distance or speed, in the SI unit of the coordinate.
+        digits : int
+            Significant digits.
+        per_second : bool
+            Whether the value is a speed.
+
+        Returns
+        -------
+        str
+            The number with its unit.
+        """
         return quantity(value + 0.0, self.unit + ("/s" if per_second else ""), digits)

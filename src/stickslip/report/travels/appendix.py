@@ -191,6 +191,19 @@ def _data(verdict: TravelVerdict) -> KeyValue:
 
 
 def reproduce_section(verdict: TravelVerdict, origin: Origin) -> Section:
-    """Return the section with commands, versions, hash and references."""
+    """Return the section with commands, versions, hash and references.
+
+    Parameters
+    ----------
+    verdict : TravelVerdict
+        The selection.
+    origin : Origin
+        Commands, versions and hashes.
+
+    Returns
+    -------
+    Section
+        The section.
+    """
     laws = [candidate.law for candidate in verdict.candidates]
     return reproduce(origin, references=law_references(laws, {"paper": ["criteria"]}))

@@ -191,6 +191,18 @@ def _steps(stop: float, until: float, limit: float | None) -> tuple[float, ...]:
 def steps_heading(rows: Sequence[FixedStepRow], limit: float | None = None) -> str:
     """Return what the comparison shows, or its topic if it shows nothing.
 
+    Parameters
+    ----------
+    rows : sequence of FixedStepRow
+        Runs with fixed steps, and the exact one.
+    limit : float, optional
+        Largest step that is stable for this law [s].
+
+    Returns
+    -------
+    str
+        The heading.
+
     Examples
     --------
     >>> steps_heading([])

@@ -30,6 +30,11 @@ def sections(verdict: TravelVerdict, origin: Origin, remark: str = "") -> tuple[
         Where it is from.
     remark : str
         A sentence of one's own, at the end of the lede.
+
+    Returns
+    -------
+    tuple of callable
+        One maker per section.
     """
     return (
         partial(opening_section, verdict, origin.data, remark),

@@ -16,7 +16,22 @@ __all__ = ["opening_section"]
 
 
 def opening_section(verdict: TravelVerdict, kicker: str, remark: str = "") -> Section:
-    """Return the section that a reader may stop after."""
+    """Return the section that a reader may stop after.
+
+    Parameters
+    ----------
+    verdict : TravelVerdict
+        The selection.
+    kicker : str
+        Small print above the verdict: what was measured.
+    remark : str
+        A sentence at the end of the lede.
+
+    Returns
+    -------
+    Section
+        The section.
+    """
     words = verdict.words
     several = len(travels(verdict)) > 1
     opening = Opening(

@@ -72,7 +72,20 @@ def _trials(verdict: TravelVerdict) -> tuple[Trial, ...]:
 
 
 def largest_difference(verdict: TravelVerdict, candidate: TravelCandidate) -> float | None:
-    """Return how far a law is from the chosen one on the way at most [m]."""
+    """Return how far a law is from the chosen one on the way at most [m].
+
+    Parameters
+    ----------
+    verdict : TravelVerdict
+        The selection.
+    candidate : TravelCandidate
+        The law that is compared with the chosen one.
+
+    Returns
+    -------
+    float or None
+        Largest distance of the two runs [m]; None if one of them is missing.
+    """
     if verdict.best is None or verdict.best.run is None or candidate.run is None:
         return None
     slip, _ = slip_and_rate(verdict)

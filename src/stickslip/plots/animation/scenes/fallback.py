@@ -15,6 +15,18 @@ HALF = 1.0
 def bars(mechanism: Mechanism, seen: Trajectory) -> Picture:
     """Return bars for the states, each over its largest value in the run.
 
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The mechanism that has no scene of its own.
+    seen : Trajectory
+        The run, whose largest values set the scales.
+
+    Returns
+    -------
+    Picture
+        A function that gives the shapes at a moment.
+
     Examples
     --------
     >>> from stickslip import Axis, Coulomb, simulate

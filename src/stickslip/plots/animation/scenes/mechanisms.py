@@ -91,7 +91,20 @@ def _effort(motor: Motor, now: Moment, column: str) -> float:
 
 
 def spring_block(mechanism: SpringBlock, seen: Trajectory) -> Picture:
-    """Return the block and the spring that shoots it off; `x` is the face that the spring meets."""
+    """Return the block and the spring that shoots it off; `x` is the face that the spring meets.
+
+    Parameters
+    ----------
+    mechanism : SpringBlock
+        What is drawn, with its lengths [m].
+    seen : Trajectory
+        The run, whose range of motion sets the size of what has no length.
+
+    Returns
+    -------
+    Picture
+        A function that gives the shapes at a moment.
+    """
     x_0 = mechanism.compression
     side = -1.0 if x_0 < 0 else 1.0
     size = 0.35 * max(abs(x_0), 0.5 * _range(seen, "x")) or 0.1
@@ -138,7 +151,20 @@ def _stops(lower: float | None, upper: float | None, left: float, size: float) -
 
 
 def towed_block(mechanism: TowedBlock, seen: Trajectory) -> Picture:
-    """Return the block, its spring and the far end that pulls; its natural length is ours."""
+    """Return the block, its spring and the far end that pulls; its natural length is ours.
+
+    Parameters
+    ----------
+    mechanism : TowedBlock
+        What is drawn, with its lengths [m].
+    seen : Trajectory
+        The run, whose range of motion sets the size of what has no length.
+
+    Returns
+    -------
+    Picture
+        A function that gives the shapes at a moment.
+    """
     stretch = mechanism.speed * seen.t - seen["x"]
     side = -1.0 if mechanism.speed < 0 else 1.0
     most = float(np.max(np.abs(stretch))) or 0.1
@@ -167,7 +193,20 @@ def towed_block(mechanism: TowedBlock, seen: Trajectory) -> Picture:
 
 
 def axis(mechanism: Axis, seen: Trajectory) -> Picture:
-    """Return a carriage on its rail; `x` is its middle."""
+    """Return a carriage on its rail; `x` is its middle.
+
+    Parameters
+    ----------
+    mechanism : Axis
+        What is drawn, with its lengths [m].
+    seen : Trajectory
+        The run, whose range of motion sets the size of what has no length.
+
+    Returns
+    -------
+    Picture
+        A function that gives the shapes at a moment.
+    """
     reach = float(np.max(np.abs(seen["x"]), initial=0.0))
     size = 0.35 * max(_range(seen, "x"), 0.3 * reach) or 0.1
     foot = -1.6 * reach - 1.5 * size
@@ -191,7 +230,20 @@ def axis(mechanism: Axis, seen: Trajectory) -> Picture:
 
 
 def two_mass_axis(mechanism: TwoMassAxis, seen: Trajectory) -> Picture:
-    """Return motor and load on a rail with what joins them; its length is for the eye."""
+    """Return motor and load on a rail with what joins them; its length is for the eye.
+
+    Parameters
+    ----------
+    mechanism : TwoMassAxis
+        What is drawn, with its lengths [m].
+    seen : Trajectory
+        The run, whose range of motion sets the size of what has no length.
+
+    Returns
+    -------
+    Picture
+        A function that gives the shapes at a moment.
+    """
     reach = max(_range(seen, "x"), _range(seen, "other"))
     stretch = float(np.max(np.abs(seen["x"] - seen["other"]), initial=0.0))
     size = 0.25 * max(reach, stretch) or 0.1
@@ -231,7 +283,20 @@ def two_mass_axis(mechanism: TwoMassAxis, seen: Trajectory) -> Picture:
 
 
 def pendulum(mechanism: Pendulum, _seen: Trajectory) -> Picture:
-    """Return the rod that hangs from its pivot at (0, 0), which rubs."""
+    """Return the rod that hangs from its pivot at (0, 0), which rubs.
+
+    Parameters
+    ----------
+    mechanism : Pendulum
+        What is drawn, with its lengths [m].
+    _seen : Trajectory
+        The run; not used, as the mechanism has a length.
+
+    Returns
+    -------
+    Picture
+        A function that gives the shapes at a moment.
+    """
     l, bob = mechanism.length, 0.09 * mechanism.length  # noqa: E741  # the symbol of PHYSICS
 
     def shapes(now: Moment) -> list[Shape]:
@@ -257,6 +322,18 @@ def pendulum_cart(mechanism: PendulumCart, _seen: Trajectory) -> Picture:
 
     The wheelbase, the height of the pivot and the rod are those of the mechanism; a cart without
     wheelbase or height is given some for the eye.
+
+    Parameters
+    ----------
+    mechanism : PendulumCart
+        What is drawn, with its lengths [m].
+    _seen : Trajectory
+        The run; not used, as the mechanism has a length.
+
+    Returns
+    -------
+    Picture
+        A function that gives the shapes at a moment.
     """
     l = mechanism.length  # noqa: E741  # the symbol of PHYSICS
     base = mechanism.wheelbase or 0.6 * l
@@ -307,7 +384,20 @@ def _spiral(mechanism: PendulumCart, centre: Point, theta: float) -> list[Shape]
 
 
 def capsule(mechanism: Capsule, seen: Trajectory) -> Picture:
-    """Return the capsule with its inner mass, spring and stops; `x` and `xi` are their middles."""
+    """Return the capsule with its inner mass, spring and stops; `x` and `xi` are their middles.
+
+    Parameters
+    ----------
+    mechanism : Capsule
+        What is drawn, with its lengths [m].
+    seen : Trajectory
+        The run, whose range of motion sets the size of what has no length.
+
+    Returns
+    -------
+    Picture
+        A function that gives the shapes at a moment.
+    """
     places = [float(np.abs(seen["xi"]).max()), 0.0]
     places += [abs(s) for s in (mechanism.lower_stop, mechanism.upper_stop) if s is not None]
     reach = max(places) or 0.1

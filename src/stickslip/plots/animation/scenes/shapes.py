@@ -42,10 +42,15 @@ class Box:
     """A body with straight sides."""
 
     left: float
+    """Smallest x [m]."""
     bottom: float
+    """Smallest y [m]."""
     width: float
+    """Its extent in x [m]."""
     height: float
+    """Its extent in y [m]."""
     fill: Fill = "body"
+    """How its area is filled."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,8 +58,11 @@ class Ball:
     """A ball, a wheel or a pivot."""
 
     centre: Point
+    """x and y of its centre [m]."""
     radius: float
+    """Its radius [m]."""
     fill: Fill = "body"
+    """How its area is filled."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,6 +70,7 @@ class Rod:
     """A rod, a string, a rail: straight lines from point to point."""
 
     points: tuple[Point, ...]
+    """x and y of each point [m], in order."""
     width: float = 1.6
     """Line width [CSS px]."""
 
@@ -71,9 +80,13 @@ class Coil:
     """A spring from one point to another."""
 
     start: Point
+    """x and y of one end [m]."""
     end: Point
+    """x and y of the other end [m]."""
     radius: float
+    """Radius of the turns [m]."""
     turns: int = 6
+    """Number of turns."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,6 +94,7 @@ class Ground:
     """Hatched ground from side to side of the view, with the part that is rubbed at the moment."""
 
     height: float = 0.0
+    """y of the surface [m]."""
     touched: tuple[tuple[float, float], ...] = ()
     """Left and right ends of what rubs: coloured by stick and slip."""
 
@@ -90,6 +104,7 @@ class Wall:
     """A face that does not move, hatched behind: a support or a hard stop."""
 
     start: Point
+    """x and y of one end [m]."""
     end: Point
     """The hatching is on the left of the way from start to end."""
 
@@ -99,11 +114,13 @@ class Arrow:
     """A force on a body; all arrows of an animation have one scale, which is stated."""
 
     at: Point
+    """x and y of the point where the force acts [m]."""
     along: Point
     """Direction of a positive value, of length 1."""
     value: float
     """Force [N]."""
     role: Role
+    """What the force is, which sets the colour of the arrow."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,10 +131,13 @@ class Turn:
     """
 
     centre: Point
+    """x and y of the point that the torque turns about [m]."""
     radius: float
+    """Radius of the arc [m]."""
     value: float
     """Torque, anticlockwise positive [N m]."""
     role: Role
+    """What the torque is, which sets the colour of the arc."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,8 +145,11 @@ class Word:
     """A text."""
 
     at: Point
+    """x and y of the anchor of the text [m]."""
     text: str
+    """The text."""
     align: Literal["left", "center", "right"] = "left"
+    """Which part of the text stands at the anchor."""
 
 
 Shape: TypeAlias = Box | Ball | Rod | Coil | Ground | Wall | Arrow | Turn | Word
