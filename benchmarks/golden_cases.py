@@ -309,7 +309,8 @@ import json
 import numpy as np
 
 from stickslip import Measurement, TowedBlock
-from stickslip.identification import RateState, fit_rate_state, simulate_velocity_steps
+from stickslip.friction import RateState
+from stickslip.identification import fit_rate_state, simulate_velocity_steps
 
 law = RateState(
     reference_coefficient=0.6,

@@ -11,11 +11,19 @@ from pathlib import Path
 SOURCE = Path(__file__).resolve().parent.parent / "src"
 PACKAGES = (
     "stickslip",
+    "stickslip.drives",
+    "stickslip.experiments",
     "stickslip.friction",
+    "stickslip.identification",
     "stickslip.mechanisms",
+    "stickslip.optimisation",
     "stickslip.outputs",
     "stickslip.plots",
+    "stickslip.report",
     "stickslip.results",
+    "stickslip.routes",
+    "stickslip.selection",
+    "stickslip.solver",
 )
 EXTRA = {
     "stickslip": {"__version__": "str", "MOVED": "dict[str, str]"},
@@ -32,8 +40,8 @@ def folder(package: str) -> Path:
 
 def homes(package: str) -> dict[str, str]:
     """Return the module that defines each public name."""
-    table: dict[str, str] = importlib.import_module(package).HOMES
-    return table
+    module = importlib.import_module(package)
+    return {**module.HOMES, **getattr(module, "INSIDE", {})}
 
 
 def root(package: str) -> str:

@@ -7,8 +7,7 @@ from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import BristleLaw, FrictionLaw, PrintedForm
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
-from stickslip.solver import EventDriven, Output, Solver
-from stickslip.solver.ensembles import run_ensemble
+from stickslip.solver import EventDriven, Output, Solver, run_ensemble
 from stickslip.trajectory import Ensemble, Status, Trajectory
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ import pytest
 from stickslip import Coulomb, Measurement, TowedBlock, load_measurement
 from stickslip.drives import Sine
 from stickslip.errors import InputError, ParameterError, RenamedError, SimulationError
-from stickslip.friction import RATE_STATE_FORMS
-from stickslip.identification import RateState, fit_rate_state, simulate_velocity_steps
+from stickslip.friction import RATE_STATE_FORMS, RateState
+from stickslip.identification import fit_rate_state, simulate_velocity_steps
 from stickslip.identification.estimation.levenberg_marquardt import step_of
 from stickslip.identification.rate_state.problem import serves
 from stickslip.identification.series.load_point import path_of

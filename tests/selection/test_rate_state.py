@@ -9,12 +9,14 @@ import pytest
 
 from stickslip import Coulomb, Measurement, RecordSettings, TowedBlock, load_measurement
 from stickslip.errors import InputError, RenamedError
-from stickslip.identification import RateState, simulate_velocity_steps
+from stickslip.friction import RateState
+from stickslip.identification import simulate_velocity_steps
+from stickslip.report import rate_state_sections
 from stickslip.report.core.documents import Origin, Page, made_sections
 from stickslip.report.core.page import render
-from stickslip.report.rate_state import sections
+from stickslip.routes import route_named
 from stickslip.selection import RateStateVerdict, select_rate_state
-from stickslip.selection.rate_state import held_out, rate_state_laws, rate_state_table
+from stickslip.selection.rate_state import held_out, rate_state_laws
 
 MACHINE = TowedBlock(mass=1e-3, stiffness=2e3, speed=1e-6, load=1.0)
 THREE = ([0.0, 20.0, 60.0, 100.0, 120.0], [0.0, 20.0, 420.0, 460.0, 660.0])
@@ -137,7 +139,7 @@ def test_a_second_record_is_predicted_and_not_fitted(verdicts):
     )
     assert verdict.closest.fit.law == known.fit.law
     assert verdict.closest.second > 3e-3  # of steps that change friction by 0.01 and overshoot
-    assert rate_state_table(verdict).heads[-1] == "second record"
+    assert route_named(verdict.route).comparison(verdict).heads[-1] == "second record"
 
 
 def test_a_verdict_is_plain_numbers_and_a_table(verdicts):
@@ -146,7 +148,7 @@ def test_a_verdict_is_plain_numbers_and_a_table(verdicts):
         told = json.loads(json.dumps(verdict.to_dict(), allow_nan=False))
         assert told["route"] == "rate-state"
         assert told["best"] == verdict.best.name
-        table = rate_state_table(verdict)
+        table = route_named(verdict.route).comparison(verdict)
         assert all(len(row) == len(table.heads) for row in table.rows)
         assert len(table.notes) == len(table.rows) == len(verdict.to_dataframe())
 
@@ -231,7 +233,7 @@ def test_the_rock_shows_a_logarithm_and_no_evolution(rock):
 def test_pages_have_every_section(verdicts, rock):
     for verdict in (verdicts["rate-and-state"], verdicts["constant-coefficient"], rock):
         origin = Origin(title="Gouge", data="velocity steps", commands=("stickslip select",))
-        made = made_sections(*sections(verdict, origin, "Measured in Pisa."))
+        made = made_sections(*rate_state_sections(verdict, origin, "Measured in Pisa."))
         ids = [one.id for one in made]
         assert ids[:5] == ["verdict", "friction", "scores", "parameters", "residuals"]
         assert ids[-1] == "reproduce"

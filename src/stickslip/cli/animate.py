@@ -77,8 +77,7 @@ def run(
     as_json : bool
         Whether one JSON document is printed on stdout instead of text.
     """
-    from stickslip.plots.animation.animation import animate, frame_times
-    from stickslip.plots.animation.video_encoding import encoder_of
+    from stickslip.plots import animate, encoder_of, frame_times
 
     size = _size(look.size)
     encoder_of(output)

@@ -43,8 +43,8 @@ from stickslip.cli.options import (
 from stickslip.cli.subcommands import data, profile
 
 if TYPE_CHECKING:
-    from stickslip.identification.records.route_choice import RouteName
-    from stickslip.selection.records import PurposeName
+    from stickslip.identification import RouteName
+    from stickslip.selection import PurposeName
 
 __all__ = ["app"]
 

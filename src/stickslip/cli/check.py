@@ -16,9 +16,7 @@ from stickslip.cli.console import (
     write_folder,
 )
 from stickslip.errors import InputError
-from stickslip.experiments import Checks, Measurement, Rig, check, load_rig
-from stickslip.experiments.readers.reader_options import Reading
-from stickslip.experiments.records import read_data
+from stickslip.experiments import Checks, Measurement, Reading, Rig, check, load_rig, read_data
 
 __all__ = ["run"]
 

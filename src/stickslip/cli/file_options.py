@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from stickslip.errors import InputError
-from stickslip.experiments.readers.reader_options import Column, Reading, column_of
+from stickslip.experiments import Column, Reading, column_of
 
 __all__ = ["reading_of"]
 

@@ -28,11 +28,8 @@ from stickslip.cli.inputs import (
 from stickslip.cli.law_choice import law_to_fit
 from stickslip.cli.trials import content_of, show_trials
 from stickslip.errors import InputError
-from stickslip.experiments import Checks, Rig, check, load_rig
-from stickslip.experiments.preconditions import told
-from stickslip.experiments.second_records import refuse_same
-from stickslip.identification import Fit
-from stickslip.identification.results import far_above_dry
+from stickslip.experiments import Checks, Rig, check, load_rig, refuse_same, told
+from stickslip.identification import Fit, far_above_dry
 from stickslip.routes import FitRequest, FitSummary, Law
 
 __all__ = ["run"]

@@ -12,21 +12,30 @@ from stickslip.cli.console import note, plain, show_table, stdout
 from stickslip.cli.interrupts import Interrupts
 from stickslip.cli.progress import Searching, Watching
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Checks, Measurement, Rig
-from stickslip.experiments.hashing import with_files
-from stickslip.experiments.parameter_paths import all_paths
-from stickslip.experiments.readers.reader_options import Reading
-from stickslip.experiments.records import read_data
-from stickslip.experiments.units import read_number
+from stickslip.experiments import (
+    Checks,
+    Measurement,
+    Reading,
+    Rig,
+    all_paths,
+    read_data,
+    read_number,
+    with_files,
+)
 from stickslip.formatting import unit_text, within
 from stickslip.friction import FrictionLaw
-from stickslip.identification import Estimate, RecordSettings
-from stickslip.identification.records.route_choice import RouteName
-from stickslip.identification.validation import LAW, AnyLaw, covers, law_quantities
+from stickslip.identification import (
+    LAW,
+    AnyLaw,
+    Estimate,
+    RecordSettings,
+    RouteName,
+    covers,
+    law_quantities,
+)
 from stickslip.quantities import full_path
 from stickslip.routes import AnyRoute, Law, Options, Request, refuse_unused, route_of
-from stickslip.selection.records import PurposeName
-from stickslip.selection.verdict import Wording
+from stickslip.selection import PurposeName, Wording
 
 __all__ = [
     "CommandInputs",

@@ -9,9 +9,15 @@ from typing import Any
 
 from stickslip.cli.console import note, overrides, plain
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import CarriedLaw, LawEstimates, Rig, carried, load_rig
-from stickslip.experiments.estimates import LOAD
-from stickslip.experiments.units import read_number
+from stickslip.experiments import (
+    LOAD,
+    CarriedLaw,
+    LawEstimates,
+    Rig,
+    carried,
+    load_rig,
+    read_number,
+)
 from stickslip.friction import PRINTED_FORMS, FrictionLaw, law_type
 from stickslip.identification import starting_law
 from stickslip.routes import AnyRoute, Law

@@ -18,8 +18,8 @@ from stickslip.friction import (
     laws,
 )
 from stickslip.quantities import Quantity, fields_of
-from stickslip.report.core.formulas import formula_text, published_dict
-from stickslip.report.core.markup import plain as plain_text
+from stickslip.report import formula_text, published_dict
+from stickslip.report import plain as plain_text
 
 __all__ = ["run"]
 

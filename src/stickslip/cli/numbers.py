@@ -1,7 +1,7 @@
 """Numbers of options."""
 
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments.units import read_number
+from stickslip.experiments import read_number
 from stickslip.quantities import Quantity
 
 __all__ = ["number_of", "range_of"]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from stickslip.cli import CANCELLED, ToldExit
 from stickslip.cli.console import note, stdout, write_folder
-from stickslip.routes.report import PAGE
+from stickslip.routes import PAGE
 
 __all__ = ["PAGE", "PAGE_FAILED", "draw_page", "leave_unless_drawn"]
 

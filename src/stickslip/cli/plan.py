@@ -20,9 +20,7 @@ from stickslip.cli.select import laws_of
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Rig, load_rig
 from stickslip.quantities import Quantity, parameters
-from stickslip.selection import Plan, plan
-from stickslip.selection.planning import setting_of
-from stickslip.selection.sheet_tables import known_by, tables_of
+from stickslip.selection import Plan, known_by, plan, setting_of, tables_of
 
 __all__ = ["run"]
 
@@ -127,9 +125,7 @@ def _uncertainty(text: str | None) -> float | None:
 
 
 def _write(found: Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> None:
-    from stickslip.report.core.page import render
-    from stickslip.report.core.versions import versions
-    from stickslip.report.plans import plan_page
+    from stickslip.report import plan_page, render, versions
 
     sheet, table = files
     name = "" if path is None else f" {path}"

@@ -20,8 +20,7 @@ from stickslip.cli.law_choice import LawAsked, rig_and_law
 from stickslip.cli.numbers import range_of
 from stickslip.cli.progress import Improving
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments import Rig
-from stickslip.experiments.units import read_number
+from stickslip.experiments import Rig, read_number
 from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
@@ -36,8 +35,7 @@ from stickslip.optimisation import (
 from stickslip.quantities import Quantity, fields_of, full_path, named, parameters
 
 if TYPE_CHECKING:
-    from stickslip.optimisation.parametrisation import KindName
-    from stickslip.optimisation.problem import GoalName
+    from stickslip.optimisation import GoalName, KindName
 
 __all__ = ["Settings", "run"]
 
@@ -177,8 +175,7 @@ def _interval(mechanism: Mechanism, law: FrictionLaw, text: str) -> tuple[str, t
 
 
 def _files(found: Optimum, content: Mapping[str, Any]) -> dict[str, str | bytes]:
-    from stickslip.plots import standalone_svg
-    from stickslip.plots.runs.profiles import PROFILE_SIZES, draw_profile
+    from stickslip.plots import PROFILE_SIZES, draw_profile, standalone_svg
 
     figure = standalone_svg(draw_profile(found), size=PROFILE_SIZES["wide"])
     return {

@@ -30,13 +30,17 @@ from stickslip.cli.inputs import (
 from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.process_pool import workers
 from stickslip.cli.trials import show_trials
-from stickslip.experiments import Rig, load_rig
-from stickslip.experiments.hashing import of_files
+from stickslip.experiments import Rig, load_rig, of_files
 from stickslip.friction import FrictionLaw
-from stickslip.report import Page, render
-from stickslip.report.core.documents import Origin
-from stickslip.routes import SelectRequest, refuse_unused, route_named, verdict_page
-from stickslip.routes.report import DOCUMENT, write_verdict
+from stickslip.report import Origin, Page, render
+from stickslip.routes import (
+    DOCUMENT,
+    SelectRequest,
+    refuse_unused,
+    route_named,
+    verdict_page,
+    write_verdict,
+)
 from stickslip.selection import Verdict
 
 if TYPE_CHECKING:

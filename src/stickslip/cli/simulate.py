@@ -29,8 +29,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Rig, bristle_remark, extrapolations
 from stickslip.formatting import number, residue
 from stickslip.friction import FrictionLaw, bristles_of
-from stickslip.mechanisms import Mechanism, slip_names
-from stickslip.mechanisms.drive_period import cycle_or_none
+from stickslip.mechanisms import Mechanism, cycle_or_none, slip_names
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
 from stickslip.solver import FixedStep, Solver
@@ -242,8 +241,7 @@ def _table(ran: Ran, samples: int) -> "pd.DataFrame":
 
 def _page(ran: Ran, settings: Settings) -> str:
     """Return the page of a run."""
-    from stickslip.report.core.versions import versions
-    from stickslip.report.runs import RunReport, run_page
+    from stickslip.report import RunReport, run_page, versions
 
     source = ran.chosen.source
     digests = {"the rig": ran.rig.digest}

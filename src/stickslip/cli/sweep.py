@@ -100,8 +100,7 @@ def _content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
 
 
 def _write(found: VelocityMap, output: Path, figure: Path) -> None:
-    from stickslip.plots.core.svg import standalone_svg
-    from stickslip.plots.sweep_maps import draw_velocity_map
+    from stickslip.plots import draw_velocity_map, standalone_svg
 
     svg = standalone_svg(draw_velocity_map(found), size=SIZE, title="Mean velocity")
     table = table_bytes(found.to_dataframe(), output)

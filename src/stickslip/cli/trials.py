@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from stickslip.cli.console import plain, show_table, stdout
-from stickslip.experiments.condition_values import condition_name
+from stickslip.experiments import condition_name
 from stickslip.formatting import interval, significant
 from stickslip.identification import TrialComparison
 

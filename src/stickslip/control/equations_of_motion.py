@@ -102,8 +102,7 @@ class Evaluator:
             If the mechanism has a prescribed motion.
         """
         from stickslip.formulation import formulate
-        from stickslip.solver.drive_schedule import gather
-        from stickslip.solver.evaluator import Equations
+        from stickslip.solver import Equations, gather
 
         if mechanism.guided():
             raise InputError(

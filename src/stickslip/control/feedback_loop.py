@@ -15,8 +15,7 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.simulation import END, check_pair, initial_state
-from stickslip.solver import EventDriven
-from stickslip.solver.incremental_run import IncrementalRun
+from stickslip.solver import EventDriven, IncrementalRun
 from stickslip.trajectory import Status, Trajectory
 
 if TYPE_CHECKING:

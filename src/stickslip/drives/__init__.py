@@ -1,31 +1,32 @@
 """Drives: forces, torques and motions as functions of time."""
 
-from stickslip.drives.base import Drive, Piece, Sum
-from stickslip.drives.elementary import (
-    PiecewiseAffine,
-    PiecewiseLinear,
-    Pulse,
-    Ramp,
-    Sampled,
-    Sine,
-    Square,
-)
-from stickslip.drives.motion_profiles import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase
+from stickslip.lazy import attach
 
-__all__ = [
-    "Drive",
-    "Piece",
-    "PiecewiseAffine",
-    "PiecewiseLinear",
-    "Profile",
-    "Pulse",
-    "Ramp",
-    "Sampled",
-    "SevenStep",
-    "Sine",
-    "SineSwing",
-    "SplineSwing",
-    "Square",
-    "Sum",
-    "ThreePhase",
-]
+HOMES = {
+    "Drive": "base",
+    "Piece": "base",
+    "PiecewiseAffine": "elementary",
+    "PiecewiseLinear": "elementary",
+    "Profile": "motion_profiles",
+    "Pulse": "elementary",
+    "Ramp": "elementary",
+    "Sampled": "elementary",
+    "SevenStep": "motion_profiles",
+    "Sine": "elementary",
+    "SineSwing": "motion_profiles",
+    "SplineSwing": "motion_profiles",
+    "Square": "elementary",
+    "Sum": "base",
+    "ThreePhase": "motion_profiles",
+}
+
+INSIDE = {
+    "BEGINNING": "base",
+    "DRIVES": "registry",
+    "PROFILES": "registry",
+}
+"""Names that other rooms of the package use, which are no part of its interface to users."""
+
+__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
+
+__getattr__, __dir__ = attach(__name__, HOMES | INSIDE)

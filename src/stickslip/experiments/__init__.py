@@ -1,36 +1,75 @@
 """Experiments: rigs, measurements and trials, from files or arrays, and what is wrong with them."""
 
-from stickslip.experiments.carrying import (
-    CarriedLaw,
-    bristle_remark,
-    carried,
-    extrapolations,
-    unfitted_bristles,
-)
-from stickslip.experiments.checking.data_quality import Checks, Finding, check
-from stickslip.experiments.estimates import LawEstimates
-from stickslip.experiments.line import Line
-from stickslip.experiments.measurement import QUANTITIES, Measurement
-from stickslip.experiments.records import load_measurement
-from stickslip.experiments.rig import Published, Rig
-from stickslip.experiments.rigs.load import load_rig, rig_schema
+from stickslip.lazy import attach
 
-__all__ = [
-    "QUANTITIES",
-    "CarriedLaw",
-    "Checks",
-    "Finding",
-    "LawEstimates",
-    "Line",
-    "Measurement",
-    "Published",
-    "Rig",
-    "bristle_remark",
-    "carried",
-    "check",
-    "extrapolations",
-    "load_measurement",
-    "load_rig",
-    "rig_schema",
-    "unfitted_bristles",
-]
+HOMES = {
+    "CarriedLaw": "carrying",
+    "Checks": "checking.data_quality",
+    "Finding": "checking.data_quality",
+    "LawEstimates": "estimates",
+    "Line": "line",
+    "Measurement": "measurement",
+    "Published": "rig",
+    "QUANTITIES": "measurement",
+    "Rig": "rig",
+    "bristle_remark": "carrying",
+    "carried": "carrying",
+    "check": "checking.data_quality",
+    "extrapolations": "carrying",
+    "load_measurement": "records",
+    "load_rig": "rigs.load",
+    "rig_schema": "rigs.load",
+    "unfitted_bristles": "carrying",
+}
+
+INSIDE = {
+    "AT_UNIT_LOAD": "estimates",
+    "CURE": "checking.mains",
+    "Column": "readers.reader_options",
+    "GAP": "differentiation",
+    "HARD": "estimates",
+    "LOAD": "estimates",
+    "Levels": "estimates",
+    "MainsLine": "checking.mains",
+    "Reading": "readers.reader_options",
+    "TRAVELS": "measurement",
+    "all_paths": "parameter_paths",
+    "between_gaps": "slicing",
+    "canonical": "parameter_paths",
+    "check_uncertainty": "units",
+    "column_of": "readers.reader_options",
+    "condition_name": "condition_values",
+    "condition_unit": "condition_values",
+    "equated": "estimates",
+    "interval_of": "differentiation",
+    "is_narrow": "checking.mains",
+    "levels_at": "estimates",
+    "lines_of": "checking.mains",
+    "motion_of": "checking.motion",
+    "noise_of": "differentiation",
+    "of_files": "hashing",
+    "read_data": "records",
+    "read_number": "units",
+    "refuse_faults": "preconditions",
+    "refuse_lack": "preconditions",
+    "refuse_same": "second_records",
+    "refuse_unused": "preconditions",
+    "rig_toml": "rigs.rig_writer",
+    "rows_of": "slicing",
+    "scale_of": "travels",
+    "spread_of": "estimates",
+    "step_of": "differentiation",
+    "told": "preconditions",
+    "turned": "units",
+    "unit_on": "estimates",
+    "velocity_of": "differentiation",
+    "whole_cycles": "travels",
+    "with_doubts": "preconditions",
+    "with_files": "hashing",
+    "words_of": "checking.mains",
+}
+"""Names that other rooms of the package use, which are no part of its interface to users."""
+
+__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
+
+__getattr__, __dir__ = attach(__name__, HOMES | INSIDE)

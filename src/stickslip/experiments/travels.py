@@ -5,8 +5,7 @@ import math
 from stickslip.errors import InputError
 from stickslip.experiments.measurement import QUANTITIES, Measurement
 from stickslip.experiments.parameter_paths import PREFIX
-from stickslip.mechanisms import Mechanism
-from stickslip.mechanisms.drive_period import WHOLE, cycle_of
+from stickslip.mechanisms import WHOLE, Mechanism, cycle_of
 from stickslip.quantities import vary
 
 __all__ = ["scale_of", "whole_cycles"]

@@ -44,6 +44,12 @@ HOMES = {
     "usual_specifications": "registry",
 }
 
+INSIDE = {
+    "PrintedCartDynamics": "published",
+    "PrintedCoulomb": "published",
+}
+"""Names that other rooms of the package use, which are no part of its interface to users."""
+
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 
-__getattr__, __dir__ = attach(__name__, HOMES)
+__getattr__, __dir__ = attach(__name__, HOMES | INSIDE)

@@ -16,6 +16,8 @@ from stickslip.friction.lugre import LuGre as LuGre
 from stickslip.friction.power_viscous import PowerViscous as PowerViscous
 from stickslip.friction.published import PRINTED_EQUATIONS as PRINTED_EQUATIONS
 from stickslip.friction.published import PRINTED_FORMS as PRINTED_FORMS
+from stickslip.friction.published import PrintedCartDynamics as PrintedCartDynamics
+from stickslip.friction.published import PrintedCoulomb as PrintedCoulomb
 from stickslip.friction.published import PrintedForm as PrintedForm
 from stickslip.friction.published import RightEquation as RightEquation
 from stickslip.friction.quadratic_drag import QuadraticDrag as QuadraticDrag

@@ -14,8 +14,7 @@ from typing_extensions import TypeVar, override
 
 from stickslip.display import OnAxes, Summary
 from stickslip.errors import InputError
-from stickslip.experiments.estimates import HARD, LawEstimates, Levels, levels_at, spread_of
-from stickslip.experiments.rigs.rig_writer import rig_toml
+from stickslip.experiments import HARD, LawEstimates, Levels, levels_at, rig_toml, spread_of
 from stickslip.formatting import (
     EstimateText,
     estimate_text,

@@ -8,8 +8,7 @@ from fnmatch import fnmatchcase
 from typing import Generic, ParamSpec, TypeAlias, TypeVar, cast, final
 
 from stickslip.errors import InputError, RenamedError, UnknownNameError, renamed
-from stickslip.experiments import Measurement, Rig
-from stickslip.experiments.parameter_paths import all_paths
+from stickslip.experiments import Measurement, Rig, all_paths
 from stickslip.friction import FrictionLaw, RateState
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, full_path, parameters

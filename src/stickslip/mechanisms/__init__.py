@@ -33,6 +33,14 @@ HOMES = {
     "stops_of": "base",
 }
 
+INSIDE = {
+    "WHOLE": "drive_period",
+    "cycle_of": "drive_period",
+    "cycle_or_none": "drive_period",
+    "repeats": "drive_period",
+}
+"""Names that other rooms of the package use, which are no part of its interface to users."""
+
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 
-__getattr__, __dir__ = attach(__name__, HOMES)
+__getattr__, __dir__ = attach(__name__, HOMES | INSIDE)

@@ -14,6 +14,10 @@ from stickslip.mechanisms.base import stops_of as stops_of
 from stickslip.mechanisms.capsule import Capsule as Capsule
 from stickslip.mechanisms.contacts import slip_names as slip_names
 from stickslip.mechanisms.contacts import static_normal_force as static_normal_force
+from stickslip.mechanisms.drive_period import WHOLE as WHOLE
+from stickslip.mechanisms.drive_period import cycle_of as cycle_of
+from stickslip.mechanisms.drive_period import cycle_or_none as cycle_or_none
+from stickslip.mechanisms.drive_period import repeats as repeats
 from stickslip.mechanisms.matrix_mechanism import MatrixMechanism as MatrixMechanism
 from stickslip.mechanisms.pendulum import Pendulum as Pendulum
 from stickslip.mechanisms.pendulum_cart import PendulumCart as PendulumCart

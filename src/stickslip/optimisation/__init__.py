@@ -1,25 +1,29 @@
 """Motion profiles: which motion drives a mechanism best within limits."""
 
-from stickslip.optimisation.cycle_metrics import Cycle, guide_of, measure, units_of_limits
-from stickslip.optimisation.limits import Limits, Margin
-from stickslip.optimisation.optimise import optimise_profile
-from stickslip.optimisation.parametrisation import KINDS
-from stickslip.optimisation.problem import GOALS, Goal, ScoredMotion
-from stickslip.optimisation.result import Optimum
-from stickslip.optimisation.scenarios import Scenarios
+from stickslip.lazy import attach
 
-__all__ = [
-    "GOALS",
-    "KINDS",
-    "Cycle",
-    "Goal",
-    "Limits",
-    "Margin",
-    "Optimum",
-    "Scenarios",
-    "ScoredMotion",
-    "guide_of",
-    "measure",
-    "optimise_profile",
-    "units_of_limits",
-]
+HOMES = {
+    "Cycle": "cycle_metrics",
+    "GOALS": "problem",
+    "Goal": "problem",
+    "KINDS": "parametrisation",
+    "Limits": "limits",
+    "Margin": "limits",
+    "Optimum": "result",
+    "Scenarios": "scenarios",
+    "ScoredMotion": "problem",
+    "guide_of": "cycle_metrics",
+    "measure": "cycle_metrics",
+    "optimise_profile": "optimise",
+    "units_of_limits": "cycle_metrics",
+}
+
+INSIDE = {
+    "GoalName": "problem",
+    "KindName": "parametrisation",
+}
+"""Names that other rooms of the package use, which are no part of its interface to users."""
+
+__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
+
+__getattr__, __dir__ = attach(__name__, HOMES | INSIDE)

@@ -6,7 +6,7 @@ from typing import Any, final
 from typing_extensions import override
 
 from stickslip.drives import Profile
-from stickslip.experiments.rigs.rig_writer import rig_toml
+from stickslip.experiments import rig_toml
 from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
@@ -144,7 +144,7 @@ def profile_values(profile: Profile) -> dict[str, Any]:
     >>> profile_values(SineSwing(amplitude=0.5, frequency=2.0))
     {'type': 'sine-swing', 'amplitude': 0.5, 'frequency': 2.0}
     """
-    from stickslip.drives.registry import PROFILES
+    from stickslip.drives import PROFILES
 
     names = {kind: name for name, kind in PROFILES.items()}
     values = {field.name: getattr(profile, field.name) for field in dataclasses.fields(profile)}

@@ -17,7 +17,7 @@ from stickslip.paper.stick_slip import StickSlip, stick_slip
 from stickslip.paper.unpublished import Requirement, StepTravel, requirements, step_travels
 from stickslip.paper.values import PaperValues
 from stickslip.quantities import fields_of, vary
-from stickslip.report.core.formulas import published_dict
+from stickslip.report import published_dict
 from stickslip.selection import FixedStepRow, TravelVerdict, compare_fixed_steps, select_travels
 from stickslip.simulation import simulate
 

@@ -10,8 +10,13 @@ from functools import cached_property
 from typing import Any
 
 from stickslip.drives import ThreePhase
-from stickslip.friction import Coulomb, FrictionLaw, PrintedForm
-from stickslip.friction.published import PrintedCartDynamics, PrintedCoulomb
+from stickslip.friction import (
+    Coulomb,
+    FrictionLaw,
+    PrintedCartDynamics,
+    PrintedCoulomb,
+    PrintedForm,
+)
 from stickslip.mechanisms import PendulumCart, Prescribed
 from stickslip.simulation import simulate
 from stickslip.solver import EventDriven, FixedStep

@@ -25,11 +25,20 @@ from stickslip.paper.sections import (
     unpublished_section,
 )
 from stickslip.paper.unpublished import ROUNDING
-from stickslip.report import Code, Fact, Opening, Page, Paragraph, References, Section, render
-from stickslip.report.core import documents
-from stickslip.report.core.documents import SectionMaker
-from stickslip.report.core.reproduce import law_references
-from stickslip.report.core.versions import versions
+from stickslip.report import (
+    Code,
+    Fact,
+    Opening,
+    Page,
+    Paragraph,
+    References,
+    Section,
+    SectionMaker,
+    documents,
+    law_references,
+    render,
+    versions,
+)
 from stickslip.selection import TravelVerdict
 
 __all__ = ["Beside", "beside", "paper_report"]

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 from stickslip.friction import Coulomb, CoulombViscous, Dahl, FrictionLaw, LuGre, Viscous
-from stickslip.identification.estimation.root_search import positive_root
+from stickslip.identification import positive_root
 from stickslip.mechanisms import SpringBlock
 from stickslip.paper.excitations import rigs
 from stickslip.paper.values import PaperValues

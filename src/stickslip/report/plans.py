@@ -7,9 +7,7 @@ from stickslip.formatting import number
 from stickslip.report.core.blocks import Block, Code, KeyValue, KeyValues, Note, Paragraph
 from stickslip.report.core.documents import Page, Section
 from stickslip.report.core.tables import Blank, Column, Name, Row, Table
-from stickslip.selection import Plan
-from stickslip.selection.design.discriminating_settings import unit_of
-from stickslip.selection.sheet_tables import SheetTable, tables_of
+from stickslip.selection import Plan, SheetTable, tables_of, unit_of
 
 __all__ = ["plan_page"]
 

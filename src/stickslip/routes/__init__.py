@@ -1,36 +1,34 @@
 """Routes: each kind of measurement, from its fit to its page; and the verbs that take any."""
 
-from stickslip.routes.page import verdict_page
-from stickslip.routes.registry import AnyRoute, refuse_unused, route_named, route_of, routes
-from stickslip.routes.report import write_report
-from stickslip.routes.route import (
-    Comparison,
-    FitRequest,
-    FitSummary,
-    Law,
-    Options,
-    Request,
-    Route,
-    SelectRequest,
-)
-from stickslip.routes.verbs import fit, select
+from stickslip.lazy import attach
 
-__all__ = [
-    "AnyRoute",
-    "Comparison",
-    "FitRequest",
-    "FitSummary",
-    "Law",
-    "Options",
-    "Request",
-    "Route",
-    "SelectRequest",
-    "fit",
-    "refuse_unused",
-    "route_named",
-    "route_of",
-    "routes",
-    "select",
-    "verdict_page",
-    "write_report",
-]
+HOMES = {
+    "AnyRoute": "registry",
+    "Comparison": "route",
+    "FitRequest": "route",
+    "FitSummary": "route",
+    "Law": "route",
+    "Options": "route",
+    "Request": "route",
+    "Route": "route",
+    "SelectRequest": "route",
+    "fit": "verbs",
+    "refuse_unused": "registry",
+    "route_named": "registry",
+    "route_of": "registry",
+    "routes": "registry",
+    "select": "verbs",
+    "verdict_page": "page",
+    "write_report": "report",
+}
+
+INSIDE = {
+    "DOCUMENT": "report",
+    "PAGE": "report",
+    "write_verdict": "report",
+}
+"""Names that other rooms of the package use, which are no part of its interface to users."""
+
+__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
+
+__getattr__, __dir__ = attach(__name__, HOMES | INSIDE)

@@ -7,10 +7,8 @@ from typing_extensions import override
 
 from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE, percent, quantity, signed_percent
-from stickslip.identification import FeatureFit, fit_features
-from stickslip.identification.features.features import COMPARED, ROUTE, by_features
-from stickslip.identification.validation import Laws
-from stickslip.report.core.documents import Origin, SectionMaker
+from stickslip.identification import COMPARED, FEATURES, FeatureFit, Laws, by_features, fit_features
+from stickslip.report import Origin, SectionMaker
 from stickslip.routes.route import (
     Comparison,
     FitRequest,
@@ -19,9 +17,13 @@ from stickslip.routes.route import (
     Route,
     SelectRequest,
 )
-from stickslip.selection import FeatureCandidate, FeatureVerdict, select_features
-from stickslip.selection.feature_wording import share_parts
-from stickslip.selection.features import feature_laws
+from stickslip.selection import (
+    FeatureCandidate,
+    FeatureVerdict,
+    feature_laws,
+    select_features,
+    share_parts,
+)
 
 __all__ = ["FeatureRoute"]
 
@@ -35,7 +37,7 @@ UNITS = {"frequency": "Hz"}
 class FeatureRoute(Route[FeatureFit, FeatureVerdict]):
     """Limit cycles of a towed block, fitted to frequency, mean and standard deviation."""
 
-    names = (ROUTE,)
+    names = (FEATURES,)
     measured = "the force of a spring"
     uses = frozenset({"route", "settings", "seed", "validate", "jobs"})
 
@@ -120,9 +122,9 @@ class FeatureRoute(Route[FeatureFit, FeatureVerdict]):
     def sections(
         self, verdict: FeatureVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:
-        from stickslip.report.features import sections  # figures are loaded where a page is made
+        from stickslip.report import feature_sections  # figures are loaded where a page is made
 
-        return sections(verdict, origin, remark)
+        return feature_sections(verdict, origin, remark)
 
 
 def _row(one: FeatureCandidate, name: str, *, second: bool) -> list[str]:

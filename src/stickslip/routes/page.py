@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from stickslip.report.core.documents import Origin, Page, Section, SectionMaker, made_sections
+from stickslip.report import Origin, Page, Section, SectionMaker, made_sections
 from stickslip.routes.registry import route_named
 from stickslip.selection import Verdict
 

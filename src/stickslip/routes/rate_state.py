@@ -8,11 +8,8 @@ from typing_extensions import override
 from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE, Scale, number
 from stickslip.friction import RateState
-from stickslip.identification import RateStateFit, fit_rate_state
-from stickslip.identification.rate_state.fit import STARTS
-from stickslip.identification.rate_state.problem import serves
-from stickslip.identification.rate_state.result import ROUTE
-from stickslip.report.core.documents import Origin, SectionMaker
+from stickslip.identification import STARTS, VELOCITY_STEPS, RateStateFit, fit_rate_state, serves
+from stickslip.report import Origin, SectionMaker
 from stickslip.routes.route import (
     Comparison,
     FitRequest,
@@ -21,9 +18,14 @@ from stickslip.routes.route import (
     Route,
     SelectRequest,
 )
-from stickslip.selection import RateStateVerdict, select_rate_state
-from stickslip.selection.rate_state import RateStateLaw, RateStateLaws, rate_state_laws
-from stickslip.selection.verdict import score_text
+from stickslip.selection import (
+    RateStateLaw,
+    RateStateLaws,
+    RateStateVerdict,
+    rate_state_laws,
+    score_text,
+    select_rate_state,
+)
 
 __all__ = ["RateStateRoute"]
 
@@ -35,7 +37,7 @@ COEFFICIENT = Scale(1.0, "")
 class RateStateRoute(Route[RateStateFit, RateStateVerdict]):
     """A slider without inertia behind a spring, fitted to the coefficient of friction."""
 
-    names = (ROUTE,)
+    names = (VELOCITY_STEPS,)
     measured = "velocity steps"
     uses = frozenset({"route", "settings", "starts", "seed", "validate", "jobs"})
     usual_law = "rate-and-state"
@@ -140,6 +142,6 @@ class RateStateRoute(Route[RateStateFit, RateStateVerdict]):
     def sections(
         self, verdict: RateStateVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:
-        from stickslip.report.rate_state import sections  # figures are loaded where a page is made
+        from stickslip.report import rate_state_sections  # figures are loaded where a page is made
 
-        return sections(verdict, origin, remark)
+        return rate_state_sections(verdict, origin, remark)

@@ -8,12 +8,22 @@ from typing_extensions import override
 
 from stickslip.experiments import Measurement, check
 from stickslip.formatting import NO_VALUE, quantity
-from stickslip.identification import RecordFit, RecordSettings, Score, fit_records
-from stickslip.identification.records.fitting import ROUTES, route_of
-from stickslip.identification.records.route_choice import RouteChoice, asked_for, choose_route
-from stickslip.identification.trials.comparison import compared
-from stickslip.identification.validation import LAW, Laws, Parameters
-from stickslip.report.core.documents import Origin, SectionMaker
+from stickslip.identification import (
+    LAW,
+    ROUTES,
+    Laws,
+    Parameters,
+    RecordFit,
+    RecordSettings,
+    RouteChoice,
+    Score,
+    asked_for,
+    choose_route,
+    compared,
+    fit_records,
+    route_of,
+)
+from stickslip.report import Origin, SectionMaker
 from stickslip.routes.route import (
     Comparison,
     FitRequest,
@@ -24,12 +34,17 @@ from stickslip.routes.route import (
     Route,
     SelectRequest,
 )
-from stickslip.selection import RecordCandidate, RecordVerdict, select_records
-from stickslip.selection.candidates import specifications
-from stickslip.selection.identifiable import limits_of
-from stickslip.selection.record_wording import error_text, route_text
-from stickslip.selection.records import way_for
-from stickslip.selection.verdict import score_text
+from stickslip.selection import (
+    RecordCandidate,
+    RecordVerdict,
+    error_text,
+    limits_of,
+    route_text,
+    score_text,
+    select_records,
+    specifications,
+    way_for,
+)
 
 __all__ = ["RecordRoute"]
 
@@ -174,9 +189,9 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
     def sections(
         self, verdict: RecordVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:
-        from stickslip.report.records import sections  # figures are loaded where a page is made
+        from stickslip.report import record_sections  # figures are loaded where a page is made
 
-        return sections(verdict, origin, remark)
+        return record_sections(verdict, origin, remark)
 
 
 def _row(candidate: RecordCandidate, verdict: RecordVerdict, *, second: bool) -> list[str]:

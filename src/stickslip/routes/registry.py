@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined
-from stickslip.identification.records.route_choice import RouteChoice
+from stickslip.identification import RouteChoice
 from stickslip.quantities import plugins
 from stickslip.routes.features import FeatureRoute
 from stickslip.routes.rate_state import RateStateRoute

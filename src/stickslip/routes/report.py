@@ -6,8 +6,7 @@ from typing import Any
 
 from stickslip.documents import document, json_text, write_folder
 from stickslip.errors import InputError
-from stickslip.report.core.documents import Origin
-from stickslip.report.core.page import render
+from stickslip.report import Origin, render
 from stickslip.routes.page import verdict_page
 from stickslip.routes.registry import route_named
 from stickslip.selection import Verdict

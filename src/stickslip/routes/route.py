@@ -10,13 +10,19 @@ from typing_extensions import TypeVar
 
 from stickslip.experiments import Checks, Measurement
 from stickslip.friction import specification
-from stickslip.identification import Estimate, Fit, RecordSettings, TrialComparison
-from stickslip.identification.records.route_choice import RouteChoice
-from stickslip.identification.validation import LAW, AnyLaw, names_of
+from stickslip.identification import (
+    LAW,
+    AnyLaw,
+    Estimate,
+    Fit,
+    RecordSettings,
+    RouteChoice,
+    TrialComparison,
+    names_of,
+)
 from stickslip.mechanisms import Mechanism
-from stickslip.report.core.documents import Origin, SectionMaker
-from stickslip.selection import Verdict
-from stickslip.selection.records import PurposeName
+from stickslip.report import Origin, SectionMaker
+from stickslip.selection import PurposeName, Verdict
 
 __all__ = [
     "Comparison",

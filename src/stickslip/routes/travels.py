@@ -8,10 +8,16 @@ from typing_extensions import override
 from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE, interval, quantity, significant
 from stickslip.friction import law_type
-from stickslip.identification import TravelFit, fit_travels
-from stickslip.identification.travels.model import Trial, quantities_read, trials_of
-from stickslip.identification.validation import AnyLaw, Laws
-from stickslip.report.core.documents import Origin, SectionMaker
+from stickslip.identification import (
+    AnyLaw,
+    Laws,
+    TravelFit,
+    Trial,
+    fit_travels,
+    quantities_read,
+    trials_of,
+)
+from stickslip.report import Origin, SectionMaker
 from stickslip.routes.route import (
     Comparison,
     FitRequest,
@@ -21,9 +27,7 @@ from stickslip.routes.route import (
     Route,
     SelectRequest,
 )
-from stickslip.selection import TravelCandidate, TravelVerdict, select_travels
-from stickslip.selection.identifiable import limits_of
-from stickslip.selection.travels import PLAIN
+from stickslip.selection import PLAIN, TravelCandidate, TravelVerdict, limits_of, select_travels
 
 __all__ = ["TravelRoute"]
 
@@ -124,9 +128,9 @@ class TravelRoute(Route[TravelFit, TravelVerdict]):
     def sections(
         self, verdict: TravelVerdict, origin: Origin, remark: str
     ) -> tuple[SectionMaker, ...]:
-        from stickslip.report.travels import sections  # figures are loaded where a page is made
+        from stickslip.report import travel_sections  # figures are loaded where a page is made
 
-        return sections(verdict, origin, remark)
+        return travel_sections(verdict, origin, remark)
 
 
 def _row(candidate: TravelCandidate, first: Trial | None, *, ranked: bool) -> list[str]:

@@ -8,15 +8,27 @@ from typing_extensions import TypeVar
 
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw, RateState
-from stickslip.identification import Fit, RecordSettings
-from stickslip.identification.records.route_choice import RouteChoice, RouteName
-from stickslip.identification.validation import Laws, arguments, check_given
+from stickslip.identification import (
+    Fit,
+    Laws,
+    RecordSettings,
+    RouteChoice,
+    RouteName,
+    arguments,
+    check_given,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.routes.registry import refuse_unused, route_of
 from stickslip.routes.route import FitRequest, Options, SelectRequest
-from stickslip.selection import FeatureVerdict, RateStateVerdict, RecordVerdict, TravelVerdict
-from stickslip.selection.rate_state import RateStateLaw, RateStateLaws
-from stickslip.selection.records import PurposeName
+from stickslip.selection import (
+    FeatureVerdict,
+    PurposeName,
+    RateStateLaw,
+    RateStateLaws,
+    RateStateVerdict,
+    RecordVerdict,
+    TravelVerdict,
+)
 
 __all__ = ["fit", "select"]
 

@@ -1,45 +1,76 @@
 """Selection: which law explains a measurement, and what the measurement cannot tell."""
 
-from stickslip.selection.criteria import Criteria, criteria_of
-from stickslip.selection.feature_verdict import FeatureCandidate, FeatureVerdict, OtherSpeed
-from stickslip.selection.features import select_features
-from stickslip.selection.fixed_step_comparison import FixedStepRow, compare_fixed_steps
-from stickslip.selection.lab_sheet import Plan
-from stickslip.selection.planning import plan
-from stickslip.selection.rate_state import select_rate_state
-from stickslip.selection.rate_state_verdict import (
-    OtherStep,
-    RateStateCandidate,
-    RateStateVerdict,
-)
-from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
-from stickslip.selection.records import PURPOSES, select_records
-from stickslip.selection.travel_verdict import TravelCandidate, TravelVerdict
-from stickslip.selection.travels import select_travels
-from stickslip.selection.verdict import Candidate, Verdict
+from stickslip.lazy import attach
 
-__all__ = [
-    "PURPOSES",
-    "Candidate",
-    "Criteria",
-    "FeatureCandidate",
-    "FeatureVerdict",
-    "FixedStepRow",
-    "OtherSpeed",
-    "OtherStep",
-    "Plan",
-    "RateStateCandidate",
-    "RateStateVerdict",
-    "RecordCandidate",
-    "RecordVerdict",
-    "TravelCandidate",
-    "TravelVerdict",
-    "Verdict",
-    "compare_fixed_steps",
-    "criteria_of",
-    "plan",
-    "select_features",
-    "select_rate_state",
-    "select_records",
-    "select_travels",
-]
+HOMES = {
+    "Candidate": "verdict",
+    "Criteria": "criteria",
+    "FeatureCandidate": "feature_verdict",
+    "FeatureVerdict": "feature_verdict",
+    "FixedStepRow": "fixed_step_comparison",
+    "OtherSpeed": "feature_verdict",
+    "OtherStep": "rate_state_verdict",
+    "PURPOSES": "records",
+    "Plan": "lab_sheet",
+    "RateStateCandidate": "rate_state_verdict",
+    "RateStateVerdict": "rate_state_verdict",
+    "RecordCandidate": "record_verdict",
+    "RecordVerdict": "record_verdict",
+    "TravelCandidate": "travel_verdict",
+    "TravelVerdict": "travel_verdict",
+    "Verdict": "verdict",
+    "compare_fixed_steps": "fixed_step_comparison",
+    "criteria_of": "criteria",
+    "plan": "planning",
+    "select_features": "features",
+    "select_rate_state": "rate_state",
+    "select_records": "records",
+    "select_travels": "travels",
+}
+
+INSIDE = {
+    "Experiment": "design.experiments",
+    "LEVEL": "choice",
+    "LIKELY": "choice",
+    "MATERIAL": "choice",
+    "NEAR": "choice",
+    "PLAIN": "travels",
+    "Proposal": "design.discriminating_settings",
+    "PurposeName": "records",
+    "RateStateLaw": "rate_state",
+    "RateStateLaws": "rate_state",
+    "SecondRecord": "record_verdict",
+    "Separation": "design.discriminating_settings",
+    "SheetTable": "sheet_tables",
+    "Steady": "design.predictors",
+    "Wording": "verdict",
+    "error_text": "record_wording",
+    "feature_laws": "features",
+    "in_sentence": "record_wording",
+    "known_by": "sheet_tables",
+    "largest_step": "fixed_step_comparison",
+    "limit_of": "identifiable",
+    "limits_of": "identifiable",
+    "misfit": "travel_verdict",
+    "moved_by_errors": "identifiable",
+    "predictor_of": "next_measurements",
+    "rate_state_laws": "rate_state",
+    "rounded_step": "fixed_step_comparison",
+    "route_text": "record_wording",
+    "score_scale": "verdict",
+    "score_text": "verdict",
+    "setting_of": "planning",
+    "settled_estimates": "identifiable",
+    "share_parts": "feature_wording",
+    "share_text": "feature_wording",
+    "specifications": "candidates",
+    "tables_of": "sheet_tables",
+    "traded": "identifiable",
+    "unit_of": "design.discriminating_settings",
+    "way_for": "records",
+}
+"""Names that other rooms of the package use, which are no part of its interface to users."""
+
+__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
+
+__getattr__, __dir__ = attach(__name__, HOMES | INSIDE)

@@ -3,10 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.experiments import Measurement
-from stickslip.experiments.checking.motion import motion_of
+from stickslip.experiments import Measurement, motion_of
 from stickslip.friction import BristleLaw, FrictionLaw
-from stickslip.identification.force_map.data import TIMELESS
+from stickslip.identification import TIMELESS
 
 __all__ = ["one_way", "unsuited_by"]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.formatting import joined, number, quantity, scale_of
-from stickslip.identification.travels.model import Trial
+from stickslip.identification import Trial
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.travel_verdict import TravelCandidate, misfit
 

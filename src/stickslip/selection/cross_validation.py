@@ -9,13 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement
-from stickslip.experiments.differentiation import interval_of
+from stickslip.experiments import Measurement, interval_of
 from stickslip.formatting import quantity
-from stickslip.identification.estimation.problem import Problem
-from stickslip.identification.records.fit import RecordFit, settled
-from stickslip.identification.records.refits import interleaved, positions_of, refitted
-from stickslip.identification.shooting.segments import LEAST
+from stickslip.identification import (
+    LEAST,
+    Problem,
+    RecordFit,
+    interleaved,
+    positions_of,
+    refitted,
+    settled,
+)
 
 __all__ = ["FOLDS", "CrossValidation", "Plan", "cross_validate", "halves", "plan_of"]
 

@@ -6,9 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip.identification import FeatureFit
-from stickslip.identification.features.features import COMPARED, STEADY, load_of
-from stickslip.identification.features.problem import cycle_features
+from stickslip.identification import COMPARED, STEADY, FeatureFit, cycle_features, towed_load
 from stickslip.selection.feature_verdict import FeatureCandidate, OtherSpeed
 
 __all__ = ["other_speeds"]
@@ -59,7 +57,7 @@ def _at(fit: FeatureFit, factor: float) -> dict[str, float]:
     block = replace(fit.mechanism, speed=factor * fit.mechanism.speed)
     natural = 2.0 * math.pi * math.sqrt(block.mass / block.stiffness)
     # sticking lasts as long as the spring takes to fall by twice its swing: longer if slower
-    sticking = 4.0 * fit.observed.standard_deviation * load_of(block)
+    sticking = 4.0 * fit.observed.standard_deviation * towed_load(block)
     period = natural + sticking / (block.stiffness * block.speed)
     (row,) = cycle_features(
         block,

@@ -9,8 +9,7 @@ from typing_extensions import override
 
 from stickslip.experiments import Checks
 from stickslip.friction import FrictionLaw
-from stickslip.identification import FeatureFit, StickSlipFeatures
-from stickslip.identification.features.features import COMPARED, ROUTE
+from stickslip.identification import COMPARED, FEATURES, FeatureFit, StickSlipFeatures
 from stickslip.selection.verdict import Candidate, Verdict, plain
 
 __all__ = ["FeatureCandidate", "FeatureVerdict", "OtherSpeed"]
@@ -109,7 +108,7 @@ class FeatureVerdict(Verdict[FeatureCandidate]):
     @property
     @override
     def route(self) -> str:
-        return ROUTE
+        return FEATURES
 
     @property
     @override

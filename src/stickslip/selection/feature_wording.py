@@ -15,10 +15,14 @@ from stickslip.formatting import (
     signed_percent,
     with_unit,
 )
-from stickslip.identification import FeatureFit, StickSlipFeatures
-from stickslip.identification.features.features import FASTER
-from stickslip.identification.features.scores import as_good, room_of
-from stickslip.identification.results import far_above_dry
+from stickslip.identification import (
+    FASTER,
+    FeatureFit,
+    StickSlipFeatures,
+    as_good,
+    far_above_dry,
+    room_of,
+)
 from stickslip.selection.feature_verdict import FeatureCandidate, OtherSpeed
 from stickslip.selection.verdict import Wording, score_text
 

@@ -13,18 +13,22 @@ from stickslip.experiments import Checks, Measurement
 from stickslip.formatting import ratio, signed_percent
 from stickslip.friction import Coulomb, FrictionLaw, LuGre, Stribeck
 from stickslip.identification import (
+    LAW,
+    MISSED,
     FeatureFit,
+    FittedLaw,
+    Parameters,
     RecordSettings,
     StickSlipFeatures,
+    arguments,
+    as_good,
+    error_of_score,
     features_of,
     fit_features,
+    free_of,
+    refuse_uncertainties,
+    room_of,
 )
-from stickslip.identification.estimation.containment import FittedLaw
-from stickslip.identification.features.features import refuse_uncertainties
-from stickslip.identification.features.fit import free_of
-from stickslip.identification.features.result import MISSED
-from stickslip.identification.features.scores import as_good, error_of_score, room_of
-from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.candidates import CandidateSpec, specifications
 from stickslip.selection.feature_speeds import other_speeds

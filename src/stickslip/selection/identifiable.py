@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from stickslip.identification import Estimate, RecordFit, TravelFit
-from stickslip.identification.estimates import TOGETHER
-from stickslip.identification.travels.model import uncertainties_of
+from stickslip.identification import TOGETHER, Estimate, RecordFit, TravelFit, uncertainties_of
 from stickslip.quantities import vary
 from stickslip.selection.limits import limit_text
 

@@ -4,9 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from stickslip.friction import FrictionLaw
-from stickslip.identification.travels.fit import fit_trials
-from stickslip.identification.travels.model import TravelModel, Trial
-from stickslip.identification.travels.result import TravelFit
+from stickslip.identification import TravelFit, TravelModel, Trial, fit_trials
 
 __all__ = ["held_out_errors", "root_mean_square"]
 

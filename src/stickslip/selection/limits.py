@@ -3,8 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from stickslip.formatting import percent, quantity
-from stickslip.identification import Estimate
-from stickslip.identification.travels.propagation import READINGS
+from stickslip.identification import READINGS, Estimate
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 

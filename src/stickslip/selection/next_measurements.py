@@ -8,10 +8,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.identification import RecordFit
-from stickslip.identification.series.applied_force import driven
-from stickslip.identification.series.inverse_dynamics import inverse_dynamics
-from stickslip.identification.series.start_values import load_of
+from stickslip.identification import RecordFit, driven, inverse_dynamics, load_of
 from stickslip.mechanisms import stops_of
 from stickslip.selection.applicability import one_way
 from stickslip.selection.cross_validation import Plan

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Protocol, TypeVar
 
 from stickslip.friction import BristleLaw
-from stickslip.identification.estimation.containment import FittedLaw
+from stickslip.identification import FittedLaw
 from stickslip.selection.candidates import CandidateSpec, contains
 
 __all__ = ["Fitted", "fitted_side_by_side", "takes_long"]

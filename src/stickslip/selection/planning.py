@@ -19,23 +19,29 @@ from stickslip.errors import ConvergenceError, InputError, StickslipError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined, number, percent, quantity
 from stickslip.friction import LAWS, Coulomb, FrictionLaw, law_type
-from stickslip.identification import TravelFit, starting_law
-from stickslip.identification.travels.fit import fit_trials, payable
-from stickslip.identification.travels.model import (
+from stickslip.identification import (
     LEAST_ERROR,
+    READINGS,
+    Laws,
+    TravelFit,
     TravelModel,
     Trial,
+    arguments,
+    check_given,
+    covariance_of,
+    doubling_slope,
     driven_on,
+    expected_fit,
+    fit_trials,
+    laws_of,
+    payable,
+    required_of,
     standard_errors,
+    starting_law,
     trials_of,
     uncertainties_of,
 )
-from stickslip.identification.travels.propagation import READINGS, covariance_of
-from stickslip.identification.travels.several_travels import expected_fit
-from stickslip.identification.travels.start_values import doubling_slope, required_of
-from stickslip.identification.validation import Laws, arguments, check_given, laws_of
-from stickslip.mechanisms import Mechanism
-from stickslip.mechanisms.base import stops_of
+from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.quantities import Quantity, fields_of, parameters, vary
 from stickslip.selection.admissibility import limit_of
 from stickslip.selection.design.discriminating_settings import (

@@ -14,15 +14,21 @@ from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Measurement
 from stickslip.friction import RATE_STATE_FORMS, RateState
 from stickslip.identification import (
+    LAW,
+    STARTS,
+    Drift,
+    Parameters,
     RateStateFit,
     RecordSettings,
+    SubsetProblem,
+    arguments,
+    bounds_met,
+    fit_steps,
+    form_of,
+    improve,
     simulate_velocity_steps,
+    with_profile,
 )
-from stickslip.identification.estimation.levenberg_marquardt import improve
-from stickslip.identification.estimation.problem import SubsetProblem
-from stickslip.identification.rate_state.fit import STARTS, Drift, fit_steps, form_of, with_profile
-from stickslip.identification.rate_state.result import bounds_met
-from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.candidates import check_apart
 from stickslip.selection.choice import beyond_doubt, choose, effective_aic

@@ -11,8 +11,7 @@ from typing_extensions import override
 
 from stickslip.experiments import Checks
 from stickslip.friction import RateState
-from stickslip.identification import RateStateFit
-from stickslip.identification.rate_state.result import ROUTE, UNSPENT, bounds_met
+from stickslip.identification import UNSPENT, VELOCITY_STEPS, RateStateFit, bounds_met
 from stickslip.selection.choice import TRUSTED
 from stickslip.selection.cross_validation import CrossValidation
 from stickslip.selection.verdict import Candidate, Verdict, plain
@@ -144,7 +143,7 @@ class RateStateVerdict(Verdict[RateStateCandidate]):
     @property
     @override
     def route(self) -> str:
-        return ROUTE
+        return VELOCITY_STEPS
 
     @property
     @override

@@ -7,9 +7,7 @@ import numpy as np
 
 from stickslip.experiments import Measurement
 from stickslip.formatting import number, percent, quantity
-from stickslip.identification.estimates import SEPARABLE, step_intervals
-from stickslip.identification.records.fit import RecordFit
-from stickslip.identification.results import Estimate
+from stickslip.identification import SEPARABLE, Estimate, RecordFit, step_intervals
 from stickslip.selection.applicability import one_way
 from stickslip.selection.record_verdict import RecordCandidate
 

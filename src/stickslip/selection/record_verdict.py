@@ -10,11 +10,14 @@ from typing_extensions import override
 from stickslip.experiments import Checks, Measurement
 from stickslip.formatting import Scale, quantity
 from stickslip.friction import FrictionLaw
-from stickslip.identification import RecordFit, TrialComparison
-from stickslip.identification.estimation.containment import FittedLaw
-from stickslip.identification.estimation.model_error import ModelError
-from stickslip.identification.records.fit import Score
-from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification import (
+    FittedLaw,
+    ModelError,
+    RecordFit,
+    RecordSettings,
+    Score,
+    TrialComparison,
+)
 from stickslip.selection.choice import TRUSTED, reduces_to
 from stickslip.selection.cross_validation import CrossValidation, Plan
 from stickslip.selection.design.experiments import Experiment

@@ -6,12 +6,9 @@ from dataclasses import replace
 from functools import partial
 
 from stickslip import formatting
-from stickslip.experiments import QUANTITIES, Checks
-from stickslip.experiments.units import turned
+from stickslip.experiments import QUANTITIES, Checks, turned
 from stickslip.formatting import Scale, capital, count, joined, number, ratio, with_unit
-from stickslip.identification import RecordFit, TrialComparison
-from stickslip.identification.estimation.halves import difference
-from stickslip.identification.results import far_above_dry
+from stickslip.identification import RecordFit, TrialComparison, difference, far_above_dry
 from stickslip.selection.candidates import REFERENCE
 from stickslip.selection.choice import as_good
 from stickslip.selection.design.experiments import Experiment

@@ -8,27 +8,36 @@ from functools import partial
 from typing import Literal, TypeAlias
 
 from stickslip.errors import ConvergenceError, InputError, SimulationError
-from stickslip.experiments import Checks, Measurement, check
-from stickslip.experiments.preconditions import refuse_lack, refuse_unused, told, with_doubts
-from stickslip.experiments.second_records import refuse_same
+from stickslip.experiments import (
+    Checks,
+    Measurement,
+    check,
+    refuse_lack,
+    refuse_same,
+    refuse_unused,
+    told,
+    with_doubts,
+)
 from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw
-from stickslip.identification import RecordFit
-from stickslip.identification.estimation.containment import FittedLaw
-from stickslip.identification.records.fit import check_horizon
-from stickslip.identification.records.fitting import fit_record
-from stickslip.identification.records.problems import Route
-from stickslip.identification.records.route_choice import (
+from stickslip.identification import (
+    LAW,
+    FittedLaw,
+    Parameters,
+    RecordFit,
+    RecordSettings,
+    Route,
     RouteChoice,
+    arguments,
     asked_for,
     better_route,
+    check_horizon,
     choose_route,
+    compared,
+    fit_record,
+    inside,
     to_compare,
 )
-from stickslip.identification.records.settings import RecordSettings
-from stickslip.identification.series.applied_force import inside
-from stickslip.identification.trials.comparison import compared
-from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
 from stickslip.selection.applicability import one_way, unsuited_by

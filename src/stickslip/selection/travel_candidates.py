@@ -5,10 +5,17 @@ from collections.abc import Callable, Mapping, Sequence
 
 from stickslip.errors import ConvergenceError, ParameterError, SimulationError
 from stickslip.friction import FrictionLaw
-from stickslip.identification.travels.fit import check_rest, fit_trials, payable
-from stickslip.identification.travels.model import TravelModel, Trial
-from stickslip.identification.travels.result import TravelFit
-from stickslip.identification.travels.start_values import Start, required_of, starting_points
+from stickslip.identification import (
+    Start,
+    TravelFit,
+    TravelModel,
+    Trial,
+    check_rest,
+    fit_trials,
+    payable,
+    required_of,
+    starting_points,
+)
 from stickslip.quantities import fields_of, parameters, vary
 from stickslip.selection.criteria import Criteria, criteria_of
 from stickslip.selection.leave_one_out import held_out_errors, root_mean_square

@@ -7,9 +7,7 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 
 from stickslip.formatting import joined, number, quantity, with_unit, within
-from stickslip.identification import Estimate
-from stickslip.identification.results import far_above_dry
-from stickslip.identification.travels.model import Trial
+from stickslip.identification import Estimate, Trial, far_above_dry
 from stickslip.quantities import fields_of
 from stickslip.selection.admissibility import doubts
 from stickslip.selection.contradictions import Contradiction

@@ -6,12 +6,18 @@ from collections.abc import Mapping, Sequence
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.friction import LAWS, FrictionLaw, law_type
-from stickslip.identification import starting_law
-from stickslip.identification.travels.model import Trial, standard_errors, trials_of
-from stickslip.identification.travels.precompile import compile_for
-from stickslip.identification.travels.result import TravelFit
-from stickslip.identification.travels.start_values import required_of
-from stickslip.identification.validation import Laws, Parameters, arguments
+from stickslip.identification import (
+    Laws,
+    Parameters,
+    TravelFit,
+    Trial,
+    arguments,
+    compile_for,
+    required_of,
+    standard_errors,
+    starting_law,
+    trials_of,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.selection.admissibility import chosen, mark_passed_over

@@ -13,8 +13,7 @@ from typing_extensions import TypeVar, override
 from stickslip.display import OnAxes, Summary, summary_of_table
 from stickslip.experiments import Measurement
 from stickslip.formatting import EstimateText, Scale, count, scale_of
-from stickslip.identification import Fit
-from stickslip.identification.estimation.containment import FittedLaw
+from stickslip.identification import Fit, FittedLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 

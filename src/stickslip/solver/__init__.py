@@ -1,38 +1,38 @@
 """Solvers: the event-driven one, and the fixed step of a block diagram."""
 
-from stickslip.solver.base import Solver
-from stickslip.solver.compile.precompile import Progress, WarmUp, warm_up
-from stickslip.solver.event_driven import EventDriven
-from stickslip.solver.fixed_step import FixedStep, Method
-from stickslip.solver.reducers import (
-    EventCount,
-    EventTimes,
-    Final,
-    Max,
-    Mean,
-    Min,
-    Output,
-    Samples,
-    Sensitivity,
-)
-from stickslip.solver.run import prepare
+from stickslip.lazy import attach
 
-__all__ = [
-    "EventCount",
-    "EventDriven",
-    "EventTimes",
-    "Final",
-    "FixedStep",
-    "Max",
-    "Mean",
-    "Method",
-    "Min",
-    "Output",
-    "Progress",
-    "Samples",
-    "Sensitivity",
-    "Solver",
-    "WarmUp",
-    "prepare",
-    "warm_up",
-]
+HOMES = {
+    "EventCount": "reducers",
+    "EventDriven": "event_driven",
+    "EventTimes": "reducers",
+    "Final": "reducers",
+    "FixedStep": "fixed_step",
+    "Max": "reducers",
+    "Mean": "reducers",
+    "Method": "fixed_step",
+    "Min": "reducers",
+    "Output": "reducers",
+    "Progress": "compile.precompile",
+    "Samples": "reducers",
+    "Sensitivity": "reducers",
+    "Solver": "base",
+    "WarmUp": "compile.precompile",
+    "prepare": "run",
+    "warm_up": "compile.precompile",
+}
+
+INSIDE = {
+    "BareRun": "event_driven",
+    "Equations": "evaluator",
+    "IncrementalRun": "incremental_run",
+    "gather": "drive_schedule",
+    "is_writable": "compile.module_cache",
+    "notice": "compile.messages",
+    "run_ensemble": "ensembles",
+}
+"""Names that other rooms of the package use, which are no part of its interface to users."""
+
+__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
+
+__getattr__, __dir__ = attach(__name__, HOMES | INSIDE)

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.drives import Drive, Piece, Sum
-from stickslip.drives.base import BEGINNING
+from stickslip.drives import BEGINNING, Drive, Piece, Sum
 from stickslip.formulation import Model
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism

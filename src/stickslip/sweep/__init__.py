@@ -1,6 +1,6 @@
 """Campaigns over many runs: mean motion, bifurcations, basins of attraction."""
 
-from stickslip.mechanisms.drive_period import cycle_of
+from stickslip.mechanisms import cycle_of
 from stickslip.sweep.bands import Band, Spread, band_of
 from stickslip.sweep.basins import Attractor, Basins, basins
 from stickslip.sweep.bifurcation import Bifurcation, bifurcation

@@ -12,8 +12,7 @@ from stickslip.display import OnAxes, Summary
 from stickslip.errors import InputError, SimulationError
 from stickslip.experiments import LawEstimates
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism, slip_names
-from stickslip.mechanisms.drive_period import WHOLE, cycle_or_none
+from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, slip_names
 from stickslip.simulation import ensemble
 from stickslip.solver import EventDriven, Samples
 

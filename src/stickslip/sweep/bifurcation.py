@@ -12,8 +12,7 @@ from typing_extensions import override
 from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism, TowedBlock
-from stickslip.mechanisms.drive_period import cycle_of
+from stickslip.mechanisms import Mechanism, TowedBlock, cycle_of
 from stickslip.quantities import Quantity
 from stickslip.quantities import vary as varied
 from stickslip.simulation import check_pair, ensemble, simulate

@@ -6,8 +6,7 @@ from typing import final
 
 import numpy as np
 
-from stickslip.mechanisms import Mechanism, slip_names
-from stickslip.mechanisms.drive_period import WHOLE
+from stickslip.mechanisms import WHOLE, Mechanism, slip_names
 from stickslip.trajectory import Trajectory
 
 __all__ = ["DrivenCycle", "cycles_in"]

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, bristles_of
-from stickslip.mechanisms import Mechanism
-from stickslip.mechanisms.drive_period import cycle_of
+from stickslip.mechanisms import Mechanism, cycle_of
 from stickslip.quantities import Quantity, full_path, parameters, vary
 from stickslip.solver import EventDriven
 

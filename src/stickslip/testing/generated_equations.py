@@ -11,9 +11,7 @@ from stickslip.friction import BristleLaw, FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Parametrised, parameters, vary
 from stickslip.simulation import simulate
-from stickslip.solver import EventDriven
-from stickslip.solver.drive_schedule import gather
-from stickslip.solver.evaluator import Equations
+from stickslip.solver import Equations, EventDriven, gather
 from stickslip.trajectory import Trajectory
 
 __all__ = [

@@ -10,7 +10,7 @@ from stickslip.experiments.checking.finding import Finding
 from stickslip.experiments.measurement import SAMPLED, Array, Measurement
 from stickslip.formatting import number, percent, quantity
 
-__all__ = ["CURE", "Line", "hum", "is_narrow", "lines_of", "words_of"]
+__all__ = ["CURE", "MainsLine", "hum", "is_narrow", "lines_of", "words_of"]
 
 MAINS: Final = (50.0, 60.0)
 """Frequencies of mains [Hz]."""
@@ -40,7 +40,7 @@ CURE: Final = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Line:
+class MainsLine:
     """A narrow line of a spectrum."""
 
     frequency: float
@@ -55,7 +55,7 @@ class Line:
     """Amplitude, in the unit of the signal."""
 
 
-def lines_of(values: Array, step: float) -> tuple[Line, ...]:
+def lines_of(values: Array, step: float) -> tuple[MainsLine, ...]:
     """Return the lines of the mains in a signal, the fundamental or its first harmonic first.
 
     Parameters
@@ -67,7 +67,7 @@ def lines_of(values: Array, step: float) -> tuple[Line, ...]:
 
     Returns
     -------
-    tuple of Line
+    tuple of MainsLine
         Of one mains frequency; none where neither it nor its second harmonic stands out. Where it
         is above half the sampling frequency, it is looked for where sampling folds it to.
 
@@ -84,7 +84,7 @@ def lines_of(values: Array, step: float) -> tuple[Line, ...]:
         return ()
     found = []
     for mains in MAINS:
-        lines: list[Line] = []
+        lines: list[MainsLine] = []
         for order in ORDERS:
             near = order * mains
             if order == 1:  # that of a harmonic may be the place of another one
@@ -96,7 +96,7 @@ def lines_of(values: Array, step: float) -> tuple[Line, ...]:
             share = float(power[rows].sum()) / variance
             center = float(np.average(np.arange(place - 1, place + 2), weights=power[rows][2:5]))
             lines.append(
-                Line(
+                MainsLine(
                     frequency=center * width,
                     mains=mains,
                     order=order,
@@ -180,12 +180,12 @@ def _standing(power: Array, frequency: float, width: float) -> int | None:
     return place if power[place] > STANDS * float(beside.max()) else None
 
 
-def words_of(lines: tuple[Line, ...]) -> str:
+def words_of(lines: tuple[MainsLine, ...]) -> str:
     """Return lines in words, such as ``"50 Hz, with harmonics at 100 and 150 Hz"``.
 
     Examples
     --------
-    >>> line = Line(frequency=50.01, mains=50.0, order=1, share=0.1, amplitude=1.0)
+    >>> line = MainsLine(frequency=50.01, mains=50.0, order=1, share=0.1, amplitude=1.0)
     >>> words_of((line,))
     '50 Hz'
     """

@@ -16,8 +16,7 @@ from typing import Annotated, Any, ClassVar, Literal, Union
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from stickslip.drives import Drive, Profile
-from stickslip.drives.registry import DRIVES, PROFILES
+from stickslip.drives import DRIVES, PROFILES, Drive, Profile
 from stickslip.errors import ParameterError
 from stickslip.experiments.units import allowed, check_uncertainty, read_number, shown
 from stickslip.mechanisms import MOTORS, Mechanism, Motor

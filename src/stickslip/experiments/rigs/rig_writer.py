@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Mapping
 
-from stickslip.drives.registry import PROFILES
+from stickslip.drives import PROFILES
 from stickslip.experiments.estimates import LawEstimates
 from stickslip.friction import FrictionLaw, laws
 from stickslip.mechanisms import MOTORS, Mechanism, Motor, mechanisms

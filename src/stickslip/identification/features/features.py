@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement
-from stickslip.experiments.measurement import TRAVELS
+from stickslip.experiments import TRAVELS, Measurement
 from stickslip.formatting import estimate, interval, number, percent, quantity, within
 from stickslip.identification.series.frequencies import frequency_of, refuse_without_cycles
 from stickslip.identification.series.slip_detection import Slips, slips_of
@@ -22,16 +21,16 @@ __all__ = [
     "COMPARED",
     "DRIFTS",
     "FASTER",
-    "ROUTE",
+    "FEATURES",
     "STEADY",
     "Regime",
     "StickSlipFeatures",
     "by_features",
     "evenly",
     "features_of",
-    "load_of",
     "refuse_uncertainties",
     "towed",
+    "towed_load",
 ]
 
 Array: TypeAlias = NDArray[np.float64]
@@ -39,7 +38,7 @@ Regime: TypeAlias = Literal["stick-slip", "inertial oscillation", "steady slidin
 
 COMPARED = ("frequency", "mean", "standard_deviation")
 """Features that a simulated limit cycle is compared by."""
-ROUTE = "features"
+FEATURES = "features"
 """What `fit` and `select` call the way that compares features."""
 OTHERS = frozenset({*TRAVELS, "friction", "position", "velocity", "force"})
 """Quantities that laws can be compared with themselves."""
@@ -203,7 +202,7 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
         none = np.empty(0)
         found = Slips(place=found.place[:0], level=none, drop=none, slope=none)
         waiting = none
-    pull = block.stiffness * block.speed * step / load_of(block)
+    pull = block.stiffness * block.speed * step / towed_load(block)
     thirds = tuple(float(part.mean()) for part in np.array_split(force, 3))
     covariance = _covariance(force, read.draws, read.chosen)
     halves = tuple(float(part.mean()) for part in np.array_split(force, 2))
@@ -250,7 +249,7 @@ def by_features(measurement: Measurement, route: str | None = None) -> bool:
     (True, False)
     """
     if route is not None:
-        return route == ROUTE
+        return route == FEATURES
     known = set(measurement.quantities())
     return "spring_force" in known and not known & OTHERS
 
@@ -284,7 +283,7 @@ def towed(mechanism: Mechanism) -> TowedBlock:
     return mechanism
 
 
-def load_of(block: TowedBlock) -> float:
+def towed_load(block: TowedBlock) -> float:
     """Return the load of a block [N]; its weight if none was given."""
     return block.mass * block.gravity if block.load is None else block.load
 
@@ -315,7 +314,7 @@ def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
             " becomes a force by gain={'spring_force': load}."
         )
     time = measurement.time
-    force = np.asarray(measurement.values("spring_force")) / load_of(block)
+    force = np.asarray(measurement.values("spring_force")) / towed_load(block)
     step = float(np.median(np.diff(time)))
     count = round(float(time[-1] - time[0]) / step) + 1
     natural = math.sqrt(block.stiffness / block.mass) / (2.0 * math.pi)

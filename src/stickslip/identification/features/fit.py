@@ -19,9 +19,9 @@ from stickslip.identification.features.features import (
     FASTER,
     StickSlipFeatures,
     features_of,
-    load_of,
     refuse_uncertainties,
     towed,
+    towed_load,
 )
 from stickslip.identification.features.problem import FeatureProblem, unknowns_of
 from stickslip.identification.features.result import (
@@ -189,7 +189,7 @@ def _result(
         )
     return FeatureFit(
         law=with_values(problem.law, "friction", others),
-        mechanism=with_values(replace(block, load=load_of(block)), "mechanism", own),
+        mechanism=with_values(replace(block, load=towed_load(block)), "mechanism", own),
         estimates=estimates,
         observed=observed,
         predicted=dict(zip(COMPARED, map(float, predicted), strict=True)),
@@ -312,7 +312,7 @@ def _start(block: TowedBlock, law: FrictionLaw | type[FrictionLaw]) -> FrictionL
 
     Softer bristles would oscillate in place of the spring.
     """
-    load = load_of(block)
+    load = towed_load(block)
     start = starting_law(law, float(load)) if isinstance(law, type) else law
     changes: dict[str, float] = {}
     stiffness = 30.0 * block.stiffness / load

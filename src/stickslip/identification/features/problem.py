@@ -13,7 +13,7 @@ from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import Problem, ResidualJacobian
-from stickslip.identification.features.features import COMPARED, StickSlipFeatures, load_of
+from stickslip.identification.features.features import COMPARED, StickSlipFeatures, towed_load
 from stickslip.mechanisms import TowedBlock
 from stickslip.quantities import Quantity, full_path, parameters
 from stickslip.simulation import ensemble
@@ -203,7 +203,7 @@ def _range(
     The spring and the speed of its end tell sizes more closely than the ranges of a law do, which
     begin at its value.
     """
-    size = load_of(block) if quantity.scale == "force" else 1.0
+    size = towed_load(block) if quantity.scale == "force" else 1.0
     level = size * abs(observed.mean)
     if quantity.at_least is not None:
         spread = size * max(observed.standard_deviation, 1e-3 * abs(observed.mean))
@@ -259,7 +259,7 @@ def cycle_features(
     array (n, 3)
         Frequency [Hz], mean and standard deviation of F/N.
     """
-    load = load_of(block)
+    load = towed_load(block)
     times = period * (SETTLING + np.arange(WATCHED * SAMPLES + 1) / SAMPLES)
     runs = ensemble(
         replace(block, load=load),

@@ -9,18 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.experiments import Measurement
-from stickslip.experiments.estimates import LawEstimates, levels_at
+from stickslip.experiments import LawEstimates, Measurement, levels_at
 from stickslip.formatting import number, percent, signed_percent
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.features.features import (
     COMPARED,
     DRIFTS,
-    ROUTE,
+    FEATURES,
     StickSlipFeatures,
     features_of,
-    load_of,
+    towed_load,
 )
 from stickslip.identification.features.problem import SETTLING
 from stickslip.identification.results import Estimate, Fit, Law_co, estimates_for
@@ -116,7 +115,7 @@ class FeatureFit(Fit[Law_co]):
         """
         settled = SETTLING / self.observed.frequency
         times = settled + np.asarray(t, dtype=float)
-        block, level = self.mechanism, self.observed.mean * load_of(self.mechanism)
+        block, level = self.mechanism, self.observed.mean * towed_load(self.mechanism)
         start = {"x": -level / block.stiffness}
         run = simulate(block, self.law, t_end=float(times.max()), y0=start).at(times)
         force = block.stiffness * (block.speed * times - np.asarray(run["x"]))
@@ -146,7 +145,7 @@ class FeatureFit(Fit[Law_co]):
     def to_dict(self) -> Mapping[str, Any]:
         return {
             "law": self.law.name,
-            "route": ROUTE,
+            "route": FEATURES,
             "estimates": [estimate.to_dict() for estimate in self.estimates],
             "observed": self.observed.to_dict(),
             "predicted": dict(self.predicted),

@@ -14,9 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement
-from stickslip.experiments.differentiation import noise_of, step_of
-from stickslip.experiments.slicing import between_gaps
+from stickslip.experiments import Measurement, between_gaps, noise_of, step_of
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.force_map.bristle_integration import Path
 from stickslip.identification.force_map.data import (

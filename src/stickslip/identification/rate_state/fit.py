@@ -16,7 +16,7 @@ from stickslip.identification.estimation.jackknife import effective_size
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch, search
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import ResidualJacobian
-from stickslip.identification.features.features import load_of
+from stickslip.identification.features.features import towed_load
 from stickslip.identification.rate_state.problem import (
     DRIFT,
     PATHS,
@@ -127,7 +127,8 @@ def fit_rate_state(
 
     Examples
     --------
-    >>> from stickslip.identification import RateState, simulate_velocity_steps
+    >>> from stickslip.friction import RateState
+    >>> from stickslip.identification import simulate_velocity_steps
     >>> truth = RateState(
     ...     reference_coefficient=0.6,
     ...     direct_effect=0.010,
@@ -338,7 +339,7 @@ def _unknowns(asked: _Asked, record: Record, *, drift: bool, lowest: float) -> F
 def _used(
     measurement: Measurement, block: TowedBlock, before: float | None, after: float | None
 ) -> Record:
-    record = record_of(measurement, load_of(block)).within(before, after)
+    record = record_of(measurement, towed_load(block)).within(before, after)
     if not len(record.path.steps) or len(record.time) < FEWEST:
         ways = {"before the first": before, "after the last": after}
         parts = [f"{quantity(x, 'm')} {where}" for where, x in ways.items() if x is not None]

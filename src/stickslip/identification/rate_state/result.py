@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.experiments import Measurement
-from stickslip.experiments.estimates import LawEstimates
+from stickslip.experiments import LawEstimates, Measurement
 from stickslip.formatting import estimate as estimated
 from stickslip.formatting import (
     fixed,
@@ -44,7 +43,7 @@ __all__ = [
 Array: TypeAlias = NDArray[np.float64]
 
 RATE = "friction.direct_effect - friction.evolution_effect"
-ROUTE = "rate-state"
+VELOCITY_STEPS = "rate-state"
 SAME = 0.05
 """a - b is one number for all windows if it differs by less than this share."""
 TOLD = 0.3
@@ -224,7 +223,7 @@ class RateStateFit(Fit[RateState]):
     def to_dict(self) -> Mapping[str, Any]:
         return {
             "law": self.law.name,
-            "route": ROUTE,
+            "route": VELOCITY_STEPS,
             "evolution": self.law.evolution,
             "reference_velocity": self.law.reference_velocity,
             "estimates": [estimate.to_dict() for estimate in self.estimates],

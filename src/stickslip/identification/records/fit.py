@@ -11,10 +11,15 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import ParameterError
-from stickslip.experiments import QUANTITIES, Measurement
-from stickslip.experiments.estimates import LawEstimates, levels_at
-from stickslip.experiments.preconditions import refuse_lack, refuse_unused
-from stickslip.experiments.units import turned
+from stickslip.experiments import (
+    QUANTITIES,
+    LawEstimates,
+    Measurement,
+    levels_at,
+    refuse_lack,
+    refuse_unused,
+    turned,
+)
 from stickslip.formatting import quantity
 from stickslip.identification.estimation.containment import FittedLaw
 from stickslip.identification.estimation.halves import Halves

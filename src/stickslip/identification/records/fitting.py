@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
-from stickslip.experiments import Measurement
-from stickslip.experiments.preconditions import refuse_faults, refuse_unused, with_doubts
+from stickslip.experiments import Measurement, refuse_faults, refuse_unused, with_doubts
 from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw, laws
 from stickslip.identification.estimates import (
@@ -28,7 +27,7 @@ from stickslip.identification.estimation.halves import contradiction, widened
 from stickslip.identification.estimation.jackknife import infer
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch, search
 from stickslip.identification.estimation.parameters import FreeParameters
-from stickslip.identification.features.features import ROUTE as FEATURES
+from stickslip.identification.features.features import FEATURES
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.level_units import in_forces, turned_as
 from stickslip.identification.records.problems import FitSetup, ProblemRequest, Route, prepared

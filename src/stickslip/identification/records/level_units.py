@@ -3,9 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from stickslip.experiments import Measurement
-from stickslip.experiments.estimates import AT_UNIT_LOAD, levels_at
-from stickslip.experiments.units import turned
+from stickslip.experiments import AT_UNIT_LOAD, Measurement, levels_at, turned
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.mechanisms import Mechanism
 

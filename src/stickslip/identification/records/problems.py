@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from typing_extensions import TypeVar
 
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement
-from stickslip.experiments.preconditions import with_doubts
+from stickslip.experiments import Measurement, with_doubts
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, SimulationError
-from stickslip.experiments import Measurement
-from stickslip.experiments.slicing import rows_of
+from stickslip.experiments import Measurement, rows_of
 from stickslip.identification.estimates import bounds_met
 from stickslip.identification.estimation.halves import Halves, blocks_of_half
 from stickslip.identification.estimation.jackknife import Displaced, infer

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import signal
 from scipy.ndimage import median_filter
 
-from stickslip.experiments.differentiation import step_of
+from stickslip.experiments import step_of
 from stickslip.formatting import quantity
 from stickslip.identification.estimation.model_error import UNSAID, ModelError
 from stickslip.identification.estimation.parameters import FreeParameters

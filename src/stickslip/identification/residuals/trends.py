@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from stickslip.experiments import Measurement
-from stickslip.experiments.differentiation import noise_of, step_of
+from stickslip.experiments import Measurement, noise_of, step_of
 from stickslip.identification.force_map.force_balance import passed_by_balance
 from stickslip.identification.residuals.gains import (
     BLOCKS,

@@ -4,8 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stickslip.experiments import Measurement
-from stickslip.experiments.units import turned
+from stickslip.experiments import Measurement, turned
 from stickslip.formatting import number, percent, quantities, quantity
 from stickslip.identification.residuals.effects import Effect
 

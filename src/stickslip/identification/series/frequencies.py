@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.experiments.checking.mains import CURE, Line, is_narrow, lines_of, words_of
+from stickslip.experiments import CURE, MainsLine, is_narrow, lines_of, words_of
 from stickslip.formatting import quantity
 from stickslip.identification.series.slip_detection import cycles_of, peak_of, spectra_of
 
@@ -103,7 +103,7 @@ def frequency_of(
     return spectral
 
 
-def _hum(force: Array, step: float, top: float) -> tuple[Line, ...]:
+def _hum(force: Array, step: float, top: float) -> tuple[MainsLine, ...]:
     """Return the lines of the mains, if one is the top of the spectrum or they falsify features."""
     lines = lines_of(force, step)
     falsify = sum(line.share for line in lines) > BIASED

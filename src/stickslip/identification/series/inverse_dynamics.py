@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError, renamed
-from stickslip.experiments import Measurement
-from stickslip.experiments.slicing import between_gaps
+from stickslip.experiments import Measurement, between_gaps
 from stickslip.formatting import quantity
 from stickslip.identification.estimation.directions import Directions
 from stickslip.identification.series.applied_force import applied_force

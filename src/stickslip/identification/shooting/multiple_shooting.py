@@ -29,8 +29,7 @@ from stickslip.identification.shooting.initial_states import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
-from stickslip.solver import EventDriven
-from stickslip.solver.event_driven import BareRun
+from stickslip.solver import BareRun, EventDriven
 from stickslip.trajectory import Trajectory
 
 __all__ = ["Segment", "Shooting", "curvature_of"]

@@ -12,15 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, ParameterError
-from stickslip.experiments import Measurement
-from stickslip.experiments.measurement import QUANTITIES
-from stickslip.experiments.parameter_paths import canonical
-from stickslip.experiments.travels import scale_of
-from stickslip.experiments.units import check_uncertainty
+from stickslip.experiments import QUANTITIES, Measurement, canonical, check_uncertainty, scale_of
 from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw, bristles_of
-from stickslip.mechanisms import Mechanism, Motor
-from stickslip.mechanisms.drive_period import WHOLE, cycle_of, repeats
+from stickslip.mechanisms import WHOLE, Mechanism, Motor, cycle_of, repeats
 from stickslip.quantities import parameters, vary
 from stickslip.simulation import simulate
 

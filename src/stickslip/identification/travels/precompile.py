@@ -6,8 +6,7 @@ from collections.abc import Iterable, Sequence
 from stickslip.errors import CompilationError
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.travels.model import Trial, under_cycles
-from stickslip.solver import Progress, prepare, warm_up
-from stickslip.solver.compile.module_cache import is_writable
+from stickslip.solver import Progress, is_writable, prepare, warm_up
 
 __all__ = ["compile_for"]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.experiments.estimates import LawEstimates, levels_at
+from stickslip.experiments import LawEstimates, levels_at
 from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification.results import Fit, Law_co, estimates_for

@@ -33,7 +33,7 @@ from stickslip.identification.trials.wording import SURE, sentences_of
 from stickslip.identification.validation import arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
-from stickslip.solver.compile.messages import notice
+from stickslip.solver import notice
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 from scipy import stats
 
-from stickslip.experiments.condition_values import condition_name, condition_unit
+from stickslip.experiments import condition_name, condition_unit
 from stickslip.formatting import joined, number, with_unit
 from stickslip.identification.trials.condition_lines import ConditionLine
 from stickslip.identification.trials.estimates import TrialEstimates

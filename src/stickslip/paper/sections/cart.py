@@ -14,10 +14,14 @@ from stickslip.formatting import (
 )
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.cart import CYCLES, KINETIC, STEP, CartRun, CartStudy, Share
-from stickslip.plots import animation_html
-from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.runs.limit_cycles import CYCLE_SIZES, draw_cycles
-from stickslip.plots.runs.motion import MotionView, draw_motion
+from stickslip.plots import (
+    CYCLE_SIZES,
+    MotionView,
+    animation_html,
+    draw_cycles,
+    draw_motion,
+    inline_svg,
+)
 from stickslip.report import (
     Animation,
     Caption,

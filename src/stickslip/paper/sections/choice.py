@@ -8,8 +8,7 @@ from stickslip.formatting import fixed, percent, quantity, significant
 from stickslip.friction import FrictionLaw, PrintedForm
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.cart import KINETIC, CartRun, CartStudy
-from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.runs.motion import MotionView, draw_motion
+from stickslip.plots import MotionView, draw_motion, inline_svg
 from stickslip.quantities import fields_of
 from stickslip.report import Caption, Column, Figure, Name, Paragraph, Row, Section, Table
 

@@ -7,9 +7,7 @@ from stickslip.paper.audit import PaperAudit
 from stickslip.paper.excitations import PUSH_DURATION, Excitation
 from stickslip.paper.sections.common import COLOURS, travel_axis
 from stickslip.paper.unpublished import ROUNDING
-from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.data.rig_sketches import sketch
-from stickslip.plots.runs.excitations import EXCITATION_SIZES, draw_excitations
+from stickslip.plots import EXCITATION_SIZES, draw_excitations, inline_svg, sketch
 from stickslip.report import (
     Caption,
     Column,

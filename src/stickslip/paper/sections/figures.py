@@ -6,19 +6,20 @@ from stickslip.paper.audit import PaperAudit, TableRow
 from stickslip.paper.excitations import PUSH_DURATION
 from stickslip.paper.stick_slip import SPEED
 from stickslip.paper.unpublished import Requirement
-from stickslip.plots.core.helpers import Sizes
-from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.core.theme import symbol_label
-from stickslip.plots.data.rig_sketches import schematic
-from stickslip.plots.laws.curves import (
+from stickslip.plots import (
+    RUN_SIZES,
+    Sizes,
     characteristic_sizes,
     draw_characteristics,
+    draw_motion,
     draw_presliding,
+    draw_run,
     draw_stribeck,
+    inline_svg,
     presliding_sizes,
+    schematic,
+    symbol_label,
 )
-from stickslip.plots.runs.motion import draw_motion
-from stickslip.plots.runs.run import RUN_SIZES, draw_run
 from stickslip.report import Columns, Figure, Paragraph, Section
 
 __all__ = ["figure_section", "phenomena_section", "schematic_section"]

@@ -9,8 +9,7 @@ from matplotlib.colors import ListedColormap, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
-from stickslip.experiments import QUANTITIES, Measurement
-from stickslip.experiments.differentiation import GAP, interval_of, velocity_of
+from stickslip.experiments import GAP, QUANTITIES, Measurement, interval_of, velocity_of
 from stickslip.formatting import scale_of
 from stickslip.plots.core.helpers import Array
 from stickslip.plots.core.svg import Draw, Size

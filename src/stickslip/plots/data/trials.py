@@ -10,13 +10,9 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import Measurement
-from stickslip.experiments.condition_values import condition_name, condition_unit
-from stickslip.experiments.differentiation import velocity_of
+from stickslip.experiments import Measurement, condition_name, condition_unit, velocity_of
 from stickslip.formatting import scale_of
-from stickslip.identification import TrialComparison
-from stickslip.identification.force_map.data import load_along
-from stickslip.identification.trials.condition_lines import ConditionLine
+from stickslip.identification import ConditionLine, TrialComparison, load_along
 from stickslip.mechanisms import Mechanism
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, on_panels

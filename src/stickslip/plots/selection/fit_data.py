@@ -10,10 +10,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import scale_of
-from stickslip.identification import RecordFit
-from stickslip.identification.force_map.problem import ForceMap
-from stickslip.identification.series.inverse_dynamics import inverse_dynamics
-from stickslip.identification.series.start_values import load_of
+from stickslip.identification import ForceMap, RecordFit, inverse_dynamics, load_of
 from stickslip.plots.selection.residuals import ErrorSeries, ResidualPanel
 from stickslip.selection import RecordCandidate, RecordVerdict
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from stickslip.errors import InputError
 from stickslip.formatting import scale_of
-from stickslip.identification.travels.model import trials_of
+from stickslip.identification import trials_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Target, on_axes
 from stickslip.plots.core.helpers import Array, LineStyle, Sizes, grouped, looks, wrapped
@@ -18,8 +18,7 @@ from stickslip.plots.core.label_placement import Curve, label_curves, label_ends
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import INK, MUTED, STICK, SURFACE, label_at
 from stickslip.quantities import parameters
-from stickslip.selection import TravelVerdict
-from stickslip.selection.design.discriminating_settings import Separation
+from stickslip.selection import Separation, TravelVerdict
 
 __all__ = ["SEPARATION_SIZES", "draw_proposal", "draw_separation", "plot_separation"]
 

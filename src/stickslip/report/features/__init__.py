@@ -1,5 +1,5 @@
 """What the page of a selection on features of stick-slip shows."""
 
-from stickslip.report.features.sections import sections
+from stickslip.report.features.sections import feature_sections
 
-__all__ = ["sections"]
+__all__ = ["feature_sections"]

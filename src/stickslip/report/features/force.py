@@ -6,11 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.formatting import quantity
-from stickslip.identification import FeatureFit
-from stickslip.identification.features.features import load_of
-from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.runs.spring_force import PULL_SIZES, Excerpt, Half, draw_pull
-from stickslip.plots.selection.fit_data import thinned
+from stickslip.identification import FeatureFit, towed_load
+from stickslip.plots import PULL_SIZES, Excerpt, Half, draw_pull, inline_svg, thinned
 from stickslip.report.core.blocks import Figure
 from stickslip.report.core.documents import Section
 from stickslip.selection import FeatureVerdict
@@ -31,7 +28,7 @@ def force_section(verdict: FeatureVerdict) -> Section | None:
     fit = verdict.best.fit if verdict.best else None
     if fit is None or fit.held_out is None:
         return None
-    load = load_of(fit.mechanism)
+    load = towed_load(fit.mechanism)
     time, force = np.asarray(fit.measurement.time), np.asarray(fit.measurement.spring_force) / load
     middle = len(time) // 2
     halves = [
@@ -67,7 +64,7 @@ def _excerpt(fit: FeatureFit, time: Array, force: Array, name: str, middle: floa
     kept = np.abs(time - middle) <= 0.5 * CYCLES * period
     t, measured = time[kept] - time[kept][0], force[kept]
     fine = np.linspace(0.0, float(t[-1]) + period, 40 * (CYCLES + 1) + 1)
-    cycle = fit.limit_cycle(fine) / load_of(fit.mechanism)
+    cycle = fit.limit_cycle(fine) / towed_load(fit.mechanism)
     shifts = np.linspace(0.0, period, SHIFTS, endpoint=False)
     misfit = [float(np.sum((np.interp(t + s, fine, cycle) - measured) ** 2)) for s in shifts]
     shift = float(shifts[int(np.argmin(misfit))])

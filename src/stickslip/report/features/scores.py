@@ -3,9 +3,7 @@
 import math
 
 from stickslip.formatting import estimate_text, in_words, number, percent, quantity, signed_percent
-from stickslip.identification import FeatureFit
-from stickslip.identification.features.features import COMPARED
-from stickslip.identification.features.result import QUANTILE
+from stickslip.identification import COMPARED, QUANTILE, FeatureFit
 from stickslip.report.core.blocks import Block, KeyValue, KeyValues, Math, Paragraph, Subheading
 from stickslip.report.core.documents import Section
 from stickslip.report.core.sparklines import Axis, Colour, Mark, RowPlot
@@ -17,8 +15,7 @@ from stickslip.report.features.texts import (
     typeset_lines,
 )
 from stickslip.report.records.texts import label_of, typeset
-from stickslip.selection import FeatureCandidate, FeatureVerdict
-from stickslip.selection.feature_wording import share_parts
+from stickslip.selection import FeatureCandidate, FeatureVerdict, share_parts
 
 __all__ = ["parameters_section", "scores_section"]
 

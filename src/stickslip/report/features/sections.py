@@ -13,10 +13,12 @@ from stickslip.report.features.scores import parameters_section, scores_section
 from stickslip.report.features.summary import opening_section
 from stickslip.selection import FeatureVerdict
 
-__all__ = ["sections"]
+__all__ = ["feature_sections"]
 
 
-def sections(verdict: FeatureVerdict, origin: Origin, remark: str = "") -> tuple[SectionMaker, ...]:
+def feature_sections(
+    verdict: FeatureVerdict, origin: Origin, remark: str = ""
+) -> tuple[SectionMaker, ...]:
     """Return what makes the sections of a page, in the order in which a reader decides.
 
     Parameters

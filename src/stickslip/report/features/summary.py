@@ -8,8 +8,7 @@ from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import LawLine, Opening, Section
 from stickslip.report.features.texts import typeset_lines
 from stickslip.report.records.texts import label_of
-from stickslip.selection import FeatureVerdict
-from stickslip.selection.feature_wording import share_parts, share_text
+from stickslip.selection import FeatureVerdict, share_parts, share_text
 
 __all__ = ["opening_section"]
 

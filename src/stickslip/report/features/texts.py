@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from stickslip.identification.features.features import COMPARED
+from stickslip.identification import COMPARED
 from stickslip.report.records.texts import typeset
 from stickslip.selection import FeatureCandidate, FeatureVerdict
 

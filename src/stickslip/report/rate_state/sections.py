@@ -19,15 +19,18 @@ from stickslip.formatting import (
     with_unit,
 )
 from stickslip.identification import Estimate, RateStateFit
-from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.selection.fit_data import panel_of, sampled
-from stickslip.plots.selection.prediction_excerpts import Piece, draw_pieces, piece_sizes
-from stickslip.plots.selection.residuals import (
+from stickslip.plots import (
     ERROR_SIZES,
     ErrorSeries,
+    Piece,
+    draw_pieces,
     draw_prediction_error,
     draw_residuals,
+    inline_svg,
+    panel_of,
+    piece_sizes,
     residual_sizes,
+    sampled,
 )
 from stickslip.quantities import fields_of
 from stickslip.report.core.blocks import (
@@ -46,10 +49,9 @@ from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.sparklines import error_axis, error_plot
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.report.records.texts import label_of, typeset
-from stickslip.selection import RateStateCandidate, RateStateVerdict
-from stickslip.selection.verdict import score_text
+from stickslip.selection import RateStateCandidate, RateStateVerdict, score_text
 
-__all__ = ["sections"]
+__all__ = ["rate_state_sections"]
 
 PLAIN: Final = Scale(1.0, "")
 MILLI: Final = Scale(1e3, "10⁻³")
@@ -58,7 +60,7 @@ BEFORE, AFTER = 0.5, 8.0
 """Way of the load point about a step that the close view shows, in that over which it settles."""
 
 
-def sections(
+def rate_state_sections(
     verdict: RateStateVerdict, origin: Origin, remark: str = ""
 ) -> tuple[SectionMaker, ...]:
     """Return what makes the sections of a page, in the order in which a reader decides.

@@ -1,5 +1,5 @@
 """What the page of a selection on records shows."""
 
-from stickslip.report.records.sections import sections
+from stickslip.report.records.sections import record_sections
 
-__all__ = ["sections"]
+__all__ = ["record_sections"]

@@ -6,9 +6,7 @@ import numpy as np
 
 from stickslip.formatting import in_words, number, significant, with_unit
 from stickslip.identification import RecordFit
-from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.data.record import Channel, draw_record, record_sizes
-from stickslip.plots.selection.fit_data import speeds_of, thinned
+from stickslip.plots import Channel, draw_record, inline_svg, record_sizes, speeds_of, thinned
 from stickslip.report.core.blocks import Block, Figure, KeyValues
 from stickslip.report.core.checks import check_items
 from stickslip.report.core.documents import Section
@@ -17,9 +15,7 @@ from stickslip.report.records.texts import (
     symbols_of,
     typeset,
 )
-from stickslip.selection import RecordCandidate, RecordVerdict
-from stickslip.selection.design.experiments import Experiment
-from stickslip.selection.verdict import score_text
+from stickslip.selection import Experiment, RecordCandidate, RecordVerdict, score_text
 
 __all__ = ["dropped_section", "next_section", "record_section"]
 

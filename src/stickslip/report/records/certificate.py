@@ -7,10 +7,7 @@ from typing import Final
 import numpy as np
 
 from stickslip.formatting import in_words, number, percent, quantity, ratio, residue, significant
-from stickslip.identification import RecordFit
-from stickslip.identification.estimates import SEPARABLE
-from stickslip.identification.estimation.levenberg_marquardt import AGREE
-from stickslip.identification.shooting.multiple_shooting import Shooting
+from stickslip.identification import AGREE, SEPARABLE, RecordFit, Shooting
 from stickslip.report.core.blocks import KeyValue, KeyValues
 from stickslip.report.core.documents import Section
 from stickslip.report.records.scores import picks_text

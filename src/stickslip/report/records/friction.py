@@ -7,16 +7,20 @@ import numpy as np
 from stickslip.formatting import quantity, significant, with_unit
 from stickslip.friction import BristleLaw, DirectionDependent
 from stickslip.identification import RecordFit
-from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.laws.curves import characteristic
-from stickslip.plots.laws.friction_map import MAP_SIZES
-from stickslip.plots.selection.fit_data import MapPoints, map_points, offset_of, sampled
-from stickslip.plots.selection.fits import draw_fitted_map
+from stickslip.plots import (
+    MAP_SIZES,
+    MapPoints,
+    characteristic,
+    draw_fitted_map,
+    inline_svg,
+    map_points,
+    offset_of,
+    sampled,
+)
 from stickslip.report.core.blocks import Figure
 from stickslip.report.core.documents import Section
 from stickslip.report.records.texts import rival_of
-from stickslip.selection import RecordCandidate, RecordVerdict
-from stickslip.selection.record_wording import in_sentence
+from stickslip.selection import RecordCandidate, RecordVerdict, in_sentence
 
 __all__ = ["map_section"]
 

@@ -6,15 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.formatting import in_words, joined, percent
-from stickslip.identification import RecordFit
-from stickslip.identification.records.fit import Prediction
-from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.laws.hysteresis import Loop, draw_loops, loop_sizes
+from stickslip.identification import Prediction, RecordFit
+from stickslip.plots import Loop, draw_loops, inline_svg, loop_sizes
 from stickslip.report.core.blocks import Figure
 from stickslip.report.core.documents import Section
 from stickslip.report.records.texts import rival_of
-from stickslip.selection import RecordCandidate, RecordVerdict
-from stickslip.selection.record_wording import in_sentence
+from stickslip.selection import RecordCandidate, RecordVerdict, in_sentence
 
 __all__ = ["loops_section", "turns_of"]
 

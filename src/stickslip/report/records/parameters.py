@@ -6,10 +6,14 @@ from typing import Final
 import numpy as np
 
 from stickslip.formatting import fixed, in_words, percent, ratio, significant, with_unit
-from stickslip.identification import Estimate, RecordFit
-from stickslip.identification.estimates import step_intervals
-from stickslip.identification.profile_likelihood import Allowed, largest_allowed
-from stickslip.identification.records.level_units import reads_as_forces
+from stickslip.identification import (
+    Allowed,
+    Estimate,
+    RecordFit,
+    largest_allowed,
+    reads_as_forces,
+    step_intervals,
+)
 from stickslip.report.core.blocks import Block, Columns, KeyValue, KeyValues, Math, Subheading
 from stickslip.report.core.documents import Section
 from stickslip.report.core.sparklines import Axis, Mark, RowPlot
@@ -19,8 +23,7 @@ from stickslip.report.records.texts import (
     symbols_of,
     typeset,
 )
-from stickslip.selection import RecordCandidate, RecordVerdict
-from stickslip.selection.record_wording import in_sentence
+from stickslip.selection import RecordCandidate, RecordVerdict, in_sentence
 
 __all__ = ["parameters_section"]
 

@@ -7,15 +7,13 @@ from typing import Final
 import stickslip
 from stickslip.errors import UnknownNameError
 from stickslip.friction import FrictionLaw
-from stickslip.identification.records.settings import RecordSettings
-from stickslip.identification.validation import LAW
+from stickslip.identification import LAW, RecordSettings
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
 from stickslip.report.core.blocks import KeyValue
 from stickslip.report.core.documents import Origin, Section
 from stickslip.report.core.reproduce import law_references, reproduce
-from stickslip.selection import RecordVerdict
-from stickslip.selection.candidates import specifications
+from stickslip.selection import RecordVerdict, specifications
 
 __all__ = ["python_lines", "reproduce_section"]
 

@@ -3,23 +3,19 @@
 import numpy as np
 
 from stickslip.formatting import joined, number, percent, quantity, significant
-from stickslip.identification import RecordFit
-from stickslip.identification.force_map.problem import ForceMap
-from stickslip.identification.residuals.trends import has_trend, ljung_box, noise_floor
-from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.selection.fit_data import (
-    block_edges,
-    errors_of,
-    is_timed,
-    residual_panels,
-    rows_of,
-)
-from stickslip.plots.selection.residuals import (
+from stickslip.identification import ForceMap, RecordFit, has_trend, ljung_box, noise_floor
+from stickslip.plots import (
     ERROR_SIZES,
     ResidualPanel,
+    block_edges,
     draw_prediction_error,
     draw_residuals,
+    errors_of,
+    inline_svg,
+    is_timed,
+    residual_panels,
     residual_sizes,
+    rows_of,
 )
 from stickslip.report.core.blocks import Block, Figure
 from stickslip.report.core.documents import Section

@@ -9,10 +9,16 @@ from stickslip.report.core.documents import Section
 from stickslip.report.core.sparklines import Axis, Colour, error_axis, error_plot
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.report.records.texts import symbols_of, typeset
-from stickslip.selection import RecordCandidate, RecordVerdict
-from stickslip.selection.choice import LEVEL, LIKELY, MATERIAL, NEAR
-from stickslip.selection.record_wording import in_sentence
-from stickslip.selection.verdict import score_text
+from stickslip.selection import (
+    LEVEL,
+    LIKELY,
+    MATERIAL,
+    NEAR,
+    RecordCandidate,
+    RecordVerdict,
+    in_sentence,
+    score_text,
+)
 
 __all__ = ["picks_text", "scores_section"]
 

@@ -16,10 +16,12 @@ from stickslip.report.records.trials import trials_section
 from stickslip.report.records.validation_record import second_section
 from stickslip.selection import RecordVerdict
 
-__all__ = ["sections"]
+__all__ = ["record_sections"]
 
 
-def sections(verdict: RecordVerdict, origin: Origin, remark: str = "") -> tuple[SectionMaker, ...]:
+def record_sections(
+    verdict: RecordVerdict, origin: Origin, remark: str = ""
+) -> tuple[SectionMaker, ...]:
     """Return what makes the sections of a page, in the order in which a reader decides.
 
     Parameters

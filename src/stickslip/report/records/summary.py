@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip import formatting
 from stickslip.errors import InputError
-from stickslip.experiments.units import turned
+from stickslip.experiments import turned
 from stickslip.formatting import number, rounded, signed_percent, significant, with_unit
 from stickslip.friction import (
     Coulomb,
@@ -19,7 +19,7 @@ from stickslip.friction import (
     Viscous,
 )
 from stickslip.identification import Estimate, RecordFit
-from stickslip.plots.selection.fit_data import map_points, offset_of
+from stickslip.plots import map_points, offset_of
 from stickslip.quantities import fields_of
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import LawLine, Opening, Section
@@ -30,12 +30,17 @@ from stickslip.report.records.texts import (
     symbols_of,
     typeset,
 )
-from stickslip.selection import RecordVerdict
-from stickslip.selection.design.predictors import Steady
-from stickslip.selection.identifiable import limit_of, moved_by_errors, settled_estimates, traded
-from stickslip.selection.next_measurements import predictor_of
-from stickslip.selection.record_wording import in_sentence
-from stickslip.selection.verdict import score_text
+from stickslip.selection import (
+    RecordVerdict,
+    Steady,
+    in_sentence,
+    limit_of,
+    moved_by_errors,
+    predictor_of,
+    score_text,
+    settled_estimates,
+    traded,
+)
 
 __all__ = ["law_lines", "level_at", "levels_at_speed", "opening_section"]
 

@@ -7,17 +7,19 @@ import numpy as np
 
 from stickslip.experiments import Measurement
 from stickslip.formatting import Scale, joined, quantity, ratio, with_unit
-from stickslip.identification.records.fit import Prediction
-from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.selection.prediction_excerpts import Piece, draw_pieces, piece_sizes
+from stickslip.identification import Prediction
+from stickslip.plots import Piece, draw_pieces, inline_svg, piece_sizes
 from stickslip.report.core.blocks import Block, Figure, Paragraph
 from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Column, Name, Number, Row, Table
 from stickslip.report.records.texts import rival_of
-from stickslip.selection import RecordCandidate, RecordVerdict
-from stickslip.selection.record_verdict import SecondRecord
-from stickslip.selection.record_wording import in_sentence
-from stickslip.selection.verdict import score_text
+from stickslip.selection import (
+    RecordCandidate,
+    RecordVerdict,
+    SecondRecord,
+    in_sentence,
+    score_text,
+)
 
 __all__ = ["second_section"]
 

@@ -1,6 +1,6 @@
 """The end of the report of a run: the law and its doubt, certificate, how to reproduce it."""
 
-from stickslip.experiments.estimates import HARD, equated, unit_on
+from stickslip.experiments import HARD, equated, unit_on
 from stickslip.formatting import interval, number
 from stickslip.quantities import parameters
 from stickslip.report.core.blocks import (

@@ -6,16 +6,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from stickslip.formatting import capital, count, joined, number, quantity
-from stickslip.plots import animation_html
-from stickslip.plots.core.helpers import horizon
-from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.runs.limit_cycles import CYCLE_SIZES, draw_cycles
-from stickslip.plots.runs.run import (
+from stickslip.plots import (
+    CYCLE_SIZES,
     FORCE_SIZES,
     FRICTION_SIZES,
     RUN_SIZES,
+    animation_html,
+    draw_cycles,
     draw_friction_velocity,
     draw_run,
+    horizon,
+    inline_svg,
 )
 from stickslip.report.core.animations import Animation
 from stickslip.report.core.blocks import Block, Caption, Figure, KeyValue, KeyValues

@@ -8,8 +8,7 @@ from typing import final
 from stickslip.experiments import LawEstimates, Rig
 from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import slip_names
-from stickslip.mechanisms.drive_period import cycle_or_none
+from stickslip.mechanisms import cycle_or_none, slip_names
 from stickslip.selection import Criteria, criteria_of
 from stickslip.sweep import Band, DrivenCycle, cycles_in
 from stickslip.trajectory import Trajectory

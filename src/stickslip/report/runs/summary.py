@@ -1,7 +1,6 @@
 """The opening of the report of a run: how it ended, how far the body came."""
 
-from stickslip.experiments import unfitted_bristles
-from stickslip.experiments.estimates import equated
+from stickslip.experiments import equated, unfitted_bristles
 from stickslip.formatting import count, joined, quantity, span
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import Opening, Section

@@ -1,5 +1,5 @@
 """What the page of a selection on travels shows."""
 
-from stickslip.report.travels.sections import sections
+from stickslip.report.travels.sections import travel_sections
 
-__all__ = ["sections"]
+__all__ = ["travel_sections"]

@@ -4,8 +4,7 @@ from collections.abc import Mapping
 
 from stickslip import formatting
 from stickslip.formatting import fixed, joined, scale_of, within
-from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.selection.separation import SEPARATION_SIZES, draw_proposal
+from stickslip.plots import SEPARATION_SIZES, draw_proposal, inline_svg
 from stickslip.quantities import fields_of
 from stickslip.report.core.blocks import (
     Block,
@@ -23,8 +22,7 @@ from stickslip.report.travels.texts import (
     estimate_range,
     measured_band,
 )
-from stickslip.selection import TravelVerdict
-from stickslip.selection.design.discriminating_settings import Proposal
+from stickslip.selection import Proposal, TravelVerdict
 
 __all__ = [
     "certificate_section",

@@ -16,8 +16,7 @@ from stickslip.formatting import (
     within,
 )
 from stickslip.identification import Estimate
-from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.runs.travel_comparison import TRAVEL_SIZES, draw_travels
+from stickslip.plots import TRAVEL_SIZES, draw_travels, inline_svg
 from stickslip.report.core.blocks import Block, Figure
 from stickslip.report.core.documents import Section
 from stickslip.report.core.sparklines import Axis, Colour, Mark, RowPlot
@@ -31,8 +30,7 @@ from stickslip.report.travels.texts import (
     slip_and_rate,
     travels,
 )
-from stickslip.selection import TravelCandidate, TravelVerdict
-from stickslip.selection.verdict import score_text
+from stickslip.selection import TravelCandidate, TravelVerdict, score_text
 
 __all__ = ["models_section"]
 

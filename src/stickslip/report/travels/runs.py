@@ -8,22 +8,31 @@ import numpy as np
 
 from stickslip.formatting import fixed, joined, quantity, significant
 from stickslip.friction import BristleLaw, FrictionLaw
-from stickslip.identification.travels.model import trials_of
-from stickslip.plots.core.svg import inline_svg
-from stickslip.plots.laws.curves import (
+from stickslip.identification import trials_of
+from stickslip.plots import (
+    FRICTION_SIZES,
+    RUN_SIZES,
     characteristic_sizes,
     draw_characteristics,
+    draw_fixed_steps,
+    draw_friction_velocity,
     draw_presliding,
+    draw_run,
+    fixed_step_sizes,
+    inline_svg,
     presliding_sizes,
 )
-from stickslip.plots.runs.fixed_step_comparison import draw_fixed_steps, fixed_step_sizes
-from stickslip.plots.runs.run import FRICTION_SIZES, RUN_SIZES, draw_friction_velocity, draw_run
 from stickslip.report.core.blocks import Block, Caption, Figure
 from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.travels.texts import slip_and_rate
-from stickslip.selection import FixedStepRow, TravelVerdict, compare_fixed_steps
-from stickslip.selection.fixed_step_comparison import largest_step, rounded_step
+from stickslip.selection import (
+    FixedStepRow,
+    TravelVerdict,
+    compare_fixed_steps,
+    largest_step,
+    rounded_step,
+)
 from stickslip.trajectory import Trajectory
 
 __all__ = ["fixed_steps_section", "laws_section", "run_section", "steps_heading"]

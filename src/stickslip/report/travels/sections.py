@@ -16,10 +16,12 @@ from stickslip.report.travels.summary import opening_section
 from stickslip.report.travels.trials import trials_section
 from stickslip.selection import TravelVerdict
 
-__all__ = ["sections"]
+__all__ = ["travel_sections"]
 
 
-def sections(verdict: TravelVerdict, origin: Origin, remark: str = "") -> tuple[SectionMaker, ...]:
+def travel_sections(
+    verdict: TravelVerdict, origin: Origin, remark: str = ""
+) -> tuple[SectionMaker, ...]:
     """Return what makes the sections of a page, in the order in which a reader decides.
 
     Parameters

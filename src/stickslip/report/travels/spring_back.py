@@ -2,7 +2,7 @@
 
 from stickslip.characterize import presliding_length
 from stickslip.friction import BristleLaw, Coulomb, FrictionLaw
-from stickslip.identification.travels.model import trials_of
+from stickslip.identification import trials_of
 from stickslip.selection import Criteria, TravelVerdict, criteria_of
 from stickslip.simulation import simulate
 

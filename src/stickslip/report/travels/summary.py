@@ -8,9 +8,7 @@ from stickslip.report.travels.texts import (
     score_scale_of,
     travels,
 )
-from stickslip.selection import TravelCandidate, TravelVerdict
-from stickslip.selection.travel_verdict import misfit
-from stickslip.selection.verdict import score_text
+from stickslip.selection import TravelCandidate, TravelVerdict, misfit, score_text
 
 __all__ = ["opening_section"]
 

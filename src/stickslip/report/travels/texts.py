@@ -6,11 +6,9 @@ import numpy as np
 
 from stickslip.formatting import Scale, quantity
 from stickslip.friction import FrictionLaw
-from stickslip.identification import Estimate
-from stickslip.identification.travels.model import Trial, trials_of
+from stickslip.identification import Estimate, Trial, trials_of
 from stickslip.quantities import fields_of
-from stickslip.selection import TravelCandidate, TravelVerdict
-from stickslip.selection.verdict import score_scale
+from stickslip.selection import TravelCandidate, TravelVerdict, score_scale
 
 __all__ = [
     "assumptions",

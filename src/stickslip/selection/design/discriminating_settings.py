@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.errors import StickslipError
-from stickslip.experiments.travels import whole_cycles
+from stickslip.experiments import whole_cycles
 from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw
-from stickslip.identification.travels.model import TravelModel, Trial
+from stickslip.identification import TravelModel, Trial
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, vary
 

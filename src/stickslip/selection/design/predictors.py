@@ -14,7 +14,7 @@ from stickslip.drives import Drive
 from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import quantity
 from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw
-from stickslip.identification.shooting.segments import with_drive
+from stickslip.identification import with_drive
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.simulation import simulate

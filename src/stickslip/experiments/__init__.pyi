@@ -1,0 +1,82 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.experiments.carrying import CarriedLaw as CarriedLaw
+from stickslip.experiments.carrying import bristle_remark as bristle_remark
+from stickslip.experiments.carrying import carried as carried
+from stickslip.experiments.carrying import extrapolations as extrapolations
+from stickslip.experiments.carrying import unfitted_bristles as unfitted_bristles
+from stickslip.experiments.checking.data_quality import Checks as Checks
+from stickslip.experiments.checking.data_quality import Finding as Finding
+from stickslip.experiments.checking.data_quality import check as check
+from stickslip.experiments.checking.mains import CURE as CURE
+from stickslip.experiments.checking.mains import MainsLine as MainsLine
+from stickslip.experiments.checking.mains import is_narrow as is_narrow
+from stickslip.experiments.checking.mains import lines_of as lines_of
+from stickslip.experiments.checking.mains import words_of as words_of
+from stickslip.experiments.checking.motion import motion_of as motion_of
+from stickslip.experiments.condition_values import condition_name as condition_name
+from stickslip.experiments.condition_values import condition_unit as condition_unit
+from stickslip.experiments.differentiation import GAP as GAP
+from stickslip.experiments.differentiation import interval_of as interval_of
+from stickslip.experiments.differentiation import noise_of as noise_of
+from stickslip.experiments.differentiation import step_of as step_of
+from stickslip.experiments.differentiation import velocity_of as velocity_of
+from stickslip.experiments.estimates import AT_UNIT_LOAD as AT_UNIT_LOAD
+from stickslip.experiments.estimates import HARD as HARD
+from stickslip.experiments.estimates import LOAD as LOAD
+from stickslip.experiments.estimates import LawEstimates as LawEstimates
+from stickslip.experiments.estimates import Levels as Levels
+from stickslip.experiments.estimates import equated as equated
+from stickslip.experiments.estimates import levels_at as levels_at
+from stickslip.experiments.estimates import spread_of as spread_of
+from stickslip.experiments.estimates import unit_on as unit_on
+from stickslip.experiments.hashing import of_files as of_files
+from stickslip.experiments.hashing import with_files as with_files
+from stickslip.experiments.line import Line as Line
+from stickslip.experiments.measurement import Measurement as Measurement
+from stickslip.experiments.measurement import QUANTITIES as QUANTITIES
+from stickslip.experiments.measurement import TRAVELS as TRAVELS
+from stickslip.experiments.parameter_paths import all_paths as all_paths
+from stickslip.experiments.parameter_paths import canonical as canonical
+from stickslip.experiments.preconditions import refuse_faults as refuse_faults
+from stickslip.experiments.preconditions import refuse_lack as refuse_lack
+from stickslip.experiments.preconditions import refuse_unused as refuse_unused
+from stickslip.experiments.preconditions import told as told
+from stickslip.experiments.preconditions import with_doubts as with_doubts
+from stickslip.experiments.readers.reader_options import Column as Column
+from stickslip.experiments.readers.reader_options import Reading as Reading
+from stickslip.experiments.readers.reader_options import column_of as column_of
+from stickslip.experiments.records import load_measurement as load_measurement
+from stickslip.experiments.records import read_data as read_data
+from stickslip.experiments.rig import Published as Published
+from stickslip.experiments.rig import Rig as Rig
+from stickslip.experiments.rigs.load import load_rig as load_rig
+from stickslip.experiments.rigs.load import rig_schema as rig_schema
+from stickslip.experiments.rigs.rig_writer import rig_toml as rig_toml
+from stickslip.experiments.second_records import refuse_same as refuse_same
+from stickslip.experiments.slicing import between_gaps as between_gaps
+from stickslip.experiments.slicing import rows_of as rows_of
+from stickslip.experiments.travels import scale_of as scale_of
+from stickslip.experiments.travels import whole_cycles as whole_cycles
+from stickslip.experiments.units import check_uncertainty as check_uncertainty
+from stickslip.experiments.units import read_number as read_number
+from stickslip.experiments.units import turned as turned
+
+__all__ = [
+    "CarriedLaw",
+    "Checks",
+    "Finding",
+    "LawEstimates",
+    "Line",
+    "Measurement",
+    "Published",
+    "QUANTITIES",
+    "Rig",
+    "bristle_remark",
+    "carried",
+    "check",
+    "extrapolations",
+    "load_measurement",
+    "load_rig",
+    "rig_schema",
+    "unfitted_bristles",
+]

@@ -1,0 +1,152 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.identification.estimates import SEPARABLE as SEPARABLE
+from stickslip.identification.estimates import TOGETHER as TOGETHER
+from stickslip.identification.estimates import step_intervals as step_intervals
+from stickslip.identification.estimation.containment import FittedLaw as FittedLaw
+from stickslip.identification.estimation.halves import difference as difference
+from stickslip.identification.estimation.levenberg_marquardt import AGREE as AGREE
+from stickslip.identification.estimation.levenberg_marquardt import improve as improve
+from stickslip.identification.estimation.model_error import ModelError as ModelError
+from stickslip.identification.estimation.problem import Problem as Problem
+from stickslip.identification.estimation.problem import SubsetProblem as SubsetProblem
+from stickslip.identification.estimation.root_search import positive_root as positive_root
+from stickslip.identification.features.features import COMPARED as COMPARED
+from stickslip.identification.features.features import FASTER as FASTER
+from stickslip.identification.features.features import FEATURES as FEATURES
+from stickslip.identification.features.features import STEADY as STEADY
+from stickslip.identification.features.features import StickSlipFeatures as StickSlipFeatures
+from stickslip.identification.features.features import by_features as by_features
+from stickslip.identification.features.features import features_of as features_of
+from stickslip.identification.features.features import refuse_uncertainties as refuse_uncertainties
+from stickslip.identification.features.features import towed_load as towed_load
+from stickslip.identification.features.fit import compare_features as compare_features
+from stickslip.identification.features.fit import fit_features as fit_features
+from stickslip.identification.features.fit import free_of as free_of
+from stickslip.identification.features.problem import cycle_features as cycle_features
+from stickslip.identification.features.result import FeatureFit as FeatureFit
+from stickslip.identification.features.result import MISSED as MISSED
+from stickslip.identification.features.result import QUANTILE as QUANTILE
+from stickslip.identification.features.scores import as_good as as_good
+from stickslip.identification.features.scores import error_of_score as error_of_score
+from stickslip.identification.features.scores import room_of as room_of
+from stickslip.identification.force_map.data import TIMELESS as TIMELESS
+from stickslip.identification.force_map.data import load_along as load_along
+from stickslip.identification.force_map.problem import ForceMap as ForceMap
+from stickslip.identification.profile_likelihood import Allowed as Allowed
+from stickslip.identification.profile_likelihood import largest_allowed as largest_allowed
+from stickslip.identification.rate_state.fit import Drift as Drift
+from stickslip.identification.rate_state.fit import STARTS as STARTS
+from stickslip.identification.rate_state.fit import fit_rate_state as fit_rate_state
+from stickslip.identification.rate_state.fit import fit_steps as fit_steps
+from stickslip.identification.rate_state.fit import form_of as form_of
+from stickslip.identification.rate_state.fit import with_profile as with_profile
+from stickslip.identification.rate_state.problem import serves as serves
+from stickslip.identification.rate_state.result import RateStateFit as RateStateFit
+from stickslip.identification.rate_state.result import UNSPENT as UNSPENT
+from stickslip.identification.rate_state.result import VELOCITY_STEPS as VELOCITY_STEPS
+from stickslip.identification.rate_state.result import bounds_met as bounds_met
+from stickslip.identification.rate_state.slider import SliderHistory as SliderHistory
+from stickslip.identification.rate_state.slider import (
+    simulate_velocity_steps as simulate_velocity_steps,
+)
+from stickslip.identification.records.fit import Prediction as Prediction
+from stickslip.identification.records.fit import RecordFit as RecordFit
+from stickslip.identification.records.fit import Score as Score
+from stickslip.identification.records.fit import check_horizon as check_horizon
+from stickslip.identification.records.fit import settled as settled
+from stickslip.identification.records.fitting import ROUTES as ROUTES
+from stickslip.identification.records.fitting import fit_record as fit_record
+from stickslip.identification.records.fitting import fit_records as fit_records
+from stickslip.identification.records.fitting import route_of as route_of
+from stickslip.identification.records.level_units import reads_as_forces as reads_as_forces
+from stickslip.identification.records.posterior import Posterior as Posterior
+from stickslip.identification.records.posterior import sample_posterior as sample_posterior
+from stickslip.identification.records.problems import Route as Route
+from stickslip.identification.records.refits import interleaved as interleaved
+from stickslip.identification.records.refits import positions_of as positions_of
+from stickslip.identification.records.refits import refitted as refitted
+from stickslip.identification.records.route_choice import RouteChoice as RouteChoice
+from stickslip.identification.records.route_choice import RouteName as RouteName
+from stickslip.identification.records.route_choice import asked_for as asked_for
+from stickslip.identification.records.route_choice import better_route as better_route
+from stickslip.identification.records.route_choice import choose_route as choose_route
+from stickslip.identification.records.route_choice import to_compare as to_compare
+from stickslip.identification.records.settings import RecordSettings as RecordSettings
+from stickslip.identification.residuals.trends import has_trend as has_trend
+from stickslip.identification.residuals.trends import ljung_box as ljung_box
+from stickslip.identification.residuals.trends import noise_floor as noise_floor
+from stickslip.identification.results import Estimate as Estimate
+from stickslip.identification.results import Fit as Fit
+from stickslip.identification.results import far_above_dry as far_above_dry
+from stickslip.identification.series.applied_force import driven as driven
+from stickslip.identification.series.applied_force import inside as inside
+from stickslip.identification.series.inverse_dynamics import InverseDynamics as InverseDynamics
+from stickslip.identification.series.inverse_dynamics import inverse_dynamics as inverse_dynamics
+from stickslip.identification.series.start_values import load_of as load_of
+from stickslip.identification.shooting.multiple_shooting import Shooting as Shooting
+from stickslip.identification.shooting.segments import LEAST as LEAST
+from stickslip.identification.shooting.segments import with_drive as with_drive
+from stickslip.identification.travels.fit import check_rest as check_rest
+from stickslip.identification.travels.fit import fit_travels as fit_travels
+from stickslip.identification.travels.fit import fit_trials as fit_trials
+from stickslip.identification.travels.fit import payable as payable
+from stickslip.identification.travels.model import LEAST_ERROR as LEAST_ERROR
+from stickslip.identification.travels.model import TravelModel as TravelModel
+from stickslip.identification.travels.model import Trial as Trial
+from stickslip.identification.travels.model import driven_on as driven_on
+from stickslip.identification.travels.model import quantities_read as quantities_read
+from stickslip.identification.travels.model import standard_errors as standard_errors
+from stickslip.identification.travels.model import trials_of as trials_of
+from stickslip.identification.travels.model import uncertainties_of as uncertainties_of
+from stickslip.identification.travels.precompile import compile_for as compile_for
+from stickslip.identification.travels.propagation import READINGS as READINGS
+from stickslip.identification.travels.propagation import covariance_of as covariance_of
+from stickslip.identification.travels.result import TravelFit as TravelFit
+from stickslip.identification.travels.several_travels import expected_fit as expected_fit
+from stickslip.identification.travels.start_values import Start as Start
+from stickslip.identification.travels.start_values import doubling_slope as doubling_slope
+from stickslip.identification.travels.start_values import required_of as required_of
+from stickslip.identification.travels.start_values import starting_law as starting_law
+from stickslip.identification.travels.start_values import starting_points as starting_points
+from stickslip.identification.trials.comparison import TrialComparison as TrialComparison
+from stickslip.identification.trials.comparison import compare_trials as compare_trials
+from stickslip.identification.trials.comparison import compared as compared
+from stickslip.identification.trials.condition_lines import ConditionLine as ConditionLine
+from stickslip.identification.validation import AnyLaw as AnyLaw
+from stickslip.identification.validation import LAW as LAW
+from stickslip.identification.validation import Laws as Laws
+from stickslip.identification.validation import Parameters as Parameters
+from stickslip.identification.validation import arguments as arguments
+from stickslip.identification.validation import check_given as check_given
+from stickslip.identification.validation import covers as covers
+from stickslip.identification.validation import law_quantities as law_quantities
+from stickslip.identification.validation import laws_of as laws_of
+from stickslip.identification.validation import names_of as names_of
+
+__all__ = [
+    "Estimate",
+    "FeatureFit",
+    "Fit",
+    "InverseDynamics",
+    "Posterior",
+    "Prediction",
+    "RateStateFit",
+    "RecordFit",
+    "RecordSettings",
+    "Score",
+    "SliderHistory",
+    "StickSlipFeatures",
+    "TravelFit",
+    "TrialComparison",
+    "compare_features",
+    "compare_trials",
+    "features_of",
+    "fit_features",
+    "fit_rate_state",
+    "fit_records",
+    "fit_travels",
+    "inverse_dynamics",
+    "sample_posterior",
+    "simulate_velocity_steps",
+    "starting_law",
+]

@@ -1,0 +1,32 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.optimisation.cycle_metrics import Cycle as Cycle
+from stickslip.optimisation.cycle_metrics import guide_of as guide_of
+from stickslip.optimisation.cycle_metrics import measure as measure
+from stickslip.optimisation.cycle_metrics import units_of_limits as units_of_limits
+from stickslip.optimisation.limits import Limits as Limits
+from stickslip.optimisation.limits import Margin as Margin
+from stickslip.optimisation.optimise import optimise_profile as optimise_profile
+from stickslip.optimisation.parametrisation import KINDS as KINDS
+from stickslip.optimisation.parametrisation import KindName as KindName
+from stickslip.optimisation.problem import GOALS as GOALS
+from stickslip.optimisation.problem import Goal as Goal
+from stickslip.optimisation.problem import GoalName as GoalName
+from stickslip.optimisation.problem import ScoredMotion as ScoredMotion
+from stickslip.optimisation.result import Optimum as Optimum
+from stickslip.optimisation.scenarios import Scenarios as Scenarios
+
+__all__ = [
+    "Cycle",
+    "GOALS",
+    "Goal",
+    "KINDS",
+    "Limits",
+    "Margin",
+    "Optimum",
+    "Scenarios",
+    "ScoredMotion",
+    "guide_of",
+    "measure",
+    "optimise_profile",
+    "units_of_limits",
+]

@@ -1,0 +1,89 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.selection.candidates import specifications as specifications
+from stickslip.selection.choice import LEVEL as LEVEL
+from stickslip.selection.choice import LIKELY as LIKELY
+from stickslip.selection.choice import MATERIAL as MATERIAL
+from stickslip.selection.choice import NEAR as NEAR
+from stickslip.selection.criteria import Criteria as Criteria
+from stickslip.selection.criteria import criteria_of as criteria_of
+from stickslip.selection.design.discriminating_settings import Proposal as Proposal
+from stickslip.selection.design.discriminating_settings import Separation as Separation
+from stickslip.selection.design.discriminating_settings import unit_of as unit_of
+from stickslip.selection.design.experiments import Experiment as Experiment
+from stickslip.selection.design.predictors import Steady as Steady
+from stickslip.selection.feature_verdict import FeatureCandidate as FeatureCandidate
+from stickslip.selection.feature_verdict import FeatureVerdict as FeatureVerdict
+from stickslip.selection.feature_verdict import OtherSpeed as OtherSpeed
+from stickslip.selection.feature_wording import share_parts as share_parts
+from stickslip.selection.feature_wording import share_text as share_text
+from stickslip.selection.features import feature_laws as feature_laws
+from stickslip.selection.features import select_features as select_features
+from stickslip.selection.fixed_step_comparison import FixedStepRow as FixedStepRow
+from stickslip.selection.fixed_step_comparison import compare_fixed_steps as compare_fixed_steps
+from stickslip.selection.fixed_step_comparison import largest_step as largest_step
+from stickslip.selection.fixed_step_comparison import rounded_step as rounded_step
+from stickslip.selection.identifiable import limit_of as limit_of
+from stickslip.selection.identifiable import limits_of as limits_of
+from stickslip.selection.identifiable import moved_by_errors as moved_by_errors
+from stickslip.selection.identifiable import settled_estimates as settled_estimates
+from stickslip.selection.identifiable import traded as traded
+from stickslip.selection.lab_sheet import Plan as Plan
+from stickslip.selection.next_measurements import predictor_of as predictor_of
+from stickslip.selection.planning import plan as plan
+from stickslip.selection.planning import setting_of as setting_of
+from stickslip.selection.rate_state import RateStateLaw as RateStateLaw
+from stickslip.selection.rate_state import RateStateLaws as RateStateLaws
+from stickslip.selection.rate_state import rate_state_laws as rate_state_laws
+from stickslip.selection.rate_state import select_rate_state as select_rate_state
+from stickslip.selection.rate_state_verdict import OtherStep as OtherStep
+from stickslip.selection.rate_state_verdict import RateStateCandidate as RateStateCandidate
+from stickslip.selection.rate_state_verdict import RateStateVerdict as RateStateVerdict
+from stickslip.selection.record_verdict import RecordCandidate as RecordCandidate
+from stickslip.selection.record_verdict import RecordVerdict as RecordVerdict
+from stickslip.selection.record_verdict import SecondRecord as SecondRecord
+from stickslip.selection.record_wording import error_text as error_text
+from stickslip.selection.record_wording import in_sentence as in_sentence
+from stickslip.selection.record_wording import route_text as route_text
+from stickslip.selection.records import PURPOSES as PURPOSES
+from stickslip.selection.records import PurposeName as PurposeName
+from stickslip.selection.records import select_records as select_records
+from stickslip.selection.records import way_for as way_for
+from stickslip.selection.sheet_tables import SheetTable as SheetTable
+from stickslip.selection.sheet_tables import known_by as known_by
+from stickslip.selection.sheet_tables import tables_of as tables_of
+from stickslip.selection.travel_verdict import TravelCandidate as TravelCandidate
+from stickslip.selection.travel_verdict import TravelVerdict as TravelVerdict
+from stickslip.selection.travel_verdict import misfit as misfit
+from stickslip.selection.travels import PLAIN as PLAIN
+from stickslip.selection.travels import select_travels as select_travels
+from stickslip.selection.verdict import Candidate as Candidate
+from stickslip.selection.verdict import Verdict as Verdict
+from stickslip.selection.verdict import Wording as Wording
+from stickslip.selection.verdict import score_scale as score_scale
+from stickslip.selection.verdict import score_text as score_text
+
+__all__ = [
+    "Candidate",
+    "Criteria",
+    "FeatureCandidate",
+    "FeatureVerdict",
+    "FixedStepRow",
+    "OtherSpeed",
+    "OtherStep",
+    "PURPOSES",
+    "Plan",
+    "RateStateCandidate",
+    "RateStateVerdict",
+    "RecordCandidate",
+    "RecordVerdict",
+    "TravelCandidate",
+    "TravelVerdict",
+    "Verdict",
+    "compare_fixed_steps",
+    "criteria_of",
+    "plan",
+    "select_features",
+    "select_rate_state",
+    "select_records",
+    "select_travels",
+]

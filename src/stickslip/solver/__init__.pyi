@@ -1,0 +1,45 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.solver.base import Solver as Solver
+from stickslip.solver.compile.messages import notice as notice
+from stickslip.solver.compile.module_cache import is_writable as is_writable
+from stickslip.solver.compile.precompile import Progress as Progress
+from stickslip.solver.compile.precompile import WarmUp as WarmUp
+from stickslip.solver.compile.precompile import warm_up as warm_up
+from stickslip.solver.drive_schedule import gather as gather
+from stickslip.solver.ensembles import run_ensemble as run_ensemble
+from stickslip.solver.evaluator import Equations as Equations
+from stickslip.solver.event_driven import BareRun as BareRun
+from stickslip.solver.event_driven import EventDriven as EventDriven
+from stickslip.solver.fixed_step import FixedStep as FixedStep
+from stickslip.solver.fixed_step import Method as Method
+from stickslip.solver.incremental_run import IncrementalRun as IncrementalRun
+from stickslip.solver.reducers import EventCount as EventCount
+from stickslip.solver.reducers import EventTimes as EventTimes
+from stickslip.solver.reducers import Final as Final
+from stickslip.solver.reducers import Max as Max
+from stickslip.solver.reducers import Mean as Mean
+from stickslip.solver.reducers import Min as Min
+from stickslip.solver.reducers import Output as Output
+from stickslip.solver.reducers import Samples as Samples
+from stickslip.solver.reducers import Sensitivity as Sensitivity
+from stickslip.solver.run import prepare as prepare
+
+__all__ = [
+    "EventCount",
+    "EventDriven",
+    "EventTimes",
+    "Final",
+    "FixedStep",
+    "Max",
+    "Mean",
+    "Method",
+    "Min",
+    "Output",
+    "Progress",
+    "Samples",
+    "Sensitivity",
+    "Solver",
+    "WarmUp",
+    "prepare",
+    "warm_up",
+]

@@ -1,0 +1,59 @@
+"""Rooms of the package are entered by their doors: what others use stands in `__init__`."""
+
+import ast
+import importlib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import stickslip
+
+ROOT = Path(stickslip.__file__).parent
+ROOMS = {path.parent.name for path in ROOT.glob("*/__init__.py")}
+OF_MODULES = {"kernels", "catalogue", "paper"}
+"""Rooms whose doors are modules: the text of a kernel's module is what is compiled."""
+FILES = sorted(ROOT.rglob("*.py"))
+
+
+def imports_past_a_door(file: Path) -> Iterator[str]:
+    """Yield the imports of a file that name a module inside of another room."""
+    own = file.relative_to(ROOT).parts[0].removesuffix(".py")
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            modules = [node.module]
+        elif isinstance(node, ast.Import):
+            modules = [alias.name for alias in node.names]
+        else:
+            continue
+        for module in modules:
+            first, *rest = module.split(".")
+            if first == "stickslip" and len(rest) > 1 and rest[0] in ROOMS - OF_MODULES - {own}:
+                yield f"{module}, line {node.lineno}"
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_no_import_goes_past_the_door_of_another_room(file: Path) -> None:
+    assert list(imports_past_a_door(file)) == []
+
+
+@pytest.mark.parametrize("room", sorted(ROOMS))
+def test_what_a_door_names_is_there(room: str) -> None:
+    module = importlib.import_module(f"stickslip.{room}")
+    table = {**getattr(module, "HOMES", {}), **getattr(module, "INSIDE", {})}
+    for name in {*table, *getattr(module, "__all__", ())}:
+        assert getattr(module, name) is not None
+
+
+@pytest.mark.parametrize("room", sorted(ROOMS))
+def test_what_stands_inside_is_used_by_another_room(room: str) -> None:
+    module = importlib.import_module(f"stickslip.{room}")
+    used = {
+        alias.name
+        for file in FILES
+        if file.relative_to(ROOT).parts[0] != room
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and node.module == f"stickslip.{room}"
+        for alias in node.names
+    }
+    assert set(getattr(module, "INSIDE", {})) <= used
