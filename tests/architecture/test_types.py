@@ -146,7 +146,7 @@ REVEALED = (
     "FrictionLaw",
     "Score",
     "Posterior",
-    "TravelVerdict | RecordVerdict | FeatureVerdict",
+    "TravelVerdict | RecordVerdict | FeatureVerdict | RateStateVerdict",
     "str",
     "TravelCandidate | None",
     "Checks",

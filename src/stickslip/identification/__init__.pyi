@@ -46,9 +46,7 @@ from stickslip.identification.rate_state.result import UNSPENT as UNSPENT
 from stickslip.identification.rate_state.result import VELOCITY_STEPS as VELOCITY_STEPS
 from stickslip.identification.rate_state.result import bounds_met as bounds_met
 from stickslip.identification.rate_state.slider import SliderHistory as SliderHistory
-from stickslip.identification.rate_state.slider import (
-    simulate_velocity_steps as simulate_velocity_steps,
-)
+from stickslip.identification.rate_state.slider import simulate_velocity_steps as simulate_velocity_steps
 from stickslip.identification.records.fit import Prediction as Prediction
 from stickslip.identification.records.fit import RecordFit as RecordFit
 from stickslip.identification.records.fit import Score as Score

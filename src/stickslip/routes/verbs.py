@@ -10,7 +10,6 @@ from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw, RateState
 from stickslip.identification import (
     Fit,
-    Laws,
     RecordSettings,
     RouteChoice,
     RouteName,
@@ -23,8 +22,6 @@ from stickslip.routes.route import FitRequest, Options, SelectRequest
 from stickslip.selection import (
     FeatureVerdict,
     PurposeName,
-    RateStateLaw,
-    RateStateLaws,
     RateStateVerdict,
     RecordVerdict,
     TravelVerdict,
@@ -34,6 +31,7 @@ __all__ = ["fit", "select"]
 
 AnyLaw = TypeVar("AnyLaw", bound=FrictionLaw | RateState, default=FrictionLaw)
 """The type of law that a fit was given; a name could stand for any."""
+GivenLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | RateState | type[RateState] | str
 AnyVerdict: TypeAlias = TravelVerdict | RecordVerdict | FeatureVerdict | RateStateVerdict
 
 
@@ -132,7 +130,7 @@ def fit(
 @arguments
 def select(
     mechanism: Mechanism,
-    laws: Laws | RateStateLaws | FrictionLaw | type[FrictionLaw] | RateStateLaw | None,
+    laws: Mapping[str, GivenLaw] | Sequence[GivenLaw] | GivenLaw | None,
     measurement: Measurement,
     *,
     vary: str | Sequence[str] | None = None,
