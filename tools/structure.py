@@ -1,4 +1,4 @@
-"""Print the numbers by which the structure of the package is judged: python tools/structure.py.
+"""Print the numbers by which the structure of the package is judged: python -m tools.structure.
 
 Everything is counted from the sources with `ast`, but for what one command runs, which is watched
 in a process of its own, and the tests, which pytest collects.
@@ -14,6 +14,8 @@ import tempfile
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+
+from tools import stubs
 
 ROOT = Path(__file__).resolve().parent.parent
 SOURCE = ROOT / "src"
@@ -75,30 +77,49 @@ def sources() -> dict[str, Path]:
     return found
 
 
-def imports(tree: ast.Module, known: dict[str, Path]) -> Iterator[str]:
-    """Yield the modules of the package that a module imports, anywhere in its text."""
+def door(package: str) -> dict[str, str]:
+    """Return the modules that define the names of a package that loads them lazily."""
+    module = importlib.import_module(package)
+    table = {**getattr(module, "HOMES", {}), **getattr(module, "INSIDE", {})}
+    return {name: f"{stubs.root(package)}.{home}" for name, home in table.items()}
+
+
+def imports(
+    tree: ast.Module, known: dict[str, Path], doors: dict[str, dict[str, str]]
+) -> Iterator[str]:
+    """Yield the modules of the package that a module imports, also by the door of their room."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names if alias.name in known)
         elif isinstance(node, ast.ImportFrom) and node.module in known:
-            below = [f"{node.module}.{alias.name}" for alias in node.names]
-            modules = [name for name in below if name in known]
-            yield from modules
-            if len(modules) < len(below):
-                yield node.module
+            behind = doors.get(node.module, {})
+            for alias in node.names:
+                below = f"{node.module}.{alias.name}"
+                yield below if below in known else behind.get(alias.name, node.module)
 
 
 def importers(trees: dict[str, ast.Module], known: dict[str, Path]) -> dict[str, set[str]]:
-    """Return by module the modules that import it; a table of lazy names imports, too."""
+    """Return by module the modules that import it."""
+    doors = {package: door(package) for package in stubs.PACKAGES}
     found: dict[str, set[str]] = defaultdict(set)
     for name, tree in trees.items():
-        for other in imports(tree, known):
+        for other in imports(tree, known, doors):
             found[other].add(name)
-        if "attach(" in ast.unparse(tree) and known[name].name == "__init__.py":
-            root = name if "attach(__name__" in ast.unparse(tree) else PACKAGE
-            for home in set(importlib.import_module(name).HOMES.values()):
-                found[f"{root}.{home}"].add(name)
+    for package in ("stickslip", "stickslip.outputs", "stickslip.plots", "stickslip.results"):
+        for home in doors[package].values():  # what users import
+            found[home].add(package)
     return found
+
+
+def lines_of_texts(tree: ast.Module) -> int:
+    """Return how many lines are texts that stand by themselves: docstrings, texts of fields."""
+    return sum(
+        (node.end_lineno or node.lineno) - node.lineno + 1
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+    )
 
 
 def arguments(function: Function, *, is_method: bool) -> list[str]:
@@ -213,6 +234,7 @@ def table() -> Iterator[tuple[str, object]]:
     trees = {name: ast.parse(text) for name, text in texts.items()}
     modules = {name for name, path in known.items() if path.name != "__init__.py"}
     yield "lines in src", sum(text.count("\n") for text in texts.values())
+    yield "lines of docstrings and texts of fields", sum(map(lines_of_texts, trees.values()))
     yield "files in src", len(known)
     yield "modules (files without __init__)", len(modules)
     users = importers(trees, known)
