@@ -38,6 +38,7 @@ class RateStateRoute(Route[RateStateFit, RateStateVerdict]):
     names = (ROUTE,)
     measured = "velocity steps"
     uses = frozenset({"route", "settings", "starts", "seed", "validate", "jobs"})
+    fits = RateState
     usual_law = "rate-and-state"
     simulated = False
 

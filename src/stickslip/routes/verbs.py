@@ -12,8 +12,8 @@ from stickslip.identification import Fit, RecordSettings
 from stickslip.identification.records.route_choice import RouteChoice, RouteName
 from stickslip.identification.validation import Laws, arguments, check_given
 from stickslip.mechanisms import Mechanism
-from stickslip.routes.registry import refuse_unused, route_of
-from stickslip.routes.route import FitRequest, Options, SelectRequest
+from stickslip.routes.registry import refuse_foreign, refuse_unused, route_of
+from stickslip.routes.route import FitRequest, Options, SelectRequest, SeveralLaws
 from stickslip.selection import FeatureVerdict, RateStateVerdict, RecordVerdict, TravelVerdict
 from stickslip.selection.rate_state import RateStateLaw, RateStateLaws
 from stickslip.selection.records import PurposeName
@@ -104,6 +104,7 @@ def fit(
     way = route_of(measurement, route)
     options = Options(route=route, settings=settings, t_end=t_end)
     refuse_unused(way, options.given, options)
+    refuse_foreign(way, [law])
     kind, vary = way.law_and_parameters(law, vary, fixed or ())
     request = FitRequest(
         mechanism=mechanism,
@@ -215,9 +216,12 @@ def select(
         t_end=t_end,
     )
     refuse_unused(way, options.given, options)
+    is_one = laws is not None and not isinstance(laws, Mapping | Sequence)
+    several: SeveralLaws = [laws] if is_one or isinstance(laws, str) else laws
+    refuse_foreign(way, several.values() if isinstance(several, Mapping) else several or ())
     request = SelectRequest(
         mechanism=mechanism,
-        laws=[laws] if isinstance(laws, str | type | FrictionLaw | RateState) else laws,
+        laws=several,
         measurement=measurement,
         vary=vary,
         fixed=fixed,
