@@ -112,7 +112,7 @@ assert math.isclose(run["x"][-1], 0.5 * a, rel_tol=1e-9), run["x"][-1]
     rig = tree / "slab.toml"
     rig.write_text(
         '[mechanism]\ntype = "toy-slab"\nmass = "2 kg"\nweight = "1 kg"\n'
-        "[friction.coulomb]\nkinetic_coefficient = 0.2\n[simulation]\nt_end = 1.0\n"
+        "[friction.coulomb]\nkinetic_coefficient = 0.2\n[run]\nt_end = 1.0\n"
     )
     assert "toy-slab" in run(tree, "-m", "stickslip", "schema")
     run(tree, "-m", "stickslip", "simulate", "slab.toml", "--json")

@@ -20,7 +20,8 @@ from tools import stubs
 import stickslip
 import stickslip.plots
 from stickslip.friction import LAWS
-from stickslip.identification.features.features import ROUTE
+from stickslip.identification.features.features import ROUTE as FEATURES
+from stickslip.identification.rate_state.result import ROUTE as RATE_STATE
 from stickslip.identification.records.fitting import ROUTES
 from stickslip.identification.records.route_choice import RouteName
 from stickslip.mechanisms import MECHANISMS
@@ -379,7 +380,7 @@ def test_every_package_that_loads_lazily_has_a_stub() -> None:
 @pytest.mark.parametrize(
     ("type_", "names"),
     [
-        (RouteName, (*ROUTES, ROUTE)),
+        (RouteName, (*ROUTES, FEATURES, RATE_STATE)),
         (PurposeName, tuple(PURPOSES)),
         (GoalName, tuple(GOALS)),
         (KindName, (*KINDS, *TYPES)),

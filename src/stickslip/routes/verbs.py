@@ -10,18 +10,19 @@ from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw, RateState
 from stickslip.identification import Fit, RecordSettings
 from stickslip.identification.records.route_choice import RouteChoice, RouteName
-from stickslip.identification.validation import Laws, arguments, check_given
+from stickslip.identification.validation import arguments, check_given
 from stickslip.mechanisms import Mechanism
 from stickslip.routes.registry import refuse_foreign, refuse_unused, route_of
 from stickslip.routes.route import FitRequest, Options, SelectRequest, SeveralLaws
 from stickslip.selection import FeatureVerdict, RateStateVerdict, RecordVerdict, TravelVerdict
-from stickslip.selection.rate_state import RateStateLaw, RateStateLaws
 from stickslip.selection.records import PurposeName
 
 __all__ = ["fit", "select"]
 
 AnyLaw = TypeVar("AnyLaw", bound=FrictionLaw | RateState, default=FrictionLaw)
 """The type of law that a fit was given; a name could stand for any."""
+OneLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | RateState | type[RateState] | str
+"""One type, since a union of several types of lists would keep checkers from inferring a list."""
 AnyVerdict: TypeAlias = TravelVerdict | RecordVerdict | FeatureVerdict | RateStateVerdict
 
 
@@ -121,7 +122,7 @@ def fit(
 @arguments
 def select(
     mechanism: Mechanism,
-    laws: Laws | RateStateLaws | FrictionLaw | type[FrictionLaw] | RateStateLaw | None,
+    laws: Mapping[str, OneLaw] | Sequence[OneLaw] | OneLaw | None,
     measurement: Measurement,
     *,
     vary: str | Sequence[str] | None = None,
