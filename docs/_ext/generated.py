@@ -14,6 +14,7 @@ from stickslip.cli.app import app as command_line
 from stickslip.experiments import rig_schema
 from stickslip.friction import LAWS, PRINTED_EQUATIONS, BristleLaw, FrictionLaw
 from stickslip.quantities import fields_of
+from stickslip.routes import routes
 
 BIBLIOGRAPHY = {"paper": "pendulumcart"}
 """Keys of sources that are called otherwise in references.bib."""
@@ -232,12 +233,29 @@ def quantity_text(description: str) -> str:
     return f"{symbol(name)} [{rest}" if bracket else description
 
 
+def route_table() -> Iterator[str]:
+    """All routes in one table, in the order in which they are asked."""
+    rows = (
+        (
+            route.measured,
+            ", ".join(f"`{name}`" for name in route.names),
+            (route.__doc__ or "").partition("\n")[0],
+            ", ".join(f"`{name}`" for name in sorted(route.uses)),
+            "yes" if route.simulated else "no",
+        )
+        for route in routes()
+    )
+    head = ("measurement", "route", "what is fitted", "options used", "`law.toml`")
+    yield from table(head, rows)
+
+
 CONTENT = {
     "law-table": law_table,
     "laws": laws,
     "printed-forms": printed_forms,
     "commands": commands,
     "rig-file": rig_file,
+    "routes": route_table,
 }
 
 

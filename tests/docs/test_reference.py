@@ -1,5 +1,6 @@
 """The reference names everything public."""
 
+import importlib
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ import stickslip.control
 import stickslip.drives
 import stickslip.outputs
 import stickslip.results
+from stickslip.routes import routes
 
 PAGE = Path(__file__).parents[2] / "docs/reference/api.md"
 REFERENCE = PAGE.read_text(encoding="utf-8").split()
@@ -25,3 +27,15 @@ NAMES += [
 @pytest.mark.parametrize("name", NAMES)
 def test_a_public_name_stands_in_the_reference(name: str) -> None:
     assert name in REFERENCE
+
+
+def test_every_route_stands_in_the_table_with_its_options(monkeypatch):
+    monkeypatch.syspath_prepend(PAGE.parents[1] / "_ext")
+    rows = [*importlib.import_module("generated").route_table()][2:-1]
+    assert len(rows) == len(routes())
+    for row, route in zip(rows, routes(), strict=True):
+        measured, names, about, options, _ = (cell.strip() for cell in row.strip("|").split("|"))
+        assert measured == route.measured
+        assert names == ", ".join(f"`{name}`" for name in route.names)
+        assert set(options.replace("`", "").split(", ")) == route.uses
+        assert about.endswith(".")

@@ -192,16 +192,16 @@ def test_another_route_says_how_a_force_alone_is_fitted(record):
 
 
 def test_what_features_have_no_use_for_is_refused(record):
-    with pytest.raises(InputError, match="leave out purpose"):
+    with pytest.raises(InputError, match="horizon is for records of motion"):
         select(STATED, [Coulomb], record, horizon=1.0)
     with pytest.raises(InputError, match="nothing to fit"):
         fit(STATED, Viscous, record)
 
 
-def test_friction_under_a_load_point_names_what_fits_rate_and_state():
+def test_friction_under_a_load_point_takes_rate_and_state_laws():
     t = np.arange(0.0, 10.0, 0.1)
     steps = Measurement(time=t, pull=1e-6 * t, friction=0.6 + 0.0 * t, load=1.0)
-    with pytest.raises(InputError, match="fit_rate_state"):
+    with pytest.raises(InputError, match="A fit to velocity steps takes a RateState"):
         fit(STATED, Coulomb, steps)
 
 

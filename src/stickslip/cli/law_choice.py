@@ -76,7 +76,22 @@ class ChosenLaw:
 
 
 def law_to_fit(rig: Rig, name: str | None, route: AnyRoute) -> Law:
-    """Return the law to fit, or its name: as asked, the rig's only one, or that of the route."""
+    """Return the law to fit, or its name: as asked, the rig's only one, or that of the route.
+
+    Parameters
+    ----------
+    rig : Rig
+        The rig, with the laws of its file.
+    name : str or None
+        Name of the law; None if none was asked for.
+    route : Route
+        Route of the measurement, whose usual law is taken where neither names one.
+
+    Returns
+    -------
+    FrictionLaw or str
+        The rig's own law if it has all values of it, otherwise the name.
+    """
     if name is None:
         name = rig.named[0] if len(rig.named) == 1 else route.usual_law
     return rig.laws.get(name) or name

@@ -4,7 +4,7 @@ import functools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import final
+from typing import Any, final
 
 from stickslip.errors import InputError
 from stickslip.friction import LAW_MODULES
@@ -16,6 +16,7 @@ from stickslip.friction.direction_dependent import DirectionDependent
 from stickslip.friction.lugre import LuGre
 from stickslip.friction.power_viscous import PowerViscous
 from stickslip.friction.quadratic_drag import QuadraticDrag
+from stickslip.friction.rate_state import RATE_STATE_FORMS
 from stickslip.friction.stribeck import Stribeck
 from stickslip.friction.viscous import Viscous
 from stickslip.quantities import gathered, named, own_classes
@@ -100,7 +101,7 @@ def law_type(name: str) -> type[FrictionLaw]:
                 f"{name} is a name for fits to records: {one.law.name} with its exponent fitted,"
                 f" too. Give {one.law.name}."
             )
-    law: type[FrictionLaw] = named(laws(), name, "friction law")
+    law: type[FrictionLaw] = _law_named(laws(), name)
     return law
 
 
@@ -152,8 +153,18 @@ def specification(name: str) -> CandidateSpec:
     """
     known = {law: CandidateSpec.of(law, kind) for law, kind in laws().items()}
     known |= {one.name: one for one in usual_specifications()}
-    found: CandidateSpec = named(known, name, "friction law")
+    found: CandidateSpec = _law_named(known, name)
     return found
+
+
+def _law_named(known: Mapping[str, Any], name: str) -> Any:
+    if name in RATE_STATE_FORMS and name not in known:
+        raise InputError(
+            f"{name} is a law for velocity steps, that is for a record with time, pull and friction"
+            " but neither position nor velocity; it does not fit other records, nor can `simulate`"
+            " run it."
+        )
+    return named(known, name, "friction law")
 
 
 def contained_laws(kind: type[FrictionLaw]) -> tuple[str, ...]:

@@ -31,6 +31,7 @@ HOMES = {
 }
 
 INSIDE = {
+    "called": "validation",
     "AGREE": "estimation.levenberg_marquardt",
     "Allowed": "profile_likelihood",
     "AnyLaw": "validation",

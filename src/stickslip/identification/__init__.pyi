@@ -115,6 +115,7 @@ from stickslip.identification.validation import LAW as LAW
 from stickslip.identification.validation import Laws as Laws
 from stickslip.identification.validation import Parameters as Parameters
 from stickslip.identification.validation import arguments as arguments
+from stickslip.identification.validation import called as called
 from stickslip.identification.validation import check_given as check_given
 from stickslip.identification.validation import covers as covers
 from stickslip.identification.validation import law_quantities as law_quantities

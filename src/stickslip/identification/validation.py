@@ -19,6 +19,7 @@ __all__ = [
     "Laws",
     "Parameters",
     "arguments",
+    "called",
     "check_given",
     "covers",
     "law_quantities",
@@ -303,7 +304,7 @@ def check_given(verb: str, mechanism: object, measurement: object) -> None:
         )
     if not isinstance(mechanism, Mechanism):
         raise InputError(
-            f"{verb} takes a mechanism such as Axis(inertia=1.0), got {_called(mechanism)}."
+            f"{verb} takes a mechanism such as Axis(inertia=1.0), got {called(mechanism)}."
         )
     if isinstance(measurement, Measurement):
         return
@@ -312,10 +313,17 @@ def check_given(verb: str, mechanism: object, measurement: object) -> None:
         cure = f"read the file with load_measurement({measurement!r})"
     elif isinstance(measurement, Rig):
         cure = "give rig.measurement"
-    raise InputError(f"{verb} takes a Measurement, got {_called(measurement)}: {cure}.")
+    raise InputError(f"{verb} takes a Measurement, got {called(measurement)}: {cure}.")
 
 
-def _called(given: object) -> str:
+def called(given: object) -> str:
+    """Return what an argument is, for the error that refuses it.
+
+    Examples
+    --------
+    >>> called("run.csv"), called(int), called(3)
+    ("'run.csv'", 'the class int', 'int')
+    """
     if isinstance(given, type):
         return f"the class {given.__name__}"
     return repr(given) if isinstance(given, str) else type(given).__name__

@@ -40,6 +40,7 @@ class RateStateRoute(Route[RateStateFit, RateStateVerdict]):
     names = (VELOCITY_STEPS,)
     measured = "velocity steps"
     uses = frozenset({"route", "settings", "starts", "seed", "validate", "jobs"})
+    fits = RateState
     usual_law = "rate-and-state"
     simulated = False
 

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined
-from stickslip.identification import RouteChoice
+from stickslip.identification import RouteChoice, called
 from stickslip.quantities import plugins
 from stickslip.routes.features import FeatureRoute
 from stickslip.routes.rate_state import RateStateRoute
@@ -15,7 +15,7 @@ from stickslip.routes.records import RecordRoute
 from stickslip.routes.route import Options, Route
 from stickslip.routes.travels import TravelRoute
 
-__all__ = ["AnyRoute", "refuse_unused", "route_named", "route_of", "routes"]
+__all__ = ["AnyRoute", "refuse_foreign", "refuse_unused", "route_named", "route_of", "routes"]
 
 AnyRoute: TypeAlias = Route[Any, Any]
 
@@ -143,3 +143,36 @@ def refuse_unused(
             why = f"is for {others}; it has no effect on {route.measured}."
         if why:
             raise InputError(f"{mark}{name} {why}")
+
+
+def refuse_foreign(route: AnyRoute, laws: Iterable[object]) -> None:
+    """Refuse laws of another kind than a route fits; names are looked up where they are used.
+
+    Parameters
+    ----------
+    route : Route
+        That of the measurement.
+    laws : iterable
+        Instances, types and names.
+
+    Raises
+    ------
+    InputError
+        With the law and what it is for.
+
+    Examples
+    --------
+    >>> from stickslip.friction import Coulomb, RateState
+    >>> refuse_foreign(route_named("travel"), [Coulomb, RateState])
+    Traceback (most recent call last):
+    stickslip.errors.InputError: A fit to travels takes a FrictionLaw, its type or its name, got ...
+    """
+    for law in laws:
+        kind = law if isinstance(law, type) else type(law)
+        if not issubclass(kind, (str, route.fits)):
+            others = joined([one.measured for one in routes() if issubclass(kind, one.fits)])
+            use = f", which is for {others}" if others else ""
+            raise InputError(
+                f"A fit to {route.measured} takes a {route.fits.__name__}, its type or its name,"
+                f" got {called(law)}{use}."
+            )

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Generic, TypeAlias, final
 from typing_extensions import TypeVar
 
 from stickslip.experiments import Checks, Measurement
-from stickslip.friction import specification
+from stickslip.friction import FrictionLaw, specification
 from stickslip.identification import (
     LAW,
     AnyLaw,
@@ -33,6 +33,7 @@ __all__ = [
     "Request",
     "Route",
     "SelectRequest",
+    "SeveralLaws",
 ]
 
 F = TypeVar("F", bound="Fit[Any]")
@@ -172,6 +173,8 @@ class Route(ABC, Generic[F, V]):
     """Names of `Options`, and of fields of `RecordSettings`, that are used."""
     counts_runs: ClassVar[bool] = False
     """Whether progress is a number of runs; else it is the least residual so far."""
+    fits: ClassVar[type] = FrictionLaw
+    """Base class of the laws that are fitted."""
     usual_law: ClassVar[str] = "coulomb-viscous"
     """Law that a command fits where none is named."""
     simulated: ClassVar[bool] = True

@@ -17,8 +17,8 @@ from stickslip.identification import (
     check_given,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.routes.registry import refuse_unused, route_of
-from stickslip.routes.route import FitRequest, Options, SelectRequest
+from stickslip.routes.registry import refuse_foreign, refuse_unused, route_of
+from stickslip.routes.route import FitRequest, Options, SelectRequest, SeveralLaws
 from stickslip.selection import (
     FeatureVerdict,
     PurposeName,
@@ -31,7 +31,8 @@ __all__ = ["fit", "select"]
 
 AnyLaw = TypeVar("AnyLaw", bound=FrictionLaw | RateState, default=FrictionLaw)
 """The type of law that a fit was given; a name could stand for any."""
-GivenLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | RateState | type[RateState] | str
+OneLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | RateState | type[RateState] | str
+"""One type, since a union of several types of lists would keep checkers from inferring a list."""
 AnyVerdict: TypeAlias = TravelVerdict | RecordVerdict | FeatureVerdict | RateStateVerdict
 
 
@@ -114,6 +115,7 @@ def fit(
     way = route_of(measurement, route)
     options = Options(route=route, settings=settings, t_end=t_end)
     refuse_unused(way, options.given, options)
+    refuse_foreign(way, [law])
     kind, vary = way.law_and_parameters(law, vary, fixed or ())
     request = FitRequest(
         mechanism=mechanism,
@@ -130,7 +132,7 @@ def fit(
 @arguments
 def select(
     mechanism: Mechanism,
-    laws: Mapping[str, GivenLaw] | Sequence[GivenLaw] | GivenLaw | None,
+    laws: Mapping[str, OneLaw] | Sequence[OneLaw] | OneLaw | None,
     measurement: Measurement,
     *,
     vary: str | Sequence[str] | None = None,
@@ -225,9 +227,12 @@ def select(
         t_end=t_end,
     )
     refuse_unused(way, options.given, options)
+    is_one = laws is not None and not isinstance(laws, Mapping | Sequence)
+    several: SeveralLaws = [laws] if is_one or isinstance(laws, str) else laws
+    refuse_foreign(way, several.values() if isinstance(several, Mapping) else several or ())
     request = SelectRequest(
         mechanism=mechanism,
-        laws=[laws] if isinstance(laws, str | type | FrictionLaw | RateState) else laws,
+        laws=several,
         measurement=measurement,
         vary=vary,
         fixed=fixed,

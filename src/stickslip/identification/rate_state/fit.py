@@ -180,7 +180,43 @@ def fit_steps(
     seed: int = 0,
     progress: Watch | None = None,
 ) -> RateStateFit:
-    """Fit as `fit_rate_state` does, without fits at other evolution effects and windows."""
+    """Fit as `fit_rate_state` does, without fits at other evolution effects and windows.
+
+    Parameters
+    ----------
+    mechanism : TowedBlock
+        Stiffness of spring and machine, and the load where none was measured.
+    law : RateState, type or str
+        The law, as for `fit_rate_state`.
+    measurement : Measurement
+        One record with ``time``, ``pull`` and ``friction``.
+    vary : str or sequence of str, optional
+        Parameters to fit.
+    fixed : mapping of str to float, optional
+        Values of parameters that are held [SI].
+    before, after : float, optional
+        Way of the load point [m] before the first and after the last step that is used.
+    drift : {"auto", "none", "linear"}
+        Whether friction changes steadily with the way of the load point.
+    lowest_evolution_effect : float
+        Lower bound of b.
+    starts, seed : int
+        Number of starts of the search, and seed of those that are drawn.
+    progress : callable, optional
+        Called with the least root mean square so far; False ends the search with the best so far.
+
+    Returns
+    -------
+    RateStateFit
+        The fit, without `windows`; its intervals are those of the jackknife alone.
+
+    Raises
+    ------
+    InputError
+        If the record, the mechanism or a name cannot be used.
+    ConvergenceError
+        If the slider runs away from every start.
+    """
     if drift not in ("auto", "none", "linear"):
         raise InputError(f"drift must be 'auto', 'none' or 'linear', got {drift!r}.")
     asked = _asked(mechanism, law, measurement, vary, fixed)

@@ -62,6 +62,7 @@ class Record:
     pull: Array
     """Position of the load point (n,) [m], as measured, from 0 on."""
     path: Path
+    """Path of the load point: pieces of constant speed, from time 0 and position 0 on."""
     begins: float = 0.0
     """Time 0 on the clock of the measurement [s]."""
     load: float = 1.0
@@ -83,7 +84,18 @@ class Record:
         return float(self.path.position[-1] - self.path.position[1])
 
     def within(self, before: float | None, after: float | None) -> "Record":
-        """Return what lies within some way before the first step and some after the last [m]."""
+        """Return what lies within some way before the first step and some after the last.
+
+        Parameters
+        ----------
+        before, after : float or None
+            Way of the load point [m] before the first and after the last step; all if None.
+
+        Returns
+        -------
+        Record
+            That part of the record, with times and positions from 0 on.
+        """
         place = np.interp(self.time, self.path.time, self.path.position)
         low = -np.inf if before is None else self.path.position[1] - before
         high = np.inf if after is None else self.path.position[-2] + after
@@ -136,6 +148,11 @@ def record_of(measurement: Measurement, load: float = 1.0) -> Record:
         One record.
     load : float
         Load [N] where none was measured.
+
+    Returns
+    -------
+    Record
+        Coefficient of friction and path of the load point, times and positions from 0 on.
 
     Raises
     ------
@@ -191,18 +208,42 @@ class Slider(Problem):
     """Means of the friction coefficient over short stretches of a record, weighted by samples."""
 
     record: Record
+    """The record, sample by sample."""
     evolution: Evolution
+    """How the state follows: ``"ageing"``, ``"slip"`` or ``"none"``."""
     reference_velocity: float
+    """Speed at which the reference coefficient holds [m/s]."""
     unknowns_: FreeParameters
+    """What is looked for, in the order of `PATHS`; a drift comes last, if any."""
     mean_time: Array
+    """Mean times of the stretches (n,) [s]."""
     mean: Array
+    """Mean coefficients of the stretches (n,)."""
     weight: Array
+    """Square roots of the numbers of samples over their mean (n,)."""
 
     @staticmethod
     def of(
         record: Record, evolution: Evolution, unknowns: FreeParameters, reference_velocity: float
     ) -> "Slider":
-        """Return the problem of a record; sums of squares differ by scatter within stretches."""
+        """Return the problem of a record; sums of squares differ by scatter within stretches.
+
+        Parameters
+        ----------
+        record : Record
+            The record; means are taken if it is long.
+        evolution : {"ageing", "slip", "none"}
+            How the state follows.
+        unknowns : FreeParameters
+            What is looked for, from `unknowns_for`.
+        reference_velocity : float
+            Speed at which the reference coefficient holds [m/s].
+
+        Returns
+        -------
+        Slider
+            The problem.
+        """
         bins = np.arange(len(record.time))
         if len(bins) > PLAIN:
             bins = np.searchsorted(_edges(record), record.time, side="right")
@@ -277,7 +318,21 @@ class Slider(Problem):
         )
 
     def predict(self, values: Array, times: Array) -> Array | None:
-        """Return friction coefficients at times (n,); None if the slider runs away."""
+        """Return friction coefficients at some times.
+
+        Parameters
+        ----------
+        values : array (p,)
+            Values of the unknowns: a, b, D_c [m], stiffness over load [1/m], mu_0 and, if there is
+            one, the drift [1/m].
+        times : array (n,)
+            Times [s], increasing, within the record.
+
+        Returns
+        -------
+        array (n,) or None
+            The coefficients, drift included; None if the slider runs away.
+        """
         law, path = self.law(values), self.record.path
         speeds = np.maximum(path.speeds, 0.0)
         logs = logarithms(law, float(values[3]), path.time, speeds, times, TOLERANCE)
@@ -371,6 +426,11 @@ def unknowns_for(
         over the load [1/m].
     reference_velocity : float
         Speed at which the reference coefficient holds [m/s].
+
+    Returns
+    -------
+    FreeParameters
+        Starts and bounds in the order of `PATHS`, those of held values closed, then the drift.
     """
     declared = fields_of(RateState)
     slid, state = record.slid, evolution != "none"

@@ -86,6 +86,7 @@ class Profile:
     """Fits with other evolution effects held that the record allows as well as the best."""
 
     ends: tuple[ResidualJacobian, ...] = ()
+    """Residuals and slopes of those fits."""
     unbounded: bool = False
     """Whether the largest evolution effect tried is still allowed."""
 
@@ -104,6 +105,7 @@ class RateStateFit(Fit[RateState]):
     """
 
     mechanism: TowedBlock
+    """The machine, with the fitted stiffness and the mean load."""
     measurement: Measurement
     """The whole record."""
     drift: float
@@ -243,7 +245,20 @@ class RateStateFit(Fit[RateState]):
 
 
 def free_of(slider: Slider, values: Array) -> NDArray[np.bool_]:
-    """Return which unknowns stand at no bound (p,); without b there is no D_c either."""
+    """Return which unknowns stand at no bound (p,); without b there is no D_c either.
+
+    Parameters
+    ----------
+    slider : Slider
+        The problem.
+    values : array (p,)
+        Values of the unknowns.
+
+    Returns
+    -------
+    array (p,) of bool
+        False for what is held, at a bound, or without effect.
+    """
     low, high = slider.unknowns.limits()
     at = slider.unknowns.coordinates(values)
     free = (at > low) & (at < high)
@@ -263,7 +278,20 @@ def bounds_met(fit: RateStateFit) -> tuple[str, ...]:
 
 
 def inference_of(slider: Slider, best: ResidualJacobian) -> Inference:
-    """Return covariances of the values (p,), from leaving out blocks of the record."""
+    """Return covariances of the values (p,), from leaving out blocks of the record.
+
+    Parameters
+    ----------
+    slider : Slider
+        The problem.
+    best : ResidualJacobian
+        Residuals and slopes at the fitted values.
+
+    Returns
+    -------
+    Inference
+        Covariances (p, p), 0 for what stands at a bound.
+    """
     scale = slider.unknowns.slopes(slider.unknowns.coordinates(best.values))
     scale[:, ~free_of(slider, best.values)] = 0.0
     return infer(best, scale, blocks=blocks_of(best))
@@ -272,7 +300,23 @@ def inference_of(slider: Slider, best: ResidualJacobian) -> Inference:
 def rate_of(
     slider: Slider, best: ResidualJacobian, inference: Inference | None = None
 ) -> tuple[float, float, float]:
-    """Return a - b, half the width of its 95 % interval, and its error of independent residuals."""
+    """Return a - b, half the width of its 95 % interval, and its error of independent residuals.
+
+    Parameters
+    ----------
+    slider : Slider
+        The problem.
+    best : ResidualJacobian
+        Residuals and slopes at the fitted values.
+    inference : Inference, optional
+        Covariances there; computed if not given.
+
+    Returns
+    -------
+    tuple of float
+        a - b; half the width, infinite where none can be said; and the standard error of
+        independent residuals. The last two are 0 if both are held.
+    """
     a, b = map(float, best.values[:2])
     row = np.zeros(len(best.values))
     row[:2] = np.where(free_of(slider, best.values)[:2], (1.0, -1.0), 0.0)
@@ -293,7 +337,28 @@ def result_of(
     profile: Profile = NO_PROFILE,
     windows: tuple[Window, ...] = (),
 ) -> RateStateFit:
-    """Return what was found, with intervals and words."""
+    """Return what was found, with intervals and words.
+
+    Parameters
+    ----------
+    block : TowedBlock
+        The machine, as it was given.
+    measurement : Measurement
+        The whole record.
+    slider : Slider
+        The problem.
+    found : OptimizeResult
+        End of its search.
+    profile : Profile
+        Fits with other evolution effects, by which intervals are widened.
+    windows : tuple of Window
+        a - b by how much of the record is used.
+
+    Returns
+    -------
+    RateStateFit
+        Law, mechanism, estimates with intervals, and sentences.
+    """
     values, record = found.best.values, slider.record
     fitted = slider.predict(values, record.time)
     assert fitted is not None

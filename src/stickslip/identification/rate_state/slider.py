@@ -171,7 +171,28 @@ def logarithms(
     times: Array,
     tolerance: float,
 ) -> Array | None:
-    """Return w = ln(V/V_0) and s = ln(V_0 theta/D_c) at times (n, 2); None if a run fails."""
+    """Return w = ln(V/V_0) and s = ln(V_0 theta/D_c) of a slider that a spring pulls.
+
+    Parameters
+    ----------
+    law : RateState
+        Friction of the slider.
+    stiffness : float
+        Stiffness of spring and machine over the load [1/m].
+    knots : array (k,)
+        Times [s] between which the far end moves steadily, increasing.
+    speeds : array (k - 1,)
+        Its speeds there [m/s], the first above 0.
+    times : array (n,)
+        Times asked for [s], increasing, within the knots.
+    tolerance : float
+        Relative and absolute tolerance of both.
+
+    Returns
+    -------
+    array (n, 2) or None
+        Both logarithms at each time; None if the slider runs away.
+    """
     if law.evolution == "none":
         w = _without_state(law, stiffness, knots, speeds, times)
         return np.column_stack([w, np.zeros(len(times))])

@@ -287,6 +287,22 @@ _WIDEST: Final = 20.0
 def error_plot(score: float, error: float, scale: Scale, colour: Colour) -> RowPlot:
     """Return a held-out error as a dot and its standard error as a bar; nothing if there is none.
 
+    Parameters
+    ----------
+    score : float
+        Held-out error [SI]; nothing is drawn if it is not finite.
+    error : float
+        Its standard error [SI]; no bar is drawn if it is not finite.
+    scale : Scale
+        Unit of the axis.
+    colour : str
+        Colour of both marks.
+
+    Returns
+    -------
+    RowPlot
+        The marks, the dot on top.
+
     Examples
     --------
     >>> [mark.kind for mark in error_plot(2e-3, 1e-4, Scale(1e3, "mm"), "c1").marks]
@@ -305,6 +321,18 @@ def error_plot(score: float, error: float, scale: Scale, colour: Colour) -> RowP
 
 def error_axis(errors: Iterable[float], scale: Scale) -> Axis | None:
     """Return the axis of held-out errors, logarithmic if they span more than 20 times.
+
+    Parameters
+    ----------
+    errors : iterable of float
+        Held-out errors [SI]; those that are not finite and above 0 are left out.
+    scale : Scale
+        Unit of the axis.
+
+    Returns
+    -------
+    Axis or None
+        The axis; None for fewer than two errors.
 
     Examples
     --------

@@ -73,6 +73,11 @@ def rate_state_sections(
         Where it is from.
     remark : str
         A sentence of one's own, at the end of the lede.
+
+    Returns
+    -------
+    tuple of callable
+        Functions without arguments, each of which makes a section.
     """
     return (
         partial(opening_section, verdict, origin.data, remark),
@@ -87,7 +92,22 @@ def rate_state_sections(
 
 
 def opening_section(verdict: RateStateVerdict, kicker: str, remark: str = "") -> Section:
-    """Return the section that a reader may stop after."""
+    """Return the section that a reader may stop after.
+
+    Parameters
+    ----------
+    verdict : RateStateVerdict
+        The verdict.
+    kicker : str
+        Line above the verdict: the data.
+    remark : str
+        A sentence of one's own, at the end of the lede.
+
+    Returns
+    -------
+    Section
+        Verdict, law, what the record settles and what it cannot tell.
+    """
     words, fit = verdict.words, _fit(verdict)
     (lede,) = _typeset([f"{words.lede} {words.no_score} {remark}".strip()], fit)
     opening = Opening(
@@ -488,7 +508,20 @@ def next_section(verdict: RateStateVerdict) -> Section | None:
 
 
 def reproduce_section(verdict: RateStateVerdict, origin: Origin) -> Section:
-    """Return the section with commands, the fitted law as code, data and references."""
+    """Return the section with commands, the fitted law as code, data and references.
+
+    Parameters
+    ----------
+    verdict : RateStateVerdict
+        The verdict.
+    origin : Origin
+        Where it is from, with the commands that make it again.
+
+    Returns
+    -------
+    Section
+        The section.
+    """
     fit = _fit(verdict)
     values = [
         f"    {name}={getattr(fit.law, name)!r},"
