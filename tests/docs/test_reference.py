@@ -1,5 +1,8 @@
 """The reference names everything public."""
 
+import importlib
+import re
+from functools import reduce
 from pathlib import Path
 
 import pytest
@@ -11,7 +14,15 @@ import stickslip.outputs
 import stickslip.results
 
 PAGE = Path(__file__).parents[2] / "docs/reference/api.md"
-REFERENCE = PAGE.read_text(encoding="utf-8").split()
+TEXT = PAGE.read_text(encoding="utf-8")
+REFERENCE = TEXT.split()
+ENTRIES = [
+    (module, name)
+    for module, block in re.findall(
+        r"^\.\. currentmodule:: (\S+)\n(.*?)(?=^\.\. currentmodule|^```|\Z)", TEXT, re.M | re.S
+    )
+    for name in re.findall(r"^   ([A-Za-z][\w.]*)$", block, re.M)
+]
 
 
 NAMES = [name for name in stickslip.__all__ if name != "__version__"]
@@ -25,3 +36,13 @@ NAMES += [
 @pytest.mark.parametrize("name", NAMES)
 def test_a_public_name_stands_in_the_reference(name: str) -> None:
     assert name in REFERENCE
+
+
+def test_every_name_in_the_reference_exists() -> None:
+    def missing(module: str, name: str) -> bool:
+        *rooms, last = name.split(".")
+        home = reduce(lambda above, room: f"{above}.{room}", rooms, module)
+        return not hasattr(importlib.import_module(home), last)
+
+    assert len(ENTRIES) > 100
+    assert [entry for entry in ENTRIES if missing(*entry)] == []
