@@ -27,9 +27,9 @@ language_info:
 """Not run; the kernel is not there then to say how its cells are coloured."""
 NOTE = """
 ```{{note}}
-The results of this page are left out: it was built where {records} could not be read. The cells are
-those that run where `STICKSLIP_DATA` names a folder with the data, or after
-`stickslip data path {name}` has fetched them ({{doc}}`/howto/data`).
+This page is shown without results, because {records} could not be read when it was built. Its cells
+run if `STICKSLIP_DATA` names a folder with the data, or after `stickslip data path {name}` has
+downloaded them ({{doc}}`/howto/data`).
 ```
 """
 

@@ -20,7 +20,7 @@ def shown(tmp_path_factory):
     sys.path.insert(0, str(folder))
     sys.modules["page"] = type(sys)("page")
     try:
-        for cell in CELLS[: next(i for i, cell in enumerate(CELLS) if "IPython" in cell)]:
+        for cell in CELLS[: next(i for i, cell in enumerate(CELLS) if ".plot()" in cell)]:
             head, _, rest = cell.partition("\n")
             if head.startswith("%%writefile"):
                 (folder / head.split()[1]).write_text(rest, encoding="utf-8")

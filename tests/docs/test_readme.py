@@ -77,7 +77,7 @@ def test_the_chain_leads_from_a_selection_to_the_page_of_a_cart(
         with pytest.raises(SystemExit) as left:
             main(shlex.split(line.removeprefix("stickslip ")))
         assert not left.value.code, line
-    said = re.search(r"moves (\S+) mm a cycle, (\S+) to (\S+) mm", README)
+    said = re.search(r"moves (\S+) mm per cycle, and (\S+) to (\S+) mm", README)
     assert said is not None
     printed = capsys.readouterr().out
     row = re.findall(r"cycle \d+ +(\S+) +(\S+) +(\S+)", printed)[-1]

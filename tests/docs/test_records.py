@@ -33,7 +33,7 @@ def test_a_page_whose_record_is_missing_is_not_run_and_says_so(
     text = page.read_text(encoding="utf-8")
     built = records.without_results(text)
     assert 'execution_mode: "off"' in built.partition("\n---\n")[0]
-    assert built.count("The results of this page are left out") == 1
+    assert built.count("This page is shown without results") == 1
     assert built.count("{code-cell}") == text.count("{code-cell}")
 
 

@@ -1,6 +1,8 @@
 """The reference names everything public."""
 
 import importlib
+import re
+from functools import reduce
 from pathlib import Path
 
 import pytest
@@ -13,7 +15,15 @@ import stickslip.results
 from stickslip.routes import routes
 
 PAGE = Path(__file__).parents[2] / "docs/reference/api.md"
-REFERENCE = PAGE.read_text(encoding="utf-8").split()
+TEXT = PAGE.read_text(encoding="utf-8")
+REFERENCE = TEXT.split()
+ENTRIES = [
+    (module, name)
+    for module, block in re.findall(
+        r"^\.\. currentmodule:: (\S+)\n(.*?)(?=^\.\. currentmodule|^```|\Z)", TEXT, re.M | re.S
+    )
+    for name in re.findall(r"^   ([A-Za-z][\w.]*)$", block, re.M)
+]
 
 
 NAMES = [name for name in stickslip.__all__ if name != "__version__"]
@@ -39,3 +49,13 @@ def test_every_route_stands_in_the_table_with_its_options(monkeypatch):
         assert names == ", ".join(f"`{name}`" for name in route.names)
         assert set(options.replace("`", "").split(", ")) == route.uses
         assert about.endswith(".")
+
+
+def test_every_name_in_the_reference_exists() -> None:
+    def missing(module: str, name: str) -> bool:
+        *rooms, last = name.split(".")
+        home = reduce(lambda above, room: f"{above}.{room}", rooms, module)
+        return not hasattr(importlib.import_module(home), last)
+
+    assert len(ENTRIES) > 100
+    assert [entry for entry in ENTRIES if missing(*entry)] == []
