@@ -145,9 +145,9 @@ def test_a_back_slip_that_rests_on_bristles_nobody_measured_is_said_to(walk):
     asked = ("simulate", CART, "--law", "law.toml", "--t-end", 2 * PERIOD, "--force")
     code, _, err = walk(*asked, "--report")
     assert code == 0
-    said = "sigma_0 = 1,000 1/m, which no measurement determined"
+    said = "sigma_0 = 1,000 1/m, which were not determined by a measurement"
     # the contact gives way by 0.5 mm as the force reverses: little of a travel of centimetres
-    assert f"rests on the bristles of the contact, {said}" in err
+    assert f"rests on the bristle parameters {said}" in err
     assert "back-slip in a cycle of" in err
     assert "travel in a cycle" not in err
     page = " ".join(Path("stickslip-run/index.html").read_text().split())
@@ -239,7 +239,7 @@ def test_one_of_several_laws_is_named_after_a_colon(walk):
     Path("two.toml").write_text(text + "[friction.viscous]\nviscous_coefficient = 2.0\n")
     code, out, err = walk("simulate", CART, "--law", "two.toml:viscous", "--json")
     assert (code, json.loads(out)["law"]) == (0, "viscous")
-    assert "does not grow with the normal force" in err
+    assert "does not scale with the normal force" in err
 
 
 def test_friction_that_is_set_is_set_in_the_file_of_the_law(walk):
@@ -275,8 +275,8 @@ def test_a_run_that_ends_early_has_its_page_and_its_exit_code(walk):
 @pytest.mark.parametrize(
     ("error", "code", "said"),
     [
-        (RuntimeError("no ink"), 1, "The page could not be drawn (RuntimeError: no ink)."),
-        (KeyboardInterrupt(), 130, "Cancelled while the page was drawn."),
+        (RuntimeError("no ink"), 1, "The report could not be drawn (RuntimeError: no ink)."),
+        (KeyboardInterrupt(), 130, "Cancelled while the report was drawn."),
     ],
 )
 def test_a_page_that_is_not_drawn_costs_nothing_else_and_is_not_listed(
@@ -413,7 +413,7 @@ def test_a_sweep_and_an_animation_take_the_same_file(walk):
     options = ("--law", "law.toml", "--json")
     code, out, err = walk("animate", CART, *options, "--t-end", 0.3, "--fps", 5, "-o", "a.gif")
     assert (code, json.loads(out)["law_file"]["file"]) == (0, "law.toml")
-    assert "sigma_2 = 0.1 N s/m is that of the contact" in err
+    assert "sigma_2 = 0.1 N s/m applies to the contact" in err
     vary = ("--vary", "mechanism.pendulum.profile.slow=25:30:2", "--cycles", 2, "--settle", 2)
     code, out, _ = walk("sweep", CART, *options, *vary)
     assert (code, json.loads(out)["law"]) == (0, "coulomb-viscous")
@@ -422,7 +422,7 @@ def test_a_sweep_and_an_animation_take_the_same_file(walk):
 def test_a_level_at_rest_that_nobody_gave_is_said_to_be_taken_equal(walk):
     block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     write("law.toml", block, LAW, KNOWN)
-    said = "mu_s was neither measured nor given: it is taken equal to mu_k"
+    said = "mu_s was neither measured nor given: it is set equal to mu_k"
     code, _, err = walk("simulate", CART, "--law", "law.toml", "--t-end", PERIOD, "--report")
     assert code == 0
     assert said in err

@@ -61,7 +61,7 @@ def run(capsys, monkeypatch, tmp_path, axis_record):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("fit", "axis.toml", "--horizon", "1"), "--horizon is the length of predicted stretches"),
+        (("fit", "axis.toml", "--horizon", "1"), "--horizon is the prediction length"),
         (("fit", "map.toml", "--segment", "1"), "--segment is for simulated segments"),
         (("fit", "map.toml", "--hold", "first"), "--hold is for simulated segments"),
         (("fit", "axis.toml", "--route", "inverse-dynamics", "--segment", "1"), "the route is inv"),
@@ -116,7 +116,7 @@ def test_what_the_rig_gives_is_held_where_it_is_not_varied(run, rig):
 def test_a_value_that_is_fitted_all_the_same_is_said(run):
     code, _, err = run("fit", "known.toml", *ONCE)
     assert code == 0
-    assert "All of coulomb-viscous is fitted, viscous_coefficient = 30 too; --vary names" in err
+    assert "including viscous_coefficient = 30 of the rig file; --vary adds" in err
 
 
 def test_a_saved_fit_is_fitted_again_by_the_law_it_names(run, tmp_path):
@@ -159,8 +159,8 @@ def test_an_interrupt_while_laws_are_judged_says_that_it_waits(run, monkeypatch)
     monkeypatch.setattr(selection, "cross_validate", judged)
     code, _, _ = run("select", "axis.toml", "--laws", "coulomb,coulomb-viscous", *ONCE)
     assert code == 0
-    assert told == ["Held-out blocks are judged to the end; Ctrl-C once more cancels."]
-    assert Interrupts().promise.startswith("Ending with the best so far")
+    assert told == ["Held-out blocks are evaluated to the end; press Ctrl-C again to cancel."]
+    assert Interrupts().promise.startswith("Stopping with the best fit so far")
 
 
 def test_the_command_in_a_report_is_quoted(run, monkeypatch, tmp_path):

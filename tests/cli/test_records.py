@@ -126,7 +126,7 @@ def test_the_record_itself_is_no_second_record(run, write, tmp_path, command):
     name, *more = command
     code, out, message = run(name, "axis.toml", "--validate", "copy.csv", *more)
     assert (code, out) == (2, "")
-    assert "the second record is the one that is fitted" in message
+    assert "the second record is identical to the fitted one" in message
     assert not (tmp_path / "stickslip-report").exists()
 
 
@@ -292,7 +292,7 @@ def test_travels_refuse_a_law_that_only_records_can_fit(run, command):
 BAD = [
     (("select", "bare.toml"), "has no measurement"),
     (("select", "bare.toml", "--data", "nowhere.csv"), "nowhere.csv: there is no such file"),
-    (("select", "bare.toml", *COLUMNS), "are for --data"),
+    (("select", "bare.toml", *COLUMNS), "apply to the files of --data"),
     (("select", "bare.toml", "--data", "axis.csv", "--columns", "position=x"), "column of axis"),
     (("select", "axis.toml", "--laws", "coulom"), "Did you mean 'coulomb'"),
     (("select", "axis.toml", "--laws", "dahl-exponents"), "Did you mean 'dahl-exponent'"),
@@ -396,7 +396,7 @@ def test_millimetres_read_as_metres_are_refused(run, write, axis_record):
     write("mm.csv", q=1e3 * axis_record["q"])
     code, _, err = run("fit", "bare.toml", "--data", "mm.csv", *COLUMNS, "--starts", "1")
     assert code == 2
-    assert "is position in m (not mm)" in err
+    assert "check that position is in m (not mm)" in err
 
 
 def test_a_typo_in_columns_is_named_and_drops_nothing(run):
@@ -424,7 +424,7 @@ def test_one_interrupt_keeps_the_best_so_far(run, monkeypatch):
 
     monkeypatch.setattr(selection, "fit_record", interrupted)
     code, out, err = run("select", "axis.toml", "--laws", "coulomb-viscous,coulomb", "--json")
-    assert "Ctrl-C once more cancels" in err
+    assert "press Ctrl-C again to cancel" in err
     content = json.loads(out)
     # simpler laws are fitted first; where this search ends, the law explains next to nothing
     assert (content["best"], content["closest"]) == (None, "coulomb")
@@ -512,8 +512,8 @@ def test_all_units_of_a_pendulum_are_those_of_torque_and_angle(pendulum):
     assert [one["unit"] for one in estimates] == ["N m", "N m s/rad"]
     code, out, err = pendulum("simulate", "swing.toml", "--law", "law.toml", "--report")
     assert code == 0
-    assert "N m s/rad is that of the contact it was fitted on" in err
-    assert re.search(r"fitted at up to \d\.\d+ rad/s", err)
+    assert "N m s/rad applies to the contact of the fit" in err
+    assert re.search(r"fitted up to \d\.\d+ rad/s", err)
     text = " ".join(Path("stickslip-run/index.html").read_text(encoding="utf-8").split())
     for wrong in ("m/s<", " m/s", "N s/m"):
         assert wrong not in out + err + text

@@ -48,7 +48,7 @@ def test_a_column_that_differs_between_trials_and_is_not_used_is_named_as_a_warn
     (finding,) = found.of("unused column")
     assert finding.severity == "warning"
     assert str(finding) == (
-        "Column 'temperature' is not used, and differs between the trials: name it as a condition"
+        "Column 'temperature' is not used but differs between the trials: name it as a condition"
         " to fit per trial."
     )
 
@@ -116,7 +116,7 @@ def test_a_table_of_travels_has_conditions_that_check_says_are_not_used(tmp_path
     found = load_measurement(file, mechanism=rig, conditions="oil")
     assert [dict(one.conditions) for one in found.records()] == [{"oil": "dry"}, {}]
     (finding,) = check(found).of("conditions")
-    assert "single number cannot be fitted alone" in str(finding)
+    assert "trial with a single value cannot be fitted separately" in str(finding)
     with pytest.raises(InputError, match='give conditions="oil"'):
         load_measurement(file, mechanism=rig)
 

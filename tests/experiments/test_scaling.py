@@ -115,7 +115,7 @@ def test_the_cure_that_check_names_cures(read):
     lines = [f"{a},{b},{c}" for a, b, c in zip(t, speed, -2000 * np.sign(speed), strict=True)]
     Path("long.csv").write_text("\n".join(["time,velocity,friction [mN]", *lines]))
     (wrong,) = check(load_measurement("long.csv")).of("friction sign")
-    assert "use gain −1" in wrong.sentence
+    assert "set its gain to −1" in wrong.sentence
     mended = load_measurement("long.csv", gain={"friction": -1})
     assert check(mended).of("friction sign")[0].severity == "info"
     assert np.abs(mended.friction).max() == 2.0

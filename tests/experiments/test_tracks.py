@@ -298,7 +298,7 @@ def test_a_motion_that_is_not_straight_is_told(write):
     arc = 0.3 * np.array([np.sin(angle), -np.cos(angle)])
     (found,) = check(load_measurement(write(tracker(arc)), columns=PLANE)).of("line")
     assert found.severity == "warning"
-    assert str(found).startswith("The motion is not straight: it wanders ")
+    assert str(found).startswith("The motion is not straight: it deviates by ")
     assert found.numbers["across"] == pytest.approx(0.3 * np.std(np.cos(angle)), rel=1e-6)
 
 
@@ -317,5 +317,5 @@ def test_times_in_milliseconds_that_pass_for_seconds_are_doubted(write):
     file = write("t,x,y\n" + "\n".join(rows) + "\n", "track.csv")
     (found,) = check(load_measurement(file, columns=PLANE)).of("units")
     assert str(found).endswith(
-        "are times really in seconds? If they are in milliseconds, give --unit time=ms."
+        "check that times are in seconds. If they are in milliseconds, give --unit time=ms."
     )

@@ -18,7 +18,7 @@ from stickslip.experiments.parameter_paths import all_paths
 from stickslip.experiments.readers.reader_options import Reading
 from stickslip.experiments.records import read_data
 from stickslip.experiments.units import read_number
-from stickslip.formatting import unit_text, within
+from stickslip.formatting import number, unit_text, within
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate, RecordSettings
 from stickslip.identification.records.route_choice import RouteName
@@ -64,7 +64,7 @@ class FitOptions:
 
     @property
     def given(self) -> tuple[str, ...]:
-        """Names of the options that say something."""
+        """Names of the options that are set."""
         return tuple(f.name for f in fields(self) if getattr(self, f.name) is not None)
 
     def settings(self, rig: Rig) -> RecordSettings:
@@ -121,7 +121,8 @@ def measured(
         measurement = rig.doubting(read_data(asked.data, reading, mechanism=rig.mechanism))
     elif asked.reading != Reading() and asked.validate is None:
         raise InputError(
-            "--columns, --unit, --gain, --repair and --conditions are for --data or --validate."
+            "--columns, --unit, --gain, --repair and --conditions apply to the files of --data or"
+            " --validate: name one, or leave them out."
         )
     if measurement is None:
         raise InputError(
@@ -150,8 +151,8 @@ def measured(
     refuse([*how.given, *(["validate"] if asked.validate else [])], options)
     if not given and "t_end" not in route.uses:  # the bundled rig is a block with a travel
         raise InputError(
-            "a record needs a rig file that says what moves: give one with a [mechanism], such as"
-            ' type = "axis" and inertia = { value = "80 kg", vary = true }.'
+            "a record needs a rig file with a mechanism: give one with a [mechanism] table, such"
+            ' as type = "axis" and inertia = { value = "80 kg", vary = true }.'
         )
     request = Request(mechanism=rig.mechanism, measurement=measurement, vary=vary, fixed=fixed)
     options = route.resolved(request, options, law)
@@ -178,10 +179,10 @@ def _parameters(
     fixed = _fixed(rig, asked.fixed, law)
     given = rig.given.get(law.name, {}) if isinstance(law, type) else {}
     if given and (not names or LAW in names):
-        said = ", ".join(f"{name} = {value:g}" for name, value in given.items())
+        said = ", ".join(f"{name} = {number(value, 6)}" for name, value in given.items())
         note(
-            f"All of {law.name if law else ''} is fitted, {said} too; --vary names what is fitted"
-            " beside it, --fixed what is held."
+            f"All parameters of {law.name if law else 'the law'} are fitted, including {said} of"
+            " the rig file; --vary adds parameters to the fit, --fixed holds them."
         )
     elif given:
         paths = {f"friction.{name}": value for name, value in given.items()}

@@ -70,7 +70,7 @@ def _show_form(form: type[PrintedForm] | RightEquation) -> None:
     console.print(indent(formula_text(form.formula), INDENT), markup=False, soft_wrap=True)
     notes = {
         "defect": form.defect,
-        "right" if form.defect else "right as printed": form.right,
+        "correct" if form.defect else "correct as printed": form.right,
         "used here": f"{form.cure} ({form.corrected.name})" if form.corrected else "",
     }
     for key, text in notes.items():

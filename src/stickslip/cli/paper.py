@@ -61,11 +61,11 @@ def _show(found: PaperAudit) -> None:
     ]
     stdout().print()
     heads = ["model", "published", "A push", "B spring"]
-    show_table("Ranks by the paper's criteria; select ranks none by one travel", heads, rows)
+    show_table("Ranks by the paper's criteria; select ranks no law on a single travel", heads, rows)
     rows = [_need(need) for need in found.requirements]
     stdout().print()
-    heads = ["row", "m", "read as", "needs", "range"]
-    show_table("What would give the published rows", heads, rows)
+    heads = ["row", "m", "interpreted as", "needs", "range"]
+    show_table("Parameter values that would reproduce the published rows", heads, rows)
     rows = [
         [
             row.law,
@@ -99,8 +99,8 @@ def _show_cart(study: CartStudy) -> None:
         for one in runs
     ]
     title = (
-        f"The cart (masses, length and swing are ours): travel in {CYCLES} cycles and in the last"
-        " one, back-slip per cycle, lowest velocity"
+        f"The cart (masses, length and swing are our assumptions): travel in {CYCLES} cycles and"
+        " in the last one, back-slip per cycle, lowest velocity"
     )
     show_table(title, heads, rows)
 

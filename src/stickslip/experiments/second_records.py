@@ -30,9 +30,9 @@ def refuse_same(first: Measurement, second: Measurement) -> None:
             name = one.name or other.name
             told = f" ({name!r})" if name else ""
             raise InputError(
-                f"the second record is the one that is fitted{told}, sample by sample: its error"
-                " would say nothing of what the fit has not seen. Give another record, or none:"
-                " held-out blocks judge laws on one record."
+                f"the second record is identical to the fitted one{told}, sample by sample, so its"
+                " error would not be a held-out error. Give another record, or none: held-out"
+                " blocks then compare the laws on one record."
             )
 
 
