@@ -80,7 +80,7 @@ def test_repairs_are_said(run, write):
     data = {name: np.append(values, values[5]) for name, values in good().items()}
     file = write(**data)
     code, _, err = run(file, *COLUMNS)
-    assert (code, "read so with --repair sort" in err) == (2, True)
+    assert (code, "for a file, --repair sort does both" in err) == (2, True)
     code, out, _ = run(file, *COLUMNS, "--repair", "sort,gaps")
     assert code == 0
     assert "data.csv; sorted by time (1 sample was late); 1 exact double dropped" in out
@@ -125,7 +125,7 @@ def test_readings_are_checked_without_a_picture(run, write, tmp_path):
         ((*COLUMNS, "--gain", "load=2"), "quantity in gain 'load'"),
         ((*COLUMNS, "--unit", "position=kg"), "must be in m"),
         ((*COLUMNS, "--repair", "all"), "unknown repair 'all'"),
-        ((), "no column is called position"),
+        ((), "no column is named position"),
     ],
 )
 def test_bad_options_give_one_message(run, write, arguments, message):
@@ -138,7 +138,7 @@ def test_megabytes_of_text_are_one_message(run, tmp_path):
     (tmp_path / "book.txt").write_text("Call me Ishmael, some years ago.\n" * 300_000)
     code, _, err = run("book.txt")
     assert code == 2
-    assert "book.txt: is no table" in err
+    assert "book.txt: is not a table" in err
     assert len(err) < 400
 
 

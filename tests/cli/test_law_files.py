@@ -205,7 +205,7 @@ def test_levels_that_are_forces_need_the_load_at_which_they_were_fitted(walk):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--law", "none.toml"], "there is no such file"),
+        (["--law", "none.toml"], "does not exist"),
         (["--law", "two.toml"], "two.toml:coulomb"),
         (["--law", "two.toml:dahl"], "coulomb, lugre"),
         (["--law", "bare.toml"], "has no law"),
@@ -268,7 +268,7 @@ def test_a_run_that_ends_early_has_its_page_and_its_exit_code(walk):
     code, out, err = walk("simulate", CART, *faster)
     assert code == 3
     assert "Report: stickslip-run/index.html" in out
-    assert "It ended at" in err
+    assert "The run ended at" in err
     assert "The run ends early" in Path("stickslip-run/index.html").read_text()
 
 
@@ -369,7 +369,7 @@ def test_an_ensemble_of_overridden_parameters_is_refused_with_their_names(walk):
     code, _, err = walk("simulate", CART, *law, "--ensemble", 50)
     assert code == 2
     assert "has an interval (kinetic_coefficient overridden)" in err
-    assert "leave out an override" in err
+    assert "leave the overrides out" in err
     assert "given or assumed" not in err  # it was fitted, before
     assert walk("simulate", CART, *law, "--report")[0] == 0
     page = Path("stickslip-run/index.html").read_text()

@@ -108,7 +108,7 @@ def test_of_an_overridden_value_no_interval_is_left(simulated):
 @pytest.mark.parametrize(
     ("path", "said"),
     [
-        ("friction.bristle_stiffness", "coulomb-viscous, the law of this run, has no such parameter"),
+        ("friction.bristle_stiffness", "the law of this run, has no such parameter"),
         ("friction.viscous.viscous_coefficient", "sets a parameter of viscous, but the run uses"),
     ],
 )

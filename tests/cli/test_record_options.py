@@ -62,8 +62,8 @@ def run(capsys, monkeypatch, tmp_path, axis_record):
     ("arguments", "said"),
     [
         (("fit", "axis.toml", "--horizon", "1"), "--horizon is the prediction length"),
-        (("fit", "map.toml", "--segment", "1"), "--segment is for simulated segments"),
-        (("fit", "map.toml", "--hold", "first"), "--hold is for simulated segments"),
+        (("fit", "map.toml", "--segment", "1"), "--segment applies to simulated segments"),
+        (("fit", "map.toml", "--hold", "first"), "--hold applies to simulated segments"),
         (("fit", "axis.toml", "--route", "inverse-dynamics", "--segment", "1"), "the route is inv"),
         (("select", "axis.toml", "--purpose", "compensate", "--segment", "1"), "the route is inv"),
         (("select", "map.toml", "--purpose", "compensate", "--hold", "zero"), "the route is force"),
@@ -92,7 +92,7 @@ def test_an_option_without_effect_is_refused(run, arguments, said):
 def test_options_of_records_are_refused_for_travels(run, command, option):
     code, _, err = run(command, *option)  # the bundled rig has a travel
     assert code == 2
-    assert err.startswith(f"stickslip: {option[0]} is for ")
+    assert err.startswith(f"stickslip: {option[0]} applies to ")
     assert "records of motion or friction; it has no effect on travels" in err
 
 

@@ -161,7 +161,7 @@ def test_fit_prints_intervals_and_restarts(run):
     assert code == 0
     assert "friction.viscous_coefficient" in out
     assert "95 %" in out
-    assert "Restarts: 2 of 2 starts end at the least residual" in out
+    assert "Restarts: 2 of 2 starting points converge to the smallest residual" in out
     _, out, _ = run("fit", "axis.toml", "--law", "coulomb", "--starts", "1", "--json")
     content = json.loads(out)
     assert content["schema"] == "stickslip/fit/1"
@@ -286,12 +286,12 @@ def test_travels_refuse_a_law_that_only_records_can_fit(run, command):
     verb, option = command
     code, _, err = run(verb, option, "dahl-exponent")
     assert code == 2
-    assert "dahl with its exponent fitted, too. Give dahl." in err
+    assert "dahl with its exponent fitted as well. Give dahl here." in err
 
 
 BAD = [
     (("select", "bare.toml"), "has no measurement"),
-    (("select", "bare.toml", "--data", "nowhere.csv"), "nowhere.csv: there is no such file"),
+    (("select", "bare.toml", "--data", "nowhere.csv"), "nowhere.csv does not exist"),
     (("select", "bare.toml", *COLUMNS), "apply to the files of --data"),
     (("select", "bare.toml", "--data", "axis.csv", "--columns", "position=x"), "column of axis"),
     (("select", "axis.toml", "--laws", "coulom"), "Did you mean 'coulomb'"),
@@ -302,9 +302,9 @@ BAD = [
     (("select", "axis.toml", "--horizon", "0"), "above 0 s"),
     (("select", "axis.toml", "--segment", "-1"), "above 0 s"),
     (("select", "axis.toml", "--hold", "second"), "--hold must be zero or first"),
-    (("fit", "--hold", "first"), "--hold is for records"),
+    (("fit", "--hold", "first"), "--hold applies to records"),
     (("select", "axis.toml", "--enforce"), "--enforce is for travels"),
-    (("select", "--purpose", "position"), "--purpose is for records"),
+    (("select", "--purpose", "position"), "--purpose applies to records"),
     (("select", "--validate", "axis.csv", *COLUMNS), "give more trials instead"),
     (("fit", "axis.toml", "--law", "coulom"), "Did you mean 'coulomb'"),
     (("fit", "axis.toml", "--vary", "stifness"), "Did you mean 'stiffness'"),
@@ -317,9 +317,9 @@ BAD = [
     (("fit", "axis.toml", "--free", "kinetic_coefficient"), "--free is now --vary"),
     (("fit", "axis.toml", "--unknown", "inertia"), "--unknown is now --vary"),
     (("select", "axis.toml", "--unknown", "inertia"), "--unknown is now --vary"),
-    (("select", "--jobs", "2"), "--jobs is for the force of a spring and records"),
+    (("select", "--jobs", "2"), "--jobs applies to the force of a spring and records"),
     (("fit", "axis.toml", "-o", "law.json"), "takes a .toml file"),
-    (("fit", "--segment", "1"), "--segment is for records"),
+    (("fit", "--segment", "1"), "--segment applies to records"),
 ]
 
 
@@ -371,7 +371,7 @@ def test_bad_data_is_one_message(run, write, tmp_path, axis_record, command, how
 @pytest.mark.parametrize("command", ["select", "fit"])
 @pytest.mark.parametrize(
     ("text", "said"),
-    [("", "is empty"), ("t,q,u\n", "no "), ("Call me Ishmael.\n" * 200_000, "is no table")],
+    [("", "is empty"), ("t,q,u\n", "no "), ("Call me Ishmael.\n" * 200_000, "is not a table")],
     ids=["empty", "header only", "a book"],
 )
 def test_what_is_no_record_is_one_message(run, tmp_path, command, text, said):
@@ -498,7 +498,10 @@ def test_the_starts_of_a_free_decay_are_those_of_its_first_search(pendulum):
     asked = ("fit", "swing.toml", "--law", "coulomb-viscous", "--starts", "2")
     code, out, _ = pendulum(*asked)
     assert code == 0
-    assert "Restarts: 2 of 2 starts end at the least residual in short segments" in out
+    assert (
+        "Restarts: 2 of 2 starting points converge to the smallest residual in short segments"
+        in out
+    )
     content = json.loads(pendulum(*asked, "--json")[1])
     assert (len(content["restarts"]), content["restarts_agreeing"]) == (2, 2)
     _, out, _ = pendulum(*asked[:-1], "1")

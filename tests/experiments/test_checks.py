@@ -87,7 +87,7 @@ def test_steps_of_time_that_scatter_are_a_warning():
 def test_single_samples_that_are_missing_are_counted():
     kept = np.delete(np.arange(8000), [1000, 2000, 3000])
     record = Measurement(**{name: values[kept] for name, values in parts().items()})
-    assert "evenly spaced except for 3 steps (3 single samples missing)" in check(record).sentences[0]
+    assert "except for 3 steps (3 single samples missing)" in check(record).sentences[0]
 
 
 def test_a_gap_is_placed_and_counted():
@@ -442,7 +442,7 @@ def test_independent_values_of_a_running_mean_are_fewer_by_its_length():
 def test_the_effective_size_says_of_what():
     (one,) = CLEAN.of("effective size")
     assert one.numbers["samples"] == 8000
-    assert "force after subtraction of its dependence on acceleration, velocity and direction" in one.sentence
+    assert "force after subtraction of its dependence on acceleration" in one.sentence
     (one,) = check(Measurement(time=parts()["time"], position=parts()["position"])).of(
         "effective size"
     )
@@ -496,7 +496,7 @@ def test_readings_are_counted_by_setting():
 
 def test_two_quantities_of_one_run_are_no_repeats():
     checks = check(Measurement(travel=0.2, velocity=0.1, uncertainty={"travel": 1e-3}))
-    assert checks.sentences[0].startswith("2 readings at 1 setting, none repeated.")
+    assert checks.sentences[0].startswith("2 readings at 1 setting, no repeats.")
 
 
 def test_one_setting_and_a_missing_uncertainty_are_warnings():
@@ -520,7 +520,7 @@ def test_trials_are_checked_one_by_one():
     checks = check(Measurement(trials=(good, still)))
     assert {f.record for f in checks.findings} == {"good", "still"}
     assert {f.record for f in checks.findings if f.severity == "error"} == {"still"}
-    assert any(sentence.startswith("still: Position never") for sentence in checks.sentences)
+    assert any(sentence.startswith("still: Position is constant") for sentence in checks.sentences)
 
 
 def test_a_mechanism_checks_overrides_and_stops():

@@ -48,8 +48,8 @@ def test_a_column_that_differs_between_trials_and_is_not_used_is_named_as_a_warn
     (finding,) = found.of("unused column")
     assert finding.severity == "warning"
     assert str(finding) == (
-        "Column 'temperature' is not used but differs between the trials: name it as a condition"
-        " to fit per trial."
+        "Column 'temperature' is not used but differs between the trials: declare it as a condition"
+        " to fit each trial separately."
     )
 
 
@@ -84,7 +84,7 @@ def test_mistakes_within_a_split_table_name_the_line_of_the_file(tmp_path):
     with pytest.raises(InputError, match="line 6"):
         load_measurement(file)
     file.write_text(file.read_text().replace("1,x,2,2,up", "1,0.1,2,,up"))
-    with pytest.raises(InputError, match="line 6: the trial of this row is not given"):
+    with pytest.raises(InputError, match="line 6: the trial of this row is missing"):
         load_measurement(file)
 
 

@@ -70,7 +70,8 @@ def wrong(parts):
 @pytest.mark.parametrize(
     "words",
     [
-        "Position is constant", "its noise level: no motion", "set its gain to −1", "whether the force is missing",
+        "Position is constant", "its noise level: no motion", "set its gain to −1",
+        "whether the force is missing",
         "not mm", "was measured in",
     ],
 )  # fmt: skip

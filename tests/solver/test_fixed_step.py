@@ -149,7 +149,7 @@ def test_a_form_that_grows_beyond_all_numbers_ends_with_a_status():
     solver = FixedStep(dt=0.01, stick_rule=False)
     run = simulate(axis, form, t_end=10.0, y0={"v": -1.0}, solver=solver, throw=False)
     assert run.status is Status.NOT_FINITE
-    with pytest.raises(SimulationError, match="beyond all numbers"):
+    with pytest.raises(SimulationError, match="The state diverged"):
         simulate(axis, form, t_end=10.0, y0={"v": -1.0}, solver=solver)
 
 

@@ -38,5 +38,5 @@ def test_a_restitution_above_one_is_refused():
 
 
 def test_fixed_steps_know_no_stops():
-    with pytest.raises(InputError, match="FixedStep knows no hard stops, and this Axis has some"):
+    with pytest.raises(InputError, match="does not support hard stops, and this Axis has some"):
         simulate(Axis(inertia=1.0, upper_stop=1.0), LAW, t_end=1.0, solver=FixedStep(dt=0.01))

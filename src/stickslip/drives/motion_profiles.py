@@ -11,6 +11,7 @@ from typing_extensions import override
 
 from stickslip.drives.base import Drive, Piece, Straight, repeated
 from stickslip.errors import ParameterError
+from stickslip.formatting import number
 from stickslip.maths import Scalar, sin, sqrt
 from stickslip.quantities import Numbers, Quantity
 
@@ -195,8 +196,8 @@ class SevenStep(Stepped):
         if self._cruise < 0.0:
             most = math.sqrt(4.0 * self.amplitude / (1.0 / self.fast + 1.0 / self.slow))
             raise ParameterError(
-                f"SevenStep.top_rate (Omega) must be at most {most:.4g} rad/s, which the"
-                f" accelerations reach on the way, got {self.top_rate:g}."
+                f"SevenStep.top_rate (Omega) must be at most {number(most, 4)} rad/s, the rate"
+                f" that the accelerations reach, got {number(self.top_rate, 6)}."
             )
 
     @property

@@ -159,7 +159,7 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
     >>> law = carried(rig, block)
     >>> for sentence in extrapolations(law, block, simulate(block, law.law, t_end=1.0)):
     ...     print(sentence)
-    The run reaches 0.755 m/s; the law was fitted at up to 0.5 m/s, and beyond that it is ...
+    The run reaches 0.755 m/s; the law was fitted up to 0.5 m/s and is ...
     The law was fitted at a normal force of 20 N; in this run it is 9.81 N. ...
     """
     known = law.estimates
@@ -272,7 +272,7 @@ def bristle_remark(
     >>> law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e4)
     >>> lengths = {"travel": 0.2, "back-slip": 5e-5}
     >>> bristle_remark(law, None, lengths, SpringBlock(mass=1.0))
-    'The back-slip of 50 µm rests on the bristles of the contact, $sigma_0$ = 10,000 1/m, ...
+    'The back-slip of 50 µm rests on the bristle parameters $sigma_0$ = 10,000 1/m, ...
     """
     unit = turned("m", slips_in_angle(mechanism))
     found = {

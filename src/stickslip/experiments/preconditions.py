@@ -161,7 +161,7 @@ def with_doubts(
     >>> with with_doubts(few, Axis(inertia=1.0)):
     ...     raise InputError("it does not serve.")
     Traceback (most recent call last):
-    stickslip.errors.InputError: it does not serve. The check of the record warns: ...
+    stickslip.errors.InputError: it does not serve. Warnings of the data check: ...
     """
     try:
         yield

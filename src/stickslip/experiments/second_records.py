@@ -21,7 +21,7 @@ def refuse_same(first: Measurement, second: Measurement) -> None:
     >>> run = {"time": [0.0, 1.0], "position": [0.0, 0.1]}
     >>> refuse_same(Measurement(**run, name="run 1"), Measurement(**run))
     Traceback (most recent call last):
-    stickslip.errors.InputError: the second record is the one that is fitted ('run 1'), ...
+    stickslip.errors.InputError: the second record is identical to the fitted one ('run 1'), ...
     """
     for one in second.records():
         for other in first.records():

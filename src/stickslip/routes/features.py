@@ -49,7 +49,7 @@ class FeatureRoute(Route[FeatureFit, FeatureVerdict]):
 
     @override
     def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
-        return f"features off by {percent(error)}"
+        return f"feature error {percent(error)}"
 
     @override
     def fit(self, request: FitRequest, options: Options) -> FeatureFit:

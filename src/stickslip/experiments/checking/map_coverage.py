@@ -121,7 +121,7 @@ def settings(records: Sequence[Measurement]) -> Iterator[Finding]:
     )
     repeats = readings - len(apart)
     text = f"{count(readings, 'reading')} at {count(len(kinds), 'setting')}"
-    text += ", no repeats." if repeats else ", none repeated."
+    text += f", {count(repeats, 'repeat')}." if repeats else ", no repeats."
     if len(kinds) == 1:
         text += " One setting determines one parameter and cannot rank models."
     yield Finding(
