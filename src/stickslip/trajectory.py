@@ -121,7 +121,7 @@ class Trajectory(InPanels):
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> run = simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=1.0)
     >>> run.status.value
-    'Came to rest: no drive can move the body any more.'
+    'Came to rest: no drive can move the body again.'
     >>> [event.reason for event in run.events]
     ['block leaves the spring', 'stop']
     >>> run.at([0.1, 0.2])["x"].round(4)
@@ -305,7 +305,7 @@ class Ensemble(OnAxes):
     >>> runs["x"].round(4)
     array([0.2548, 0.2039, 0.1699])
     >>> runs.status[0].value
-    'Came to rest: no drive can move the body any more.'
+    'Came to rest: no drive can move the body again.'
     """
 
     outputs: Mapping[str, "NDArray[np.float64]"]

@@ -233,7 +233,7 @@ def test_another_table_in_the_folder_of_ones_own_is_used_with_a_warning(
     if content == b"the known table":  # and warnings are errors
         assert record.path() == own
         return
-    with pytest.warns(UserWarning, match=r"start\.parquet is not the file that the catalogue"):
+    with pytest.warns(UserWarning, match=r"start\.parquet differs from the file in the catalogue"):
         assert record.path() == own
 
 

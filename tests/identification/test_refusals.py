@@ -88,7 +88,7 @@ def test_fit_and_select_refuse_the_same_records(parts, words):
 def test_a_fault_of_several_trials_is_told_once_after_their_names(parts):
     wrong = {**parts, "position": 1e3 * parts["position"]}
     trials = tuple(Measurement(**wrong, name=name) for name in ("north", "south"))
-    with pytest.raises(InputError, match=r"record. north and south: Force is 0.001") as caught:
+    with pytest.raises(InputError, match=r"fitted. north and south: Force is 0.001") as caught:
         fit(AXIS, CoulombViscous, Measurement(trials=trials))
     assert str(caught.value).count("Force is") == 1
     many = tuple(Measurement(**wrong, name=f"run{i}") for i in range(9))

@@ -288,14 +288,14 @@ def _walk(
 
 def _number(command: Any, t: float) -> float:
     try:
-        number = float(command)
+        value = float(command)
     except (TypeError, ValueError):
-        number = math.nan
-    if not math.isfinite(number):
+        value = math.nan
+    if not math.isfinite(value):
         raise InputError(
             f"the controller must return a finite number, got {command!r} at t = {number(t, 6)} s."
         )
-    return number
+    return value
 
 
 def _result(

@@ -117,6 +117,6 @@ def refuse_unused(
         why = route.why_unused(name, options)
         if not why and name not in route.uses:
             others = joined([one.measured for one in routes() if name in one.uses])
-            why = f"applies to {others}; it has no effect on {route.measured}."
+            why = f"applies to {others}; it has no effect on {route.measured}: leave it out."
         if why:
             raise InputError(f"{mark}{name} {why}")
