@@ -11,7 +11,7 @@ from typing_extensions import override
 
 from stickslip.display import InPanels, OnAxes, Summary, require_library
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.formatting import number
+from stickslip.formatting import number, residue
 
 if TYPE_CHECKING:
     import numpy as np
@@ -283,7 +283,7 @@ class Trajectory(InPanels):
             ("time", f"{number(self.span[0], 6)} to {number(self.span[1], 6)} s"),
             ("columns", ", ".join(self.names)),
             ("events", len(self.events)),
-            ("energy error", f"{self.certificate.energy_error:.1e}"),
+            ("energy error", residue(self.certificate.energy_error)),
             ("certified", "yes" if self.certificate.certified else "no"),
         )
         notes = (*self.certificate.problems, *self.certificate.warnings)

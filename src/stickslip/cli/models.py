@@ -7,6 +7,7 @@ from rich.text import Text
 
 from stickslip.cli.console import document, plain, print_json, show_table, stdout
 from stickslip.errors import UnknownNameError
+from stickslip.formatting import number
 from stickslip.friction import (
     PRINTED_EQUATIONS,
     PRINTED_FORMS,
@@ -51,7 +52,9 @@ def _all(*, as_json: bool) -> None:
         for name, law in laws().items()
     ]
     show_table("", ["law", "title", "kind", "parameters"], rows)
-    stdout().print("\nOne in full: stickslip models NAME. As printed: stickslip models --published")
+    stdout().print(
+        "\nDetails of a law: stickslip models NAME. As printed: stickslip models --published"
+    )
 
 
 def _printed(*, as_json: bool) -> None:
@@ -114,7 +117,7 @@ def _one(name: str, *, as_json: bool) -> None:
 def _default(law: type[FrictionLaw], field: str) -> str:
     default = law.__dataclass_fields__[field].default
     if isinstance(default, (int, float)):
-        return f"{default:g}"
+        return number(default)
     return "none" if default is None else "required"
 
 

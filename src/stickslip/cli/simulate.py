@@ -27,7 +27,7 @@ from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, bristle_remark, extrapolations
-from stickslip.formatting import number, residue
+from stickslip.formatting import fixed, number, residue
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism, slip_names
 from stickslip.mechanisms.drive_period import cycle_or_none
@@ -316,7 +316,7 @@ def _show(ran: Ran, settings: Settings) -> None:
 def _event_rows(events: Sequence[Event]) -> list[list[str]]:
     """Return the first events and the last, and how many are left out between them."""
     rows = [
-        [f"{event.t:.6f}", event.reason, MODES[event.from_mode], MODES[event.to_mode]]
+        [fixed(event.t, 6), event.reason, MODES[event.from_mode], MODES[event.to_mode]]
         for event in events
     ]
     left = len(rows) - FIRST_EVENTS - LAST_EVENTS

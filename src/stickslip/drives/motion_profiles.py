@@ -20,7 +20,7 @@ __all__ = ["Profile", "SevenStep", "SineSwing", "SplineSwing", "ThreePhase"]
 
 @dataclass(frozen=True, kw_only=True)
 class Profile(Drive, ABC):
-    """A motion that repeats itself, given by its acceleration [rad/s^2] or [m/s^2].
+    """A periodic motion, given by its acceleration [rad/s^2] or [m/s^2].
 
     As a drive its value is the acceleration; `start_position` and `start_rate` are where it begins.
     """
@@ -284,7 +284,7 @@ class SineSwing(Profile):
 @final
 @dataclass(frozen=True, kw_only=True)
 class SplineSwing(Stepped):
-    """A periodic cubic spline through positions that are evenly spread over a cycle.
+    """A periodic cubic spline through positions evenly spaced over a cycle.
 
     Examples
     --------

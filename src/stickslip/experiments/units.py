@@ -9,6 +9,7 @@ from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
 from stickslip.errors import ParameterError
+from stickslip.formatting import number as number_text
 from stickslip.quantities import Quantity
 
 if TYPE_CHECKING:
@@ -142,7 +143,7 @@ def check_uncertainty(
     most = MOST_UNCERTAIN * abs(value) if positive and value else math.inf
     if 0.0 < uncertainty < most:
         return uncertainty
-    room = f" and below {most:g}{unit}, half of the value" if most < math.inf else ""
+    room = f" and below {number_text(most, 6)}{unit}, half of the value" if most < math.inf else ""
     cure = (
         "leave it out of a value that is exact"
         if uncertainty <= 0.0

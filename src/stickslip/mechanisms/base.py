@@ -32,7 +32,7 @@ Incline: TypeAlias = Annotated[float, Quantity("beta", "rad", low=-1.57, high=1.
 
 @dataclass(frozen=True, kw_only=True)
 class Contact:
-    """Where a body rubs: the coordinate that slips, and what presses.
+    """A frictional contact: the coordinate that slips, and the normal force.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class Stop:
 
 @dataclass(frozen=True, kw_only=True)
 class Guide:
-    """A coordinate that moves as it is told: a drive gives its acceleration.
+    """A coordinate with a prescribed motion: a drive gives its acceleration.
 
     Parameters
     ----------

@@ -89,7 +89,7 @@ class Band(OnAxes):
     def _summary(self) -> Summary:
         unit = next(iter(self.units.values()))
         rows = [
-            (name, *(f"{value:.4g}" for value in spread), shown)
+            (name, *(number(value, 4) for value in spread), shown)
             for name, spread, shown in (
                 ("travel", self.travel, unit),
                 ("mean velocity", self.mean_velocity, f"{unit}/s"),

@@ -41,8 +41,8 @@ def check_file(path: str | Path, *, largest: int | None = None) -> None:
         raise InputError(f"{path}: is not a regular file.")
     if largest is not None and size > largest:
         raise InputError(
-            f"{path}: has {size / 1000000.0:.0f} MB; a rig file may have at most"
-            f" {largest / 1000000.0:.0f} MB. Store long records in a CSV or Parquet file."
+            f"{path}: has {size / 1e6:.0f} MB; a rig file may have at most"
+            f" {largest / 1e6:.0f} MB. Store long records in a CSV or Parquet file."
         )
     if size == 0:
         raise InputError(f"{path}: is empty. A rig file needs at least [mechanism].")
