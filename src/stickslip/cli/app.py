@@ -106,7 +106,9 @@ def select(
     as_json: Json = False,
     enforce: Enforce = False,
 ) -> None:
-    """Fit every friction law to the measurements, compare the laws and write a report.
+    """Fit and compare friction laws; write a report.
+
+    Every law is fitted to the measurements, and the verdict names the law to use.
 
     While laws are fitted to a record, Ctrl-C once stops with the best so far; twice cancels.
     """
@@ -162,7 +164,9 @@ def fit(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Fit one friction law to the measurements; print its parameters with their intervals.
+    """Fit one friction law to measurements.
+
+    The parameters are printed with their confidence intervals.
 
     While a record is fitted, Ctrl-C once stops with the best so far; twice cancels.
     """
@@ -216,7 +220,10 @@ def check(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Check the quality of a measurement; exit with code 2 if an error is found."""
+    """Check the quality of a measurement.
+
+    Exits with code 2 if the check finds an error.
+    """
     from stickslip.cli.check import run
     from stickslip.cli.file_options import reading_of
 
@@ -285,8 +292,9 @@ def simulate(
     as_json: Json = False,
     enforce: Enforce = False,
 ) -> None:
-    """Simulate the rig with one law; show the events and the certificate, export, write a report.
+    """Simulate the rig with one friction law.
 
+    Prints the events and the certificate; exports the run and writes a report on request.
     With a fitted law from a file, --ensemble samples its parameters from their estimated
     distribution and shows the 95 % band of the motion.
     """
@@ -336,7 +344,10 @@ def animate(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Simulate the rig with one law; animate the mechanism to scale beside its time plots."""
+    """Animate the rig, simulated with one law.
+
+    The mechanism is drawn to scale beside its time plots.
+    """
     from stickslip.cli.animate import AnimationStyle, run
     from stickslip.cli.law_choice import LawAsked
 
@@ -376,7 +387,10 @@ def sweep(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Compute the mean velocity of a driven rig over a parameter grid: a table and a figure."""
+    """Mean velocity over a parameter grid.
+
+    Simulates a driven rig at every point of the grid; writes a table and a figure.
+    """
     from stickslip.cli.law_choice import LawAsked
     from stickslip.cli.sweep import run
 
@@ -420,7 +434,10 @@ def plan(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Plan travel measurements: settings, repeats, uncertainty, and the laws they discriminate."""
+    """Plan travel measurements.
+
+    Proposes settings, number of repeats and uncertainty, and lists the laws that they discriminate.
+    """
     from stickslip.cli.plan import run
 
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
@@ -435,7 +452,10 @@ def models(
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """List the friction laws, or show one with its formula, parameters and sources."""
+    """List the friction laws, or show one in full.
+
+    A single law is shown with its formula, parameters and sources.
+    """
     from stickslip.cli.models import run
 
     run(name, published=published, as_json=as_json)
@@ -447,7 +467,10 @@ def paper(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Recompute every table and figure of the source paper beside the printed values."""
+    """Recompute the results of the source paper.
+
+    Every table and figure is shown beside the printed values.
+    """
     from stickslip.cli.paper import run
 
     run(output, force=force, as_json=as_json)
@@ -473,7 +496,9 @@ def warmup(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Compile equations ahead of time, for container images and continuous integration.
+    """Compile equations ahead of time.
+
+    Intended for container images and continuous integration.
 
     Default: every mechanism, with and without a drive, with every law, for single runs and for
     ensembles. With --rig: the mechanism of the rig file with its laws. Other parameter values need

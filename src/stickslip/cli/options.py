@@ -55,10 +55,16 @@ __all__ = [
     "Vary",
 ]
 
-Rig = Annotated[Path | None, typer.Argument(help="Rig file (TOML); the paper's rig if not given.")]
+Rig = Annotated[
+    Path | None, typer.Argument(help="Rig file (TOML). Default: the rig of the source paper.")
+]
 Set = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="Override, e.g. mechanism.attached=true."),
+    typer.Option(
+        "--set",
+        metavar="PATH=VALUE",
+        help="Override a value of the rig file, e.g. mechanism.attached=true.",
+    ),
 ]
 AllowImport = Annotated[
     bool,
@@ -107,7 +113,9 @@ LawFile = Annotated[
 ]
 Laws = Annotated[
     str | None,
-    typer.Option("--laws", help="Laws to compare, e.g. coulomb,viscous. Default: all that apply."),
+    typer.Option(
+        "--laws", help="Friction laws to use, e.g. coulomb,viscous. Default: all that apply."
+    ),
 ]
 PlannedLaws = Annotated[
     str | None,

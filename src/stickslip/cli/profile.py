@@ -168,7 +168,7 @@ def _show(found: Optimum) -> None:
     title = f"\nBest {found.kind} motion: {goal.title} {number(found.value, 5)} {goal.unit}"
     console.print(title, markup=False, style="bold")
     if len(found.scenarios) > 1:
-        console.print(f"Of {found.scenarios.words}", markup=False)
+        console.print(f"Objective value: {found.scenarios.words}", markup=False)
     console.print(f"{found.profile}\n", markup=False)
     rows = [
         [

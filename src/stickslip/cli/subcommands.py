@@ -31,7 +31,7 @@ __all__ = ["data", "profile"]
 
 data = typer.Typer(
     no_args_is_help=True,
-    help="Public friction records: list, description and location of the files.",
+    help="List and download public friction records.",
 )
 
 
@@ -45,7 +45,7 @@ def data_list(as_json: Json = False) -> None:
 
 @data.command("show")
 def data_show(name: Record, as_json: Json = False) -> None:
-    """Show a record in full: source, licence, columns, files, known parameters."""
+    """Show a record in full: source, licence, columns, files, parameters."""
     from stickslip.cli.data import run_show
 
     run_show(name, as_json=as_json)
@@ -67,7 +67,7 @@ def data_path(
 
 profile = typer.Typer(
     no_args_is_help=True,
-    help="Motion profiles of pendulum carts and capsules, optimised within limits.",
+    help="Optimise motion profiles within limits.",
 )
 
 

@@ -103,7 +103,7 @@ def scenarios_of(
         return _samples(laws, quantile)
     if interval:
         return _grid(mechanism, law, interval, points)
-    return Scenarios(laws=(law,), changes=({},), quantile=0.0, words="the law as given")
+    return Scenarios(laws=(law,), changes=({},), quantile=0.0, words="the given law")
 
 
 def _samples(laws: Sequence[FrictionLaw], quantile: float) -> Scenarios:
@@ -114,7 +114,8 @@ def _samples(laws: Sequence[FrictionLaw], quantile: float) -> Scenarios:
         laws=tuple(laws),
         changes=({},) * len(laws),
         quantile=share,
-        words=f"{len(laws)} laws, of which {percent(share)} give a worse result",
+        words=(f"the {percent(share)} quantile" if share else "the worst")
+        + f" of {len(laws)} laws",
     )
 
 
