@@ -375,7 +375,7 @@ def test_a_travel_of_micrometres_is_not_printed_as_zero(run, rig):
 
 def test_nothing_to_measure_next_has_no_heading(run):
     _, out, _ = run("select", "--laws", "coulomb")
-    assert "Cannot tell" in out
+    assert "Limitations" in out
     assert not out.partition("Measure next\n")[1] or out.partition("Measure next\n")[2].strip()
 
 

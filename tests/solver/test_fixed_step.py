@@ -250,5 +250,5 @@ def test_a_bristle_law_is_held_only_with_its_static_switch():
 
 
 def test_more_steps_than_memory_holds_are_refused():
-    with pytest.raises(ParameterError, match="at least 1e-07 s"):
+    with pytest.raises(ParameterError, match="at least 1 × 10⁻⁷ s"):
         simulate(RELEASED, LAW, t_end=1.0, solver=FixedStep(dt=1e-9))

@@ -11,7 +11,7 @@ LAW = Coulomb(kinetic_coefficient=0.2)
 @pytest.mark.parametrize(
     ("rig", "match"),
     [
-        (Axis(inertia=1.0, upper_stop=-0.1), r"x = 0 m, beyond the upper stop of Axis at -0\.1 m"),
+        (Axis(inertia=1.0, upper_stop=-0.1), r"x = 0 m, beyond the upper stop of Axis at −0\.1 m"),
         (SpringBlock(mass=1.0, lower_stop=0.2), "beyond the lower stop of SpringBlock at 0.2 m"),
     ],
 )

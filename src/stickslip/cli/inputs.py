@@ -265,7 +265,7 @@ def show_estimates(estimates: Sequence[Estimate]) -> None:
 def show_open(words: Wording) -> None:
     """Print what the data cannot tell and what to measure next."""
     console = stdout()
-    for title, lines in (("Cannot tell", words.cannot_tell), ("Measure next", words.measure_next)):
+    for title, lines in (("Limitations", words.cannot_tell), ("Measure next", words.measure_next)):
         if lines:
             console.print(f"\n{title}", markup=False, style="bold")
         for line in lines:

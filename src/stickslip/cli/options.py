@@ -205,7 +205,7 @@ def _former(option: str, cure: str) -> Callable[[list[str] | None], None]:
 
     def refuse(given: list[str] | None) -> None:
         if given:
-            raise RenamedError(f"{option} is now --vary: {cure}.")
+            raise RenamedError(f"{option} was renamed to --vary: {cure}.")
 
     return refuse
 
@@ -215,7 +215,7 @@ FormerFree = Annotated[
     typer.Option(
         "--free",
         hidden=True,
-        callback=_former("--free", "--vary kinetic_coefficient; what is not named is held"),
+        callback=_former("--free", "--vary kinetic_coefficient; other parameters are held"),
     ),
 ]
 FormerUnknown = Annotated[

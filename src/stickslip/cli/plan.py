@@ -130,7 +130,7 @@ def _show(found: Plan) -> None:
             markup=False,
         )
     if found.repeated:
-        console.print(f"That uncertainty is {known_by(found)}.", markup=False)
+        console.print(f"The uncertainty is {known_by(found)}.", markup=False)
     if found.range_source:
         console.print(plain(found.range_source), markup=False)
     for line in found.remarks:

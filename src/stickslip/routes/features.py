@@ -112,7 +112,7 @@ class FeatureRoute(Route[FeatureFit, FeatureVerdict]):
         return FitSummary(
             heads=heads,
             rows=rows,
-            open=("What the features say", fit.sentences),
+            open=("Remarks on the features", fit.sentences),
             second=second or None,
         )
 

@@ -168,7 +168,7 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
             lines=lines,
             findings=[f"Prediction error: {error}" for error in fit.model_errors],
             limits=limits_of(fit),
-            open=("Cannot tell", fit.sentences),
+            open=("Limitations", fit.sentences),
             second=None if second is None else second.rms,
             trials=compared(fit),
         )
