@@ -272,7 +272,7 @@ def bristle_remark(
     >>> law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e4)
     >>> lengths = {"travel": 0.2, "back-slip": 5e-5}
     >>> bristle_remark(law, None, lengths, SpringBlock(mass=1.0))
-    'The back-slip of 50 µm rests on the bristle parameters $sigma_0$ = 10,000 1/m, ...
+    'The back-slip of 50 µm rests on bristle parameters that were not measured: ...
     """
     unit = turned("m", slips_in_angle(mechanism))
     found = {
@@ -285,8 +285,8 @@ def bristle_remark(
     rests = "rests" if len(found) == 1 else "rest"
     (symbols, *_) = found.values()
     return (
-        f"The {joined(list(found))} {rests} on the bristle parameters {joined(list(symbols))},"
-        " which were not determined by a measurement."
+        f"The {joined(list(found))} {rests} on bristle parameters that were not measured:"
+        f" {joined(list(symbols))}."
     )
 
 
