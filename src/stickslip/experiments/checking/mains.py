@@ -207,7 +207,7 @@ def hum(record: Measurement) -> Iterator[Finding]:
             sentence=(
                 f"{name.replace('_', ' ').capitalize()} has a narrow spectral line at"
                 f" {words_of(lines)}, with an amplitude of {size} and {percent(share)} of the"
-                f" variance: mains interference. {CURE}."
+                f" variance: mains hum. {CURE}."
             ),
             numbers={
                 "frequency": lines[0].frequency,
