@@ -83,7 +83,7 @@ def test_repairs_are_said(run, write):
     assert (code, "for a file, --repair sort does both" in err) == (2, True)
     code, out, _ = run(file, *COLUMNS, "--repair", "sort,gaps")
     assert code == 0
-    assert "data.csv; sorted by time (1 sample was late); 1 exact double dropped" in out
+    assert "data.csv; sorted by time (1 sample out of order); dropped 1 exact duplicate" in out
 
 
 def test_several_files_are_checked_as_trials(run, write, tmp_path):
