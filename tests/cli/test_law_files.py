@@ -259,7 +259,7 @@ def test_a_run_far_faster_than_what_was_fitted_is_said_to_be_so(walk):
     write("law.toml", SpringBlock(mass=1.0), LAW, known)
     _, out, err = walk("simulate", CART, "--law", "law.toml", "--json")
     assert "extrapolated" in err
-    assert any("extrapolation" in line for line in json.loads(out)["remarks"])
+    assert any("extrapolated" in line for line in json.loads(out)["remarks"])
 
 
 def test_a_run_that_ends_early_has_its_page_and_its_exit_code(walk):

@@ -69,7 +69,7 @@ def test_several_laws_without_the_usual_one_are_asked_for(simulated):
 def test_ordinary_values_are_said(simulated):
     code, law, _, err = simulated(MECHANISM)
     assert (code, law) == (0, "coulomb")
-    assert "has no values for coulomb: default values are used: Coulomb(" in err
+    assert "has no values for coulomb; default values are used: Coulomb(" in err
 
 
 @pytest.mark.parametrize(
@@ -108,7 +108,7 @@ def test_of_an_overridden_value_no_interval_is_left(simulated):
 @pytest.mark.parametrize(
     ("path", "said"),
     [
-        ("friction.bristle_stiffness", "the law of this run, has no such parameter"),
+        ("friction.bristle_stiffness", "names no parameter of coulomb-viscous"),
         ("friction.viscous.viscous_coefficient", "sets a parameter of viscous, but the run uses"),
     ],
 )

@@ -147,7 +147,7 @@ def _check_used(given: Collection[str], law: FrictionLaw) -> None:
             )
         if not dot and table not in known:
             raise InputError(
-                f"--set {path}: {law.name}, the law of this run, has no such parameter; it has"
+                f"--set {path} names no parameter of {law.name}, the law of this run, which has"
                 f" {', '.join(known)}. Name another law with --law, or leave it out."
             )
 
