@@ -101,7 +101,7 @@ def test_a_second_record_is_only_judged_by(run, write):
     assert "second record" in out
     code, out, _ = run("fit", "axis.toml", "--validate", "second.csv", "--starts", "1")
     assert code == 0
-    assert re.search(r"On the second record: [\d.]+ \S+, over [\d.]+ s at a time", out)
+    assert re.search(r"On the second record: [\d.]+ \S+, in segments of [\d.]+ s", out)
 
 
 def test_measured_friction_of_a_second_record_is_predicted_along_its_motion(run, tmp_path):
@@ -303,7 +303,7 @@ BAD = [
     (("select", "axis.toml", "--segment", "-1"), "above 0 s"),
     (("select", "axis.toml", "--hold", "second"), "--hold must be zero or first"),
     (("fit", "--hold", "first"), "--hold applies to records"),
-    (("select", "axis.toml", "--enforce"), "--enforce is for travels"),
+    (("select", "axis.toml", "--enforce"), "--enforce applies to travels"),
     (("select", "--purpose", "position"), "--purpose applies to records"),
     (("select", "--validate", "axis.csv", *COLUMNS), "give more trials instead"),
     (("fit", "axis.toml", "--law", "coulom"), "Did you mean 'coulomb'"),
