@@ -78,7 +78,7 @@ def test_a_start_can_be_given_by_name_in_order_or_as_an_array():
 
 def test_giving_up_raises_or_is_told_as_asked():
     solver = EventDriven(max_steps=3)
-    with pytest.raises(SimulationError, match="Used up the allowed number of steps"):
+    with pytest.raises(SimulationError, match="Reached the maximum number of steps"):
         simulate(BLOCK, LAW, t_end=1.0, solver=solver)
     run = simulate(BLOCK, LAW, t_end=1.0, solver=solver, throw=False)
     assert run.status is Status.STEP_LIMIT

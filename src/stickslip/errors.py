@@ -112,12 +112,12 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 RENAMED = {
-    "unknown": "`unknown` is now `vary`: vary=['friction.*', 'mechanism.inertia']",
-    "free": "`free` is now `vary`: vary=['kinetic_coefficient']; what is not named is held",
-    "known": "`known` is now `fixed`: fixed={'viscous_coefficient': 0.4}",
-    "watch": "`watch` is now `progress`, called with the same values",
-    "evolution": "`evolution` is now the law: 'rate-and-state' or 'rate-and-state-slip'",
-    "compiling": "`compiling` is now `progress`, called with 'compiling: ...' and the share done",
+    "unknown": "`unknown` was renamed to `vary`: vary=['friction.*', 'mechanism.inertia']",
+    "free": "`free` was renamed to `vary`: vary=['kinetic_coefficient']; other parameters are held",
+    "known": "`known` was renamed to `fixed`: fixed={'viscous_coefficient': 0.4}",
+    "evolution": "`evolution` is now part of the law: 'rate-and-state' or 'rate-and-state-slip'",
+    "watch": "`watch` was renamed to `progress`, called with the same values",
+    "compiling": "`compiling` was renamed to `progress`, called with 'compiling: ...' and a share",
 }
 """What was an argument's name once, and what it is now."""
 
@@ -131,7 +131,7 @@ def renamed(verb: Callable[P, R]) -> Callable[P, R]:
     ... def fit(*, progress=None): ...
     >>> fit(watch=print)
     Traceback (most recent call last):
-    stickslip.errors.RenamedError: fit: `watch` is now `progress`, called with the same values.
+    stickslip.errors.RenamedError: fit: `watch` was renamed to `progress`, called with the ...
     """
 
     @functools.wraps(verb)

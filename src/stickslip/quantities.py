@@ -170,15 +170,15 @@ class Quantity:
         label = f"Quantity {self.symbol!r}"
         if not self.scale or self.bounds is None or self.start is None:
             raise ParameterError(
-                f"{label}: a fit needs all of scale, bounds and start, such as"
-                ' scale="speed", bounds=(1e-3, 1.0), start=0.1.'
+                f'{label}: a fit needs scale, bounds and start together, such as scale="speed",'
+                " bounds=(1e-3, 1.0), start=0.1."
             )
         powers = self.powers
         unknown = [name for name in powers if name not in SCALES]
         if unknown:
             raise ParameterError(
-                f"{label}: scale={self.scale!r} has no known size {unknown[0]!r}; known are"
-                f" {', '.join(SCALES)}, and products and quotients of them."
+                f"{label}: scale={self.scale!r} contains the unknown size {unknown[0]!r}; known"
+                f" sizes are {', '.join(SCALES)}, and their products and quotients."
             )
         low, high = self.bounds
         within = low < high and (self.at_least is not None or low <= self.start <= high)
@@ -207,9 +207,9 @@ class Quantity:
         unit = _sum((_unit_powers(SCALES[name]), power) for name, power in self.powers.items())
         if self.scale not in ("", "none") and unit != _unit_powers(self.unit):
             raise ParameterError(
-                f"{owner}.{name} ({self.symbol}) has the unit {self.unit}, and"
-                f" scale={self.scale!r} has another one. Correct one of them, or use"
-                ' scale="none", with start and bounds in the unit itself.'
+                f"{owner}.{name} ({self.symbol}) has the unit {self.unit}, but scale={self.scale}"
+                ' has a different one. Correct one of them, or use scale="none", with start and'
+                " bounds in the unit itself."
             )
 
     @property
@@ -694,7 +694,7 @@ def gathered(ours: Mapping[str, type[T]], group: str, base: type[T]) -> Mapping[
     for where, kind in plugins(group, base):
         name = getattr(kind, "name", None)
         if not isinstance(name, str) or found.get(name, kind) is not kind:
-            raise StickslipError(f"{where} is called {name!r}: give it a name of its own.")
+            raise StickslipError(f"{where} is named {name!r}, which is taken: rename it.")
         found[name] = kind
     return types.MappingProxyType(found)
 
@@ -728,7 +728,8 @@ def plugins(group: str, base: type[T]) -> Iterator[tuple[str, type[T]]]:
             kind = entry.load()
         except Exception as error:  # a module of somebody else may raise anything
             raise StickslipError(
-                f"{where} cannot be imported: {type(error).__name__}: {error}. Mend or remove it."
+                f"{where} cannot be imported: {type(error).__name__}: {error}. Correct or remove"
+                " it."
             ) from error
         if not (isinstance(kind, type) and issubclass(kind, base)):
             raise StickslipError(f"{where} must be a class derived from {base.__name__}.")

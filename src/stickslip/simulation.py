@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from stickslip.errors import InputError, SimulationError, UnknownNameError
+from stickslip.formatting import quantity
 from stickslip.friction import BristleLaw, FrictionLaw, PrintedForm
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
@@ -107,7 +108,8 @@ def refuse(run: Trajectory, *, certified: bool = True) -> None:
     """
     if not run.status.complete:
         raise SimulationError(
-            f"{run.status.value}{_numbers(run)} It ended at t = {run.span[1]:g} s."
+            f"{run.status.value}{_numbers(run)} The run ended at t ="
+            f" {quantity(run.span[1], 's', 6)}."
         )
     if certified and not run.certificate.certified:
         raise SimulationError("The run is not certified: " + "; ".join(run.certificate.problems))
@@ -186,12 +188,15 @@ def ensemble(
     """
     check_pair(mechanism, law)
     if not isinstance(law, FrictionLaw):
-        raise InputError(f"ensembles run with EventDriven, which does not take {law!r}.")
+        raise InputError(
+            f"ensembles run with EventDriven only, which cannot solve {law!r}: give"
+            " another law, or run it alone with FixedStep(...)."
+        )
     solver = EventDriven(tier="compiled") if solver is None else solver
     if not isinstance(solver, EventDriven):
         raise InputError(f"solver must be an EventDriven(...), got {solver!r}.")
     if solver.estimate_error:
-        raise InputError("ensembles make no error estimate: use simulate for some of the runs.")
+        raise InputError("ensembles make no error estimate: use simulate for single runs.")
     last = END.check("ensemble", "t_end", t_end)
     start = initial_state("ensemble", mechanism, law, y0)
     return run_ensemble(
@@ -214,9 +219,9 @@ def _numbers(run: Trajectory) -> str:
         return ""
     last = run.at([run.span[1]])
     efforts = [name for name in run.names if name not in (*run.states, *ALWAYS)]
-    values = [f"{name} {last[name][0]:.4g} {run.units[name]}" for name in efforts]
-    values.append(f"normal force {last['normal_force'][0]:.4g} N")
-    return f" It is: {run.events[-1].reason} ({', '.join(values)})."
+    values = [f"{name} {quantity(last[name][0], run.units[name], 4)}" for name in efforts]
+    values.append(f"normal force {quantity(last['normal_force'][0], 'N', 4)}")
+    return f" Limit: {run.events[-1].reason} ({', '.join(values)})."
 
 
 def check_pair(mechanism: object, law: object) -> None:
@@ -291,7 +296,7 @@ def initial_state(
         told = {**mechanism.start(), **y0}
         y0 = [told.get(name, 0.0) for name in names]
     if not hasattr(y0, "__len__"):
-        raise InputError(f"y0 must be a mapping of names or a sequence, got {y0!r}.")
+        raise InputError(f"y0 must be a mapping by state name or a sequence, got {y0!r}.")
     if len(y0) != len(names):
         raise InputError(f"y0 must have {len(names)} values ({', '.join(names)}), got {len(y0)}.")
     return [

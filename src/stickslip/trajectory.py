@@ -11,6 +11,7 @@ from typing_extensions import override
 
 from stickslip.display import InPanels, OnAxes, Summary, require_library
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.formatting import number, residue
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,19 +26,19 @@ class Status(enum.Enum):
     """How a run ended."""
 
     END_TIME = "Reached the end time."
-    AT_REST = "Came to rest: no drive can move the body any more."
-    LIFT_OFF = "The normal force fell to zero: the body leaves the ground."
-    PAINLEVE = (
-        "Painleve's paradox: friction presses the body down the more the more it presses, and the"
-        " equations of a rigid body have no answer."
-    )
+    AT_REST = "Came to rest: no drive can move the body again."
+    LIFT_OFF = "Lift-off: the normal force fell to zero."
+    PAINLEVE = "Painlevé paradox: the rigid-body equations have no unique solution here."
     LIMIT = "The mechanism reached one of its limits."
-    STEP_LIMIT = "Used up the allowed number of steps before the end time."
-    STEP_TOO_SMALL = "The step fell below rounding: the equations are singular here."
-    NOT_FINITE = "The state grew beyond all numbers."
-    HELD = "A coordinate that does not slip is pressed against its stop: not solved any further."
-    ZENO = "Events follow each other without end: the state cannot be continued."
-    CANCELLED = "Was cancelled."
+    STEP_LIMIT = "Reached the maximum number of steps before the end time."
+    STEP_TOO_SMALL = "The step size fell below rounding error: the equations are singular here."
+    NOT_FINITE = "The state diverged: it is no longer finite."
+    HELD = (
+        "A coordinate without slip is pressed against its hard stop: the solver does not"
+        " continue from there."
+    )
+    ZENO = "Zeno behaviour: events accumulate at one instant, and the run cannot be continued."
+    CANCELLED = "The run was cancelled."
 
     @property
     def complete(self) -> bool:
@@ -120,7 +121,7 @@ class Trajectory(InPanels):
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> run = simulate(rig, Coulomb(kinetic_coefficient=0.25), t_end=1.0)
     >>> run.status.value
-    'Came to rest: no drive can move the body any more.'
+    'Came to rest: no drive can move the body again.'
     >>> [event.reason for event in run.events]
     ['block leaves the spring', 'stop']
     >>> run.at([0.1, 0.2])["x"].round(4)
@@ -181,8 +182,8 @@ class Trajectory(InPanels):
         first, last = self.span
         if times.size and not (times.min() >= first and times.max() <= last):
             raise InputError(
-                f"times must lie between {first:g} and {last:g} s, the span of this run,"
-                f" got {times.min():g} to {times.max():g} s."
+                f"times must lie between {number(first, 6)} and {number(last, 6)} s, the span of"
+                f" this run, got {number(times.min(), 6)} to {number(times.max(), 6)} s."
             )
         return replace(self, t=times)
 
@@ -222,7 +223,7 @@ class Trajectory(InPanels):
         -0.815494393
         """
         if self.differentiate is None:
-            raise InputError("this run has no sensitivities: use solver=EventDriven().")
+            raise InputError("this run has no sensitivities: run it with solver=EventDriven().")
         if state not in self.states:
             raise UnknownNameError("state", state, self.states)
         found = self.differentiate(self.t, [parameter])
@@ -279,10 +280,10 @@ class Trajectory(InPanels):
     @override
     def _summary(self) -> Summary:
         rows = (
-            ("time", f"{self.span[0]:g} to {self.span[1]:g} s"),
+            ("time", f"{number(self.span[0], 6)} to {number(self.span[1], 6)} s"),
             ("columns", ", ".join(self.names)),
             ("events", len(self.events)),
-            ("energy error", f"{self.certificate.energy_error:.1e}"),
+            ("energy error", residue(self.certificate.energy_error)),
             ("certified", "yes" if self.certificate.certified else "no"),
         )
         notes = (*self.certificate.problems, *self.certificate.warnings)
@@ -304,7 +305,7 @@ class Ensemble(OnAxes):
     >>> runs["x"].round(4)
     array([0.2548, 0.2039, 0.1699])
     >>> runs.status[0].value
-    'Came to rest: no drive can move the body any more.'
+    'Came to rest: no drive can move the body again.'
     """
 
     outputs: Mapping[str, "NDArray[np.float64]"]
@@ -377,4 +378,4 @@ class Ensemble(OnAxes):
         rows += [(status.value, str(count)) for status, count in counts.items() if count]
         rows.append(("certified", str(int(self.certified.sum()))))
         complete = sum(count for status, count in counts.items() if status.complete)
-        return Summary(sentence=f"{complete} of {len(self)} runs lasted to their end.", rows=rows)
+        return Summary(sentence=f"{complete} of {len(self)} runs were completed.", rows=rows)

@@ -170,7 +170,7 @@ def test_where_what_was_not_fitted_is_far_off_no_law_is_named_and_the_verdict_sa
     assert all(symbol in line for symbol in ("v_s", "sigma_0", "sigma_1"))
     assert "marked assumed = true in the rig file" in line
     code, _, err = walk("simulate", CART, "--law", "stickslip-report/law.toml")
-    assert (code, "there is no such file, because select named no law" in err) == (2, True)
+    assert (code, "does not exist: select recommended no law" in err) == (2, True)
     assert "`stickslip fit FILE --law NAME -o law.toml`" in err
     # and the cure cures: the guess is fitted, and the true law is named, with its stiffness
     text = Path("block.toml").read_text()

@@ -63,8 +63,8 @@ def test_warnings_are_marked_and_no_failure(run, write):
 def test_an_error_is_marked_and_exits_with_two(run, write):
     code, out, err = run(write(**good(q=0 * TIME)), *COLUMNS)
     assert code == 2
-    assert "✗ Position never changes: no motion was recorded." in out
-    assert err == "No fit should be made from this as it is."
+    assert "✗ Position is constant: no motion was recorded." in out
+    assert err == "The check found errors: correct the data before a fit."
 
 
 def test_json_is_one_document(run, write):
@@ -80,10 +80,10 @@ def test_repairs_are_said(run, write):
     data = {name: np.append(values, values[5]) for name, values in good().items()}
     file = write(**data)
     code, _, err = run(file, *COLUMNS)
-    assert (code, "read so with --repair sort" in err) == (2, True)
+    assert (code, "for a file, --repair sort does both" in err) == (2, True)
     code, out, _ = run(file, *COLUMNS, "--repair", "sort,gaps")
     assert code == 0
-    assert "data.csv; sorted by time (1 sample was late); 1 exact double dropped" in out
+    assert "data.csv; sorted by time (1 sample out of order); dropped 1 exact duplicate" in out
 
 
 def test_several_files_are_checked_as_trials(run, write, tmp_path):
@@ -125,7 +125,7 @@ def test_readings_are_checked_without_a_picture(run, write, tmp_path):
         ((*COLUMNS, "--gain", "load=2"), "quantity in gain 'load'"),
         ((*COLUMNS, "--unit", "position=kg"), "must be in m"),
         ((*COLUMNS, "--repair", "all"), "unknown repair 'all'"),
-        ((), "no column is called position"),
+        ((), "no column is named position"),
     ],
 )
 def test_bad_options_give_one_message(run, write, arguments, message):
@@ -138,7 +138,7 @@ def test_megabytes_of_text_are_one_message(run, tmp_path):
     (tmp_path / "book.txt").write_text("Call me Ishmael, some years ago.\n" * 300_000)
     code, _, err = run("book.txt")
     assert code == 2
-    assert "book.txt: is no table" in err
+    assert "book.txt: is not a table" in err
     assert len(err) < 400
 
 
@@ -174,10 +174,10 @@ def test_a_rig_file_has_the_mechanism_and_says_what_is_read(run, rig):
     assert (code, "Force is" in out) == (0, False)
     assert "  1,200 samples at 200 Hz" in out
     code, out, _ = run(rig(gain=-10.0))
-    assert "! Force is −1 times what the mechanism takes" in out
+    assert "! Force is −1 times the force that this motion of the mechanism requires" in out
     # a force in amperes that passes for newtons: 300 times too small is an error
     code, out, err = run(rig(gain=0.01))
-    assert (code, err) == (2, "No fit should be made from this as it is.")
+    assert (code, err) == (2, "The check found errors: correct the data before a fit.")
     assert "✗ Force is 0.00" in out
 
 
@@ -195,7 +195,7 @@ def test_files_beside_a_rig_are_read_as_it_says(run, rig, tmp_path):
 
 def test_options_of_columns_need_a_file_of_data(run, rig):
     code, _, err = run(rig(), "--gain", "force=2")
-    assert (code, "give one beside rig.toml" in err) == (2, True)
+    assert (code, "name one beside rig.toml" in err) == (2, True)
     code, _, err = run("rig.toml", "rig.toml")
     assert (code, "one rig file" in err) == (2, True)
 

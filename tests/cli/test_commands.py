@@ -74,7 +74,7 @@ def test_models_published_names_defect_and_cure(run):
     heads = [line.partition(" ")[0] for line in out.splitlines() if line.startswith("(")]
     assert heads == [f"({number})" for number in range(1, 12)]
     assert out.count("defect: ") == 9
-    assert out.count("right as printed: ") == 2
+    assert out.count("correct as printed: ") == 2
     assert "sgn 0 = 0" in out
     # formulas to be read, not LaTeX: each sign that the paper prints, in Unicode
     assert re.findall(r"[\\{}$]", out) == []
@@ -375,7 +375,7 @@ def test_a_travel_of_micrometres_is_not_printed_as_zero(run, rig):
 
 def test_nothing_to_measure_next_has_no_heading(run):
     _, out, _ = run("select", "--laws", "coulomb")
-    assert "Cannot tell" in out
+    assert "Limitations" in out
     assert not out.partition("Measure next\n")[1] or out.partition("Measure next\n")[2].strip()
 
 

@@ -98,4 +98,4 @@ def test_options_for_records_of_motion_are_refused(run):
     for option in (("--segment", "1"), ("--hold", "first"), ("--starts", "2")):
         code, _, err = run("fit", "slider.toml", *option)
         assert code == 2
-        assert f"{option[0]} is for records of motion" in err
+        assert f"{option[0]} applies to records of motion" in err

@@ -63,13 +63,13 @@ def test_of_several_laws_coulomb_is_the_usual_one(simulated):
 def test_several_laws_without_the_usual_one_are_asked_for(simulated):
     code, _, _, err = simulated(ONE + "[friction.viscous]\nviscous_coefficient = 4\n")
     assert code == 2
-    assert "several laws, viscous, coulomb-viscous: say which with --law" in err
+    assert "several laws, viscous, coulomb-viscous: choose one with --law" in err
 
 
 def test_ordinary_values_are_said(simulated):
     code, law, _, err = simulated(MECHANISM)
     assert (code, law) == (0, "coulomb")
-    assert "has no values for coulomb: it is run with ordinary ones, Coulomb(" in err
+    assert "has no values for coulomb; default values are used: Coulomb(" in err
 
 
 @pytest.mark.parametrize(
@@ -108,8 +108,8 @@ def test_of_an_overridden_value_no_interval_is_left(simulated):
 @pytest.mark.parametrize(
     ("path", "said"),
     [
-        ("friction.bristle_stiffness", "is no parameter of coulomb-viscous"),
-        ("friction.viscous.viscous_coefficient", "is a value of viscous, but the run has"),
+        ("friction.bristle_stiffness", "names no parameter of coulomb-viscous"),
+        ("friction.viscous.viscous_coefficient", "sets a parameter of viscous, but the run uses"),
     ],
 )
 def test_an_override_that_the_run_does_not_use_is_refused(simulated, path, said):

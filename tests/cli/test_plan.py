@@ -49,14 +49,14 @@ def test_a_plan_is_printed(run, folder):
     assert "12 travels, each known to 2 mm. They tell 3 of 3 pairs of laws apart." in text
     assert "Hang 1.18 kg on the spring" in text
     assert "name,mechanism.compression [mm],travel [mm]" in text
-    assert "is assumed" not in text
+    assert "is an assumption" not in text
     assert "The rig has one compression: the settings span 0.4 to 1 times it, 32 to 80 mm." in text
 
 
 def test_an_uncertainty_that_nobody_stated_is_said_to_be_assumed(run, folder):
     code, out, _ = run("plan", "rig.toml", "--law", "coulomb")
     assert code == 0
-    assert "2 % of the longest travel, is assumed" in out
+    assert "2 % of the longest travel is an assumption" in out
 
 
 def test_one_json_document_is_printed(run, folder):
@@ -114,7 +114,7 @@ def test_a_sheet_that_is_not_filled_in_is_refused_by_its_line(run, folder):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (("-o", "sheet.pdf"), "written as .html"),
+        (("-o", "sheet.pdf"), "must be an .html file"),
         (("--between", "50mm"), "--between takes LOW..HIGH"),
         (("--between", "50kg..80kg"), "--between .*must be in m"),
         (("--uncertainty", "2 kg"), "--uncertainty .*must be in m"),
@@ -133,7 +133,7 @@ def test_a_sheet_is_not_overwritten(run, folder):
     (folder / "sheet.csv").write_text("mine")
     code, _, err = run("plan", "rig.toml", "-o", "sheet.html")
     assert code == 2
-    assert "sheet.csv is already there" in err
+    assert "sheet.csv already exists" in err
 
 
 def test_a_rig_with_records_is_told_what_a_plan_is_for(run, folder):

@@ -66,7 +66,7 @@ def ended(pid):
 
 def test_a_worker_that_dies_is_a_clear_error():
     with (
-        pytest.raises(SimulationError, match="one of the 2 processes died"),
+        pytest.raises(SimulationError, match="one of the 2 processes ended unexpectedly"),
         workers(2) as executor,
     ):
         executor.submit(os.abort).result()

@@ -68,7 +68,7 @@ def test_an_interval_takes_paths_and_two_ends(run):
     given = "friction.kinetic_coefficient=0.19..0.21"
     code, out, _ = run(*LIMITS, *QUICK, "--interval", given, "--json")
     assert code == 0
-    assert "the worst of 5 even points" in json.loads(out)["scenarios"]
+    assert "the worst of 5 evenly spaced points" in json.loads(out)["scenarios"]
 
 
 @pytest.mark.parametrize(

@@ -101,7 +101,7 @@ def test_a_second_record_is_only_judged_by(run, write):
     assert "second record" in out
     code, out, _ = run("fit", "axis.toml", "--validate", "second.csv", "--starts", "1")
     assert code == 0
-    assert re.search(r"On the second record: [\d.]+ \S+, over [\d.]+ s at a time", out)
+    assert re.search(r"On the second record: [\d.]+ \S+, in segments of [\d.]+ s", out)
 
 
 def test_measured_friction_of_a_second_record_is_predicted_along_its_motion(run, tmp_path):
@@ -126,7 +126,7 @@ def test_the_record_itself_is_no_second_record(run, write, tmp_path, command):
     name, *more = command
     code, out, message = run(name, "axis.toml", "--validate", "copy.csv", *more)
     assert (code, out) == (2, "")
-    assert "the second record is the one that is fitted" in message
+    assert "the second record is identical to the fitted one" in message
     assert not (tmp_path / "stickslip-report").exists()
 
 
@@ -161,7 +161,7 @@ def test_fit_prints_intervals_and_restarts(run):
     assert code == 0
     assert "friction.viscous_coefficient" in out
     assert "95 %" in out
-    assert "Restarts: 2 of 2 starts end at the least residual" in out
+    assert "Restarts: 2 of 2 starting points converge to the smallest residual" in out
     _, out, _ = run("fit", "axis.toml", "--law", "coulomb", "--starts", "1", "--json")
     content = json.loads(out)
     assert content["schema"] == "stickslip/fit/1"
@@ -286,13 +286,13 @@ def test_travels_refuse_a_law_that_only_records_can_fit(run, command):
     verb, option = command
     code, _, err = run(verb, option, "dahl-exponent")
     assert code == 2
-    assert "dahl with its exponent fitted, too. Give dahl." in err
+    assert "dahl with its exponent fitted as well. Give dahl here." in err
 
 
 BAD = [
     (("select", "bare.toml"), "has no measurement"),
-    (("select", "bare.toml", "--data", "nowhere.csv"), "nowhere.csv: there is no such file"),
-    (("select", "bare.toml", *COLUMNS), "are for --data"),
+    (("select", "bare.toml", "--data", "nowhere.csv"), "nowhere.csv does not exist"),
+    (("select", "bare.toml", *COLUMNS), "apply to the files of --data"),
     (("select", "bare.toml", "--data", "axis.csv", "--columns", "position=x"), "column of axis"),
     (("select", "axis.toml", "--laws", "coulom"), "Did you mean 'coulomb'"),
     (("select", "axis.toml", "--laws", "dahl-exponents"), "Did you mean 'dahl-exponent'"),
@@ -302,9 +302,9 @@ BAD = [
     (("select", "axis.toml", "--horizon", "0"), "above 0 s"),
     (("select", "axis.toml", "--segment", "-1"), "above 0 s"),
     (("select", "axis.toml", "--hold", "second"), "--hold must be zero or first"),
-    (("fit", "--hold", "first"), "--hold is for records"),
-    (("select", "axis.toml", "--enforce"), "--enforce is for travels"),
-    (("select", "--purpose", "position"), "--purpose is for records"),
+    (("fit", "--hold", "first"), "--hold applies to records"),
+    (("select", "axis.toml", "--enforce"), "--enforce applies to travels"),
+    (("select", "--purpose", "position"), "--purpose applies to records"),
     (("select", "--validate", "axis.csv", *COLUMNS), "give more trials instead"),
     (("fit", "axis.toml", "--law", "coulom"), "Did you mean 'coulomb'"),
     (("fit", "axis.toml", "--vary", "stifness"), "Did you mean 'stiffness'"),
@@ -314,12 +314,12 @@ BAD = [
     (("fit", "axis.toml", "--fixed", "inertia=5 m"), "--fixed mechanism.inertia"),
     (("fit", "axis.toml", "--fixed", "inertias=5"), "Did you mean 'inertia'"),
     (("fit", "axis.toml", "--fixed", "inertia=-5"), "above 0"),
-    (("fit", "axis.toml", "--free", "kinetic_coefficient"), "--free is now --vary"),
-    (("fit", "axis.toml", "--unknown", "inertia"), "--unknown is now --vary"),
-    (("select", "axis.toml", "--unknown", "inertia"), "--unknown is now --vary"),
-    (("select", "--jobs", "2"), "--jobs is for the force of a spring and records"),
+    (("fit", "axis.toml", "--free", "kinetic_coefficient"), "--free was renamed to --vary"),
+    (("fit", "axis.toml", "--unknown", "inertia"), "--unknown was renamed to --vary"),
+    (("select", "axis.toml", "--unknown", "inertia"), "--unknown was renamed to --vary"),
+    (("select", "--jobs", "2"), "--jobs applies to the force of a spring and records"),
     (("fit", "axis.toml", "-o", "law.json"), "takes a .toml file"),
-    (("fit", "--segment", "1"), "--segment is for records"),
+    (("fit", "--segment", "1"), "--segment applies to records"),
 ]
 
 
@@ -371,7 +371,7 @@ def test_bad_data_is_one_message(run, write, tmp_path, axis_record, command, how
 @pytest.mark.parametrize("command", ["select", "fit"])
 @pytest.mark.parametrize(
     ("text", "said"),
-    [("", "is empty"), ("t,q,u\n", "no "), ("Call me Ishmael.\n" * 200_000, "is no table")],
+    [("", "is empty"), ("t,q,u\n", "no "), ("Call me Ishmael.\n" * 200_000, "is not a table")],
     ids=["empty", "header only", "a book"],
 )
 def test_what_is_no_record_is_one_message(run, tmp_path, command, text, said):
@@ -396,7 +396,7 @@ def test_millimetres_read_as_metres_are_refused(run, write, axis_record):
     write("mm.csv", q=1e3 * axis_record["q"])
     code, _, err = run("fit", "bare.toml", "--data", "mm.csv", *COLUMNS, "--starts", "1")
     assert code == 2
-    assert "is position in m (not mm)" in err
+    assert "check that position is in m (not mm)" in err
 
 
 def test_a_typo_in_columns_is_named_and_drops_nothing(run):
@@ -424,7 +424,7 @@ def test_one_interrupt_keeps_the_best_so_far(run, monkeypatch):
 
     monkeypatch.setattr(selection, "fit_record", interrupted)
     code, out, err = run("select", "axis.toml", "--laws", "coulomb-viscous,coulomb", "--json")
-    assert "Ctrl-C once more cancels" in err
+    assert "press Ctrl-C again to cancel" in err
     content = json.loads(out)
     # simpler laws are fitted first; where this search ends, the law explains next to nothing
     assert (content["best"], content["closest"]) == (None, "coulomb")
@@ -498,7 +498,10 @@ def test_the_starts_of_a_free_decay_are_those_of_its_first_search(pendulum):
     asked = ("fit", "swing.toml", "--law", "coulomb-viscous", "--starts", "2")
     code, out, _ = pendulum(*asked)
     assert code == 0
-    assert "Restarts: 2 of 2 starts end at the least residual in short segments" in out
+    assert (
+        "Restarts: 2 of 2 starting points converge to the smallest residual in short segments"
+        in out
+    )
     content = json.loads(pendulum(*asked, "--json")[1])
     assert (len(content["restarts"]), content["restarts_agreeing"]) == (2, 2)
     _, out, _ = pendulum(*asked[:-1], "1")
@@ -512,8 +515,8 @@ def test_all_units_of_a_pendulum_are_those_of_torque_and_angle(pendulum):
     assert [one["unit"] for one in estimates] == ["N m", "N m s/rad"]
     code, out, err = pendulum("simulate", "swing.toml", "--law", "law.toml", "--report")
     assert code == 0
-    assert "N m s/rad is that of the contact it was fitted on" in err
-    assert re.search(r"fitted at up to \d\.\d+ rad/s", err)
+    assert "N m s/rad applies to the contact of the fit" in err
+    assert re.search(r"fitted up to \d\.\d+ rad/s", err)
     text = " ".join(Path("stickslip-run/index.html").read_text(encoding="utf-8").split())
     for wrong in ("m/s<", " m/s", "N s/m"):
         assert wrong not in out + err + text

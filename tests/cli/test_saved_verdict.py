@@ -88,7 +88,7 @@ def test_a_page_that_fails_costs_neither_the_verdict_nor_the_law(rig, monkeypatc
     result = run("select", "rig.toml", "--laws", "coulomb", "--force")
     assert result.exit_code == 1, result.output
     assert "Coulomb" in result.stdout
-    assert "The page could not be drawn (ValueError: no ink)" in result.stderr
+    assert "The report could not be drawn (ValueError: no ink)" in result.stderr
     # the page of an earlier verdict does not stand beside this one
     assert {path.name for path in folder.iterdir()} == {"verdict.json", "law.toml"}
     verdict = json.loads((folder / "verdict.json").read_text(encoding="utf-8"))

@@ -50,7 +50,7 @@ def test_check_says_how_the_motion_lies_in_the_picture(run):
 def test_of_two_tracks_the_option_is_told_that_names_one(run):
     code, _, err = run("check", "two.txt", "--columns", "position=x,y")
     assert code == 2
-    assert 'Say which, as --columns "position=mass A/x,mass A/y".' in err
+    assert 'Choose one, as --columns "position=mass A/x,mass A/y".' in err
     assert run("check", "two.txt", "--columns", "position=mass A/x,mass A/y")[0] == 0
 
 
@@ -59,7 +59,7 @@ def test_of_two_tracks_the_option_is_told_that_names_one(run):
     [
         ("x,y", "--columns takes NAME=VALUE such as position=q_m, got 'x'"),
         ("time=t,q", "columns.time must be the name of one column, got ['t', 'q']"),
-        ("position=x,y,t", "or two different names, of the coordinates"),
+        ("position=x,y,t", "or two different names, for the two coordinates"),
         ("position=x,", "--columns takes NAME=VALUE such as position=q_m, got ''"),
         ("position=x=,y", "unknown column of track.txt: 'x='"),
     ],

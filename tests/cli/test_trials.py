@@ -46,7 +46,7 @@ def run(*arguments):
 def test_fit_says_that_the_trials_do_not_share_one_law_and_which_column_is_not_used(folder):
     said = run("fit", "rig.toml", "--law", "coulomb-viscous")
     assert "The trials do not share one law (p < 0.001)" in said
-    assert "Column 'temperature' is not used, and differs between the trials" in said
+    assert "Column 'temperature' is not used but differs between the trials" in said
 
 
 def test_fit_names_the_condition_that_explains_it(folder):

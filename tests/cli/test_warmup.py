@@ -76,7 +76,7 @@ def test_the_result_is_one_line(run, asked):
     code, out, _ = run("warmup", "--jobs", "3")
     assert code == 0
     assert out == (
-        "Compiled in 31.2 s: kernels 2, equations 3. There already: kernels 1, equations 4."
+        "Compiled in 31.2 s: kernels 2, equations 3. Already in the cache: kernels 1, equations 4."
         " Cache: /cache\n"
     )
     assert asked["jobs"] == 3

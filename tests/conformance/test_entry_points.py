@@ -130,7 +130,10 @@ def test_an_installed_law_is_listed(stickslip):
     [
         ("sledge = nowhere_at_all:Sledge", "cannot be imported: ModuleNotFoundError"),
         ("sledge = made_elsewhere:number", "must be a class derived from Mechanism"),
-        ("sledge = made_elsewhere:Namesake", "is called 'axis': give it a name of its own"),
+        (
+            "sledge = made_elsewhere:Namesake",
+            "is named 'axis', which is taken: rename it",
+        ),
     ],
 )
 def test_an_entry_point_that_cannot_be_used_is_one_message_with_its_package(

@@ -241,7 +241,7 @@ CART = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribe
         ({"delay": -1.0}, "delay.*at least 0 s"),
         ({"t_end": 0.0}, "t_end"),
         ({"hold": "second"}, "'zero' or 'first'"),
-        ({"hold": "first", "limit": 1.0}, "may lead beyond a limit"),
+        ({"hold": "first", "limit": 1.0}, "may exceed a limit"),
         ({"controller": 3.0}, "callable"),
         ({"controller": lambda t, seen: np.nan}, "finite number, got nan at t = 0 s"),
         ({"controller": lambda t, seen: "up"}, "finite number, got 'up'"),
@@ -265,7 +265,7 @@ def test_what_cannot_be_used_is_refused(changes, message):
 def test_printed_forms_are_refused():
     form = next(iter(PRINTED_FORMS.values()))
     names = [f.name for f in dataclasses.fields(form) if f.default is dataclasses.MISSING]
-    with pytest.raises(InputError, match="does not take"):
+    with pytest.raises(InputError, match="cannot solve"):
         closed_loop(AXIS, form(**dict.fromkeys(names, 0.5)), pd, period=0.01, t_end=0.1)
 
 

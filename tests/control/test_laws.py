@@ -76,7 +76,7 @@ def test_what_pid_cannot_use_is_refused():
         PID(proportional=1.0, tracking_time=1.0)
     with pytest.raises(ParameterError, match="feedforward must be callable"):
         PID(proportional=1.0, feedforward=3.0)
-    with pytest.raises(InputError, match="'theta' is not measured; measured are x, v"):
+    with pytest.raises(InputError, match="'theta' is not measured; measured quantities: x, v"):
         PID(proportional=1.0, state="theta")(0.0, {"x": 0.0, "v": 0.0})
 
 

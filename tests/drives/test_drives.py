@@ -169,7 +169,9 @@ def test_drives_say_how_long_a_cycle_is_or_that_they_have_none():
 
 
 def test_a_square_wave_of_too_many_cycles_is_refused_in_words():
-    with pytest.raises(ParameterError, match=r"Square: a run to t_end = 5 s .* cycles of 1e-06 s"):
+    with pytest.raises(
+        ParameterError, match=r"Square: a run to t_end = 5 s .* cycles of 1 × 10⁻⁶ s"
+    ):
         Square(high=1.0, period=1e-6).pieces(5.0)
 
 

@@ -87,7 +87,7 @@ def test_steps_of_time_that_scatter_are_a_warning():
 def test_single_samples_that_are_missing_are_counted():
     kept = np.delete(np.arange(8000), [1000, 2000, 3000])
     record = Measurement(**{name: values[kept] for name, values in parts().items()})
-    assert "evenly spaced but for 3 steps (3 single samples missing)" in check(record).sentences[0]
+    assert "except for 3 steps (3 single samples missing)" in check(record).sentences[0]
 
 
 def test_a_gap_is_placed_and_counted():
@@ -212,7 +212,7 @@ def test_no_motion_is_an_error(name):
     still = Measurement(time=np.arange(100.0), **{name: np.zeros(100)})
     (one,) = check(still).of("constant")
     assert one.severity == "error"
-    assert one.sentence.endswith("never changes: no motion was recorded.")
+    assert one.sentence.endswith("is constant: no motion was recorded.")
 
 
 def test_a_position_of_nothing_but_noise_is_no_motion():
@@ -258,11 +258,11 @@ def test_numbers_without_steps_have_none():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"position": 1000 * np.sin(np.arange(8000) / 3000)}, "are these really metres?"),
-        ({"position": 1e-7 * np.sin(np.arange(8000) / 300)}, "are these really metres?"),
-        ({"position": 40 * np.sin(np.arange(8000) / 100)}, "really metres and seconds?"),
-        ({"velocity": 1000 * true_velocity()}, "are these really m/s?"),
-        ({"force": 1e8 * np.sin(np.arange(8000) / 300)}, "are these really newtons?"),
+        ({"position": 1000 * np.sin(np.arange(8000) / 3000)}, "values are in metres."),
+        ({"position": 1e-7 * np.sin(np.arange(8000) / 300)}, "values are in metres."),
+        ({"position": 40 * np.sin(np.arange(8000) / 100)}, "values are in metres and seconds."),
+        ({"velocity": 1000 * true_velocity()}, "values are in m/s."),
+        ({"force": 1e8 * np.sin(np.arange(8000) / 300)}, "values are in newtons."),
     ],
 )
 def test_numbers_that_no_rig_has_are_questioned(changes, words):
@@ -299,7 +299,7 @@ def test_any_single_signal_of_any_length_gets_sentences(name, size):
     [
         (1000.0, "velocity looks like mm/s"),
         (0.001, "position looks like mm"),
-        (-1.0, "one of them counts the other way"),
+        (-1.0, "the signs are opposite"),
         (1.7, "1.7 times the derivative"),
     ],
 )
@@ -325,7 +325,7 @@ def test_a_velocity_of_something_else_is_a_warning():
 def test_friction_of_the_wrong_sign_is_an_error_with_its_cure():
     (one,) = found("friction sign", friction=-20 * np.sign(true_velocity()))
     assert one.severity == "error"
-    assert "use gain −1" in one.sentence
+    assert "set its gain to −1" in one.sentence
     assert one.numbers["opposite_share"] > 0.99
 
 
@@ -368,7 +368,7 @@ def test_a_motion_that_noise_hides_is_a_warning():
     position = 0.01 * time + rng.normal(0, 2e-5, 8000)
     (one,) = check(Measurement(time=time, position=position)).of("reversals")
     assert one.severity == "warning"
-    assert "directions are not known" in one.sentence
+    assert "directions cannot be determined" in one.sentence
 
 
 @pytest.mark.parametrize(("sign", "way"), [(1, "forward"), (-1, "backward")])
@@ -378,7 +378,7 @@ def test_one_direction_leaves_level_and_offset_as_one_number(sign, way):
     (one,) = check(Measurement(time=time, position=position)).of("reversals")
     assert one.severity == "warning"
     assert f"goes {way} only" in one.sentence
-    assert "friction level and offset are one number here" in one.sentence
+    assert "friction level and offset cannot be separated" in one.sentence
 
 
 def test_rests_are_timed():
@@ -391,7 +391,7 @@ def test_rests_are_timed():
 
 
 def test_a_record_without_rests_says_so():
-    assert CLEAN.of("rests")[0].sentence == "Nothing rests for long."
+    assert CLEAN.of("rests")[0].sentence == "No periods of rest."
 
 
 def test_the_slow_share_is_that_of_a_sine():
@@ -405,7 +405,7 @@ def test_the_slow_share_is_that_of_a_sine():
 def test_a_record_without_low_speed_says_what_that_costs():
     time = np.arange(8000) / RATE
     (one,) = check(Measurement(time=time, position=time + 0.1 * np.sin(time))).of("low speed")
-    assert "friction near rest cannot be told" in one.sentence
+    assert "does not determine friction near zero velocity" in one.sentence
 
 
 def test_a_record_without_motion_says_that_it_has_none():
@@ -442,11 +442,11 @@ def test_independent_values_of_a_running_mean_are_fewer_by_its_length():
 def test_the_effective_size_says_of_what():
     (one,) = CLEAN.of("effective size")
     assert one.numbers["samples"] == 8000
-    assert "force less what acceleration, velocity and direction explain" in one.sentence
+    assert "force after subtraction of its dependence on acceleration" in one.sentence
     (one,) = check(Measurement(time=parts()["time"], position=parts()["position"])).of(
         "effective size"
     )
-    assert "position less its smooth part" in one.sentence
+    assert "position minus its smooth component" in one.sentence
 
 
 def test_a_record_worth_few_values_is_a_warning():
@@ -496,7 +496,7 @@ def test_readings_are_counted_by_setting():
 
 def test_two_quantities_of_one_run_are_no_repeats():
     checks = check(Measurement(travel=0.2, velocity=0.1, uncertainty={"travel": 1e-3}))
-    assert checks.sentences[0].startswith("2 readings at 1 setting, none repeated.")
+    assert checks.sentences[0].startswith("2 readings at 1 setting, no repeats.")
 
 
 def test_one_setting_and_a_missing_uncertainty_are_warnings():
@@ -520,7 +520,7 @@ def test_trials_are_checked_one_by_one():
     checks = check(Measurement(trials=(good, still)))
     assert {f.record for f in checks.findings} == {"good", "still"}
     assert {f.record for f in checks.findings if f.severity == "error"} == {"still"}
-    assert any(sentence.startswith("still: Position never") for sentence in checks.sentences)
+    assert any(sentence.startswith("still: Position is constant") for sentence in checks.sentences)
 
 
 def test_a_mechanism_checks_overrides_and_stops():

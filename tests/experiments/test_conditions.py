@@ -48,8 +48,8 @@ def test_a_column_that_differs_between_trials_and_is_not_used_is_named_as_a_warn
     (finding,) = found.of("unused column")
     assert finding.severity == "warning"
     assert str(finding) == (
-        "Column 'temperature' is not used, and differs between the trials: name it as a condition"
-        " to fit per trial."
+        "Column 'temperature' is not used but differs between the trials: declare it as a condition"
+        " to fit each trial separately."
     )
 
 
@@ -84,7 +84,7 @@ def test_mistakes_within_a_split_table_name_the_line_of_the_file(tmp_path):
     with pytest.raises(InputError, match="line 6"):
         load_measurement(file)
     file.write_text(file.read_text().replace("1,x,2,2,up", "1,0.1,2,,up"))
-    with pytest.raises(InputError, match="line 6: the trial of this row is not given"):
+    with pytest.raises(InputError, match="line 6: the trial of this row is missing"):
         load_measurement(file)
 
 
@@ -116,7 +116,7 @@ def test_a_table_of_travels_has_conditions_that_check_says_are_not_used(tmp_path
     found = load_measurement(file, mechanism=rig, conditions="oil")
     assert [dict(one.conditions) for one in found.records()] == [{"oil": "dry"}, {}]
     (finding,) = check(found).of("conditions")
-    assert "single number cannot be fitted alone" in str(finding)
+    assert "trial with a single value cannot be fitted separately" in str(finding)
     with pytest.raises(InputError, match='give conditions="oil"'):
         load_measurement(file, mechanism=rig)
 

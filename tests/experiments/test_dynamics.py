@@ -53,7 +53,7 @@ def doubts(measurement, mechanism=None):
 def test_a_force_that_is_missing_is_said_to_be(driven):
     (said, *_) = check(Measurement(time=TIME, position=driven["position"])).of("drive")
     assert said.severity == "info"
-    assert said.sentence.startswith("There is no force and no reference")
+    assert said.sentence.startswith("Neither force nor reference is given")
     assert check(Measurement(**driven)).of("drive") == ()
 
 
@@ -68,7 +68,7 @@ def test_energy_from_nowhere_is_an_error_where_nothing_drives_the_mechanism(driv
     (one,) = doubts(Measurement(**parts), AXIS)
     assert one.severity == "error"
     assert "gains energy" in one.sentence
-    assert "Is the force missing" in one.sentence
+    assert "whether the force is missing" in one.sentence
     # what moves it is not known without a mechanism
     (one,) = doubts(Measurement(**parts))
     assert one.severity == "warning"
@@ -188,7 +188,7 @@ def test_a_factor_of_a_spring_is_seen_as_that_of_a_mass():
 def test_a_force_of_the_wrong_sign_is_a_warning(driven):
     (one,) = doubts(Measurement(**{**driven, "force": -driven["force"]}), AXIS)
     assert one.severity == "warning"
-    assert "gain −1" in one.sentence
+    assert "gain to −1" in one.sentence
 
 
 def test_a_force_that_has_nothing_to_do_with_the_motion_has_no_factor(driven):
@@ -198,7 +198,7 @@ def test_a_force_that_has_nothing_to_do_with_the_motion_has_no_factor(driven):
 
 def test_times_that_no_controller_keeps_are_questioned_without_a_mechanism(driven):
     (one,) = doubts(Measurement(**{**driven, "time": 1e3 * TIME}))
-    assert "are times really in seconds?" in one.sentence
+    assert "check that times are in seconds." in one.sentence
     slow = Measurement(time=1e3 * TIME, position=driven["position"], friction=driven["force"])
     assert doubts(slow) == []  # rock is sampled once a second
 
@@ -211,7 +211,7 @@ def test_trials_must_have_the_same_drive(driven):
     bare = Measurement(time=TIME, position=driven["position"], name="b")
     first, *_ = doubts(Measurement(trials=(whole, bare)))
     assert (first.kind, first.severity) == ("trials", "error")
-    assert first.sentence.startswith("Force was measured in 'a' and not in 'b'")
+    assert first.sentence.startswith("Force was measured in 'a' but not in 'b'")
     assert (
         check(Measurement(trials=(whole, dataclasses.replace(whole, name="c")))).of("trials") == ()
     )
@@ -255,7 +255,7 @@ def test_a_force_that_acts_against_the_motion_is_doubted_without_a_mechanism(dri
     parts = {"time": TIME, form: motion if form == "position" else np.gradient(motion, TIME)}
     (one,) = signs(Measurement(**parts, force=-driven["force"]))
     assert one.severity == "warning"
-    assert "use gain −1" in one.sentence
+    assert "set its gain to −1" in one.sentence
     # noise and the filter leave the regression some percent of the 5 kg, less those of velocities
     assert one.numbers["inertia"] == pytest.approx(-5.0, rel=0.1)
     assert signs(Measurement(**parts, force=driven["force"])) == ()

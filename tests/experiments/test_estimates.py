@@ -72,7 +72,7 @@ def test_a_file_without_the_table_says_nothing_of_estimates(read):
         ("intervals = { kinetic_coefficient = [0.3, 0.2] }", "lower one first"),
         ("intervals = { kinetic_coefficient = [0.2] }", "a lower and an upper end"),
         ("intervals = { kinetic_coefficient = [-inf, 0.3] }", "not_identified"),
-        ("not_fitted = ['kinetic_coefficient', 'kinetic_coefficient']", "stands twice"),
+        ("not_fitted = ['kinetic_coefficient', 'kinetic_coefficient']", "is given twice"),
         ("covariance = [[1.0]]", "0 rows of 0 numbers"),
         ("covariance_of = ['kinetic_coefficient']", "covariance_of"),
         ("largest_speed = -1.0", "at least 0 m/s"),

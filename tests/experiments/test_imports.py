@@ -145,7 +145,7 @@ def test_without_permission_nothing_is_imported_and_the_message_says_how_to_allo
     with pytest.raises(InputError) as raised:
         load_rig(folder / "rig.toml")
     text = str(raised.value)
-    assert f"mechanism.type wants to import Sledge from the Python module {name_of(folder)}" in text
+    assert f"requests the import of Sledge from the Python module {name_of(folder)}" in text
     assert "--allow-import" in text
     assert "allow_import=True" in text
     assert not was_imported(folder)
@@ -157,7 +157,7 @@ def test_without_permission_no_law_is_imported_either(folder):
     rig = rewritten(folder, f"{name_of(folder)}:Sledge", "axis")
     text = rig.read_text(encoding="utf-8").replace("mass =", "inertia =").replace("speed = 3.0", "")
     rig.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match=r"friction\.twofold\.type wants to import Twofold"):
+    with pytest.raises(InputError, match=r"friction\.twofold\.type requests the import of Twofold"):
         load_rig(rig)
     assert not was_imported(folder)
     law = load_rig(rig, allow_import=True).laws["twofold"]
@@ -240,8 +240,8 @@ BAD = {
     "not a class": (":Sledge", ":number", "must be a class derived from stickslip.Mechanism"),
     "a law for a mechanism": (":Sledge", ":Twofold", "derived from stickslip.Mechanism"),
     "a mechanism for a law": (":Twofold", ":Sledge", "derived from stickslip.FrictionLaw"),
-    "incomplete": (":Sledge", ":Mechanism", "is not complete: it has no contacts, drives"),
-    "says nothing of itself": (":Twofold", ":Nameless", "has no name, title, formula, sources"),
+    "incomplete": (":Sledge", ":Mechanism", "is abstract: implement contacts, drives"),
+    "says nothing of itself": (":Twofold", ":Nameless", "implement name, title, formula, sources"),
     "two colons": (":Sledge", "::Sledge", "must be a name, or module:Class"),
     "other name": ("friction.twofold", "friction.double", r"write \[friction.twofold\]"),
     "a parameter": ("speed = 3.0", "sped = 3.0", "'sped'. Did you mean 'speed'"),
@@ -283,7 +283,7 @@ def test_a_module_that_fails_to_import_is_one_message(folder, capsys, code, mess
 def test_a_law_may_not_take_the_name_of_one_that_is_there(folder):
     rig = rewritten(folder, "[friction.twofold]", "[friction.coulomb]")
     rewritten(folder, ":Twofold", ":Namesake")
-    with pytest.raises(InputError, match="'coulomb' is the name of a law that is there already"):
+    with pytest.raises(InputError, match="'coulomb' is already the name of another law"):
         load_rig(rig, allow_import=True)
 
 
@@ -292,6 +292,6 @@ def test_a_module_of_the_same_name_elsewhere_is_not_taken_for_the_one_beside_the
     other.write_text(MODULE, encoding="utf-8")
     sys.path.insert(0, str(other.parent))
     importlib.invalidate_caches()
-    with pytest.raises(InputError, match=r"is hidden by a module of the same name, .*elsewhere"):
+    with pytest.raises(InputError, match=r"is shadowed by a module of the same name, .*elsewhere"):
         load_rig(folder / "rig.toml", allow_import=True)
     assert Path(sys.modules[name_of(folder)].__file__) == other

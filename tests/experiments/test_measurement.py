@@ -78,7 +78,7 @@ ONE = Measurement(travel=0.1)
 BAD = {
     "nothing": ({}, InputError, "at least one quantity"),
     "time alone": ({"time": T}, InputError, "at least one quantity"),
-    "both": ({"travel": 0.1, "trials": (ONE,)}, InputError, "travel stands beside trials"),
+    "both": ({"travel": 0.1, "trials": (ONE,)}, InputError, "travel is given beside trials"),
     "settings beside trials": ({"trials": (ONE,), "offset": {"x": 1.0}}, InputError, "offset"),
     "nested trials": (
         {"trials": (Measurement(trials=(ONE,)),)},
@@ -94,7 +94,7 @@ BAD = {
     "same name twice": (
         {"trials": (replace(ONE, name="a"), replace(ONE, name="b"), replace(ONE, name="a"))},
         InputError,
-        "Trials 1 and 3 are called 'a'",
+        "Trials 1 and 3 are both named 'a'",
     ),
     "unequal lengths": (
         {"time": T, "position": X[:2]},
@@ -108,9 +108,9 @@ BAD = {
     ),
     "one sample": ({"time": [0.0], "position": [1.0]}, InputError, "at least 2 times"),
     "scalar time": ({"time": 1.0, "position": X}, InputError, "at least 2 times"),
-    "time without arrays": ({"time": T, "travel": 0.1}, InputError, "belongs to no array"),
+    "time without arrays": ({"time": T, "travel": 0.1}, InputError, "has no samples to go with it"),
     "scalar in a series": ({"time": T, "position": X, "force": 1.0}, InputError, "give an array"),
-    "array without time": ({"position": X}, InputError, "array without time"),
+    "array without times": ({"position": X}, InputError, "array without times"),
     "map of unequal lengths": (
         {"velocity": X, "friction": X[:2]},
         InputError,

@@ -94,13 +94,13 @@ def test_a_matlab_file_without_vectors_lists_what_it_has(folder):
     with pytest.raises(InputError) as caught:
         load_measurement("data.mat")
     text = str(caught.value)
-    assert "data.mat: has no vector of numbers; it has K (3 × 3 float64), mass (1 × 1" in text
+    assert "data.mat: has no vector of numbers; it contains K (3 × 3 float64), mass (1 × 1" in text
     assert "note (1 text)" in text
 
 
 def test_a_new_matlab_file_without_vectors_lists_what_it_has(folder):
     newer(folder / "data.mat", {"K": np.eye(3)})
-    with pytest.raises(InputError, match=r"it has K \(3 × 3 float64\)"):
+    with pytest.raises(InputError, match=r"it contains K \(3 × 3 float64\)"):
         load_measurement("data.mat")
 
 
@@ -215,8 +215,8 @@ def test_samples_are_sorted_and_doubles_resolved_and_counted(write):
     np.testing.assert_array_equal(record.time, [0, 1, 2, 3])
     np.testing.assert_array_equal(record.position, [0, 1, 4, 9])
     assert record.provenance == (
-        "data.csv; sorted by time (2 samples were late); 1 exact double dropped;"
-        " 1 time with different values averaged"
+        "data.csv; sorted by time (2 samples out of order); dropped 1 exact duplicate;"
+        " averaged the values at 1 duplicate time"
     )
 
 
@@ -224,7 +224,7 @@ def test_samples_that_are_not_finite_are_dropped_and_counted(write):
     file = write("time,position,force\n0,0,1\n1,,1\n2,4,inf\n,5,1\n4,6,1\n")
     record = load_measurement(file, repair="gaps")
     np.testing.assert_array_equal(record.time, [0, 4])
-    assert record.provenance == "data.csv; 3 samples that were not finite dropped"
+    assert record.provenance == "data.csv; dropped 3 non-finite samples"
 
 
 def test_repairs_go_together_in_any_order(write):
@@ -254,7 +254,7 @@ def test_a_word_is_no_gap(write):
         ("time,position\n0,1\n0,1\n", "sort", "at least 2 times"),
         ("time,position\n0,1\n,2\n", "sort", 'line 3: .*got nothing.*repair="gaps"'),
         ("velocity,friction\n1,1\n2,2\n", "sort", 'repair="sort" needs a column of times'),
-        ("travel\n1\n2\n", "sort", "repair is for records in time"),
+        ("travel\n1\n2\n", "sort", "repair applies to time records"),
         ("time,position\n0,0\n1,1\n", "srt", "unknown repair 'srt'. Did you mean 'sort'"),
     ],
 )
@@ -278,16 +278,16 @@ NOISE = np.random.default_rng(1).bytes(5_000_000)
 PROSE = "It was a bright, cold day in April, and the clocks were striking.\n"
 
 NO_TABLES = {
-    "binary": (NOISE, "is a binary file, not a table of text"),
+    "binary": (NOISE, "is a binary file, not a text table"),
     "zeros": (b"\x00" * 1000, "is a binary file"),
     "utf-16": ("time,position\n0,0\n".encode("utf-16"), "is UTF-16"),
-    "prose": (PROSE * 300_000, "is no table: there is not one number in its first 50 rows"),
-    "one line": ("word " * 4_000_000, "is no table: its first line has .* characters or more"),
-    "one line of cells": ("a," * 10_000_000, "is no table: its first line has"),
+    "prose": (PROSE * 300_000, "is not a table: its first 50 rows contain no number"),
+    "one line": ("word " * 4_000_000, "is not a table: its first line has .* characters or more"),
+    "one line of cells": ("a," * 10_000_000, "is not a table: its first line has"),
     "names": ("1.5,2.5\n" * 10, "its first line holds numbers, not names"),
-    "blanks": ("time position\n0 1\n1 2\n", "single column 'time position'.*parted by blanks"),
+    "blanks": ("time position\n0 1\n1 2\n", "single column 'time position'.*separated by blanks"),
     "bars": ("time|position\n0|1\n1|2\n", "single column .*parted by '|'"),
-    "web page": ("<!DOCTYPE html>\n<html><body>Not found</body></html>\n", "is no table"),
+    "web page": ("<!DOCTYPE html>\n<html><body>Not found</body></html>\n", "is not a table"),
 }
 
 

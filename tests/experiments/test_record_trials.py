@@ -70,14 +70,14 @@ def test_the_digest_is_that_of_the_files_of_trials_too(rig, tmp_path):
     ("text", "message"),
     [
         (RIG + TRIALS.replace("loaded.csv", "no.csv"), "trial.1: "),
-        (RIG + TRIALS + 'travel = "1 mm"\n', "trial.1: travel is for a travel"),
-        (RIG + TRIALS + "uncertainty = 1\n", "trial.1: uncertainty is for a travel"),
+        (RIG + TRIALS + 'travel = "1 mm"\n', "trial.1: travel applies to a travel"),
+        (RIG + TRIALS + "uncertainty = 1\n", "trial.1: uncertainty applies to a travel"),
         (RIG + TRIALS.replace("inertia =", "inertja ="), "trial.1.set: "),
         (RIG + TRIALS.replace("v =", "w ="), "trial.1.initial"),
         (RIG + TRIALS.replace('"0.4 N"', '"1 kg"'), "trial.1.offset.force"),
-        (RIG + "[[trial]]\ntravel = 1\ngain = { force = 1 }\n", "trial.0: gain is for the file"),
+        (RIG + "[[trial]]\ntravel = 1\ngain = { force = 1 }\n", "trial.0: gain applies to the"),
         (RIG + TRIALS + "[[trial]]\ntravel = 1\n", "Trials must be of one kind"),
-        (RIG + TRIALS + '[[trial]]\nname = "loaded"\nfile = "empty.csv"\n', "called 'loaded'"),
+        (RIG + TRIALS + '[[trial]]\nname = "loaded"\nfile = "empty.csv"\n', "both named 'loaded'"),
         (RIG + TRIALS.replace("columns = { force", "columns = { forse"), "trial.1: "),
     ],
 )

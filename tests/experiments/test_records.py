@@ -170,9 +170,9 @@ BAD = {
     "no known column": (
         "a,b\n1,2\n",
         InputError,
-        r"no column is called .* it has 'a', 'b'.*columns=",
+        r"no column is named .* columns are 'a', 'b'.*columns=",
     ),
-    "time alone": ("time,b\n1,2\n", InputError, "no column is called"),
+    "time alone": ("time,b\n1,2\n", InputError, "no column is named"),
     "hole": ("time,position\n0,0\n1,\n", ParameterError, "column 'position', line 3.*got nothing"),
     "text": ("time,position\n0,0\n1,far\n", ParameterError, "'position', line 3: .*got 'far'"),
     "infinite": ("time,position\n0,0\n1,inf\n", ParameterError, "line 3: must be a finite number"),
@@ -182,17 +182,17 @@ BAD = {
     "double column": (
         "time,position,position\n0,1,2\n",
         InputError,
-        "columns are called 'position'",
+        "columns are named 'position'",
     ),
     "double with units": (
         "travel [m],travel [mm]\n0,1\n",
         InputError,
-        "columns are called 'travel'",
+        "columns are named 'travel'",
     ),
     "unit": ("time,position [kg]\n0,1\n1,2\n", ParameterError, "must be in m .*not in kg"),
     "unknown unit": ("time,position [mn]\n0,1\n1,2\n", ParameterError, "unknown unit 'mn'"),
-    "long row": ("time,position\n0,1\n1,2,3\n", InputError, "rows and header do not fit"),
-    "long rows": ("time,position\n0,1,1\n1,2,3\n", InputError, "rows and header do not fit"),
+    "long row": ("time,position\n0,1\n1,2,3\n", InputError, "rows and header do not match"),
+    "long rows": ("time,position\n0,1,1\n1,2,3\n", InputError, "rows and header do not match"),
     "short row": ("time,position\n0,1\n1\n", ParameterError, "line 3: .*got nothing"),
     "not text": (b"time,position\n0,\xff\n", InputError, "is not UTF-8 .byte 0xff in line 2"),
     "misspelt trial column": (
@@ -202,7 +202,7 @@ BAD = {
     ),
     "zero uncertainty": ("travel,uncertainty\n1,0\n", ParameterError, "line 2: .*above 0 m, got 0"),
     "kind": ("travel,uncertainty_kind\n1,guess\n", InputError, "line 2: .*must be one of rounding"),
-    "same name": ("travel,name\n1,a\n2,a\n", InputError, "data.csv: Trials 1 and 2 are called 'a'"),
+    "same name": ("travel,name\n1,a\n2,a\n", InputError, "data.csv: Trials 1 and 2 are both named"),
 }
 
 
@@ -251,7 +251,7 @@ def test_another_kind_of_file_is_refused_with_a_cure(write):
 
 def test_a_missing_file_is_named(write):
     write("x")
-    with pytest.raises(InputError, match=r"there is no such file.*data\.csv"):
+    with pytest.raises(InputError, match=r"does not exist.*data\.csv"):
         load_measurement("dta.csv")
 
 
@@ -262,8 +262,8 @@ def test_a_missing_file_is_named(write):
     ("key", "message"),
     [
         ("positon", "unknown quantity in columns 'positon'. Did you mean 'position'?"),
-        ("current", "current is no quantity.*force with a gain.*newtons per ampere"),
-        ("voltage", "voltage is no quantity.*force with a gain.*newtons per volt"),
+        ("current", "current is not a quantity.*force with a gain.*newtons per ampere"),
+        ("voltage", "voltage is not a quantity.*force with a gain.*newtons per volt"),
         ("mechanism.mass", "unknown quantity of a record in columns 'mechanism.mass'"),
         ("uncertainty", "unknown quantity of a record in columns 'uncertainty'"),
     ],
@@ -300,7 +300,7 @@ def test_a_typo_in_the_columns_of_a_rig_file_is_refused(tmp_path):
     ],
 )
 def test_what_names_no_file_is_refused_with_what_to_make_of_it(given, kind, cure):
-    with pytest.raises(InputError, match=f"takes the name of a file.*got {kind}: .*{cure}"):
+    with pytest.raises(InputError, match=f"takes a file name.*got {kind}: .*{cure}"):
         load_measurement(given)
 
 
@@ -319,10 +319,10 @@ def test_files_may_come_from_anything_that_lists_them(write, tmp_path):
     [
         (
             "time;position\n0;0,0\n1;1.592,0\n2;532.668,6\n",
-            r"line 3: .*got '1.592,0'.* between thousands, here '1592,0'",
+            r"line 3: .*got '1.592,0'.* thousands separator, here '1592,0'",
         ),
-        ('time,position\n0,0.5\n1,"12,592.5"\n', r"line 3: .*between thousands, here '12592.5'"),
-        ("time;position\n0;0,5\n1;12 592\n", r"line 3: .*between thousands, here '12592'"),
+        ('time,position\n0,0.5\n1,"12,592.5"\n', r"line 3: .*thousands separator, here '12592.5'"),
+        ("time;position\n0;0,5\n1;12 592\n", r"line 3: .*thousands separator, here '12592'"),
         # three decimals after a comma are no thousands: the word is what cannot be read
         ("time;position\n0;1,592\n1;stuck\n", r"line 3: must be a finite number, got 'stuck'.$"),
     ],
@@ -336,9 +336,9 @@ def test_the_number_that_cannot_be_read_is_named_and_not_its_neighbours(write, t
 @pytest.mark.parametrize(
     ("above", "words"),
     [
-        ("Instrument: T-100\nDate: 2024-05-01\n\n", r"3 lines stand above .* be line 4, 'time,pos"),
-        ("Tribometer\n", r"a line stands above the header, .* line 2"),
-        ("# by hand\nsample,steel,dry\n", r"a line stands above the header, .* line 3"),
+        ("Instrument: T-100\nDate: 2024-05-01\n\n", r"3 lines precede .* be line 4, 'time,pos"),
+        ("Tribometer\n", r"a line precedes the header, .* line 2"),
+        ("# by hand\nsample,steel,dry\n", r"a line precedes the header, .* line 3"),
     ],
 )
 def test_lines_above_the_header_are_told_with_their_cure(write, above, words):
@@ -358,5 +358,5 @@ def test_a_row_that_is_too_long_is_told_in_plain_words(write):
 
 def test_friction_over_a_path_is_told_what_makes_a_record_of_it(write):
     file = write("position,friction\n0.0,1.0\n0.1,2.0\n")
-    with pytest.raises(InputError, match="add a column of times at the speed of the test"):
+    with pytest.raises(InputError, match="a column of times, the distance divided by the speed"):
         load_measurement(file)

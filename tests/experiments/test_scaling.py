@@ -74,7 +74,7 @@ def test_a_unit_of_a_gain_says_that_an_axis_turns_only_where_no_other_does(read)
 
 def test_axes_that_turn_and_are_straight_by_two_gains_are_refused(read):
     way = [("position [deg]", [0, 1, 2])]
-    with pytest.raises(InputError, match="angles go with torques"):
+    with pytest.raises(InputError, match="combine angles with torques"):
         read("force [N]", NEWTONS, way, gain={"force": -1, "position": -1})
 
 
@@ -105,7 +105,7 @@ def test_a_gain_of_what_was_not_read_is_refused(read):
 
 def test_a_gain_of_a_table_of_trials_is_refused(tmp_path):
     (tmp_path / "travels.csv").write_text("travel\n0.2\n0.3\n")
-    with pytest.raises(InputError, match="gain is for records in time"):
+    with pytest.raises(InputError, match="gain applies to time records"):
         load_measurement(tmp_path / "travels.csv", gain={"travel": 2.0})
 
 
@@ -115,7 +115,7 @@ def test_the_cure_that_check_names_cures(read):
     lines = [f"{a},{b},{c}" for a, b, c in zip(t, speed, -2000 * np.sign(speed), strict=True)]
     Path("long.csv").write_text("\n".join(["time,velocity,friction [mN]", *lines]))
     (wrong,) = check(load_measurement("long.csv")).of("friction sign")
-    assert "use gain −1" in wrong.sentence
+    assert "set its gain to −1" in wrong.sentence
     mended = load_measurement("long.csv", gain={"friction": -1})
     assert check(mended).of("friction sign")[0].severity == "info"
     assert np.abs(mended.friction).max() == 2.0
@@ -152,7 +152,7 @@ def test_a_coefficient_takes_the_load_that_the_mechanism_states(read):
 
 def test_a_coefficient_without_a_load_is_refused_with_both_cures(read):
     for mechanism in (None, Axis(inertia=1.0)):
-        with pytest.raises(ParameterError, match=r"give the load as a column.*as its gain"):
+        with pytest.raises(ParameterError, match=r"give the load as a column.*as the gain"):
             read("friction [1]", NEWTONS, mechanism=mechanism)
     with pytest.raises(ParameterError, match=r"give the load as a column"):
         read("friction [1]", NEWTONS, gain={"friction": -1})  # a sign is no load
@@ -161,7 +161,7 @@ def test_a_coefficient_without_a_load_is_refused_with_both_cures(read):
 
 def test_a_coefficient_about_an_axis_needs_a_radius(read):
     turning = [("position [rad]", [0.0, 0.1, 0.2]), ("load [N]", [50, 50, 50])]
-    with pytest.raises(ParameterError, match=r"a torque in N m: give the load times the radius"):
+    with pytest.raises(ParameterError, match=r"a torque in N m: give as its gain the load times"):
         read("friction [1]", [0.1, 0.1, 0.1], turning)
     record = read("friction [1]", [0.1, 0.1, 0.1], turning, gain={"friction": 2.5})
     assert record.friction.tolist() == [0.25, 0.25, 0.25]

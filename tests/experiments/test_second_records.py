@@ -9,7 +9,7 @@ from stickslip.experiments.second_records import refuse_same
 
 V = np.linspace(-0.2, 0.2, 60)
 TABLE = Measurement(velocity=V, friction=2.0 * np.sign(V), name="table")
-SAME = "the second record is the one that is fitted"
+SAME = "the second record is identical to the fitted one"
 
 
 def test_select_refuses_its_own_record_whatever_it_is_called():

@@ -111,5 +111,5 @@ def test_an_impossible_corner_is_refused(cutoff):
 def test_records_without_motion_are_refused_with_what_they_have():
     with pytest.raises(InputError, match=r"velocity of a record needs its position .* got force"):
         velocity_of(Measurement(time=[0, 1], force=[1, 2]))
-    with pytest.raises(InputError, match="needs one record in time"):
+    with pytest.raises(InputError, match="needs a single time record"):
         acceleration_of(Measurement(travel=0.1))

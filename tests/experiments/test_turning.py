@@ -54,7 +54,7 @@ def test_what_has_no_unit_goes_with_either_kind(read):
     "header", ["time,position [deg],force [N]", "time,position [mm],force [N m]"]
 )
 def test_angles_do_not_go_with_forces_nor_lengths_with_torques(read, header):
-    with pytest.raises(InputError, match=r"record\.csv: .* an axis that turns, and .* straight"):
+    with pytest.raises(InputError, match=r"record\.csv: .* a rotary axis, but .* linear"):
         read(header, ROWS)
 
 

@@ -126,7 +126,7 @@ def test_a_coordinate_that_does_not_slip_and_stays_at_its_stop_ends_the_run(rest
         assert run.span[1] == pytest.approx((2 * 0.5 / 0.3) ** 0.5, rel=1e-11)
     assert run["xi"][-1] == 0.5
     assert run["xi_dot"][-1] == 0
-    with pytest.raises(SimulationError, match="pressed against its stop"):
+    with pytest.raises(SimulationError, match="pressed against its hard stop"):
         simulate(rig, law, t_end=50.0)
 
 

@@ -270,7 +270,7 @@ class Footed(Mechanism):
 
 @pytest.mark.parametrize("feet", [0, 2])
 def test_a_mechanism_without_exactly_one_contact_is_refused_in_words(feet):
-    with pytest.raises(InputError, match=f"Footed has {feet} contacts; this version solves one"):
+    with pytest.raises(InputError, match=f"{feet} contacts; this version solves exactly one"):
         simulate(Footed(feet=feet), Coulomb(kinetic_coefficient=0.1), t_end=1.0)
 
 

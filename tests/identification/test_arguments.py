@@ -82,7 +82,7 @@ def test_travels_refuse_what_only_records_use(verb, unused):
     rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     reading = Measurement(travel=0.20, uncertainty=0.005)
     (name,) = unused
-    with pytest.raises(InputError, match=rf"^{name} is for .* no effect on travels\.$"):
+    with pytest.raises(InputError, match=rf"^{name} applies to .*it has no effect on travels"):
         verb(rig, "coulomb", reading, **unused)
 
 
@@ -90,5 +90,5 @@ def test_travels_refuse_what_only_records_use(verb, unused):
 def test_a_selection_by_travels_has_no_purpose_and_no_horizon(unused):
     rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     (name,) = unused
-    with pytest.raises(InputError, match=f"^{name} is for records"):
+    with pytest.raises(InputError, match=f"^{name} applies to records"):
         select(rig, "coulomb", Measurement(travel=0.20, uncertainty=0.005), **unused)

@@ -149,7 +149,7 @@ def test_a_measured_load_divides_levels(load):
 def test_a_load_that_some_trials_only_have_is_refused():
     one = record_of()
     both = Measurement(trials=(one, replace(one, load=5.0)))
-    with pytest.raises(InputError, match="give each its load"):
+    with pytest.raises(InputError, match="give load for each trial"):
         derived(Axis(inertia=J), CoulombViscous, both)
 
 

@@ -122,11 +122,11 @@ def test_ordinary_laws_are_what_they_were(kind):
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"scale": "speed"}, r"'v_s': a fit needs all of scale, bounds and start"),
-        ({"start": 0.1, "bounds": (0.0, 1.0)}, r"'v_s': a fit needs all of scale"),
+        ({"scale": "speed"}, r"'v_s': a fit needs scale, bounds and start together"),
+        ({"start": 0.1, "bounds": (0.0, 1.0)}, r"'v_s': a fit needs scale"),
         (
             {"scale": "velocity", "start": 0.1, "bounds": (0.0, 1.0)},
-            r"scale='velocity' has no known size 'velocity'; known are none, level,",
+            r"scale='velocity' contains the unknown size 'velocity'; known sizes are none, level,",
         ),
         ({"scale": "speed", "start": 2.0, "bounds": (0.1, 1.0)}, r"with start between them"),
         ({"scale": "speed", "start": 0.1, "bounds": (1.0, 0.1)}, r"two finite numbers"),

@@ -56,10 +56,10 @@ def wrong(parts):
     noise = np.random.default_rng(2).normal(0, 1e-5, TIME.size)
     speed = np.linspace(-1, 1, 200)
     return {
-        "Position never changes": Measurement(**{**parts, "position": np.full(TIME.size, 0.1)}),
-        "its noise: no motion": Measurement(**{**parts, "position": noise}),
-        "use gain −1": Measurement(velocity=speed, friction=-3 * np.sign(speed) - speed),
-        "Is the force missing": Measurement(**{**parts, "force": None}),
+        "Position is constant": Measurement(**{**parts, "position": np.full(TIME.size, 0.1)}),
+        "its noise level: no motion": Measurement(**{**parts, "position": noise}),
+        "set its gain to −1": Measurement(velocity=speed, friction=-3 * np.sign(speed) - speed),
+        "whether the force is missing": Measurement(**{**parts, "force": None}),
         "not mm": Measurement(**{**parts, "position": 1e3 * parts["position"]}),
         "was measured in": Measurement(
             trials=(Measurement(**parts), Measurement(**{**parts, "force": None}))
@@ -70,7 +70,8 @@ def wrong(parts):
 @pytest.mark.parametrize(
     "words",
     [
-        "Position never changes", "its noise: no motion", "use gain −1", "Is the force missing",
+        "Position is constant", "its noise level: no motion", "set its gain to −1",
+        "whether the force is missing",
         "not mm", "was measured in",
     ],
 )  # fmt: skip
@@ -87,7 +88,7 @@ def test_fit_and_select_refuse_the_same_records(parts, words):
 def test_a_fault_of_several_trials_is_told_once_after_their_names(parts):
     wrong = {**parts, "position": 1e3 * parts["position"]}
     trials = tuple(Measurement(**wrong, name=name) for name in ("north", "south"))
-    with pytest.raises(InputError, match=r"record. north and south: Force is 0.001") as caught:
+    with pytest.raises(InputError, match=r"fitted. north and south: Force is 0.001") as caught:
         fit(AXIS, CoulombViscous, Measurement(trials=trials))
     assert str(caught.value).count("Force is") == 1
     many = tuple(Measurement(**wrong, name=f"run{i}") for i in range(9))
@@ -107,8 +108,8 @@ def test_a_record_that_a_later_stage_refuses_brings_what_its_check_warns_of(part
     cut = Measurement(**{**parts, "position": np.clip(parts["position"], -0.02, 0.05)})
     with pytest.raises(InputError, match="acts against the motion") as caught:
         fit(AXIS, CoulombViscous, cut, vary=["friction.*", "mechanism.inertia"], settings=QUICK)
-    assert "The check of the record warns: " in str(caught.value)
-    assert "the range of the sensor ends there" in str(caught.value)
+    assert "Warnings of the data check: " in str(caught.value)
+    assert "the sensor is at the end of its range" in str(caught.value)
 
 
 def test_a_slow_record_is_not_refused_because_its_inertia_comes_out_negative():

@@ -96,7 +96,7 @@ def test_a_whole_run_of_cycles_is_one_run_whatever_was_read():
         (BLOCK, "SpringBlock has no drive"),
         (
             replace(CAPSULE, drive=Torque(drive=Pulse(level=5.0, duration=0.1))),
-            "is a Pulse, which is not known to repeat itself. Give travel or mean_velocity",
+            "is a Pulse, which is not known to be periodic. Give travel or mean_velocity",
         ),
         (capsule(4.0), "one whole cycle of 4 s.*t_end = 3 s. Increase t_end"),
     ],
@@ -107,7 +107,7 @@ def test_a_travel_per_cycle_needs_a_cycle(mechanism, said):
 
 
 def test_a_trial_gives_one_of_the_three():
-    with pytest.raises(InputError, match=r"give one of travel, mean_velocity, travel_per_cycle"):
+    with pytest.raises(InputError, match="only one of travel, mean_velocity, travel_per_cycle"):
         Measurement(travel=0.2, mean_velocity=0.1)
 
 
@@ -190,9 +190,9 @@ def test_a_rig_file_gives_mean_velocities_and_travels_per_cycle_in_their_own_uni
         ('mean_velocity = "12 mm/s"\nuncertainty = "1 mm"', "trial.0.uncertainty.*m/s"),
         ('mean_velocity = "12 mm"', "trial.0.mean_velocity.*m/s"),
         ('travel_per_cycle = "5 mm"\nuncertainty = "-1 mm"', "trial.0.uncertainty.*above 0"),
-        ('travel = "5 mm"\nmean_velocity = 0.1', "travel and mean_velocity both.*give one of"),
+        ('travel = "5 mm"\nmean_velocity = 0.1', "travel and mean_velocity both.*give only one of"),
         ('name = "run"', "Add travel.*or mean_velocity, travel_per_cycle"),
-        ("mean_velocity = 0.1\ngain = { force = 2 }", "gain is for the file"),
+        ("mean_velocity = 0.1\ngain = { force = 2 }", "gain applies to the file"),
         (
             'travel_per_cycle = 0.1\nset = { mechanism.drive.drive.period = "7 s" }',
             "rig.toml: trial.0: travel_per_cycle.*one whole cycle of 7 s",
@@ -216,7 +216,7 @@ def test_tables_give_mean_velocities_with_their_uncertainty(tmp_path):
     with pytest.raises(ParameterError, match=r"uncertainty.*m/s"):
         load_measurement(file)
     file.write_text("mean_velocity [mm/s],travel [mm]\n12,72\n")
-    with pytest.raises(InputError, match=r"line 2.*give one of travel"):
+    with pytest.raises(InputError, match=r"line 2.*give only one of travel"):
         load_measurement(file)
 
 

@@ -221,9 +221,9 @@ def test_records_of_a_driven_axis_are_compared_by_both_routes_in_time():
 
 
 def test_conditions_must_be_numbers_or_texts():
-    with pytest.raises(ParameterError, match="leave a condition out"):
+    with pytest.raises(ParameterError, match="leave an unknown condition out"):
         Measurement(travel=0.1, conditions={"temperature": float("nan")})
-    with pytest.raises(InputError, match="give it to each trial"):
+    with pytest.raises(InputError, match="give it for each trial"):
         Measurement(trials=(Measurement(travel=0.1),), conditions={"run": 1})
 
 

@@ -246,7 +246,9 @@ NEW = {"free": "vary", "unknown": "vary", "known": "fixed"}
 def test_a_former_argument_is_refused_by_its_new_name(verb, arguments, name):
     with pytest.raises(RenamedError) as caught:
         verb(*arguments, **{name: None})
-    assert f"{verb.__name__}: `{name}` is now `{NEW.get(name, 'progress')}`" in str(caught.value)
+    assert f"{verb.__name__}: `{name}` was renamed to `{NEW.get(name, 'progress')}`" in str(
+        caught.value
+    )
     assert isinstance(caught.value, (TypeError, InputError))
 
 

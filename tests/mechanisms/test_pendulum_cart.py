@@ -172,7 +172,7 @@ def test_a_cart_whose_pendulum_lifts_it_ends_with_that_status():
     assert run.events[-1].reason == "lift-off"
     assert run.certificate.certified
     assert abs(run["normal_force"][-1]) <= 1e-9 * 2 * 9.81  # located to rounding of the time
-    with pytest.raises(SimulationError, match="leaves the ground"):
+    with pytest.raises(SimulationError, match="Lift-off: the normal force"):
         simulate(cart, LAW, t_end=5.0, y0=start)
 
 
@@ -429,7 +429,7 @@ def test_a_break_away_into_the_paradox_ends_with_that_status():
     run = simulate(cart, law, t_end=1.0, y0={"theta": 0.5, "v": 0.1}, throw=False)
     assert run.status is Status.PAINLEVE
     assert run.events[-1].reason == "painleve"
-    with pytest.raises(SimulationError, match="Painleve"):
+    with pytest.raises(SimulationError, match="Painlevé paradox"):
         simulate(cart, law, t_end=1.0, y0={"theta": 0.5, "v": 0.1})
 
 
@@ -524,7 +524,7 @@ def test_fixed_steps_pass_no_boundary_in_silence():
         replace(LIGHT, length=1.0, ball_mass=1.0), ROUGH, t_end=1.0, solver=steps, throw=False
     )
     assert flying.status is Status.LIFT_OFF
-    with pytest.raises(InputError, match=r"knows no limits.*tips forward"):
+    with pytest.raises(InputError, match=r"does not support limits.*tips forward"):
         simulate(replace(LIGHT, wheelbase=0.6), ROUGH, t_end=1.0, solver=steps)
     with pytest.raises(InputError, match="depends on friction"):
         simulate(replace(LIGHT, pendulum=Torque()), ROUGH, t_end=1.0, solver=steps)

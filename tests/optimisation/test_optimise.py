@@ -113,7 +113,7 @@ def test_state_of_another_problem_is_refused(capsule, law, tmp_path):
     with pytest.raises(InputError, match="another search"):
         optimise_profile(capsule, law, limits=CAPSULE_LIMITS, evaluations=1, state=state, seed=5)
     state.write_text("{}")
-    with pytest.raises(InputError, match="not the state of a profile search"):
+    with pytest.raises(InputError, match="not the saved state of a profile search"):
         optimise_profile(capsule, law, limits=CAPSULE_LIMITS, state=state)
 
 
@@ -193,7 +193,7 @@ def test_limits_that_no_motion_keeps_are_said_to_be_so(cart, law):
         ({"goal": "travle"}, "Did you mean 'travel'"),
         ({"kind": "splin"}, "Did you mean 'spline'"),
         ({"kind": "spline", "knots": 2}, "4 to 60"),
-        ({"interval": {"friction.kinetic_coefficient": (0.3, 0.2)}}, "must rise"),
+        ({"interval": {"friction.kinetic_coefficient": (0.3, 0.2)}}, "must increase"),
         ({"interval": {"mechanism.drive.profile.fast": (0.1, 0.2)}}, "unknown parameter"),
         ({"scenarios": []}, "at least one"),
         ({"seed": -1}, "at least 0"),

@@ -148,7 +148,7 @@ def test_a_notebook_shows_status_or_verdict_a_table_and_a_figure(kind, results):
     sentences = {
         "run": Status.AT_REST.value,
         "record verdict": results["record verdict"].sentence.split(" ")[0],
-        "ensemble": "3 of 3 runs lasted to their end.",
+        "ensemble": "3 of 3 runs were completed.",
     }
     assert sentences.get(kind, "") in page
 

@@ -91,7 +91,7 @@ def test_the_command_writes_the_same_files_but_for_its_own_name_and_hash(verdict
 
 def test_an_earlier_report_is_only_replaced_if_that_is_asked_for(verdict, tmp_path):
     write_report(verdict, tmp_path, title="First")
-    with pytest.raises(InputError, match=r"index\.html is already there: give overwrite=True"):
+    with pytest.raises(InputError, match=r"index\.html already exists: give overwrite=True"):
         write_report(verdict, tmp_path, title="Second")
     assert "First" in (tmp_path / "index.html").read_text(encoding="utf-8")
     write_report(verdict, tmp_path, title="Second", overwrite=True)

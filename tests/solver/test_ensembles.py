@@ -309,7 +309,7 @@ REFUSED = {
     "an unknown state": ({"initial.w": [1.0]}, "unknown parameter 'initial.w'"),
     "nothing": ({}, "at least one array.*none"),
     "numbers only": ({MU: 0.2}, "at least one array"),
-    "two lengths": ({MU: [0.1, 0.2], "initial.x": [1.0]}, f"one length.*{MU} 2, initial.x 1"),
+    "two lengths": ({MU: [0.1, 0.2], "initial.x": [1.0]}, f"equal length.*{MU} 2, initial.x 1"),
     "no numbers": ({MU: []}, "empty"),
     "NaN": ({MU: [0.1, np.nan]}, "finite.* nan in run 1"),
     "infinity": ({"initial.x": [0.1, 0.2, -np.inf]}, "finite.* -inf in run 2"),
@@ -359,7 +359,7 @@ def test_solvers_and_laws_without_exact_events_are_refused():
     with pytest.raises(InputError, match=r"solver must be an EventDriven"):
         ensemble(DECAY, LAW, {MU: MUS}, t_end=1.0, solver=FixedStep(dt=0.1))
     printed = PRINTED_FORMS["printed-1"](kinetic_coefficient=0.2)
-    with pytest.raises(InputError, match="EventDriven, which does not take"):
+    with pytest.raises(InputError, match="EventDriven only, which cannot solve"):
         ensemble(DECAY, printed, {MU: MUS}, t_end=1.0)
 
 

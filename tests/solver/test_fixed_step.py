@@ -149,7 +149,7 @@ def test_a_form_that_grows_beyond_all_numbers_ends_with_a_status():
     solver = FixedStep(dt=0.01, stick_rule=False)
     run = simulate(axis, form, t_end=10.0, y0={"v": -1.0}, solver=solver, throw=False)
     assert run.status is Status.NOT_FINITE
-    with pytest.raises(SimulationError, match="beyond all numbers"):
+    with pytest.raises(SimulationError, match="The state diverged"):
         simulate(axis, form, t_end=10.0, y0={"v": -1.0}, solver=solver)
 
 
@@ -250,5 +250,5 @@ def test_a_bristle_law_is_held_only_with_its_static_switch():
 
 
 def test_more_steps_than_memory_holds_are_refused():
-    with pytest.raises(ParameterError, match="at least 1e-07 s"):
+    with pytest.raises(ParameterError, match="at least 1 × 10⁻⁷ s"):
         simulate(RELEASED, LAW, t_end=1.0, solver=FixedStep(dt=1e-9))

@@ -345,7 +345,7 @@ def test_a_last_name_that_two_parameters_have_is_refused_with_both():
 @pytest.mark.parametrize("law", [KINETIC, PRINTED_FORMS["printed-1"](kinetic_coefficient=0.2)])
 def test_fixed_steps_have_no_sensitivities_and_say_what_has(law):
     run = simulate(SpringBlock(mass=1.0), law, t_end=0.1, y0={"v": 1.0}, solver=FixedStep(dt=0.01))
-    with pytest.raises(InputError, match=r"use solver=EventDriven\(\)"):
+    with pytest.raises(InputError, match=r"run it with solver=EventDriven\(\)"):
         run.sensitivity("x", "kinetic_coefficient")
 
 

@@ -11,7 +11,7 @@ LAW = Coulomb(kinetic_coefficient=0.2)
 @pytest.mark.parametrize(
     ("rig", "match"),
     [
-        (Axis(inertia=1.0, upper_stop=-0.1), r"x = 0 m, beyond the upper stop of Axis at -0\.1 m"),
+        (Axis(inertia=1.0, upper_stop=-0.1), r"x = 0 m, beyond the upper stop of Axis at −0\.1 m"),
         (SpringBlock(mass=1.0, lower_stop=0.2), "beyond the lower stop of SpringBlock at 0.2 m"),
     ],
 )
@@ -38,5 +38,5 @@ def test_a_restitution_above_one_is_refused():
 
 
 def test_fixed_steps_know_no_stops():
-    with pytest.raises(InputError, match="FixedStep knows no hard stops, and this Axis has some"):
+    with pytest.raises(InputError, match="does not support hard stops, and this Axis has some"):
         simulate(Axis(inertia=1.0, upper_stop=1.0), LAW, t_end=1.0, solver=FixedStep(dt=0.01))

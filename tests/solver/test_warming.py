@@ -165,7 +165,7 @@ def test_machine_code_that_was_deleted_counts_as_absent(cache, tmp_path, monkeyp
 
 def test_a_process_that_dies_is_a_clear_error(empty, monkeypatch):
     monkeypatch.setattr(compile_pool, "_python", lambda: "false")  # a program that fails at once
-    with pytest.raises(CompilationError, match="ended with code 1 while it compiled SpringBlock"):
+    with pytest.raises(CompilationError, match="ended with code 1 while compiling SpringBlock"):
         warm_up(PAIRS)
 
 

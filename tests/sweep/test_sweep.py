@@ -174,14 +174,17 @@ def test_a_cycle_is_that_of_the_slowest_drive():
     ("drive", "words"),
     [
         (None, "has no drive"),
-        (Pulse(level=1.0, duration=1.0), "not known to repeat itself"),
-        (Sine(amplitude=1.0, frequency=2.0) + Sine(amplitude=1.0, frequency=3.0), "no cycle"),
+        (Pulse(level=1.0, duration=1.0), "not known to be periodic"),
+        (
+            Sine(amplitude=1.0, frequency=2.0) + Sine(amplitude=1.0, frequency=3.0),
+            "common period",
+        ),
     ],
 )
 def test_what_has_no_cycle_is_refused_with_the_cure(drive, words):
     with pytest.raises(InputError, match=words) as caught:
         cycle_of(Axis(inertia=1.0, drive=drive))
-    assert "give the period [s] yourself" in str(caught.value)
+    assert "give the period [s] explicitly" in str(caught.value)
 
 
 def test_samples_of_a_linear_oscillator_are_its_closed_form():
@@ -304,7 +307,7 @@ def test_samples_need_a_length_of_runs_at_events_only():
     law = Coulomb(kinetic_coefficient=0.2)
     with pytest.raises(InputError, match=r"needs t_end \[s\]"):
         bifurcation(block, law, "stiffness", [2.0], state="x", sample="stop")
-    with pytest.raises(InputError, match="t_end is for events"):
+    with pytest.raises(InputError, match="t_end applies to sampling at events"):
         bifurcation(block, law, "stiffness", [2.0], state="x", t_end=1.0, period=1.0)
 
 

@@ -102,21 +102,21 @@ def hidden(self):
 
 
 WRONG_MECHANISMS = {
-    "its name is kebab-case": changed(Sound, name="Not_Kebab"),
+    "its name is in kebab case": changed(Sound, name="Not_Kebab"),
     "it is a frozen, keyword-only dataclass": changed(Sound, undecorated=True),
     "every number is a declared quantity": changed(
         Sound, __annotations__={"extra": float}, extra=1.0
     ),
-    "every quantity is explained": changed(Sound, __doc__="Nothing is said of parameters."),
+    "every quantity is documented": changed(Sound, __doc__="Nothing is said of parameters."),
     "parameters are checked": changed(Sound, __post_init__=lambda self: None),
     "every coordinate has one rate and one unit": changed(Sound, units=("m", "rad")),
     "contacts name coordinates": changed(
         Sound, contacts=lambda self: (Contact(slip="y", load=1.0),)
     ),
-    "drives are named and stand in fields": changed(
+    "drives are named and are fields": changed(
         Sound, drives=lambda self: {"push": Pulse(level=1.0, duration=0.1)}
     ),
-    "it begins in states that it has": changed(Sound, start=lambda self: {"w": 1.0}),
+    "its initial state consists of states": changed(Sound, start=lambda self: {"w": 1.0}),
     "its kinetic energy is positive and quadratic in the rates": changed(
         Sound, kinetic_energy=lambda self, q, q_dot: self.mass * abs(q_dot["x"]) * q_dot["x"] ** 2
     ),
@@ -130,16 +130,16 @@ WRONG_MECHANISMS = {
         ByMatrices,
         forces=lambda self, t, q, q_dot, drives: {"x": self.mass * q["x"] * q_dot["turn"] ** 2},
     ),
-    "runs keep the energy balance": changed(
+    "runs satisfy the energy balance": changed(
         ByMatrices,
         forces=lambda self, t, q, q_dot, drives: {"x": -5.0 * q["x"]},
         mass_matrix=lambda self, q: [[self.mass, 0.0], [0.0, 1.0]],
         power=lambda self, t, q, q_dot, drives: 0.0 * t,
     ),
-    "equations are finite where slip ends": changed(
+    "equations are finite at the end of slip": changed(
         Sound, forces=lambda self, t, q, q_dot, drives: {"x": -sqrt(q_dot["x"])}
     ),
-    "sensitivities are what differences give": changed(Sound, start=hidden),
+    "sensitivities agree with finite differences": changed(Sound, start=hidden),
 }
 
 
@@ -164,7 +164,7 @@ def test_a_mechanism_that_is_not_complete_is_told_what_is_missing():
         kinetic_energy, potential_energy = Sound.kinetic_energy, Sound.potential_energy
         forces, contacts, drives = Sound.forces, Sound.contacts, Sound.drives
 
-    assert "it says what its states are" in failed(check_mechanism(Unnamed(), compiled=False))
+    assert "it declares its states" in failed(check_mechanism(Unnamed(), compiled=False))
 
 
 def test_a_claimed_symmetry_is_tested_and_another_is_not_looked_for():
@@ -172,7 +172,7 @@ def test_a_claimed_symmetry_is_tested_and_another_is_not_looked_for():
     start = [{"v": 1.0}]
     assert check_mechanism(pulled, compiled=False, starts=start).ok
     claimed = check_mechanism(pulled, compiled=False, starts=start, mirror=pulled)
-    assert failed(claimed) == {"its mirror image runs in mirror image"}
+    assert failed(claimed) == {"mirrored initial states give mirrored runs"}
     image = Axis(inertia=1.0, stiffness=4.0, offset=-0.5)
     assert check_mechanism(pulled, compiled=False, starts=start, mirror=image).ok
 
@@ -236,18 +236,18 @@ def of_arrays(self, speed, load):
 
 
 WRONG_LAWS = {
-    "its name is kebab-case": changed(Plain, name="My Law"),
-    "it says what it is": type("Untitled", (SetValuedLaw,), {
+    "its name is in kebab case": changed(Plain, name="My Law"),
+    "it declares its name, title, formula and sources": type("Untitled", (SetValuedLaw,), {
         "__module__": __name__, "sliding": Plain.sliding, "break_away": Plain.break_away, "mu": 0.2,
     })(),
     "it is a frozen, keyword-only dataclass": changed(Plain, undecorated=True),
     "every number is a declared quantity": changed(
         Plain, __annotations__={"extra": float}, extra=1.0
     ),
-    "every quantity is explained": changed(Plain, __doc__="Nothing is said of parameters."),
+    "every quantity is documented": changed(Plain, __doc__="Nothing is said of parameters."),
     "parameters are checked": changed(Plain, __post_init__=lambda self: None),
-    "the order of fitting names parameters": changed(Plain, fit_order=("nu",)),
-    "parameters that are fitted have ranges": changed(
+    "the fit order names parameters of the law": changed(Plain, fit_order=("nu",)),
+    "fitted parameters have ranges": changed(
         Plain,
         __annotations__={"mu": Annotated[float, Quantity("mu", low=0)]},
         mu=0.2,
@@ -258,25 +258,25 @@ WRONG_LAWS = {
     "friction is affine in the load": changed(
         Plain, sliding=lambda self, speed, load: 0.01 * load * load + 0.0 * speed
     ),
-    "friction stays within the cone of the break-away level": changed(
+    "friction stays below the break-away level": changed(
         Plain, sliding=lambda self, speed, load: (self.mu + speed) * load
     ),
     "break-away and sliding agree": changed(Plain, break_away=lambda self, load: 0.1 * load),
-    "arrays give what numbers give": changed(Plain, sliding=of_arrays),
+    "arrays and scalars give the same forces": changed(Plain, sliding=of_arrays),
     "its equations can be derived": changed(
         Plain, sliding=lambda self, speed, load: load if speed < 1.0 else 0.5 * load
     ),
-    "its equations give what it gives itself": changed(Plain, sliding=of_floats),
-    "energy never rises through friction": changed(
+    "the generated equations agree with the law": changed(Plain, sliding=of_floats),
+    "friction never increases the energy": changed(
         Brush,
         force=lambda self, velocity, bristles, load: (
             (self.stiffness * bristles[0] - 0.5 * velocity) * load
         ),
     ),
-    "runs keep the energy balance": changed(
+    "runs satisfy the energy balance": changed(
         Plain, sliding=lambda self, speed, load: self.mu * load / (speed * speed * speed)
     ),
-    "equations are finite where slip ends": changed(
+    "equations are finite at the end of slip": changed(
         Plain, sliding=lambda self, speed, load: (self.mu - 0.01 * sqrt(speed)) * load
     ),
 }  # fmt: skip
@@ -317,7 +317,7 @@ def test_a_law_with_two_directions_must_not_claim_to_have_one():
     )
     assert check_friction(law, compiled=False).ok
     claimed = check_friction(law, compiled=False, mirrored=True)
-    assert failed(claimed) == {"directions are alike where that is claimed"}
+    assert failed(claimed) == {"friction is odd in velocity unless declared directional"}
 
 
 # --- both
@@ -335,7 +335,7 @@ SUITES = {
 def test_a_wrong_derivative_is_found(suite, monkeypatch):
     right = Trajectory.sensitivity
     monkeypatch.setattr(Trajectory, "sensitivity", lambda *names: 1.01 * right(*names))
-    assert failed(suite(compiled=False)) == {"sensitivities are what differences give"}
+    assert failed(suite(compiled=False)) == {"sensitivities agree with finite differences"}
 
 
 @pytest.mark.parametrize("suite", SUITES.values(), ids=SUITES)
@@ -353,7 +353,7 @@ def test_a_difference_between_the_tiers_in_the_last_digit_is_found(suite, monkey
         return run
 
     monkeypatch.setattr(generated_equations, "simulate", wrong)
-    assert failed(suite()) == {"both tiers agree bit for bit"}
+    assert failed(suite()) == {"compiled and interpreted runs agree bit for bit"}
 
 
 def test_a_report_reads_as_text_and_raises_only_if_asked_to():
@@ -363,7 +363,7 @@ def test_a_report_reads_as_text_and_raises_only_if_asked_to():
     text = repr(report)
     assert text.startswith("<Changed: ")
     assert "- friction opposes slip\n" in text
-    assert "     -3 N at 10 m/s drives" in text
+    assert "     the force of −3 N at 10 m/s drives" in text
     assert "<pre>" in report._repr_html_()
     with pytest.raises(ConformanceError, match="friction opposes slip"):
         check_friction(wrong, compiled=False, throw=True)
@@ -373,4 +373,4 @@ def test_a_report_reads_as_text_and_raises_only_if_asked_to():
 def test_without_equations_the_checks_that_need_them_are_skipped():
     report = check_mechanism(WRONG_MECHANISMS["its equations can be derived"])
     assert report.skipped == tuple(mechanisms.THEN)
-    assert "Not looked at before that is mended" in repr(report)
+    assert "Not checked until these are corrected" in repr(report)

@@ -67,8 +67,8 @@ def base_address() -> str:
     base = os.environ.get("STICKSLIP_DATA_URL") or UPSTREAM
     if not base.startswith(("https://", "http://")):
         raise InputError(
-            f"STICKSLIP_DATA_URL must begin with https:// or http://, got {base!r}."
-            " A folder of data is named by STICKSLIP_DATA."
+            f"STICKSLIP_DATA_URL must begin with https:// or http://, got {base!r}. For a local"
+            " folder of data, set STICKSLIP_DATA instead."
         )
     return base.rstrip("/")
 

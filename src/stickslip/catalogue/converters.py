@@ -48,15 +48,15 @@ def convert(
         table = pd.DataFrame({column.name: _taken(series, column) for column in columns})
     except (TypeError, ValueError) as error:
         raise InputError(
-            f"{raw}: cannot be read as {form}: {str(error).rstrip('.')}. Its checksum is right, so"
-            " the entry of the catalogue is wrong: please report that."
+            f"{raw}: cannot be read as {form}: {str(error).rstrip('.')}. Its checksum is correct,"
+            " so the catalogue entry is wrong: please report this."
         ) from None
     if file.part:
         table = table.iloc[: file.rows]
     if file.rows is not None and len(table) != file.rows:
         warnings.warn(
-            f"{raw.name} gives a table of {len(table)} rows, where the catalogue knows of"
-            f" {file.rows}: results for {file.name} may differ from published ones.",
+            f"{raw.name} gives a table of {len(table)} rows, but the catalogue lists {file.rows}:"
+            f" results for {file.name} may differ from published ones.",
             stacklevel=2,
         )
     with fresh(target) as temporary:
@@ -65,7 +65,7 @@ def convert(
 
 def _taken(series: Mapping[str, Any], column: Column) -> Any:
     if column.source not in series:
-        raise ValueError(f"{column.source!r} is not in it, only {', '.join(series)}")
+        raise ValueError(f"{column.source!r} is missing; the file contains {', '.join(series)}")
     # One product, and none where nothing is to be scaled, keeps bits and precision as they were.
     values = series[column.source]
     return values if column.factor == 1.0 else values * column.factor

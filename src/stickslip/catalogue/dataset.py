@@ -212,8 +212,8 @@ class Dataset:
         wanted = self.file(file)
         if self.kind != "measured":
             raise InputError(
-                f"{self.name} is a reference simulation and no measurement: read its table itself,"
-                f" which is at catalogue.dataset({self.name!r}).path()."
+                f"{self.name} is a reference simulation, not a measurement: read its table"
+                f" directly, at catalogue.dataset({self.name!r}).path()."
             )
         used = [column for column in self.columns if column.quantity]
         measurement = load_measurement(
@@ -239,10 +239,10 @@ class Dataset:
         """Return the upstream file, downloaded unless it is there with its checksum."""
         if not file.source:
             raise InputError(
-                f"{self.name}: {file.file_name} is not where STICKSLIP_DATA says"
-                f" ({named_folder() or 'it names no folder'}), and the catalogue cannot download"
-                f" it. It was made from {self.repository} by hand: put it into the folder"
-                f" {self.name} of the folder that STICKSLIP_DATA names."
+                f"{self.name}: {file.file_name} is not in the folder of STICKSLIP_DATA"
+                f" ({named_folder() or 'not set'}), and the catalogue cannot download it. It was"
+                f" prepared by hand from {self.repository}: put it into the subfolder {self.name}"
+                " of the folder that STICKSLIP_DATA names."
             )
         raw = self._raw(file)
         if raw.is_file() and sha256_of(raw) == file.source_sha256:
@@ -260,7 +260,7 @@ def _compare(path: Path, file: DataFile) -> None:
     found = sha256_of(path) if file.sha256 else ""
     if found != file.sha256:
         warnings.warn(
-            f"{path} is not the file that the catalogue knows: its sha256 is {found}, that of the"
-            f" known file {file.sha256}. It is used as it is; published results may not hold.",
+            f"{path} differs from the file in the catalogue: its sha256 is {found}, expected"
+            f" {file.sha256}. It is used as it is; published results may not be reproduced.",
             stacklevel=3,
         )

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from stickslip.errors import InputError
+from stickslip.formatting import number
 
 __all__ = ["download", "fresh", "sha256_of"]
 
@@ -45,8 +46,8 @@ def _beside(target: Path) -> Path:
             return Path(file.name)
     except OSError as error:
         raise InputError(
-            f"{target.parent} cannot be written: {error.strerror}. It is where downloaded data"
-            " are kept; a folder of data of your own is named by STICKSLIP_DATA."
+            f"{target.parent} cannot be written: {error.strerror}. Downloaded data are kept there;"
+            " set STICKSLIP_DATA to use another folder."
         ) from None
 
 
@@ -77,16 +78,16 @@ def download(url: str, target: Path, sha256: str, *, page: str) -> None:
             HTTPDownloader(timeout=PATIENCE, stream=False)(url, str(temporary), None)
         except (OSError, ValueError) as error:  # those of requests are one or the other
             raise InputError(
-                f"{target.name} could not be downloaded from {url}: {_reason(error)}."
-                f" Get it by hand from {page} and put it into {target.parent}, or set"
-                " STICKSLIP_DATA to a folder that has its table."
+                f"{target.name} could not be downloaded from {url}: {_reason(error)}. Download it"
+                f" by hand from {page} and put it into {target.parent}, or set STICKSLIP_DATA to a"
+                " folder that contains its table."
             ) from None
         found = sha256_of(temporary)
         if found != sha256:
             raise InputError(
-                f"{target.name} from {url} is not the file the catalogue knows: its sha256 is"
-                f" {found}, and must be {sha256}. Nothing was kept. Try again, or get it by hand"
-                f" from {page} and put it into {target.parent}."
+                f"{target.name} from {url} differs from the file in the catalogue: its sha256 is"
+                f" {found}, expected {sha256}. The download was discarded. Try again, or download"
+                f" it by hand from {page} and put it into {target.parent}."
             )
 
 
@@ -97,9 +98,9 @@ def _reason(error: Exception) -> str:
         return f"the server answered {response.status_code} {response.reason}"
     kind = type(error).__name__
     if "Timeout" in kind:
-        return f"the server said nothing for {PATIENCE:g} s"
+        return f"the server did not respond for {number(PATIENCE)} s"
     if "Chunked" in kind or "Content" in kind:
-        return "the connection broke off"
+        return "the connection was interrupted"
     if "Connection" in kind or "SSL" in kind or "Proxy" in kind:
         return f"no connection ({kind})"
     return str(getattr(error, "strerror", None) or error).rstrip(".")

@@ -61,7 +61,7 @@ class _Stderr(logging.Handler):
 
 @contextlib.contextmanager
 def _notices() -> Iterator[None]:
-    """Say on stderr what takes a while, such as compiling, also where stderr is no terminal."""
+    """Report slow steps, such as compiling, on stderr, even where it is not a terminal."""
     log, handler = logging.getLogger("stickslip"), _Stderr()
     level = log.level
     log.addHandler(handler)

@@ -53,9 +53,10 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
-    help="Which friction model fits a mechanism, with which parameters, and how surely.",
-    epilog="Exit codes: 0 done, 1 page not drawn, 2 bad input or data, 3 no convergence or no law"
-    " fits, 4 criteria failed, 130 cancelled.",
+    help="Select a friction model for a mechanism from measurements, with parameters and"
+    " uncertainties.",
+    epilog="Exit codes: 0 success; 1 report not drawn; 2 invalid input or data; 3 no convergence,"
+    " or no law fits; 4 criteria failed; 130 cancelled.",
 )
 
 
@@ -73,7 +74,7 @@ def options(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
-    """Which friction model fits a mechanism, with which parameters, and how surely."""
+    """Select a friction model for a mechanism from measurements, with uncertainties."""
 
 
 @app.command()
@@ -105,9 +106,11 @@ def select(
     as_json: Json = False,
     enforce: Enforce = False,
 ) -> None:
-    """Fit every law to what was measured, compare them, write a report.
+    """Fit and compare friction laws; write a report.
 
-    Ctrl-C while laws are fitted to a record: once ends with the best so far, twice cancels.
+    Every law is fitted to the measurements, and the verdict names the law to use.
+
+    While laws are fitted to a record, Ctrl-C once stops with the best so far; twice cancels.
     """
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.inputs import CommandInputs, FitOptions
@@ -161,9 +164,11 @@ def fit(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Fit one law to what was measured; print its parameters with their intervals.
+    """Fit one friction law to measurements.
 
-    Ctrl-C while a record is fitted: once ends with the best so far, twice cancels.
+    The parameters are printed with their confidence intervals.
+
+    While a record is fitted, Ctrl-C once stops with the best so far; twice cancels.
     """
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.fit import run
@@ -198,8 +203,8 @@ def check(
         list[Path],
         typer.Argument(
             metavar="FILE",
-            help="CSV, Parquet or MATLAB files, of which several are trials; with or instead of"
-            " these a rig file (TOML), whose mechanism tells more and whose [data] is read.",
+            help="Data files (CSV, Parquet, MATLAB), one per trial, and/or a rig file (TOML). The"
+            " mechanism of the rig file allows more checks; its [data] is read too.",
         ),
     ],
     columns: Columns = None,
@@ -209,12 +214,16 @@ def check(
     conditions: Conditions = None,
     allow_import: AllowImport = False,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder for a picture and the findings.")
+        Path | None,
+        typer.Option("-o", "--output", help="Folder for the findings and an overview figure."),
     ] = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Say what a measurement can tell and what is wrong with it; exit with 2 at an error."""
+    """Check the quality of a measurement.
+
+    Exits with code 2 if the check finds an error.
+    """
     from stickslip.cli.check import run
     from stickslip.cli.file_options import reading_of
 
@@ -232,28 +241,30 @@ def simulate(
     changes: Set = None,
     allow_import: AllowImport = False,
     t_end: Annotated[
-        float | None, typer.Option("--t-end", help="Last time [s]; the rig's if not given.")
+        float | None, typer.Option("--t-end", help="End time [s]; default: that of the rig file.")
     ] = None,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Export to this CSV or Parquet file.")
+        Path | None,
+        typer.Option("-o", "--output", help="Export the run to this CSV or Parquet file."),
     ] = None,
     samples: Annotated[
-        int, typer.Option("--samples", min=2, help="Evenly spaced rows of the export.")
+        int, typer.Option("--samples", min=2, help="Number of evenly spaced rows in the export.")
     ] = 1001,
     fixed_step: Annotated[
         float | None,
         typer.Option(
             "--fixed-step",
-            help="Simulate in fixed steps of this size [s], as a block diagram does.",
+            help="Simulate with a fixed step of this size [s], as a block diagram does.",
         ),
     ] = None,
     method: Annotated[
-        str, typer.Option("--method", help="Integrator of the fixed step: euler, heun or rk4.")
+        str,
+        typer.Option("--method", help="Integration method for --fixed-step: euler, heun or rk4."),
     ] = "euler",
     no_stick_rule: Annotated[
         bool,
         typer.Option(
-            "--no-stick-rule", help="Fixed step: without the rule that holds the body at rest."
+            "--no-stick-rule", help="With --fixed-step: omit the rule that holds the body at rest."
         ),
     ] = False,
     ensemble: Annotated[
@@ -262,27 +273,30 @@ def simulate(
             "--ensemble",
             metavar="N",
             min=2,
-            help="Also simulate N draws of the law's parameters from the estimates in its file.",
+            help="Also simulate N samples of the law's parameters, drawn from the estimates in its"
+            " file.",
         ),
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed of these draws.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed of --ensemble.")] = 0,
     report: Annotated[
-        bool, typer.Option("--report", help="Write a report of the run, stickslip-run/index.html.")
+        bool,
+        typer.Option("--report", help="Write a report of the run to stickslip-run/index.html."),
     ] = False,
     report_to: Annotated[
         Path | None,
         typer.Option(
-            "--report-to", metavar="FOLDER", help="Write the report into this folder instead."
+            "--report-to", metavar="FOLDER", help="Write the report to this folder instead."
         ),
     ] = None,
     force: Force = False,
     as_json: Json = False,
     enforce: Enforce = False,
 ) -> None:
-    """Simulate the rig with one law; show events and certificate, export the run, write a report.
+    """Simulate the rig with one friction law.
 
-    With a fitted law from a file, --ensemble draws its parameters from their estimates and shows
-    the 95 % band of the motion.
+    Prints the events and the certificate; exports the run and writes a report on request.
+    With a fitted law from a file, --ensemble samples its parameters from their estimated
+    distribution and shows the 95 % band of the motion.
     """
     from stickslip.cli.law_choice import LawAsked
     from stickslip.cli.simulate import Settings, run
@@ -311,25 +325,29 @@ def animate(
     changes: Set = None,
     allow_import: AllowImport = False,
     t_end: Annotated[
-        float | None, typer.Option("--t-end", help="Last time [s]; the rig's if not given.")
+        float | None, typer.Option("--t-end", help="End time [s]; default: that of the rig file.")
     ] = None,
     output: Annotated[
         Path, typer.Option("-o", "--output", help="GIF or MP4 file; MP4 needs ffmpeg.")
     ] = Path("stickslip.gif"),
-    fps: Annotated[float, typer.Option("--fps", help="Frames a second.")] = 25.0,
+    fps: Annotated[float, typer.Option("--fps", help="Frames per second.")] = 25.0,
     speed: Annotated[
-        float, typer.Option("--speed", help="Times as fast as it is; 0.1 is slow motion.")
+        float, typer.Option("--speed", help="Playback speed; 1 is real time, 0.1 is slow motion.")
     ] = 1.0,
     size: Annotated[
-        str, typer.Option("--size", metavar="WIDTHxHEIGHT", help="In CSS pixels.")
+        str, typer.Option("--size", metavar="WIDTHxHEIGHT", help="Size in CSS pixels.")
     ] = "880x400",
     dpi: Annotated[
-        float, typer.Option("--dpi", help="Resolution; 72 is a pixel for each CSS pixel.")
+        float,
+        typer.Option("--dpi", help="Resolution in dots per inch; 72 is one pixel per CSS pixel."),
     ] = 72.0,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Simulate the rig with one law and draw what moves, to scale, beside its time plots."""
+    """Animate the rig, simulated with one law.
+
+    The mechanism is drawn to scale beside its time plots.
+    """
     from stickslip.cli.animate import AnimationStyle, run
     from stickslip.cli.law_choice import LawAsked
 
@@ -350,20 +368,29 @@ def sweep(
         typer.Option(
             "--vary",
             metavar="PATH=LOW:HIGH:N",
-            help="E.g. mechanism.drive.drive.frequency=1:6:50; once or twice.",
+            help="Grid of a parameter, e.g. mechanism.drive.drive.frequency=1:6:50; one or two"
+            " grids.",
         ),
     ] = None,
     cycles: Annotated[
-        int, typer.Option("--cycles", help="Cycles the mean is taken over; even.")
+        int, typer.Option("--cycles", help="Number of drive cycles in the mean; even.")
     ] = 20,
-    settle: Annotated[int, typer.Option("--settle", help="Cycles before them.")] = 100,
+    settle: Annotated[
+        int, typer.Option("--settle", help="Number of drive cycles before the mean is taken.")
+    ] = 100,
     output: Annotated[
-        Path, typer.Option("-o", "--output", help="CSV or Parquet file; a figure (SVG) beside it.")
+        Path,
+        typer.Option(
+            "-o", "--output", help="CSV or Parquet file; a figure (SVG) is written beside it."
+        ),
     ] = Path("stickslip-sweep.csv"),
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Mean velocity of a driven rig over a grid of parameters: a table and a figure."""
+    """Mean velocity over a parameter grid.
+
+    Simulates a driven rig at every point of the grid; writes a table and a figure.
+    """
     from stickslip.cli.law_choice import LawAsked
     from stickslip.cli.sweep import run
 
@@ -383,29 +410,34 @@ def plan(
         typer.Option(
             "--between",
             metavar="LOW..HIGH",
-            help="Settings that the rig can take, e.g. 40mm..100mm; if not given, those of the"
-            " trials and the rig file, or 0.4 of what the rig file sets to all of it.",
+            help="Settings that the rig can take, e.g. 40mm..100mm; default: those of the trials"
+            " and the rig file, or 0.4 to 1 times the value in the rig file.",
         ),
     ] = None,
-    settings: Annotated[int, typer.Option("--settings", help="How many, from 2 to 12.")] = 4,
+    settings: Annotated[int, typer.Option("--settings", help="Number of settings, 2 to 12.")] = 4,
     uncertainty: Annotated[
         str | None,
         typer.Option(
             "--uncertainty",
-            help="Standard uncertainty of one travel, scatter and reading together, e.g. 2mm; if"
-            " not given, that of the rig's trials, or else 2 % of the longest travel.",
+            help="Standard uncertainty of one travel, scatter and reading combined, e.g. 2mm;"
+            " default: that of the rig's trials, or 2 % of the longest travel.",
         ),
     ] = None,
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", help="Sheet to print (HTML); its table as CSV beside it, to fill in."
+            "-o",
+            "--output",
+            help="Lab sheet to print (HTML); its table is written beside it as CSV, to fill in.",
         ),
     ] = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Plan travels: what to measure, how often and how well, and which laws that tells apart."""
+    """Plan travel measurements.
+
+    Proposes settings, number of repeats and uncertainty, and lists the laws that they discriminate.
+    """
     from stickslip.cli.plan import run
 
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
@@ -414,13 +446,16 @@ def plan(
 
 @app.command()
 def models(
-    name: Annotated[str | None, typer.Argument(help="Show one law in full.")] = None,
+    name: Annotated[str | None, typer.Argument(help="Friction law to show in full.")] = None,
     published: Annotated[
-        bool, typer.Option("--published", help="The equations of the source paper as printed.")
+        bool, typer.Option("--published", help="Show the equations as printed in the source paper.")
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """List the friction laws, or show one: formula, parameters, sources."""
+    """List the friction laws, or show one in full.
+
+    A single law is shown with its formula, parameters and sources.
+    """
     from stickslip.cli.models import run
 
     run(name, published=published, as_json=as_json)
@@ -432,7 +467,10 @@ def paper(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Recompute every table and figure of the source paper, beside what was printed."""
+    """Recompute the results of the source paper.
+
+    Every table and figure is shown beside the printed values.
+    """
     from stickslip.cli.paper import run
 
     run(output, force=force, as_json=as_json)
@@ -441,24 +479,30 @@ def paper(
 @app.command()
 def warmup(
     rig: Annotated[
-        Path | None, typer.Option("--rig", help="Only the mechanism and laws of this rig file.")
+        Path | None,
+        typer.Option("--rig", help="Compile only the mechanism and the laws of this rig file."),
     ] = None,
     mechanisms: Annotated[
         list[str] | None,
-        typer.Option("--mechanism", help="Only this one, e.g. spring-block; may be repeated."),
+        typer.Option(
+            "--mechanism", help="Compile only this mechanism, e.g. spring-block; may be repeated."
+        ),
     ] = None,
     laws: Laws = None,
     allow_import: AllowImport = False,
     jobs: Annotated[
-        int | None, typer.Option("--jobs", min=1, help="Processes; one a core if not given.")
+        int | None,
+        typer.Option("--jobs", min=1, help="Number of processes; default: one per core."),
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Compile equations ahead of time, for container images and continuous integration.
+    """Compile equations ahead of time.
 
-    Every mechanism with its defaults, without and with a drive, is compiled with every law with its
-    defaults, for single runs and for ensembles; or the mechanism of a rig file with its laws. Other
-    values of parameters need no compiling. What is there already is left alone.
+    Intended for container images and continuous integration.
+
+    Default: every mechanism, with and without a drive, with every law, for single runs and for
+    ensembles. With --rig: the mechanism of the rig file with its laws. Other parameter values need
+    no compilation. Equations that are already in the cache are kept.
     """
     from stickslip.cli.warmup import run
 
@@ -476,7 +520,7 @@ def schema() -> None:
 @app.command()
 def cite(
     laws: Annotated[
-        list[str] | None, typer.Argument(help="Laws whose sources to print; all if none.")
+        list[str] | None, typer.Argument(help="Laws whose sources are printed; default: all.")
     ] = None,
     as_json: Json = False,
 ) -> None:

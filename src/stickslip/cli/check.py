@@ -75,7 +75,7 @@ def run(
         if not as_json:
             stdout().print(f"\nFindings and pictures: {output}", markup=False)
     if found.worst == "error":
-        note("No fit should be made from this as it is.")
+        note("The check found errors: correct the data before a fit.")
         raise typer.Exit(BAD_DATA)
 
 
@@ -96,13 +96,13 @@ def _measurement(rig: Rig | None, data: Sequence[Path], reading: Reading) -> Mea
     assert rig is not None  # one file at least is given
     if reading != Reading():
         raise InputError(
-            "--columns, --unit, --gain, --repair and --conditions are for files of data: give one"
-            f" beside {rig.path}, or write them under its [data]."
+            "--columns, --unit, --gain, --repair and --conditions apply to data files: name one"
+            f" beside {rig.path}, or write these settings under its [data]."
         )
     if rig.measurement is None:
         raise InputError(
-            f"{rig.path} has no measurement: add [data] with a file, or name the file beside it,"
-            f" as stickslip check {rig.path} FILE."
+            f"{rig.path} has no measurement: add [data] with a file, or name the data file as"
+            f" well: stickslip check {rig.path} FILE."
         )
     return rig.measurement
 

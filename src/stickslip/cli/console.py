@@ -159,11 +159,9 @@ def refuse_overwriting(path: Path, folder: Path, *, force: bool, option: str = "
         If `path` exists without `force`, or `folder` cannot be written into.
     """
     if path.exists() and not force:
-        raise InputError(
-            f"{path} is already there; give --force to replace it, or another {option}."
-        )
+        raise InputError(f"{path} already exists; give --force to replace it, or another {option}.")
     if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder} is a file, and a folder is needed: give another {option}.")
+        raise InputError(f"{folder} is a file, but a folder is needed: give another {option}.")
     new = [part for part in (folder, *folder.parents) if not part.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -20,7 +20,9 @@ def run_list(*, as_json: bool) -> None:
         return
     rows = [[one.name, one.title, _short(one.licence), _places(one)] for one in records]
     show_table("", ["name", "title", "licence", "where"], rows, whole=["name", "where"])
-    stdout().print("\nOne in full: stickslip data show NAME. Its table: stickslip data path NAME")
+    stdout().print(
+        "\nDetails of a record: stickslip data show NAME. Its table: stickslip data path NAME"
+    )
 
 
 def run_show(name: str, *, as_json: bool) -> None:

@@ -110,13 +110,13 @@ def _checked(rig: Rig, found: Inputs, asked: CommandInputs) -> Checks:
     """Return what is to be said of the measurement; refuse what no fit should be made from."""
     if asked.how.horizon is not None and found.validate is None:
         raise InputError(
-            "--horizon is the length of predicted stretches of a second record: give --validate"
-            " FILE too, or leave it out."
+            "--horizon is the prediction length on a second record: give --validate FILE too, or"
+            " leave it out."
         )
     checks = check(found.measurement, mechanism=rig.mechanism)
     if checks.worst == "error":
         wrong = told([one for one in checks.findings if one.severity == "error"])
-        raise InputError(f"No fit should be made from this record. {wrong}")
+        raise InputError(f"This record cannot be fitted. {wrong}")
     if found.validate is not None:
         refuse_same(found.measurement, found.validate)
     return checks
@@ -156,7 +156,7 @@ def _show(result: Fit, shown: FitSummary) -> None:
     for line in shown.lines:
         console.print(plain(line), markup=False)
     if result.cancelled:
-        note("The search was ended early; this is the best so far.")
+        note("The search was stopped early; this is the best fit so far.")
     for line in shown.findings:
         console.print(f"\n{plain(line)}", markup=False)
     heading, lines = shown.open

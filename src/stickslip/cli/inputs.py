@@ -22,7 +22,7 @@ from stickslip.experiments import (
     read_number,
     with_files,
 )
-from stickslip.formatting import unit_text, within
+from stickslip.formatting import number, unit_text, within
 from stickslip.friction import FrictionLaw
 from stickslip.identification import (
     LAW,
@@ -80,7 +80,7 @@ class FitOptions:
 
     @property
     def given(self) -> tuple[str, ...]:
-        """Names of the options that say something."""
+        """Names of the options that are set."""
         return tuple(f.name for f in fields(self) if getattr(self, f.name) is not None)
 
     def settings(self, rig: Rig) -> RecordSettings | None:
@@ -171,7 +171,8 @@ def measured(
         measurement = rig.doubting(read_data(asked.data, reading, mechanism=rig.mechanism))
     elif asked.reading != Reading() and asked.validate is None:
         raise InputError(
-            "--columns, --unit, --gain, --repair and --conditions are for --data or --validate."
+            "--columns, --unit, --gain, --repair and --conditions apply to the files of --data or"
+            " --validate: name one, or leave them out."
         )
     if measurement is None:
         raise InputError(
@@ -201,8 +202,8 @@ def measured(
     refuse([*how.given, *(["validate"] if asked.validate else [])], options)
     if not given and "t_end" not in route.uses:  # the bundled rig is a block with a travel
         raise InputError(
-            "a record needs a rig file that says what moves: give one with a [mechanism], such as"
-            ' type = "axis" and inertia = { value = "80 kg", vary = true }.'
+            "a record needs a rig file with a mechanism: give one with a [mechanism] table, such"
+            ' as type = "axis" and inertia = { value = "80 kg", vary = true }.'
         )
     request = Request(mechanism=rig.mechanism, measurement=measurement, vary=vary, fixed=fixed)
     options = route.resolved(request, options, None if chosen is None else route.owner(chosen))
@@ -232,10 +233,10 @@ def _parameters(
     if isinstance(law, type) and issubclass(law, FrictionLaw):
         given = rig.given.get(law.name, {})
     if given and (not names or LAW in names):
-        said = ", ".join(f"{name} = {value:g}" for name, value in given.items())
+        said = ", ".join(f"{name} = {number(value, 6)}" for name, value in given.items())
         note(
-            f"All of {law.name if law else ''} is fitted, {said} too; --vary names what is fitted"
-            " beside it, --fixed what is held."
+            f"All parameters of {law.name if law else 'the law'} are fitted, including {said} of"
+            " the rig file; --vary adds parameters to the fit, --fixed holds them."
         )
     elif given:
         paths = {f"friction.{name}": value for name, value in given.items()}
@@ -329,7 +330,7 @@ def show_estimates(estimates: Sequence[Estimate]) -> None:
 def show_open(words: Wording) -> None:
     """Print what the data cannot tell and what to measure next."""
     console = stdout()
-    for title, lines in (("Cannot tell", words.cannot_tell), ("Measure next", words.measure_next)):
+    for title, lines in (("Limitations", words.cannot_tell), ("Measure next", words.measure_next)):
         if lines:
             console.print(f"\n{title}", markup=False, style="bold")
         for line in lines:

@@ -17,7 +17,7 @@ class Interrupts:
     def __init__(self) -> None:
         self.stopped = False
         """Whether the search is to end with what it has."""
-        self.promise = "Ending with the best so far; Ctrl-C once more cancels."
+        self.promise = "Stopping with the best fit so far; press Ctrl-C again to cancel."
         """What is said at the first interrupt."""
         self._before: Any = None
 

@@ -130,14 +130,14 @@ def rig_and_law(
     if file is None and asked.law is not None and asked.law.lower().endswith(OTHER_FILES):
         beside = Path(asked.law).with_name("law.toml")
         raise InputError(
-            f"--law takes the name of a law or a .toml file that has one, got {asked.law}: give the"
+            f"--law takes the name of a law or a .toml file with a law, got {asked.law}: give the"
             f" law.toml that `stickslip select` writes beside its verdict.json, as --law {beside}."
         )
     if file is None:
         if asked.load is not None:
             raise InputError(
-                "--law-load is for a law from a file, such as --law law.toml, whose levels are"
-                " forces."
+                "--law-load applies only to a law from a file, such as --law law.toml, whose"
+                " levels are forces: leave it out."
             )
         rig = load_rig(path, overrides=given, allow_import=allow_import)
         chosen = _own(rig, asked.law)
@@ -170,9 +170,9 @@ def _check_named(file: Path) -> None:
     """Refuse the law of a selection that named none, with what to do next."""
     if file.name == "law.toml" and not file.exists() and file.with_name("verdict.json").exists():
         raise InputError(
-            f"{file}: there is no such file, because select named no law for those data: measure or"
-            " mend what its page lists under 'Measure next', or fit a law that you accept with"
-            " `stickslip fit FILE --law NAME -o law.toml`, and give that."
+            f"{file} does not exist: select recommended no law for those data. Follow 'Measure"
+            " next' of its report, or fit a law of your own choice with `stickslip fit FILE --law"
+            " NAME -o law.toml` and give that file."
         )
 
 
@@ -185,13 +185,13 @@ def _check_used(given: Collection[str], law: FrictionLaw) -> None:
         table, dot, _ = path.removeprefix(FRICTION).partition(".")
         if dot and table != law.name:
             raise InputError(
-                f"--set {path} is a value of {table}, but the run has {law.name}: add --law"
+                f"--set {path} sets a parameter of {table}, but the run uses {law.name}: add --law"
                 f" {table}, or leave it out."
             )
         if not dot and table not in known:
             raise InputError(
-                f"--set {path} is no parameter of {law.name}, with which the run is made and which"
-                f" has {', '.join(known)}: name another law with --law, or leave it out."
+                f"--set {path} names no parameter of {law.name}, the law of this run, which has"
+                f" {', '.join(known)}. Name another law with --law, or leave it out."
             )
 
 
@@ -209,8 +209,8 @@ def _own(rig: Rig, name: str | None) -> ChosenLaw:
     name = _name(rig) if name is None else name
     if name in PRINTED_FORMS:
         raise InputError(
-            f"{name} is an equation as printed; `stickslip paper` runs those. Its corrected law is"
-            f" {PRINTED_FORMS[name].corrected.name}."
+            f"{name} is an equation as printed, which only `stickslip paper` runs. Its corrected"
+            f" law is {PRINTED_FORMS[name].corrected.name}."
         )
     if name in rig.laws:
         known = rig.estimates
@@ -220,11 +220,11 @@ def _own(rig: Rig, name: str | None) -> ChosenLaw:
         law = dataclasses.replace(starting_law(law_type(name)), **given)
     except ParameterError as error:
         raise ParameterError(
-            f"{rig.path} has values for some parameters of {name}, with which ordinary ones of the"
-            f" others do not agree: {error} Give all of them."
+            f"{rig.path} gives only some parameters of {name}, and they are inconsistent with the"
+            f" default values of the others: {error} Give all of them."
         ) from None
     lacks = "only some values" if given else "no values"
-    note(f"{rig.path} has {lacks} for {name}: it is run with ordinary ones, {law}.")
+    note(f"{rig.path} has {lacks} for {name}; default values are used: {law}.")
     return _of_rig(rig, law, None)
 
 
@@ -244,6 +244,6 @@ def _name(rig: Rig) -> str:
             return known[0]
     if rig.laws and USUAL not in rig.laws:
         raise InputError(
-            f"{rig.path} has values for several laws, {', '.join(rig.laws)}: say which with --law."
+            f"{rig.path} has values for several laws, {', '.join(rig.laws)}: choose one with --law."
         )
     return USUAL

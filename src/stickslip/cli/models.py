@@ -7,6 +7,7 @@ from rich.text import Text
 
 from stickslip.cli.console import document, plain, print_json, show_table, stdout
 from stickslip.errors import UnknownNameError
+from stickslip.formatting import number
 from stickslip.friction import (
     PRINTED_EQUATIONS,
     PRINTED_FORMS,
@@ -61,7 +62,9 @@ def _all(*, as_json: bool) -> None:
         for name, law in laws().items()
     ]
     show_table("", ["law", "title", "kind", "parameters"], rows)
-    stdout().print("\nOne in full: stickslip models NAME. As printed: stickslip models --published")
+    stdout().print(
+        "\nDetails of a law: stickslip models NAME. As printed: stickslip models --published"
+    )
 
 
 def _printed(*, as_json: bool) -> None:
@@ -80,7 +83,7 @@ def _show_form(form: type[PrintedForm] | RightEquation) -> None:
     console.print(indent(formula_text(form.formula), INDENT), markup=False, soft_wrap=True)
     notes = {
         "defect": form.defect,
-        "right" if form.defect else "right as printed": form.right,
+        "correct" if form.defect else "correct as printed": form.right,
         "used here": f"{form.cure} ({form.corrected.name})" if form.corrected else "",
     }
     for key, text in notes.items():
@@ -124,7 +127,7 @@ def _one(name: str, *, as_json: bool) -> None:
 def _default(law: type[FrictionLaw], field: str) -> str:
     default = law.__dataclass_fields__[field].default
     if isinstance(default, (int, float)):
-        return f"{default:g}"
+        return number(default)
     return "none" if default is None else "required"
 
 

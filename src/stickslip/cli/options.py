@@ -55,32 +55,38 @@ __all__ = [
     "Vary",
 ]
 
-Rig = Annotated[Path | None, typer.Argument(help="Rig file (TOML); the paper's rig if not given.")]
+Rig = Annotated[
+    Path | None, typer.Argument(help="Rig file (TOML). Default: the rig of the source paper.")
+]
 Set = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="Override, e.g. mechanism.attached=true."),
+    typer.Option(
+        "--set",
+        metavar="PATH=VALUE",
+        help="Override a value of the rig file, e.g. mechanism.attached=true.",
+    ),
 ]
 AllowImport = Annotated[
     bool,
     typer.Option(
         "--allow-import",
-        help="Let the rig file import classes (type = 'module:Class'), which runs their code.",
+        help="Allow the rig file to import classes (type = 'module:Class'); this runs their code.",
     ),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
-Force = Annotated[bool, typer.Option("--force", help="Replace what is already there.")]
-Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder of the report.")]
-Record = Annotated[str, typer.Argument(metavar="NAME", help="A record, see `data list`.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document to stdout.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace existing files.")]
+Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder for the report.")]
+Record = Annotated[str, typer.Argument(metavar="NAME", help="Name of a record, see `data list`.")]
 Enforce = Annotated[
-    bool, typer.Option("--enforce", help="Exit with 4 if a criterion of the paper fails.")
+    bool, typer.Option("--enforce", help="Exit with code 4 if a criterion of the paper fails.")
 ]
 Law = Annotated[
     str | None,
     typer.Option(
         "--law",
         metavar="NAME|FILE",
-        help="Friction law, see `stickslip models`, or a file that has one, such as the law.toml of"
-        " `stickslip select`; if not given, the only one that the rig file has values for, else"
+        help="Friction law (see `stickslip models`), or a file with one, such as the law.toml of"
+        " `stickslip select`. Default: the only law with values in the rig file, else"
         " coulomb.",
     ),
 ]
@@ -89,7 +95,7 @@ LawLoad = Annotated[
     typer.Option(
         "--law-load",
         metavar="FORCE",
-        help='Normal force at which the law of a file was fitted, e.g. "50 N", where its levels are'
+        help='Normal force at which the law of a file was fitted, e.g. "50 N", if its levels are'
         " forces: they are divided by it.",
     ),
 ]
@@ -97,20 +103,26 @@ FittedLaw = Annotated[
     str | None,
     typer.Option(
         "--law",
-        help="Friction law, see `stickslip models`; if not given, the only one that the rig file"
-        " has a table for, else coulomb-viscous.",
+        help="Friction law (see `stickslip models`). Default: the only law with a table in the rig"
+        " file, else coulomb-viscous.",
     ),
 ]
 LawFile = Annotated[
-    Path | None, typer.Option("-o", "--output", help="Rig file (TOML) of the fitted law.")
+    Path | None,
+    typer.Option("-o", "--output", help="Write the fitted law to this rig file (TOML)."),
 ]
-Laws = Annotated[str | None, typer.Option("--laws", help="Only these, e.g. coulomb,viscous.")]
+Laws = Annotated[
+    str | None,
+    typer.Option(
+        "--laws", help="Friction laws to use, e.g. coulomb,viscous. Default: all that apply."
+    ),
+]
 PlannedLaws = Annotated[
     str | None,
     typer.Option(
         "--law",
         "--laws",
-        help="What to tell apart, e.g. coulomb,viscous; the laws of the rig file if not given.",
+        help="Laws to discriminate, e.g. coulomb,viscous. Default: the laws of the rig file.",
     ),
 ]
 
@@ -119,8 +131,8 @@ Data = Annotated[
     typer.Option(
         "--data",
         metavar="FILE",
-        help="Table of travels, or record in time (CSV, Parquet, MATLAB), instead of the rig's own;"
-        " may be repeated, for trials.",
+        help="Table of travels, or time record (CSV, Parquet, MATLAB), instead of the rig's own"
+        " data. Repeat the option for several trials.",
     ),
 ]
 Columns = Annotated[
@@ -128,26 +140,28 @@ Columns = Annotated[
     typer.Option(
         "--columns",
         metavar="NAME=COLUMN,...",
-        help="E.g. position=q,force=u; of a video position=x,y.",
+        help="Column of each quantity, e.g. position=q,force=u; for a video track position=x,y.",
     ),
 ]
 Units = Annotated[
     list[str] | None,
-    typer.Option("--unit", metavar="NAME=UNIT,...", help="Of columns, e.g. position=mm."),
+    typer.Option("--unit", metavar="NAME=UNIT,...", help="Unit of a column, e.g. position=mm."),
 ]
 Gain = Annotated[
     list[str] | None,
     typer.Option(
         "--gain",
         metavar="NAME=FACTOR,...",
-        help="Factor of a column in SI units, e.g. friction=-1; of one in volts or without a unit,"
-        " the factor that gives SI units, e.g. force=35.15.",
+        help="Scale factor per quantity, e.g. friction=-1 to flip a sign, or force=35.15 to"
+        " convert volts to newtons.",
     ),
 ]
 Repair = Annotated[
     list[str] | None,
     typer.Option(
-        "--repair", metavar="sort,gaps", help="Sort the rows by time; drop rows with empty cells."
+        "--repair",
+        metavar="sort,gaps",
+        help="Repair the time base: 'sort' sorts rows by time, 'gaps' drops rows with empty cells.",
     ),
 ]
 Conditions = Annotated[
@@ -155,21 +169,25 @@ Conditions = Annotated[
     typer.Option(
         "--conditions",
         metavar="NAME,...",
-        help="Columns with a condition of each trial, such as a temperature or a direction.",
+        help="Columns with a condition of each trial, such as temperature or direction.",
     ),
 ]
 Validate = Annotated[
     Path | None,
-    typer.Option("--validate", metavar="FILE", help="A second record, not used in any fit."),
+    typer.Option(
+        "--validate",
+        metavar="FILE",
+        help="Second record for validation; it is not used in any fit.",
+    ),
 ]
 Vary = Annotated[
     list[str] | None,
     typer.Option(
         "--vary",
         metavar="NAME,...",
-        help="Parameters to fit, beside those that the rig file marks; all others are held. E.g."
-        " 'friction.*,inertia': what is fitted of the law by default, and the mass. Default:"
-        " 'friction.*'.",
+        help="Parameters to fit, in addition to those that the rig file marks, e.g."
+        " 'friction.*,inertia'; all others are held fixed. Default: 'friction.*', all"
+        " parameters of the law.",
     ),
 ]
 Fixed = Annotated[
@@ -177,7 +195,7 @@ Fixed = Annotated[
     typer.Option(
         "--fixed",
         metavar="NAME=VALUE,...",
-        help="Values of parameters that are held, e.g. viscous_coefficient=0.4 or 'inertia=80 kg'.",
+        help="Values of fixed parameters, e.g. viscous_coefficient=0.4 or 'inertia=80 kg'.",
     ),
 ]
 
@@ -187,7 +205,7 @@ def _former(option: str, cure: str) -> Callable[[list[str] | None], None]:
 
     def refuse(given: list[str] | None) -> None:
         if given:
-            raise RenamedError(f"{option} is now --vary: {cure}.")
+            raise RenamedError(f"{option} was renamed to --vary: {cure}.")
 
     return refuse
 
@@ -197,7 +215,7 @@ FormerFree = Annotated[
     typer.Option(
         "--free",
         hidden=True,
-        callback=_former("--free", "--vary kinetic_coefficient; what is not named is held"),
+        callback=_former("--free", "--vary kinetic_coefficient; other parameters are held"),
     ),
 ]
 FormerUnknown = Annotated[
@@ -208,44 +226,56 @@ FormerUnknown = Annotated[
 ]
 Horizon = Annotated[
     float | None,
-    typer.Option("--horizon", help="Length of the predicted segments [s], for records."),
+    typer.Option("--horizon", help="Prediction length on the second record [s]."),
 ]
 Route = Annotated[
     str | None,
-    typer.Option("--route", help="shooting, force-map, inverse-dynamics or features, for records."),
+    typer.Option(
+        "--route",
+        help="Estimation method for records: shooting, force-map,"
+        " inverse-dynamics or features. Default: chosen from the data.",
+    ),
 ]
 Segment = Annotated[
     float | None,
-    typer.Option(
-        "--segment", help="Length of the simulated segments [s], for records; 1 by default."
-    ),
+    typer.Option("--segment", help="Length of the simulated segments of a record [s] (default 1)."),
 ]
 Hold = Annotated[
     str | None,
     typer.Option(
         "--hold",
         metavar="zero|first",
-        help="Force between samples, for records: zero holds it (a command), first interpolates it"
-        " (a force sensor); default zero.",
+        help="Interpolation of the force: zero-order hold (a command) or first-order, linear (a"
+        " sensor). Default: zero.",
     ),
 ]
 Starts = Annotated[
     int | None,
-    typer.Option("--starts", min=1, help="Starts of each search, for records; default 4."),
+    typer.Option(
+        "--starts", min=1, help="Number of starting points per search, for records (default 4)."
+    ),
 ]
 Seed = Annotated[
     int | None,
-    typer.Option("--seed", min=0, help="Seed of random starts, for records; default 0."),
+    typer.Option("--seed", min=0, help="Random seed for the extra starting points (default 0)."),
 ]
 Purpose = Annotated[
-    str | None, typer.Option("--purpose", help="simulate, position or compensate, for records.")
+    str | None,
+    typer.Option(
+        "--purpose", help="Intended use of the law, for records: simulate, position or compensate."
+    ),
 ]
 Jobs = Annotated[
     int | None,
-    typer.Option("--jobs", min=1, help="Processes that fit laws to records; default 1."),
+    typer.Option("--jobs", min=1, help="Number of processes that fit laws to records (default 1)."),
 ]
 
-Goal = Annotated[str, typer.Option("--goal", help="travel (per cycle), speed or economy (per J).")]
+Goal = Annotated[
+    str,
+    typer.Option(
+        "--goal", help="Objective: travel (per cycle), speed, or economy (travel per joule)."
+    ),
+]
 Kind = Annotated[
     str,
     typer.Option(
@@ -255,26 +285,33 @@ Kind = Annotated[
 Position = Annotated[
     str,
     typer.Option(
-        "--angle", "--stroke", help='Largest angle or half a stroke, e.g. "60 deg" or "10 mm".'
+        "--angle", "--stroke", help='Largest angle or half stroke, e.g. "60 deg" or "10 mm".'
     ),
 ]
-Rate = Annotated[str, typer.Option("--rate", help='Largest rate, e.g. "12 rad/s" or "0.5 m/s".')]
+Rate = Annotated[
+    str,
+    typer.Option("--rate", help='Largest angular velocity or speed, e.g. "12 rad/s" or "0.5 m/s".'),
+]
 Effort = Annotated[
     str | None,
     typer.Option("--torque", "--force-limit", help='Largest torque or force, e.g. "0.6 N m".'),
 ]
 LoadShare = Annotated[
-    str, typer.Option("--load-share", help='Least normal force over the weight, e.g. "10 %".')
+    str,
+    typer.Option(
+        "--load-share", help='Smallest normal force, relative to the weight, e.g. "10 %".'
+    ),
 ]
 BackSlip = Annotated[
-    str | None, typer.Option("--back-slip", help='Largest back-slip in a cycle, e.g. "1 mm".')
+    str | None, typer.Option("--back-slip", help='Largest back-slip per cycle, e.g. "1 mm".')
 ]
 Interval = Annotated[
     list[str] | None,
     typer.Option(
         "--interval",
         metavar="PATH=LOW..HIGH",
-        help="The worst case counts, e.g. kinetic_coefficient=0.15..0.25; may be repeated.",
+        help="Range of an uncertain parameter, e.g. kinetic_coefficient=0.15..0.25; the worst case"
+        " is optimised. May be repeated.",
     ),
 ]
 Evaluations = Annotated[
@@ -282,16 +319,16 @@ Evaluations = Annotated[
     typer.Option(
         "--evaluations",
         min=1,
-        help="Motions that each search tries; each of its up to three polishes at most six"
-        " times as many, or 80 (n + 1) for the n numbers of a motion: 320 for three-phase.",
+        help="Evaluation budget per search. Local refinement may use up to six times as many, or"
+        " 80 (n + 1) for n parameters of the motion, whichever is larger.",
     ),
 ]
-Knots = Annotated[int, typer.Option("--knots", help="Positions of a spline.")]
+Knots = Annotated[int, typer.Option("--knots", help="Number of knots of a spline.")]
 Resume = Annotated[
     Path | None,
     typer.Option(
         "--resume",
         metavar="FILE",
-        help="Keep the state of the search in this file, and go on from it if it is there.",
+        help="Save the state of the search to this file, and resume from it if it exists.",
     ),
 ]

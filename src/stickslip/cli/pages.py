@@ -36,14 +36,14 @@ def draw_page(folder: Path, page: Callable[[], str], *, kept: str, quiet: bool =
     int
         Exit code; 0 if the page was drawn.
     """
-    note("Drawing the page ...")
+    note("Drawing the report ...")
     try:
         write_folder(folder, {PAGE: page()})
     except KeyboardInterrupt:
-        note(f"Cancelled while the page was drawn. {kept}")
+        note(f"Cancelled while the report was drawn. {kept}")
         code = CANCELLED
     except Exception as error:  # whatever a page fails with, the result stands
-        note(f"The page could not be drawn ({type(error).__name__}: {error}). {kept}")
+        note(f"The report could not be drawn ({type(error).__name__}: {error}). {kept}")
         code = PAGE_FAILED
     else:
         if not quiet:

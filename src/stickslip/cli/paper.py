@@ -16,7 +16,7 @@ from stickslip.cli.console import (
 from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.progress import Watching
 from stickslip.experiments import load_rig
-from stickslip.formatting import significant
+from stickslip.formatting import fixed, significant
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
 from stickslip.paper.cart import CYCLES
 
@@ -58,12 +58,12 @@ def _show(found: PaperAudit) -> None:
     rows = [
         [
             row.law.title,
-            f"{row.published.travel:.2f}" if row.published.travel is not None else "",
-            *[f"{reading.criteria.travel:.4f}" for reading in row.readings],
+            fixed(row.published.travel, 2) if row.published.travel is not None else "",
+            *[fixed(reading.criteria.travel, 4) for reading in row.readings],
         ]
         for row in found.table
     ]
-    show_table(f"Table II; measured {found.measured:.2f} m", heads, rows)
+    show_table(f"Table II; measured {fixed(found.measured, 2)} m", heads, rows)
     ranks = [found.ranking(key) for key in ("published", "A", "B")]
     rows = [
         [row.law.title, *(str(one.get(row.law.name, "rejected")) for one in ranks)]
@@ -71,17 +71,17 @@ def _show(found: PaperAudit) -> None:
     ]
     stdout().print()
     heads = ["model", "published", "A push", "B spring"]
-    show_table("Ranks by the paper's criteria; select ranks none by one travel", heads, rows)
+    show_table("Ranks by the paper's criteria; select ranks no law on a single travel", heads, rows)
     rows = [_need(need) for need in found.requirements]
     stdout().print()
-    heads = ["row", "m", "read as", "needs", "range"]
-    show_table("What would give the published rows", heads, rows)
+    heads = ["row", "m", "interpreted as", "needs", "range"]
+    show_table("Parameter values that would reproduce the published rows", heads, rows)
     rows = [
         [
             row.law,
             significant(row.stiffness, 1),
             "held" if row.held else "free",
-            f"{row.criteria.travel:.4f}",
+            fixed(row.criteria.travel, 4),
             significant(1e3 * row.criteria.least_velocity, 2),
         ]
         for row in found.bristles
@@ -109,8 +109,8 @@ def _show_cart(study: CartStudy) -> None:
         for one in runs
     ]
     title = (
-        f"The cart (masses, length and swing are ours): travel in {CYCLES} cycles and in the last"
-        " one, back-slip per cycle, lowest velocity"
+        f"The cart (masses, length and swing are our assumptions): travel in {CYCLES} cycles and"
+        " in the last one, back-slip per cycle, lowest velocity"
     )
     show_table(title, heads, rows)
 
@@ -118,12 +118,12 @@ def _show_cart(study: CartStudy) -> None:
 def _need(need: Requirement) -> list[str]:
     if need.value is None or need.low is None or need.high is None:
         none = f"no value of {need.symbol}"
-        return [need.law, f"{need.published:.2f}", need.reading, none, ""]
+        return [need.law, fixed(need.published, 2), need.reading, none, ""]
     unit = "" if need.unit == "1" else f" {need.unit}"
     value = f"{need.symbol} = {significant(need.value, 3)}{unit}"
     return [
         need.law,
-        f"{need.published:.2f}",
+        fixed(need.published, 2),
         need.reading,
         value,
         f"{significant(need.low, 3)} to {significant(need.high, 3)}",

@@ -74,7 +74,7 @@ def run(
         measured = None
     range_asked = _between(setting_of(rig.mechanism, measured, rig.t_end), rig, between)
     if not as_json:
-        note("Simulating what the laws predict ...")
+        note("Simulating the predictions of the laws ...")
     found = plan(
         rig.mechanism,
         laws_of(rig, laws),
@@ -102,7 +102,8 @@ def _files(output: Path | None) -> list[Path]:
         return []
     if output.suffix.lower() not in (".html", ".htm"):
         raise InputError(
-            f"a sheet is written as .html, with its table as .csv beside it, got {output}."
+            "the lab sheet must be an .html file (its table is written beside it as .csv), got"
+            f" {output}."
         )
     return [output, output.with_suffix(".csv")]
 
@@ -146,12 +147,12 @@ def _show(found: Plan) -> None:
     console.print(found.sentence, markup=False, style="bold")
     if found.assumed:
         console.print(
-            "That uncertainty, 2 % of the longest travel, is assumed: repeat one setting and give"
-            " the scatter as --uncertainty.",
+            "The uncertainty of 2 % of the longest travel is an assumption: repeat one setting and"
+            " give the scatter as --uncertainty.",
             markup=False,
         )
     if found.repeated:
-        console.print(f"That uncertainty is {known_by(found)}.", markup=False)
+        console.print(f"The uncertainty is {known_by(found)}.", markup=False)
     if found.range_source:
         console.print(plain(found.range_source), markup=False)
     for line in found.remarks:

@@ -37,8 +37,8 @@ def workers(jobs: int) -> Iterator[Executor | None]:
                 process.kill()
             if isinstance(error, BrokenExecutor):
                 raise SimulationError(
-                    f"one of the {jobs} processes died, perhaps for want of memory; try fewer"
-                    " (--jobs 1 needs the least memory)."
+                    f"one of the {jobs} processes ended unexpectedly, possibly for lack of memory;"
+                    " try fewer (--jobs 1 needs the least memory)."
                 ) from error
             raise
 

@@ -113,7 +113,7 @@ def run(
         _show(found)
         stdout().print(f"\nWritten: {output} ({', '.join(sorted(FILES))})", markup=False)
     if found.cancelled:
-        note("The search was ended early; this is the best so far.")
+        note("The search was stopped early; this is the best motion so far.")
 
 
 def _found(rig: Rig, law: FrictionLaw, settings: Settings) -> Optimum:
@@ -190,7 +190,7 @@ def _show(found: Optimum) -> None:
     title = f"\nBest {found.kind} motion: {goal.title} {number(found.value, 5)} {goal.unit}"
     console.print(title, markup=False, style="bold")
     if len(found.scenarios) > 1:
-        console.print(f"Of {found.scenarios.words}", markup=False)
+        console.print(f"Objective value: {found.scenarios.words}", markup=False)
     console.print(f"{found.profile}\n", markup=False)
     rows = [
         [
@@ -205,19 +205,19 @@ def _show(found: Optimum) -> None:
     show_table("", ["limit", "reached", "allowed", "left", "unit"], rows)
     console.print()
     others = [("three-phase, optimised", found.three_phase, found.factor)]
-    others.append(("as the rig has it", found.start, found.factor_over_start))
+    others.append(("as given in the rig file", found.start, found.factor_over_start))
     shown = [_compared(name, judged, factor) for name, judged, factor in others]
     show_table("", ["compared with", f"{goal.title}, {goal.unit}", "factor", ""], shown)
-    how = "polished" if found.polished else "from the evolution strategy"
+    how = "refined locally" if found.polished else "from the evolution strategy"
     console.print(
-        f"\n{found.evaluations} motions tried, seed {found.seed}, {how}; the run is certified.",
+        f"\n{found.evaluations} motions evaluated, seed {found.seed}, {how}; the run is certified.",
         markup=False,
     )
 
 
 def _compared(name: str, judged: ScoredMotion | None, factor: float | None) -> list[str]:
     if judged is None:
-        return [name, "", "", "none keeps the limits"]
+        return [name, "", "", "none satisfies the limits"]
     remark = "" if judged.feasible else _broken(judged)
     return [
         name,
@@ -230,8 +230,8 @@ def _compared(name: str, judged: ScoredMotion | None, factor: float | None) -> l
 def _broken(judged: ScoredMotion) -> str:
     """Say what a motion breaks."""
     if any(cycle.lasted < 1.0 for cycle in judged.cycles):
-        return "its run ends early"
+        return "its run ended early"
     if not all(cycle.repeats for cycle in judged.cycles):
-        return "its cycles do not repeat"
+        return "its cycles are not periodic"
     names = [m.name.replace("_", " ") for m in judged.margins if m.margin < 0.0]
-    return f"breaks {', '.join(names)}"
+    return f"violates {', '.join(names)}"

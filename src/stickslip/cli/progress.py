@@ -22,7 +22,7 @@ __all__ = ["Compiling", "Drawing", "Improving", "Searching", "Watching"]
 
 COMPILING = "compiling: "
 """How `select` says what is compiled."""
-NO_SHORTER = "Held-out blocks are judged to the end; Ctrl-C once more cancels."
+NO_SHORTER = "Held-out blocks are evaluated to the end; press Ctrl-C again to cancel."
 
 
 def _bars() -> Progress:
@@ -174,7 +174,7 @@ class Searching(_Shown):
         known = name in self._names
         done = self._names.index(name) if known else len(self._names)
         reached = self._told(residual) if math.isfinite(residual) else ""
-        step = f"Fitting {name}" if known else f"Judging on {name}"
+        step = f"Fitting {name}" if known else f"Validating on {name}"
         if not known:
             self._interrupts.promise = NO_SHORTER
         self._say(step)
@@ -203,8 +203,8 @@ class Improving(_Shown):
 
     def __call__(self, search: str, done: int, total: int, best: float) -> bool:
         """Note how far a search is; a polish does not know how long it takes."""
-        reached = self._told(best) if math.isfinite(best) else "none within the limits yet"
-        step = f"Searching {search}" if total else "Polishing"
+        reached = self._told(best) if math.isfinite(best) else "no feasible motion yet"
+        step = f"Searching {search}" if total else "Refining"
         self._say(step)
         self._bars.update(
             self._task,

@@ -121,12 +121,12 @@ def run(
         )
     ended = [c.name for c in verdict.candidates if c.fit and c.fit.cancelled]
     if ended:
-        note(f"Searches that were ended early may not have converged: {', '.join(ended)}.")
+        note(f"Searches that were stopped early may not have converged: {', '.join(ended)}.")
     if verdict.best is None or getattr(verdict.best, "dropped", False):
-        note("No law is recommended; the verdict gives the reason.")
+        note("No law is recommended; the verdict states the reason.")
         raise typer.Exit(NO_LAW)
     if enforce and not _criteria_hold(cast("TravelCandidate | None", verdict.best)):
-        note("A criterion of the paper fails for the law that is named; the report says which.")
+        note("The recommended law fails a criterion of the paper; the report names the criterion.")
         raise typer.Exit(CRITERIA_FAILED)
     leave_unless_drawn(page_code)
 

@@ -27,7 +27,7 @@ from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, bristle_remark, extrapolations
-from stickslip.formatting import number, residue
+from stickslip.formatting import fixed, number, residue
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism, cycle_or_none, slip_names
 from stickslip.selection import criteria_of
@@ -163,11 +163,11 @@ def run(
 def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
     """Make the run, and the ensemble if one was asked for."""
     if settings.ensemble is not None and settings.fixed_step is not None:
-        raise InputError("--ensemble runs with located events: leave --fixed-step out.")
+        raise InputError("--ensemble requires exact events: leave --fixed-step out.")
     if settings.ensemble is not None and chosen.estimates is None:
         raise InputError(
-            "--ensemble draws from the estimates of a law, and there are none: give the law.toml of"
-            " `stickslip select`, or of `stickslip fit -o law.toml`, as --law law.toml."
+            "--ensemble samples the estimates of a law, and this law has none: give the law.toml"
+            " of `stickslip select`, or of `stickslip fit -o law.toml`, as --law law.toml."
         )
     t_end = rig.t_end if settings.t_end is None else settings.t_end
     start = start_of(rig, chosen.law)
@@ -196,7 +196,7 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
                 progress=progress,
             )
     if settings.ensemble is not None and not run.status.complete:
-        note("No ensemble was run: the run with the best values ended early.")
+        note("The ensemble was not simulated: the run with the best-fit values ended early.")
     lengths = _lengths(rig.mechanism, run)
     resting = bristle_remark(chosen.law, chosen.estimates, lengths, rig.mechanism)
     beyond = (*extrapolations(chosen.carried, rig.mechanism, run), *([resting] if resting else []))
@@ -362,7 +362,7 @@ def _show(ran: Ran, settings: Settings) -> None:
     final = ", ".join(
         f"{name} = {number(ends[name][1] + 0.0, 6)} {run.units[name]}" for name in run.names[:2]
     )
-    console.print(f"At {run.span[1]:g} s: {final}", markup=False)
+    console.print(f"At {number(run.span[1], 6)} s: {final}", markup=False)
     trust = run.certificate
     checked = f"Energy mismatch {residue(trust.energy_error)}, "
     if settings.fixed_step is None:
@@ -370,7 +370,7 @@ def _show(ran: Ran, settings: Settings) -> None:
         checked += f"stick drift {residue(trust.stick_drift)}, "
     console.print(f"{checked}{trust.steps} steps", markup=False)
     for warning in trust.warnings:
-        console.print(f"Near a limit: {warning}", markup=False)
+        console.print(f"Warning: {warning}", markup=False)
     for problem in trust.problems:
         console.print(f"Not certified: {problem}", markup=False)
     if ran.band is not None:
@@ -380,7 +380,7 @@ def _show(ran: Ran, settings: Settings) -> None:
 def _event_rows(events: Sequence[Event]) -> list[list[str]]:
     """Return the first events and the last, and how many are left out between them."""
     rows = [
-        [f"{event.t:.6f}", event.reason, MODES[event.from_mode], MODES[event.to_mode]]
+        [fixed(event.t, 6), event.reason, MODES[event.from_mode], MODES[event.to_mode]]
         for event in events
     ]
     left = len(rows) - FIRST_EVENTS - LAST_EVENTS
@@ -401,10 +401,10 @@ def _show_band(band: Band, run: Trajectory, slip: str) -> None:
     ]
     rows.append(["mean velocity", *_cells(band.mean_velocity, f"{unit}/s")])
     stdout().print()
-    title = f"{band.count} runs with draws of {', '.join(band.draws)}, seed {band.seed}"
+    title = f"{band.count} runs with samples of {', '.join(band.draws)}, seed {band.seed}"
     show_table(title, ["", "median", "95 % from", "to", "unit"], rows)
     if band.ended_early:
-        early = f"{band.ended_early} of {band.count} runs ended early and are left out."
+        early = f"{band.ended_early} of {band.count} runs ended early and are excluded."
         stdout().print(early, markup=False)
 
 

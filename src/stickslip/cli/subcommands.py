@@ -30,7 +30,8 @@ __all__ = ["data", "profile"]
 
 
 data = typer.Typer(
-    no_args_is_help=True, help="Public friction records: what there is, and where the files are."
+    no_args_is_help=True,
+    help="List and download public friction records.",
 )
 
 
@@ -44,7 +45,7 @@ def data_list(as_json: Json = False) -> None:
 
 @data.command("show")
 def data_show(name: Record, as_json: Json = False) -> None:
-    """Show a record in full: source, licence, columns, files, what is known."""
+    """Show a record in full: source, licence, columns, files, parameters."""
     from stickslip.cli.data import run_show
 
     run_show(name, as_json=as_json)
@@ -54,7 +55,7 @@ def data_show(name: Record, as_json: Json = False) -> None:
 def data_path(
     name: Record,
     file: Annotated[
-        str | None, typer.Option("--file", help="One of its files; the first if not given.")
+        str | None, typer.Option("--file", help="One of its files; default: the first.")
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -65,7 +66,8 @@ def data_path(
 
 
 profile = typer.Typer(
-    no_args_is_help=True, help="Motion profiles of pendulum carts and capsules: the best in limits."
+    no_args_is_help=True,
+    help="Optimise motion profiles within limits.",
 )
 
 
@@ -85,15 +87,15 @@ def profile_optimise(
     changes: Set = None,
     knots: Knots = 12,
     evaluations: Evaluations = 2000,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of random numbers.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed.")] = 0,
     resume: Resume = None,
     output: Folder = Path("stickslip-profile"),
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Find the motion that drives the rig best within limits; write its rig file and a figure.
+    """Optimise the motion that drives the rig, within limits; write its rig file and a figure.
 
-    Ctrl-C once ends with the best so far, twice cancels; --resume goes on from where it was.
+    Ctrl-C once stops with the best so far, twice cancels; --resume continues a search.
     """
     from stickslip.cli.law_choice import LawAsked
     from stickslip.cli.profile import Settings, run

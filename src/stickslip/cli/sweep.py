@@ -122,7 +122,7 @@ def _show(found: VelocityMap, turns: Sequence[float]) -> None:
     if rows:
         show_table("", ["mean velocity", found.unit, *found.axes], rows)
     for turn in turns:
-        console.print(f"The direction turns at {number(turn, 6)}.", markup=False)
+        console.print(f"The mean velocity changes sign at {number(turn, 6)}.", markup=False)
     short = int(np.sum(~np.isfinite(found.velocity)))
     if short:
         console.print(f"{short} of {found.velocity.size} runs ended early.", markup=False)

@@ -59,7 +59,7 @@ def run(
         If both a rig file and mechanisms are given.
     """
     if path is not None and mechanisms:
-        raise InputError("give --rig or --mechanism, not both: a rig file has its own mechanism.")
+        raise InputError("give --rig or --mechanism, not both: a rig file names its own mechanism.")
     if path is not None:
         pairs = _of_rig(load_rig(path, allow_import=allow_import), laws)
     else:
@@ -68,7 +68,7 @@ def run(
         try:
             done = warm_up(pairs, jobs=jobs, progress=progress)
         except KeyboardInterrupt:
-            note("What was compiled so far stays in the cache.")
+            note("Equations compiled so far stay in the cache.")
             raise
     if as_json:
         print_json(document("warmup", _content(pairs, done)))
@@ -132,6 +132,6 @@ def _content(pairs: Sequence[tuple[Mechanism, FrictionLaw]], done: WarmUp) -> di
 def _sentence(done: WarmUp) -> str:
     return (
         f"Compiled in {done.seconds:.1f} s: kernels {done.kernels_compiled}, equations"
-        f" {done.equations_compiled}. There already: kernels {done.kernels_found}, equations"
-        f" {done.equations_found}. Cache: {done.folder}"
+        f" {done.equations_compiled}. Already in the cache: kernels {done.kernels_found},"
+        f" equations {done.equations_found}. Cache: {done.folder}"
     )

@@ -54,8 +54,8 @@ class Place(NamedTuple):
             if drive is held:
                 return driven, name
         raise InputError(
-            f"{type(mechanism).__name__}.{self.name} is no drive that acts: drives() must tell it"
-            f" (it tells {', '.join(driven.drives()) or 'none'})."
+            f"{type(mechanism).__name__}.{self.name} is not a drive that can be commanded:"
+            f" drives() must list it (it lists {', '.join(driven.drives()) or 'none'})."
         )
 
 
@@ -123,8 +123,8 @@ def place_of(mechanism: Mechanism, drive: str | None) -> Place:
     kind = type(mechanism).__name__
     if not known:
         raise InputError(
-            f"{kind} has no drive that a controller can command: give it one that is a force or a"
-            " torque (a prescribed motion leaves nothing to command)."
+            f"{kind} has no drive that a controller can command: give it a force or a torque (a"
+            " prescribed motion cannot be commanded)."
         )
     if drive is None:
         if len(known) > 1:

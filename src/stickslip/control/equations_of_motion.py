@@ -106,8 +106,8 @@ class Evaluator:
 
         if mechanism.guided():
             raise InputError(
-                f"{type(mechanism).__name__} has a prescribed motion, whose effort is what it"
-                " takes: give it a torque or a force in its place."
+                f"{type(mechanism).__name__} has a prescribed motion, whose effort is an output:"
+                " give it a torque or a force instead."
             )
         none = Sampled(times=(0.0,), values=(0.0,))
         mechanism, name = place_of(mechanism, drive).commanded(mechanism, none)

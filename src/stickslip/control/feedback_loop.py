@@ -12,6 +12,7 @@ from stickslip.control.sample_and_hold import Commands, Stretch, Timing, drive_o
 from stickslip.control.sensors import Sensors
 from stickslip.display import InPanels, Summary
 from stickslip.errors import InputError, SimulationError
+from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.simulation import END, check_pair, initial_state
@@ -91,8 +92,8 @@ class ClosedLoop(InPanels):
     @override
     def _summary(self) -> Summary:
         rows = (
-            ("time", f"{self.run.span[0]:g} to {self.run.span[1]:g} s"),
-            ("samples", f"{len(self.t)}, one each {self.period:g} s"),
+            ("time", f"{number(self.run.span[0], 6)} to {number(self.run.span[1], 6)} s"),
+            ("samples", f"{len(self.t)}, one every {quantity(self.period, 's')}"),
             ("events", len(self.run.events)),
             ("certified", "yes" if self.run.certificate.certified else "no"),
         )
@@ -217,10 +218,11 @@ def _check(
 ) -> None:
     check_pair(mechanism, law)
     if not isinstance(law, FrictionLaw):
-        raise InputError(f"closed_loop runs with EventDriven, which does not take {law!r}.")
+        raise InputError(f"closed_loop runs with EventDriven only, which cannot solve {law!r}.")
     if not callable(controller):
         raise InputError(
-            f"controller must be callable with the time and what is measured, got {controller!r}."
+            "controller must be callable with the time and the measured quantities, got"
+            f" {controller!r}."
         )
     if not isinstance(solver, EventDriven) or solver.estimate_error:
         raise InputError(
@@ -230,7 +232,7 @@ def _check(
         raise InputError(f"hold must be 'zero' or 'first', got {hold!r}.")
     if hold == "first" and limit is not None:
         raise InputError(
-            "hold='first' may lead beyond a limit between samples: give the motor's own limit, or"
+            "hold='first' may exceed a limit between samples: set the motor's own limit, or"
             " hold='zero'."
         )
 
@@ -285,14 +287,14 @@ def _walk(
 
 def _number(command: Any, t: float) -> float:
     try:
-        number = float(command)
+        value = float(command)
     except (TypeError, ValueError):
-        number = math.nan
-    if not math.isfinite(number):
+        value = math.nan
+    if not math.isfinite(value):
         raise InputError(
-            f"the controller must give a finite number, got {command!r} at t = {t:g} s."
+            f"the controller must return a finite number, got {command!r} at t = {number(t, 6)} s."
         )
-    return number
+    return value
 
 
 def _result(
@@ -309,7 +311,9 @@ def _result(
     if book.cancelled:
         run = replace(run, status=Status.CANCELLED)
     if throw and not run.status.complete:
-        raise SimulationError(f"{run.status.value} It ended at t = {run.span[1]:g} s.")
+        raise SimulationError(
+            f"{run.status.value} The run ended at t = {quantity(run.span[1], 's', 6)}."
+        )
     if throw and not run.certificate.certified:
         raise SimulationError("The run is not certified: " + "; ".join(run.certificate.problems))
     asked = np.array(book.asked)

@@ -50,7 +50,10 @@ def sliding_force(law: FrictionLaw, velocity: float, load: float) -> float:
         return float(law.steady(velocity, load))
     if isinstance(law, (SetValuedLaw, DirectionalLaw)):
         return float(law.force(velocity, load))
-    raise InputError(f"{type(law).__name__} is no friction law that can be compensated.")
+    raise InputError(
+        f"{type(law).__name__} is not a friction law that can be compensated: give"
+        " one such as Coulomb(...)."
+    )
 
 
 @final
@@ -90,7 +93,7 @@ class FrictionCompensation(Parametrised):
             speed = measured[self.velocity]
         else:
             raise InputError(
-                f"compensation: {self.velocity!r} is not measured; measured are"
+                f"compensation: {self.velocity!r} is not measured; measured quantities:"
                 f" {', '.join(measured) or 'none'}."
             )
         load = self.load(t, measured) if callable(self.load) else self.load

@@ -6,6 +6,7 @@ from typing import Any, Literal, TypeAlias
 
 from stickslip.control.feedback_loop import ClosedLoop
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.formatting import number
 from stickslip.quantities import Quantity
 from stickslip.trajectory import Trajectory
 
@@ -110,7 +111,8 @@ def limit_cycle(
     begin = 0.5 * (first + last) if since is None else float(since)
     if not first <= begin < last:
         raise InputError(
-            f"limit_cycle: since must lie between {first:g} and {last:g} s, got {begin:g}."
+            f"limit_cycle: since must lie between {number(first, 6)} and {number(last, 6)} s, got"
+            f" {number(begin, 6)}."
         )
     times = np.union1d(np.linspace(begin, last, SAMPLES), run.t[(run.t >= begin) & (run.t <= last)])
     values = run.at(times)[state]

@@ -126,7 +126,7 @@ class PartialLinearisation(Parametrised):
         names = (*self.mechanism.coordinates, *self.mechanism.rates)
         missing = [name for name in names if name not in measured]
         if missing:
-            raise InputError(f"PartialLinearisation needs {', '.join(missing)} measured.")
+            raise InputError(f"PartialLinearisation needs measurements of {', '.join(missing)}.")
         table = memory.evaluator(t, [measured[name] for name in names])
         speed = measured[self.mechanism.rates[memory.evaluator.slip]]
         command = self._command(table, memory.evaluator.slip, speed, self._target(t, measured))

@@ -98,7 +98,9 @@ class PID(Parametrised):
         """Check the settings."""
         super().__post_init__()
         if self.tracking_time is not None and self.limit is None:
-            raise ParameterError("PID.tracking_time (T_t) leads back from a limit: give limit.")
+            raise ParameterError(
+                "PID.tracking_time (T_t) sets the anti-windup at a limit: give limit too."
+            )
         if self.feedforward is not None and not callable(self.feedforward):
             raise ParameterError(
                 f"PID.feedforward must be callable like a controller, got {self.feedforward!r}."
@@ -152,6 +154,6 @@ class PID(Parametrised):
 def _seen(measured: Mapping[str, float], name: str) -> float:
     if name not in measured:
         raise InputError(
-            f"PID: {name!r} is not measured; measured are {', '.join(measured) or 'none'}."
+            f"PID: {name!r} is not measured; measured quantities: {', '.join(measured) or 'none'}."
         )
     return measured[name]

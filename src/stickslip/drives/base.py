@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, final
 from typing_extensions import override
 
 from stickslip.errors import ParameterError
+from stickslip.formatting import number
 from stickslip.maths import Scalar
 from stickslip.quantities import Parametrised
 
@@ -139,7 +140,7 @@ class Sum(Drive):
         """Check that there is something to add."""
         super().__post_init__()
         if not self.parts:
-            raise ParameterError("Sum.parts must hold at least one drive, got none.")
+            raise ParameterError("Sum.parts must contain at least one drive, got none.")
 
     @override
     def smooth(self, t: Scalar) -> Scalar:
@@ -198,8 +199,9 @@ def repeated(owner: str, cycle: Sequence[Piece], period: Scalar, until: float) -
     count = max(0.0, until) / shortest
     if not count * len(cycle) < MOST_PIECES:
         raise ParameterError(
-            f"{owner}: a run to t_end = {until:g} s would have {count:.3g} cycles of"
-            f" {shortest:.3g} s; make it shorter than {MOST_PIECES // len(cycle)}."
+            f"{owner}: a run to t_end = {number(until, 6)} s would have {number(count)} cycles of"
+            f" {number(shortest)} s, more than the limit of"
+            f" {number(MOST_PIECES // len(cycle), 7)}: shorten the run."
         )
     return tuple(
         Piece(piece.start + k * period, piece.value, piece.slope)

@@ -20,7 +20,7 @@ __all__ = ["PiecewiseAffine", "PiecewiseLinear", "Pulse", "Ramp", "Sampled", "Si
 @final
 @dataclass(frozen=True, kw_only=True)
 class Pulse(Straight):
-    """A constant level for a while, nothing before and after.
+    """A constant level for a given duration, zero before and after.
 
     Examples
     --------
@@ -94,7 +94,7 @@ class Square(Straight):
 @final
 @dataclass(frozen=True, kw_only=True)
 class Ramp(Straight):
-    """Grows at a constant rate from a time on.
+    """Grows at a constant rate from a given time.
 
     Examples
     --------
@@ -186,7 +186,7 @@ def _series(
 @final
 @dataclass(frozen=True, kw_only=True)
 class PiecewiseLinear(Straight):
-    """Straight lines between points, the first and last value before and after.
+    """Linear interpolation between points, with constant values before and after.
 
     Examples
     --------
@@ -225,7 +225,7 @@ class PiecewiseLinear(Straight):
 @final
 @dataclass(frozen=True, kw_only=True)
 class Sampled(Straight):
-    """Values of a sampled signal: held until the next sample, or joined by straight lines.
+    """Values of a sampled signal: held until the next sample, or interpolated linearly.
 
     Examples
     --------

@@ -11,6 +11,7 @@ from typing_extensions import override
 
 from stickslip.drives.base import Drive, Piece, Straight, repeated
 from stickslip.errors import ParameterError
+from stickslip.formatting import number
 from stickslip.maths import Scalar, sin, sqrt
 from stickslip.quantities import Numbers, Quantity
 
@@ -19,7 +20,7 @@ __all__ = ["Profile", "SevenStep", "SineSwing", "SplineSwing", "ThreePhase"]
 
 @dataclass(frozen=True, kw_only=True)
 class Profile(Drive, ABC):
-    """A motion that repeats itself, given by its acceleration [rad/s^2] or [m/s^2].
+    """A periodic motion, given by its acceleration [rad/s^2] or [m/s^2].
 
     As a drive its value is the acceleration; `start_position` and `start_rate` are where it begins.
     """
@@ -195,8 +196,8 @@ class SevenStep(Stepped):
         if self._cruise < 0.0:
             most = math.sqrt(4.0 * self.amplitude / (1.0 / self.fast + 1.0 / self.slow))
             raise ParameterError(
-                f"SevenStep.top_rate (Omega) must be at most {most:.4g} rad/s, which the"
-                f" accelerations reach on the way, got {self.top_rate:g}."
+                f"SevenStep.top_rate (Omega) must be at most {number(most, 4)} rad/s, the rate"
+                f" that the accelerations reach, got {number(self.top_rate, 6)}."
             )
 
     @property
@@ -283,7 +284,7 @@ class SineSwing(Profile):
 @final
 @dataclass(frozen=True, kw_only=True)
 class SplineSwing(Stepped):
-    """A periodic cubic spline through positions that are evenly spread over a cycle.
+    """A periodic cubic spline through positions evenly spaced over a cycle.
 
     Examples
     --------

@@ -111,8 +111,7 @@ def carried(
         found = vary(found, "friction", changes)
         known = None if known is None else known.scaled(factors)
         remarks.append(
-            f"Levels were forces and are divided by the load of {quantity(load, 'N')} that was"
-            " given."
+            f"The levels were forces and are divided by the given load of {quantity(load, 'N')}."
         )
     elif divided and levels != "per load" and here == "per load":
         raise InputError(_refusal(rig, name, levels))
@@ -160,7 +159,7 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
     >>> law = carried(rig, block)
     >>> for sentence in extrapolations(law, block, simulate(block, law.law, t_end=1.0)):
     ...     print(sentence)
-    The run reaches 0.755 m/s; the law was fitted at up to 0.5 m/s, and beyond that it is ...
+    The run reaches 0.755 m/s; the law was fitted up to 0.5 m/s and is ...
     The law was fitted at a normal force of 20 N; in this run it is 9.81 N. ...
     """
     known = law.estimates
@@ -173,8 +172,8 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
     most = None if known is None else known.largest_speed
     if most is not None and speed > BEYOND * most:
         said.append(
-            f"The run reaches {quantity(speed, unit)}; the law was fitted at up to"
-            f" {quantity(most, unit)}, and beyond that it is an extrapolation."
+            f"The run reaches {quantity(speed, unit)}; the law was fitted up to"
+            f" {quantity(most, unit)} and is extrapolated beyond that."
         )
     both_known = levels_at(law.fitted_on) == levels_at(mechanism) == "per load"
     if both_known and law.law.break_away(1.0) > 0.0 and len(law.fitted_on.contacts()) == 1:
@@ -273,7 +272,7 @@ def bristle_remark(
     >>> law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e4)
     >>> lengths = {"travel": 0.2, "back-slip": 5e-5}
     >>> bristle_remark(law, None, lengths, SpringBlock(mass=1.0))
-    'The back-slip of 50 µm rests on the bristles of the contact, $sigma_0$ = 10,000 1/m, ...
+    'The back-slip of 50 µm rests on bristle parameters that were not measured: ...
     """
     unit = turned("m", slips_in_angle(mechanism))
     found = {
@@ -286,8 +285,8 @@ def bristle_remark(
     rests = "rests" if len(found) == 1 else "rest"
     (symbols, *_) = found.values()
     return (
-        f"The {joined(list(found))} {rests} on the bristles of the contact,"
-        f" {joined(list(symbols))}, which no measurement determined."
+        f"The {joined(list(found))} {rests} on bristle parameters that were not measured:"
+        f" {joined(list(symbols))}."
     )
 
 
@@ -301,11 +300,11 @@ def _name(rig: Rig, law: str | None) -> str:
             return known[0]
     if not rig.laws:
         raise InputError(
-            f"{rig.path} has no law: a file for --law has a table such as [friction.coulomb], as"
-            " the law.toml of `stickslip select` and of `stickslip fit -o law.toml` has."
+            f"{rig.path} has no law: a file for --law needs a table such as [friction.coulomb], as"
+            " in the law.toml of `stickslip select` and of `stickslip fit -o law.toml`."
         )
     raise InputError(
-        f"{rig.path} has several laws, {', '.join(rig.laws)}: say which, such as"
+        f"{rig.path} has several laws, {', '.join(rig.laws)}: choose one, such as"
         f" {rig.path}:{next(iter(rig.laws))}."
     )
 
@@ -324,8 +323,8 @@ def _check_load(rig: Rig, levels: Levels, load: float) -> None:
     LOAD.check("carried", "load", load)
     if levels == "per load":
         raise ParameterError(
-            f"{rig.path}: the levels of its law are over the normal force already; leave --law-load"
-            " out."
+            f"{rig.path}: the levels of its law are already coefficients (per normal force); leave"
+            " --law-load out."
         )
     if levels == "torques":
         raise InputError(_torques(rig))
@@ -335,18 +334,18 @@ def _refusal(rig: Rig, name: str, levels: Levels) -> str:
     if levels == "torques":
         return _torques(rig)
     return (
-        f"{rig.path}: the levels of {name} are forces, since the load of its"
-        f" {type(rig.mechanism).__name__} is 1 for want of a normal force. A force does not carry"
-        " over to a body with another normal force: give the normal force at which it was measured,"
-        ' such as --law-load "50 N" (in Python load=50.0), by which levels are divided.'
+        f"{rig.path}: the levels of {name} are forces, because the load of its"
+        f" {type(rig.mechanism).__name__} is 1 (normal force unknown). Forces do not apply to a"
+        " body with another normal force: give the normal force at which the law was measured,"
+        ' such as --law-load "50 N" (in Python load=50.0), by which the levels are divided.'
     )
 
 
 def _torques(rig: Rig) -> str:
     return (
-        f"{rig.path}: the levels of its law are torques about a pivot, which do not carry over to a"
-        " body that slides. A coefficient is the torque over normal force and radius: write it into"
-        " a rig file of its own."
+        f"{rig.path}: the levels of its law are torques about a pivot, which do not apply to a"
+        " sliding body. The coefficient is the torque divided by normal force and radius: write it"
+        " into a separate rig file."
     )
 
 
@@ -354,11 +353,11 @@ def _about_unit_load(mechanism: Mechanism, levels: Levels, here: Levels) -> list
     kind = type(mechanism).__name__
     if levels == "per load":
         return [
-            f"The load of the {kind} is 1: its friction is a coefficient times 1 N. Set"
-            " mechanism.load to the normal force, if it has another."
+            f"The load of the {kind} is 1: its friction is the coefficient times 1 N. If the"
+            " normal force is another, set mechanism.load."
         ]
     if levels != here:
-        return [f"Levels were fitted as {levels} and are taken as {here} here, as they are."]
+        return [f"Levels were fitted as {levels}; here they are used unchanged as {here}."]
     return []
 
 
@@ -372,11 +371,11 @@ def _about_viscosity(law: FrictionLaw, known: LawEstimates | None, turning: bool
         return []
     speed = known.largest_speed if known is not None else None
     unit = turned("m/s", turning)
-    reach = "" if speed is None else f", and was fitted at up to {quantity(speed, unit)}"
-    are = "is that" if len(found) == 1 else "are those"
+    reach = "" if speed is None else f", and was fitted up to {quantity(speed, unit)}"
+    are = "applies" if len(found) == 1 else "apply"
     return [
-        f"{joined(found)} {are} of the contact it was fitted on: viscous friction does not grow"
-        f" with the normal force in this law{reach}."
+        f"{joined(found)} {are} to the contact of the fit: viscous friction does not scale with"
+        f" the normal force in this law{reach}."
     ]
 
 
@@ -390,14 +389,14 @@ def _about_bristles(law: FrictionLaw, turning: bool) -> list[str]:
         return []
     are = "is" if len(found) == 1 else "are"
     return [
-        f"{joined(found)} {are} over the normal force: bristles are taken to stiffen in proportion"
-        " to it, which was not tested."
+        f"{joined(found)} {are} per normal force: the bristles are assumed to stiffen in"
+        " proportion to it, which was not tested."
     ]
 
 
 def _about_rest(law: FrictionLaw) -> list[str]:
     return [
-        f"${own}$ was neither measured nor given: it is taken equal to ${other}$."
+        f"${own}$ was neither measured nor given: it is set equal to ${other}$."
         for own, other in equated(law).values()
     ]
 

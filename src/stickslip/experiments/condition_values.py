@@ -33,7 +33,7 @@ def plain_conditions(given: object) -> dict[str, float | str]:
         if not real or not math.isfinite(float(value)):
             raise ParameterError(
                 f"Measurement.conditions of {name!r} must be a finite number or a text, got"
-                f" {value!r}: leave a condition out that is not known."
+                f" {value!r}: leave an unknown condition out."
             )
         found[str(name)] = float(value)
     return found

@@ -6,6 +6,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.experiments.measurement import Array, Measurement
+from stickslip.formatting import number
 
 __all__ = ["acceleration_of", "interval_of", "noise_of", "smooth", "step_of", "velocity_of"]
 
@@ -103,7 +104,8 @@ def acceleration_of(record: Measurement, *, cutoff: float | None = None) -> Arra
 def _time(record: Measurement) -> Array:
     if record.trials or record.time is None:
         raise InputError(
-            "A velocity needs one record in time: ask each of Measurement.records() that has one."
+            "A velocity needs a single time record: use the entries of Measurement.records() that"
+            " have times."
         )
     return record.time
 
@@ -160,8 +162,8 @@ def smooth(time: Array, values: Array, cutoff: float | None = None) -> Array:
     corner = CUTOFF if cutoff is None else cutoff * dt
     if not 0 < corner < 0.4999:  # half of it is where the filter has no form
         raise InputError(
-            f"The cutoff must lie between 0 and half the sampling frequency, {0.5 / dt:g} Hz,"
-            f" got {cutoff!r}."
+            f"The cutoff must lie between 0 and half the sampling frequency, {number(0.5 / dt)}"
+            f" Hz, got {cutoff!r}."
         )
     sections = butter(ORDER, 2 * corner, output="sos")
     cuts = np.flatnonzero(np.diff(time) > GAP * dt) + 1

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.units import turned
+from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of, parameters, vary
@@ -231,7 +232,7 @@ class LawEstimates:
         for name in (*self.intervals, *self.not_identified, *self.not_fitted):
             if name in seen:
                 raise InputError(
-                    f"estimates: {name} stands twice; give it once, in intervals, not_identified"
+                    f"estimates: {name} is given twice; give it once, in intervals, not_identified"
                     " or not_fitted."
                 )
             seen.add(name)
@@ -239,7 +240,7 @@ class LawEstimates:
             if not (math.isfinite(low) and math.isfinite(high) and low <= high):
                 raise InputError(
                     f"estimates.intervals.{name} must be two finite numbers, the lower one first,"
-                    f" got {low:g} and {high:g}. What the data do not bound stands in"
+                    f" got {low:g} and {high:g}. List a parameter without bounds in"
                     " estimates.not_identified."
                 )
         speed = self.largest_speed
@@ -273,14 +274,14 @@ class LawEstimates:
         scaled = table / np.outer(scale, scale)
         if np.max(np.abs(scaled - scaled.T)) > SAME:
             raise InputError(
-                "estimates.covariance must be symmetric; the two halves differ by up to"
-                f" {np.max(np.abs(table - table.T)):.3g}."
+                "estimates.covariance must be symmetric; its two halves differ by up to"
+                f" {number(np.max(np.abs(table - table.T)))}."
             )
         least = float(np.linalg.eigvalsh(scaled)[0])
         if least < -SAME * len(names):
             raise InputError(
-                "estimates.covariance must be positive semi-definite, as every covariance is; with"
-                f" variances scaled to 1 its least eigenvalue is {least:.3g}."
+                "estimates.covariance must be positive semi-definite; scaled to unit variances,"
+                f" its smallest eigenvalue is {number(least)}."
             )
 
     def checked(self, law: FrictionLaw) -> "LawEstimates":
@@ -300,9 +301,9 @@ class LawEstimates:
         for name, (low, high) in self.intervals.items():
             if not low <= values[name] <= high:
                 raise ParameterError(
-                    f"estimates.intervals.{name}: the value {values[name]:g} lies outside its"
-                    f" interval, {low:g} to {high:g}. Mend the value, or take the parameter out of"
-                    " [estimates]."
+                    f"estimates.intervals.{name}: the value {number(values[name], 6)} lies outside"
+                    f" its interval, {number(low, 6)} to {number(high, 6)}. Correct the value, or"
+                    " remove the parameter from [estimates]."
                 )
         return self
 
@@ -400,8 +401,9 @@ class LawEstimates:
                     kept.append(row)
             if len(kept) < FEWEST * tried:
                 raise InputError(
-                    f"hardly any draw of {', '.join(names)} is valid for {law.name}: the intervals"
-                    " lie outside what the law allows."
+                    f"nearly all samples of {', '.join(names)} are invalid for {law.name}: the"
+                    " intervals extend beyond the allowed range of the parameters. Narrow the"
+                    " intervals in [estimates]."
                 )
         table = np.array(kept)
         return {path: table[:, i] for i, path in enumerate(paths)}
@@ -420,12 +422,12 @@ class LawEstimates:
         ]
         why = f" ({'; '.join(reasons)})" if reasons else ""
         cure = (
-            "leave out an override"
+            "leave the overrides out"
             if self.overridden
-            else "an interval comes from a fit that identifies a parameter"
+            else "fit the law to data that identify a parameter"
         )
         return (
-            f"no parameter of {self.law} has an interval{why}, so an ensemble has nothing to draw:"
+            f"no parameter of {self.law} has an interval{why}, so no ensemble can be sampled:"
             f" {cure}."
         )
 

@@ -93,9 +93,10 @@ def along(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.fl
     long, short = spread / np.sqrt(len(points))
     if not long > SLENDER * short:
         raise InputError(
-            "the two columns of position show no motion along a line: their points spread by"
-            f" {number(float(long))} along and {number(float(short))} across the best one (root"
-            " mean square). Name one column, or make a position or an angle of both first."
+            "the two columns of position show no motion along a line: their points scatter by"
+            f" {number(float(long))} along and {number(float(short))} across the best-fit line"
+            " (root mean square). Name a single column, or compute one position or angle from both"
+            " first."
         )
     way, beside = centred @ axes.T[:, 0], centred @ axes.T[:, 1]
     way = way - way[0]

@@ -218,8 +218,8 @@ class Measurement:
         given = [name for name in TRAVELS if getattr(self, name) is not None]
         if len(given) > 1:
             raise InputError(
-                f"Measurement.{given[0]} and {given[1]} both say how far the body came: give one"
-                f" of {', '.join(TRAVELS)}."
+                f"Measurement.{given[0]} and {given[1]} both give the distance travelled: give"
+                f" only one of {', '.join(TRAVELS)}."
             )
 
     @property
@@ -305,7 +305,10 @@ class Measurement:
         0.2
         """
         if self.trials:
-            raise InputError("Ask each of Measurement.records() for its values.")
+            raise InputError(
+                "The measurement has several trials: take the values of each of"
+                " Measurement.records()."
+            )
         _present("measurement", quantity, self.quantities())
         value = cast("Array | float", getattr(self, quantity))
         return value - self.offset.get(quantity, 0.0)
@@ -364,12 +367,12 @@ def _check_shapes(record: Measurement) -> None:
 
 def _without_time(sizes: Mapping[str, int]) -> str:
     """Return what is wrong with arrays that are no friction map."""
-    text = f"Measurement.{next(iter(sizes))} is an array without time: give time [s], or give"
+    text = f"Measurement.{next(iter(sizes))} is an array without times: give time [s], or give"
     text += " friction and velocity together as a friction map."
     if {"friction", "position"} <= {*sizes}:
         text += (
-            " Friction over a path needs the time at which it was passed: add a column of times at"
-            " the speed of the test, which are the way passed so far over that speed."
+            " Friction over distance needs the time of each sample: add a column of times, the"
+            " distance divided by the speed of the test."
         )
     return text
 
@@ -380,23 +383,24 @@ def _check_time(record: Measurement, sizes: Mapping[str, int]) -> None:
         raise InputError("Measurement.time (t) [s] must be an array of at least 2 times.")
     if not sizes:
         raise InputError(
-            "Measurement.time (t) belongs to no array: give one of"
-            f" {', '.join(SAMPLED)} with as many values."
+            f"Measurement.time (t) has no samples to go with it: give one of {', '.join(SAMPLED)}"
+            " with as many values."
         )
     if set(sizes.values()) != {time.size}:
         raise InputError(f"All arrays must be as long as time ({time.size}), got {_listed(sizes)}.")
     for name in SAMPLED:
         if name != "load" and isinstance(getattr(record, name), float):  # a weight stays
             raise InputError(
-                f"Measurement.{name} is one number beside {time.size} times: give an array."
+                f"Measurement.{name} is a single number, but there are {time.size} times: give an"
+                " array."
             )
     late = np.flatnonzero(np.diff(time) <= 0)
     if late.size:
         i = int(late[0])
         raise InputError(
             f"Measurement.time (t) [s] must increase strictly, got {time[i]:.12g} before"
-            f" {time[i + 1]:.12g} at index {i + 1}. Sort the samples and remove doubles; a"
-            ' file is read so with repair="sort".'
+            f" {time[i + 1]:.12g} at index {i + 1}. Sort the samples and remove duplicates; for a"
+            ' file, repair="sort" does both.'
         )
 
 
@@ -444,8 +448,8 @@ def _positive(owner: str, given: object) -> dict[str, float]:
     for name, value in found.items():
         if not value > 0.0:
             raise ParameterError(
-                f"Measurement.{owner} of {name!r} must be a standard uncertainty above 0 in the SI"
-                f" unit of the parameter, got {value:g}. Leave it out where the value is exact."
+                f"Measurement.{owner} of {name!r} must be a standard uncertainty above 0, in the"
+                f" SI unit of the parameter, got {value:g}. Leave it out if the value is exact."
             )
     return found
 
@@ -460,15 +464,19 @@ def _check_trials(whole: Measurement) -> None:
     settings = ("uncertainty", "overrides", "conditions", "initial", "offset")
     own = arrays + [name for name in settings if getattr(whole, name)]
     if own:
-        raise InputError(f"Measurement.{own[0]} stands beside trials: give it to each trial.")
+        raise InputError(
+            f"Measurement.{own[0]} is given beside trials: give it for each trial instead."
+        )
     kinds = sorted({trial.kind for trial in whole.trials})
     if len(kinds) > 1:
-        raise InputError(f"Trials must be of one kind, got {' and '.join(kinds)}: separate them.")
+        raise InputError(
+            f"Trials must be of one kind, got {' and '.join(kinds)}: analyse them separately."
+        )
     names = Counter(trial.name for trial in whole.trials if trial.name)
     twice = [name for name, count in names.items() if count > 1]
     if twice:
         which = [str(i) for i, trial in enumerate(whole.trials, 1) if trial.name == twice[0]]
         raise InputError(
-            f"Trials {', '.join(which[:-1])} and {which[-1]} are called {twice[0]!r}: give each its"
-            " own name."
+            f"Trials {', '.join(which[:-1])} and {which[-1]} are both named {twice[0]!r}: give"
+            " each trial its own name."
         )

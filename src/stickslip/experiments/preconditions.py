@@ -21,7 +21,7 @@ def refuse_faults(
     measurement: Measurement,
     mechanism: Mechanism,
     *,
-    said: str = "No fit should be made from this record.",
+    said: str = "This record cannot be fitted.",
 ) -> None:
     """Refuse a measurement with errors that `check` finds.
 
@@ -45,7 +45,7 @@ def refuse_faults(
     >>> still = Measurement(time=list(range(50)), position=[0.0] * 50)
     >>> refuse_faults(still, Axis(inertia=1.0))
     Traceback (most recent call last):
-    stickslip.errors.InputError: No fit should be made from this record. Position never changes: ...
+    stickslip.errors.InputError: This record cannot be fitted. Position is constant: ...
     """
     wrong = faults(measurement, mechanism=mechanism)
     if wrong:
@@ -58,9 +58,9 @@ def told(findings: Sequence[Finding]) -> str:
     Examples
     --------
     >>> from dataclasses import replace
-    >>> still = Finding(kind="constant", sentence="Position never changes.", record="run1")
+    >>> still = Finding(kind="constant", sentence="Position is constant.", record="run1")
     >>> told([still, replace(still, record="run2"), replace(still, record="")])
-    'run1 and run2: Position never changes. Position never changes.'
+    'run1 and run2: Position is constant. Position is constant.'
     """
     records: dict[tuple[str, bool], list[str]] = {}
     for one in findings:
@@ -104,7 +104,7 @@ def refuse_unused(measurement: Measurement, inside: Collection[str] = ()) -> Non
         label = f"record {record.name!r}" if record.name else "the record"
         for name, why in (
             ("initial", "the initial states of its segments are estimated"),
-            ("uncertainty", "intervals come from what the fit leaves of the record"),
+            ("uncertainty", "intervals come from the residuals of the fit"),
         ):
             given = ", ".join(one for one in getattr(record, name) if one not in inside)
             if given:
@@ -115,7 +115,7 @@ def refuse_unused(measurement: Measurement, inside: Collection[str] = ()) -> Non
 
 
 def refuse_lack(
-    first: Measurement, second: Measurement, *, compared: str = "", which: str = "the other record"
+    first: Measurement, second: Measurement, *, compared: str = "", which: str = "the second record"
 ) -> None:
     """Refuse a record that has not what another one has that a fit was made to.
 
@@ -139,7 +139,7 @@ def refuse_lack(
     >>> driven = Measurement(time=time, position=x, force=x)
     >>> refuse_lack(driven, Measurement(time=time, position=x))
     Traceback (most recent call last):
-    stickslip.errors.InputError: the other record has no force (u) [N], which ...
+    stickslip.errors.InputError: the second record has no force (u) [N], which ...
     """
     needed = [name for name in ACTING if name in first.quantities()]
     for name in dict.fromkeys([*needed, *([compared] if compared else [])]):
@@ -148,10 +148,10 @@ def refuse_lack(
                 continue
             label = f"{which} {record.name!r}" if record.name else which
             quantity = QUANTITIES[name]
-            cure = " Where nothing pushed, give a force of 0." if name == "force" else ""
+            cure = " Where no force acted, give a force of 0." if name == "force" else ""
             raise InputError(
-                f"{label} has no {name} ({quantity.symbol}) [{quantity.unit}], which what was"
-                f" fitted has; it has {', '.join(record.quantities())}.{cure}"
+                f"{label} has no {name} ({quantity.symbol}) [{quantity.unit}], which the fitted"
+                f" record has; it has {', '.join(record.quantities())}.{cure}"
             )
 
 
@@ -189,7 +189,7 @@ def with_doubts(
     >>> with with_doubts(few, Axis(inertia=1.0)):
     ...     raise InputError("it does not serve.")
     Traceback (most recent call last):
-    stickslip.errors.InputError: it does not serve. The check of the record warns: ...
+    stickslip.errors.InputError: it does not serve. Warnings of the data check: ...
     """
     try:
         yield
@@ -202,5 +202,5 @@ def with_doubts(
             raise
         text = str(error).rstrip()
         text += "" if text.endswith((".", "!", "?")) else "."
-        said = " ".join([text, "The check of the record warns:", told(doubts)])
+        said = " ".join([text, "Warnings of the data check:", told(doubts)])
         raise type(error)(said) from None

@@ -244,7 +244,7 @@ class _Files:
     def _refuse_for_trials(self) -> None:
         for what in ("repair", "gain"):
             if getattr(self.reading, what):
-                raise InputError(f"{what} is for records in time, not for tables of trials.")
+                raise InputError(f"{what} applies to time records, not to tables of trials.")
 
     def _record(self, frame: "Frame", name: str) -> Measurement:
         """Return the record of a file, all columns that are quantities converted to SI."""
@@ -280,7 +280,10 @@ class _Files:
         )
         values, turning = scaling.scaled(raw)
         if line is not None and turning:
-            raise InputError("an angle has no line of motion: name one column of position.")
+            raise InputError(
+                "an angle cannot be given as two coordinates in a plane: name one"
+                " column of position."
+            )
         if line is not None and line.length:
             line = line.scaled(float(np.ptp(values["position"])) / line.length)
         parts: dict[str, Any] = {**values, **self.common}
@@ -304,8 +307,8 @@ def _no_file(given: object) -> str:
     """Return what is wrong with something that names no file."""
     example = 'time=table["t"], force=table["u"]' if _is_table(given) else "time=t, force=u"
     return (
-        "load_measurement takes the name of a file or a list of such names, got"
-        f" {type(given).__name__}: columns that are in memory make a Measurement({example}), in SI."
+        f"load_measurement takes a file name or a list of file names, got {type(given).__name__}:"
+        f" for columns in memory use Measurement({example}), in SI units."
     )
 
 
@@ -314,6 +317,6 @@ def _nothing_known(frame: "Frame") -> str:
     first = [name for name in frame.names if name.rpartition("/")[2].lower() == "x"]
     plane = f'["{first[0]}", "{first[0][:-1]}{chr(ord(first[0][-1]) + 1)}"]' if first else '"..."'
     return (
-        f"{frame.file}: no column is called {', '.join((*SAMPLED, *TRAVELS))}; it has {listed}."
-        f' Say which is which, as columns={{"position": {plane}}}.'
+        f"{frame.file}: no column is named {', '.join((*SAMPLED, *TRAVELS))}; the columns are"
+        f' {listed}. Assign them, as columns={{"position": {plane}}}.'
     )

@@ -28,7 +28,7 @@ def refuse_same(first: Measurement, second: Measurement) -> None:
     >>> run = {"time": [0.0, 1.0], "position": [0.0, 0.1]}
     >>> refuse_same(Measurement(**run, name="run 1"), Measurement(**run))
     Traceback (most recent call last):
-    stickslip.errors.InputError: the second record is the one that is fitted ('run 1'), ...
+    stickslip.errors.InputError: the second record is identical to the fitted one ('run 1'), ...
     """
     for one in second.records():
         for other in first.records():
@@ -37,9 +37,9 @@ def refuse_same(first: Measurement, second: Measurement) -> None:
             name = one.name or other.name
             told = f" ({name!r})" if name else ""
             raise InputError(
-                f"the second record is the one that is fitted{told}, sample by sample: its error"
-                " would say nothing of what the fit has not seen. Give another record, or none:"
-                " held-out blocks judge laws on one record."
+                f"the second record is identical to the fitted one{told}, sample by sample, so its"
+                " error would not be a held-out error. Give another record, or none: held-out"
+                " blocks then compare the laws on one record."
             )
 
 

@@ -5,6 +5,7 @@ import math
 from stickslip.errors import InputError
 from stickslip.experiments.measurement import QUANTITIES, Measurement
 from stickslip.experiments.parameter_paths import PREFIX
+from stickslip.formatting import quantity
 from stickslip.mechanisms import WHOLE, Mechanism, cycle_of
 from stickslip.quantities import vary
 
@@ -96,15 +97,14 @@ def whole_cycles(mechanism: Mechanism, t_end: float) -> int:
     try:
         period = cycle_of(mechanism)
     except InputError as error:
-        reason = str(error).removesuffix("; give the period [s] yourself.").removesuffix(".")
+        reason = str(error).removesuffix("; give the period [s] explicitly.").removesuffix(".")
         raise InputError(
-            f"needs drives that repeat themselves, but {reason}. Give travel or"
-            " mean_velocity instead."
+            f"needs periodic drives, but {reason}. Give travel or mean_velocity instead."
         ) from None
     count = math.floor(t_end / period * (1.0 + WHOLE))
     if not count:
         raise InputError(
-            f"needs at least one whole cycle of {period:g} s, but the run ends at t_end ="
-            f" {t_end:g} s. Increase t_end."
+            f"needs at least one whole cycle of {quantity(period, 's')}, but the run ends at t_end"
+            f" = {quantity(t_end, 's')}. Increase t_end."
         )
     return count

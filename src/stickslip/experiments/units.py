@@ -9,6 +9,7 @@ from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
 from stickslip.errors import ParameterError
+from stickslip.formatting import number as number_text
 from stickslip.quantities import Quantity
 
 if TYPE_CHECKING:
@@ -147,11 +148,11 @@ def check_uncertainty(
     most = MOST_UNCERTAIN * abs(value) if positive and value else math.inf
     if 0.0 < uncertainty < most:
         return uncertainty
-    room = f" and below {most:g}{unit}, half of the value" if most < math.inf else ""
+    room = f" and below {number_text(most, 6)}{unit}, half of the value" if most < math.inf else ""
     cure = (
         "leave it out of a value that is exact"
         if uncertainty <= 0.0
-        else "a value that is hardly known is to be measured, or looked for in a record"
+        else "measure the value, or fit it to a record"
     )
     raise ParameterError(f"(u_{quantity.symbol}) must be above 0{unit}{room}, got {got}: {cure}.")
 
@@ -162,10 +163,10 @@ def _example(quantity: Quantity) -> str:
 
 def _no_number(value: object, quantity: Quantity) -> str:
     pure = quantity.unit == "1"
-    plain = "a number" if pure else "a number in SI"
+    plain = "a number" if pure else "a number in SI units"
     return (
-        f'({quantity.symbol}) must be {plain} or text with a unit such as "{_example(quantity)}",'
-        f" {allowed(quantity)}, got {shown(value)}."
+        f"({quantity.symbol}) must be {plain} or text with a unit such as"
+        f' "{_example(quantity)}", {allowed(quantity)}, got {shown(value)}.'
     )
 
 
@@ -178,8 +179,8 @@ def _from_text(text: str, quantity: Quantity) -> float:
         return float(number)
     if unit is None and quantity.unit != "1":
         raise ParameterError(
-            f'({quantity.symbol}) has no unit in {shown(text)}: write "{number} {quantity.unit}",'
-            " or the number in SI without quotes."
+            f'({quantity.symbol}) has no unit in {shown(text)}: write "{number}'
+            f' {quantity.unit}", or the number in SI units without quotes.'
         )
     try:
         return float(Decimal(number) * _factor(unit or "1", quantity.unit))
@@ -317,7 +318,7 @@ def _one(unit: str) -> Any:
     if unit == "1":
         return registry.Quantity(Decimal(1), "")
     if re.fullmatch(_UNIT, unit) is None:
-        raise ParameterError(f"has a unit that cannot be read: {shown(unit)}")
+        raise ParameterError(f"has an unreadable unit {shown(unit)}")
     try:
         # To the unit library px is that of web pages, which has a length.
         unit = "pixel" if is_pixel(unit) else unit
@@ -327,7 +328,7 @@ def _one(unit: str) -> Any:
         # Whatever the unit library says, it cannot say where in the file.
         raise ParameterError(f"has an unknown unit {shown(unit)}") from None
     if not one._is_multiplicative:
-        raise ParameterError(f"has a unit with a zero of its own: {shown(unit)}")
+        raise ParameterError(f"has a unit with an offset zero: {shown(unit)}")
     return one
 
 

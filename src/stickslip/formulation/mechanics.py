@@ -211,7 +211,8 @@ def _only_contact(mechanism: Mechanism) -> Contact:
     contacts = mechanism.contacts()
     if len(contacts) != 1:
         raise InputError(
-            f"{type(mechanism).__name__} has {len(contacts)} contacts; this version solves one."
+            f"{type(mechanism).__name__} has {len(contacts)} contacts; this version solves exactly"
+            " one."
         )
     return contacts[0]
 

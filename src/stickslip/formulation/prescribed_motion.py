@@ -39,8 +39,8 @@ def held_of(mechanism: Mechanism, contact: Contact) -> tuple[str, ...]:
     for name in held:
         if name in mechanism.coordinates or held.count(name) > 1:
             raise InputError(
-                f"{type(mechanism).__name__} holds {name!r} at 0, which moves or is held twice:"
-                " held coordinates have names of their own."
+                f"{type(mechanism).__name__} holds {name!r} at 0, but that coordinate moves or is"
+                " already held: give held coordinates names of their own."
             )
     return held
 
@@ -83,22 +83,23 @@ def _fault(
 ) -> str:
     """Return why a coordinate cannot be guided so, or nothing."""
     if name == contact.slip:
-        return f"{name} is the coordinate that slips, whose motion cannot be prescribed."
+        return f"{name} is the slip coordinate, whose motion cannot be prescribed."
     others = [one for one in mechanism.coordinates if one != contact.slip]
     if name not in others or not isinstance(guide, Guide) or guide.drive not in drives:
         return (
-            f"{name!r} is guided by {guide!r}; it must be one of {', '.join(others) or 'none'},"
-            f" by a Guide(...) that names one of the drives {', '.join(drives) or '(none)'}."
+            f"{name!r} is guided by {guide!r}; only {', '.join(others) or 'no coordinate'} can be"
+            " guided, by a Guide(...) that names one of the drives"
+            f" {', '.join(drives) or '(none)'}."
         )
     if name in {stop.coordinate for stop in stops_of(mechanism)}:
         return (
-            f"the motion of {name} is prescribed, so that no hard stop can hold it. Leave the stops"
+            f"the motion of {name} is prescribed, so it cannot have hard stops. Leave the stops"
             " out, or drive it by a force."
         )
     if guide.effort in (*mechanism.coordinates, *mechanism.rates, *TAKEN):
         return (
-            f"the effort on {name} is called {guide.effort!r}, as another column of runs is: give"
-            " it a name of its own."
+            f"the effort on {name} is named {guide.effort!r}, the name of another column of the"
+            " run: give it another name."
         )
     return ""
 
@@ -128,13 +129,13 @@ def own_limits(mechanism: Mechanism, forces: Mapping[str, object]) -> Mapping[st
         limits = mechanism.limits(forces)
     except KeyError as error:
         raise InputError(
-            f"{owner}.limits asks for the force {error.args[0]!r}; there are"
+            f"{owner}.limits refers to the force {error.args[0]!r}; the forces are"
             f" {', '.join(forces) or 'none'}."
         ) from None
     for name in RESERVED:
         if name in limits:
             raise InputError(
-                f"{owner} has a limit {name!r}, which the solver knows itself: give it a name of"
-                " its own."
+                f"{owner} has a limit {name!r}, a name reserved for the solver: give it another"
+                " name."
             )
     return limits

@@ -110,7 +110,9 @@ def expression(value: Any) -> se.Expr:
     if isinstance(value, Traced):
         return value.expr
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        raise TracingError(f"an equation met {value!r}, which is neither a number nor a symbol")
+        raise TracingError(
+            f"an equation contains {value!r}, which is neither a number nor a symbol"
+        )
     top, bottom = float(value).as_integer_ratio()
     # 0.5 and its like stay exact, so that factors from energies cancel instead of piling up
     return (
@@ -174,10 +176,12 @@ class Traced:
     def __pow__(self, exponent: Any) -> Traced:
         if isinstance(exponent, (float, int)) and float(exponent).is_integer():
             return self._new(self.expr ** int(exponent))
-        raise TracingError("** takes whole exponents here; use stickslip.maths.power or sqrt")
+        raise TracingError(
+            "** requires a whole-number exponent here; use stickslip.maths.power or sqrt"
+        )
 
     def __rpow__(self, base: Any) -> NoReturn:
-        raise TracingError("** takes whole exponents here; use stickslip.maths.power")
+        raise TracingError("** requires a whole-number exponent here; use stickslip.maths.power")
 
     def __abs__(self) -> Traced:
         return self._new(self.board.choose(self.expr, self.expr, -self.expr))

@@ -15,7 +15,7 @@ __all__ = ["Coulomb"]
 @final
 @dataclass(frozen=True, kw_only=True)
 class Coulomb(SetValuedLaw):
-    """Constant sliding friction, with a higher level at rest if one is given.
+    """Constant kinetic friction, with an optional higher static level.
 
     Examples
     --------

@@ -19,7 +19,7 @@ __all__ = ["CoulombViscous"]
 @final
 @dataclass(frozen=True, kw_only=True)
 class CoulombViscous(SetValuedLaw):
-    """A constant level and a part in proportion to the speed.
+    """A constant level plus a viscous part proportional to the speed.
 
     Examples
     --------

@@ -19,7 +19,7 @@ __all__ = ["CoulombViscousStatic"]
 @final
 @dataclass(frozen=True, kw_only=True)
 class CoulombViscousStatic(SetValuedLaw):
-    """A level at rest, a lower one that sliding begins with, and a part in proportion to the speed.
+    """A static level, a lower kinetic level, and a viscous part proportional to the speed.
 
     The third of the classical laws. `CoulombViscous` with a static coefficient has the same forces,
     but there the static level is given; here it is a parameter like the others, and fitted where

@@ -25,7 +25,7 @@ ROUNDED = 1e-12
 @final
 @dataclass(frozen=True, kw_only=True)
 class Dahl(BristleLaw):
-    """Elastic at small displacement, Coulomb friction at large: hysteresis without stiction.
+    """Elastic at small displacements, Coulomb friction at large ones: hysteresis without stiction.
 
     A viscous part may stand beside the bristles; that of a lubricant that thins grows with a power
     of the speed below 1, as in the joints of robots. Below a micrometre a second it is linear.

@@ -15,7 +15,7 @@ __all__ = ["DirectionDependent"]
 @final
 @dataclass(frozen=True, kw_only=True)
 class DirectionDependent(DirectionalLaw):
-    """A level and a viscous part for each direction: screws, cable drives, preloaded guides.
+    """Separate levels and viscous parts for each direction: screws, cable drives, preloaded guides.
 
     A constant force is not told apart from half the difference of the levels: give the mechanism
     an offset, or let the levels differ, not both, unless something else tells them apart.

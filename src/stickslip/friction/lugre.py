@@ -25,7 +25,7 @@ __all__ = ["LuGre"]
 @final
 @dataclass(frozen=True, kw_only=True)
 class LuGre(BristleLaw):
-    """Presliding, Stribeck curve, frictional lag and rate-dependent break-away in one state.
+    """Presliding, Stribeck curve, frictional lag and rate-dependent break-away with one state.
 
     The viscous part may grow with a power of the speed, as that of a lubricant that thins; below a
     micrometre a second it is linear.

@@ -57,7 +57,7 @@ def _thinning(speed: Scalar, exponent: Scalar) -> Scalar:
 @final
 @dataclass(frozen=True, kw_only=True)
 class PowerViscous(SetValuedLaw):
-    """A level, and a part that grows with a power of the speed: shear-thinning lubricants.
+    """A constant level plus a power of the speed, as for shear-thinning lubricants.
 
     Below a micrometre a second, `PLATEAU`, the power gives way to the straight line that meets it
     there. With no level a body creeps to rest along this line in no finite time, as with viscous

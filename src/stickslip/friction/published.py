@@ -36,7 +36,9 @@ Sigma1 = Annotated[float, Quantity("sigma_1", "N s/m", low=0)]
 Sigma2 = Annotated[float, Quantity("sigma_2", "N s/m", low=0)]
 Vs = Annotated[float, Quantity("v_s", "m/s", above=0)]
 
-NO_LIMIT = "at rest friction equals the resultant force without limit: a body at rest never starts"
+NO_LIMIT = (
+    "at rest friction equals the resultant force without limit, so a body at rest never starts"
+)
 LIMIT = "at rest $F_x$, up to $mu_s$ $N$"
 
 
@@ -172,10 +174,10 @@ class PrintedCoulomb(_Memoryless):
     equation: ClassVar[str] = "(1)"
     formula: ClassVar[str] = r"F_f = -\mu N \operatorname{sgn}(\dot x), \quad N = M g + F_y"
     defect: ClassVar[str] = (
-        "no stiction: with sgn 0 = 0 there is no friction at rest, so that a cart that should be"
-        " held creeps, by an amount that the time step sets"
+        "no stiction: with sgn 0 = 0 there is no friction at rest, so a cart that should stick"
+        " creeps, at a rate set by the time step"
     )
-    cure: ClassVar[str] = "the same, and stick while the needed force is at most $mu_s$ $N$"
+    cure: ClassVar[str] = "the same, with stick while the required force is at most $mu_s$ $N$"
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
 
     kinetic_coefficient: Mu
@@ -197,7 +199,7 @@ CART_DYNAMICS = RightEquation(
         r" \quad {} + m l \dot\theta^2 (\sin\theta - \mu \cos\theta \operatorname{sgn} \dot x)"
         r" \quad {} + \mu (M+m) g \operatorname{sgn} \dot x = 0"
     ),
-    right="it follows from (1) and the motion of the pendulum, while the cart slides",
+    right="it follows from (1) and the equation of the pendulum, while the cart slides",
 )
 
 
@@ -219,7 +221,7 @@ class PrintedImprovedCoulomb(_Memoryless):
         " backwards; at rest sgn 0 = 0 removes it, whatever $mu$ is"
     )
     cure: ClassVar[str] = (
-        "$mu_k$ $N$ sgn $v$, and stick while the needed force is at most $mu_s$ $N$"
+        "$mu_k$ $N$ sgn $v$, with stick while the required force is at most $mu_s$ $N$"
     )
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
 
@@ -252,8 +254,8 @@ class PrintedCartDynamics(_Memoryless):
         r" \quad {} + \mu (M+m) g \operatorname{sgn} \dot x = 0"
     )
     defect: ClassVar[str] = (
-        "with $mu$ of (3), the sign enters the terms of the pendulum once and that of the weight"
-        " twice: friction of the weight accelerates a cart that moves backwards"
+        "with $mu$ of (3), the sign enters the pendulum terms once and the weight term twice: the"
+        " friction due to the weight accelerates a cart that moves backwards"
     )
     cure: ClassVar[str] = "(2), with the stick rule"
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
@@ -295,7 +297,7 @@ class PrintedStribeck(_Memoryless):
     )
     cure: ClassVar[str] = "[$F_c$ + ($F_s$ − $F_c$) exp(−|$v$/$v_s$|^{n})] sgn $v$ + $sigma_2$ $v$"
     right: ClassVar[str] = (
-        "the rule for rest, with its limit $F_s$: the only one in the paper that is right"
+        "the rule for rest with its limit $F_s$; it is the only correct one in the paper"
     )
     corrected: ClassVar[type[FrictionLaw]] = Stribeck
 
@@ -332,7 +334,7 @@ class PrintedDahl(_Switched):
         + _switched(r"F_d = \sigma_0 Z \operatorname{sgn}(\dot x)")
     )
     defect: ClassVar[str] = (
-        f"$Z$ has a sign already: moving backwards, sgn reverses the bristle force; {NO_LIMIT}"
+        f"$Z$ already has a sign: for backward motion, sgn reverses the bristle force; {NO_LIMIT}"
     )
     cure: ClassVar[str] = "$F$ = $sigma_0$ $z$, at rest too, which ends at $F_c$"
     corrected: ClassVar[type[FrictionLaw]] = Dahl
@@ -387,7 +389,7 @@ class PrintedViscousSwitch(_Switched, _Memoryless):
     equation: ClassVar[str] = "(8)"
     formula: ClassVar[str] = _switched(r"F_v = \mu_v \dot x \operatorname{sgn}(\dot x)")
     defect: ClassVar[str] = (
-        f"a sgn too many: it accelerates a body that moves backwards; {NO_LIMIT}"
+        f"one sgn too many: it accelerates a body that moves backwards; {NO_LIMIT}"
     )
     cure: ClassVar[str] = "$sigma_2$ $v$"
     corrected: ClassVar[type[FrictionLaw]] = Viscous
@@ -422,9 +424,9 @@ class PrintedLuGre(_Switched):
         )
     )
     defect: ClassVar[str] = (
-        "moving backwards, sgn reverses all three parts, which accelerate the body; $F_v$ stands"
-        " for two things; the exponent cannot be read with certainty (two minus signs, $alpha$"
-        f" beside the fraction); {NO_LIMIT}"
+        "for backward motion, sgn reverses all three parts, which then accelerate the body; $F_v$"
+        " denotes two quantities; the exponent is ambiguous (two minus signs, $alpha$ beside the"
+        f" fraction); {NO_LIMIT}"
     )
     cure: ClassVar[str] = (
         "$F$ = $sigma_0$ $z$ + $sigma_1$ $z$′ + $sigma_2$ $v$, at rest too, with"
@@ -479,7 +481,7 @@ class PrintedCoulombViscousSwitch(_Switched, _Memoryless):
         r"F_c \operatorname{sgn}(\dot x) + \mu \dot x \operatorname{sgn}(\dot x)"
     )
     defect: ClassVar[str] = (
-        "the viscous part has a sgn too many and accelerates a body that moves backwards;"
+        "the viscous part has one sgn too many and accelerates a body that moves backwards;"
         f" {NO_LIMIT}"
     )
     cure: ClassVar[str] = f"$F_c$ sgn $v$ + $sigma_2$ $v$; {LIMIT}"

@@ -16,7 +16,7 @@ __all__ = ["QuadraticDrag"]
 @final
 @dataclass(frozen=True, kw_only=True)
 class QuadraticDrag(SetValuedLaw):
-    """A level, a viscous part and a drag: bodies and pendulums that also move air or oil.
+    """A constant level, a viscous part and quadratic drag, for motion through air or oil.
 
     Examples
     --------

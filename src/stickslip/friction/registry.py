@@ -98,8 +98,8 @@ def law_type(name: str) -> type[FrictionLaw]:
     for one in usual_specifications():
         if one.name == name and name not in laws():
             raise InputError(
-                f"{name} is a name for fits to records: {one.law.name} with its exponent fitted,"
-                f" too. Give {one.law.name}."
+                f"{name} is available only for fits to records: {one.law.name} with its exponent"
+                f" fitted as well. Give {one.law.name} here."
             )
     law: type[FrictionLaw] = _law_named(laws(), name)
     return law

@@ -54,7 +54,7 @@ def fade(speed: Scalar, stribeck_velocity: Scalar, exponent: Scalar) -> Scalar:
 @final
 @dataclass(frozen=True, kw_only=True)
 class Stribeck(SetValuedLaw):
-    """Kinetic level, plus a static surplus that fades with speed, plus a viscous part.
+    """A kinetic level, a static excess that decays with speed, and a viscous part.
 
     The force that rest gives way to may lie above what sliding begins with: the factor ``peak`` of
     the Modelica library is ``break_away_coefficient / static_coefficient``.

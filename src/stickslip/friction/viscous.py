@@ -15,7 +15,7 @@ __all__ = ["Viscous"]
 @final
 @dataclass(frozen=True, kw_only=True)
 class Viscous(SetValuedLaw):
-    """Friction of a fluid film; it holds nothing and never quite stops a body.
+    """Friction of a fluid film, proportional to the speed, without a static level.
 
     Examples
     --------

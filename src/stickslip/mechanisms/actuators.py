@@ -76,7 +76,7 @@ class Motor(Parametrised, ABC):
 @final
 @dataclass(frozen=True, kw_only=True)
 class Prescribed(Motor):
-    """Moves as a profile says, whatever force or torque that takes.
+    """A prescribed motion; the force or torque that it requires is computed.
 
     Examples
     --------
@@ -130,7 +130,7 @@ class Prescribed(Motor):
 @final
 @dataclass(frozen=True, kw_only=True)
 class Torque(Motor):
-    """A force or torque given in time, and no larger than the motor can give.
+    """A force or torque given as a function of time, limited to what the motor can supply.
 
     Examples
     --------

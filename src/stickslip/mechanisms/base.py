@@ -9,6 +9,7 @@ from typing_extensions import override
 
 from stickslip.drives import Drive
 from stickslip.errors import ParameterError
+from stickslip.formatting import number
 from stickslip.maths import Scalar, cos, sin
 from stickslip.quantities import Parametrised, Quantity
 
@@ -31,7 +32,7 @@ Incline: TypeAlias = Annotated[float, Quantity("beta", "rad", low=-1.57, high=1.
 
 @dataclass(frozen=True, kw_only=True)
 class Contact:
-    """Where a body rubs: the coordinate that slips, and what presses.
+    """A frictional contact: the coordinate that slips, and the normal force.
 
     Parameters
     ----------
@@ -75,7 +76,7 @@ class Stop:
 
 @dataclass(frozen=True, kw_only=True)
 class Guide:
-    """A coordinate that moves as it is told: a drive gives its acceleration.
+    """A coordinate with a prescribed motion: a drive gives its acceleration.
 
     Parameters
     ----------
@@ -223,7 +224,8 @@ class BoundedMechanism(Mechanism, ABC):
             if not lower[coordinate] < upper[coordinate]:
                 raise ParameterError(
                     f"{type(self).__name__}: the upper stop of {coordinate} must lie above the"
-                    f" lower one at {lower[coordinate]:g}, got {upper[coordinate]:g}."
+                    f" lower one at {number(lower[coordinate], 6)}, got"
+                    f" {number(upper[coordinate], 6)}."
                 )
 
     @abstractmethod
@@ -243,7 +245,7 @@ def _by_coordinate(mechanism: BoundedMechanism, side: str) -> dict[str, float]:
             raise ParameterError(f"{owner} must be on one of the coordinates {known}.")
         if not 0.0 <= stop.restitution <= 1.0:
             raise ParameterError(
-                f"{owner} must have a restitution of 0 to 1, got {stop.restitution:g}."
+                f"{owner} must have a restitution from 0 to 1, got {stop.restitution:g}."
             )
         if stop.side != side:
             continue

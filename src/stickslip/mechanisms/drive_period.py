@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from stickslip.drives import Drive, Sum
 from stickslip.errors import InputError
+from stickslip.formatting import number
 from stickslip.mechanisms.base import Mechanism
 
 __all__ = ["WHOLE", "cycle_of", "cycle_or_none", "repeats"]
@@ -45,13 +46,15 @@ def cycle_of(mechanism: Mechanism) -> float:
         for part in _parts(drive)
     ]
     if not periods:
-        raise InputError(f"{name} has no drive, and so no cycle; give the period [s] yourself.")
+        raise InputError(
+            f"{name} has no drive and therefore no drive period; give the period [s] explicitly."
+        )
     longest = max(periods)
     for period in periods:
         if abs(longest / period - round(longest / period)) > WHOLE * longest / period:
             raise InputError(
-                f"{name}: drives with periods of {period:g} and {longest:g} s have no cycle that is"
-                " that of the slower one; give the period [s] yourself."
+                f"{name}: drives with periods of {number(period, 6)} and {number(longest, 6)} s"
+                " have no common period equal to the longer one; give the period [s] explicitly."
             )
     return longest
 
@@ -98,7 +101,7 @@ def _period(owner: str, drive: Drive) -> float:
     period = drive.repeats()
     if period is None:
         raise InputError(
-            f"{owner} is a {type(drive).__name__}, which is not known to repeat itself; give the"
-            " period [s] yourself."
+            f"{owner} is a {type(drive).__name__}, which is not known to be periodic; give the"
+            " period [s] explicitly."
         )
     return float(period)

@@ -8,6 +8,7 @@ from typing_extensions import override
 
 from stickslip.drives import Drive
 from stickslip.errors import ParameterError
+from stickslip.formatting import number
 from stickslip.maths import Scalar, where
 from stickslip.mechanisms.base import (
     BoundedMechanism,
@@ -76,8 +77,9 @@ class SpringBlock(BoundedMechanism):
         super().__post_init__()
         if self.compression != 0 and self.stiffness == 0:
             raise ParameterError(
-                f"SpringBlock.compression (x_0) is {self.compression:g} m but stiffness (k) is 0:"
-                " there is no spring to compress. Give a stiffness above 0 N/m, or no compression."
+                f"SpringBlock.compression (x_0) is {number(self.compression, 6)} m but stiffness"
+                " (k) is 0: there is no spring to compress. Give a stiffness above 0 N/m, or no"
+                " compression."
             )
         if self.attached and self.stiffness == 0:
             raise ParameterError(

@@ -104,12 +104,14 @@ class Memory:
             raise InputError(f"{path} cannot be read: {error.strerror}.") from error
         except (AttributeError, KeyError, TypeError, ValueError):
             raise InputError(
-                f"{path} is not the state of a profile search: name another file, or remove it."
+                f"{path} is not the saved state of a profile search: name another file, or remove"
+                " it."
             ) from None
         if digest != self.digest:
             raise InputError(
-                f"{path} is the state of another search (another mechanism, law, goal, limit, seed,"
-                " number of evaluations, or version): ask for the same again, or name another file."
+                f"{path} is the saved state of another search (different mechanism, law, goal,"
+                " limit, seed, number of evaluations, or version): repeat the same request, or"
+                " name another file."
             )
         return found
 

@@ -99,9 +99,9 @@ def motor_of(mechanism: Mechanism) -> str:
         if isinstance(getattr(mechanism, one.name), Prescribed) and mechanism.guided():
             return one.name
     raise InputError(
-        f"mechanism must have a motion to be improved, got {type(mechanism).__name__} without one:"
-        " give it Prescribed(profile=...), such as PendulumCart(pendulum=...) or Capsule(drive=...)"
-        " take it."
+        f"mechanism must have a prescribed motion to be optimised, got {type(mechanism).__name__}"
+        " without one: give it Prescribed(profile=...), as in PendulumCart(pendulum=...) or"
+        " Capsule(drive=...)."
     )
 
 

@@ -175,8 +175,8 @@ def _optimum(
     problem, plan = work.problem, work.plan
     if best.judged is None:
         raise ConvergenceError(
-            f"no {kind} motion was found that keeps the limits, among {best.evaluations} tried:"
-            " widen the limits, or give more evaluations."
+            f"no {kind} motion satisfies the limits among the {best.evaluations} evaluated: widen"
+            " the limits, or increase evaluations."
         )
     whole = fitted(plan.mechanism, best.judged.profile, limit=plan.motor_limit)
     return Optimum(
@@ -229,7 +229,9 @@ def _plan(mechanism: Mechanism, limits: Limits, evaluations: int, seed: int) -> 
     motor = getattr(mechanism, motor_of(mechanism))
     slip = mechanism.contacts()[0].slip
     if guide_of(mechanism)[0] == slip:
-        raise InputError(f"the motion prescribes {slip}, the slip itself: nothing can be improved.")
+        raise InputError(
+            f"the motion prescribes {slip}, the slip itself: there is nothing to optimise."
+        )
     given = limits.given()
     if motor.limit is not None:
         given["effort"] = min(given.get("effort", motor.limit), motor.limit)
@@ -248,8 +250,8 @@ def _check(law: object, progress: object) -> None:
         raise InputError(f"law must be a friction law such as Coulomb, got {law!r}.")
     if progress is not None and not callable(progress):
         raise InputError(
-            "progress must be callable with the search, the motions tried and in all, and the best"
-            f" goal, got {progress!r}."
+            "progress must be callable with the search, the number of motions evaluated and their"
+            f" total, and the best goal, got {progress!r}."
         )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError, ParameterError
+from stickslip.formatting import number, percent
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.cycle_metrics import motor_of
@@ -102,7 +103,7 @@ def scenarios_of(
         return _samples(laws, quantile)
     if interval:
         return _grid(mechanism, law, interval, points)
-    return Scenarios(laws=(law,), changes=({},), quantile=0.0, words="the law as given")
+    return Scenarios(laws=(law,), changes=({},), quantile=0.0, words="the given law")
 
 
 def _samples(laws: Sequence[FrictionLaw], quantile: float) -> Scenarios:
@@ -113,7 +114,8 @@ def _samples(laws: Sequence[FrictionLaw], quantile: float) -> Scenarios:
         laws=tuple(laws),
         changes=({},) * len(laws),
         quantile=share,
-        words=f"{len(laws)} laws, of which {share:g} do worse",
+        words=(f"the {percent(share)} quantile" if share else "the worst")
+        + f" of {len(laws)} laws",
     )
 
 
@@ -132,8 +134,8 @@ def _grid(
     axes = {full_path(path, known): _range(path, ends) for path, ends in interval.items()}
     if points ** len(axes) > MOST_POINTS:
         raise InputError(
-            f"interval has {points}^{len(axes)} combinations; at most {MOST_POINTS} are tried:"
-            " give fewer points or fewer parameters."
+            f"interval has {points}^{len(axes)} combinations; the limit is {MOST_POINTS}: give"
+            " fewer points or fewer parameters."
         )
     rows = [
         dict(zip(axes, values, strict=True))
@@ -143,12 +145,14 @@ def _grid(
     ]
     own = [{p: v for p, v in row.items() if p.startswith("mechanism.")} for row in rows]
     others = [{p: v for p, v in row.items() if p not in mine} for row, mine in zip(rows, own)]  # noqa: B905  # made of each other
-    ranges = ", ".join(f"{path} {low:g} to {high:g}" for path, (low, high) in axes.items())
+    ranges = ", ".join(
+        f"{path} {number(low)} to {number(high)}" for path, (low, high) in axes.items()
+    )
     return Scenarios(
         laws=tuple(vary(law, "friction", row) if row else law for row in others),
         changes=tuple(own),
         quantile=0.0,
-        words=f"the worst of {len(rows)} even points of {ranges}",
+        words=f"the worst of {len(rows)} evenly spaced points of {ranges}",
     )
 
 
@@ -159,5 +163,5 @@ def _range(path: str, ends: object) -> tuple[float, float]:
     except (TypeError, ValueError):
         raise InputError(f"interval[{path!r}] must be (low, high), got {ends!r}.") from None
     if not low < high:
-        raise InputError(f"interval[{path!r}] must rise, got {low:g} to {high:g}.")
+        raise InputError(f"interval[{path!r}] must increase, got {low:g} to {high:g}.")
     return low, high

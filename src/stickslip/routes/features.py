@@ -51,7 +51,7 @@ class FeatureRoute(Route[FeatureFit, FeatureVerdict]):
 
     @override
     def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
-        return f"features off by {percent(error)}"
+        return f"feature error {percent(error)}"
 
     @override
     def fit(self, request: FitRequest, options: Options) -> FeatureFit:
@@ -114,7 +114,7 @@ class FeatureRoute(Route[FeatureFit, FeatureVerdict]):
         return FitSummary(
             heads=heads,
             rows=rows,
-            open=("What the features say", fit.sentences),
+            open=("Remarks on the features", fit.sentences),
             second=second or None,
         )
 

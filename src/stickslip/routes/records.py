@@ -100,8 +100,9 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
         if isinstance(choice, RouteChoice) and name in WITHOUT_EFFECT[choice.route]:
             why = f", because {choice.reason}" if choice.reason else ""
             return (
-                f"is for simulated segments (route shooting); here the route is {choice.route},"
-                f" which fits friction along the measured motion{why}: leave it out."
+                "applies to simulated segments (route shooting); here the route is"
+                f" {choice.route}, which fits friction along the measured motion{why}: leave it"
+                " out."
             )
         return ""
 
@@ -178,9 +179,9 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
         lines += [line for line in (*fit.remarks, route_text(fit)) if line]
         return FitSummary(
             lines=lines,
-            findings=[f"Error of the model: {error}" for error in fit.model_errors],
+            findings=[f"Prediction error: {error}" for error in fit.model_errors],
             limits=limits_of(fit),
-            open=("Cannot tell", fit.sentences),
+            open=("Limitations", fit.sentences),
             second=None if second is None else second.rms,
             trials=compared(fit),
         )
@@ -214,7 +215,7 @@ def _row(candidate: RecordCandidate, verdict: RecordVerdict, *, second: bool) ->
 def _predicted(fit: RecordFit, second: Score) -> str:
     """Return how a second record was predicted: where friction is, bristles run through it."""
     if fit.problem.simulates:
-        return f"over {quantity(second.horizon, 's')} at a time"
+        return f"in segments of {quantity(second.horizon, 's')}"
     return "along the measured motion"
 
 
@@ -223,7 +224,7 @@ def _restarts(fit: RecordFit) -> str:
     starts = len(fit.restarts.costs)
     if starts == 1:
         return "none, a single start"
-    text = f"{fit.restarts.agreeing} of {starts} starts end at the least residual"
+    text = f"{fit.restarts.agreeing} of {starts} starting points converge to the smallest residual"
     if fit.first is None:
         return text
     return f"{text} in short segments; longer ones of the free decay were fitted from there"

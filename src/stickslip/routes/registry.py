@@ -134,13 +134,13 @@ def refuse_unused(
     --------
     >>> refuse_unused(route_named("travel"), ["horizon"], Options(horizon=1.0))
     Traceback (most recent call last):
-    stickslip.errors.InputError: horizon is for records of motion or friction; it has ...
+    stickslip.errors.InputError: horizon applies to records of motion or friction; it has ...
     """
     for name in given:
         why = route.why_unused(name, options)
         if not why and name not in route.uses:
             others = joined([one.measured for one in routes() if name in one.uses])
-            why = f"is for {others}; it has no effect on {route.measured}."
+            why = f"applies to {others}; it has no effect on {route.measured}: leave it out."
         if why:
             raise InputError(f"{mark}{name} {why}")
 

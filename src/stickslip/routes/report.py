@@ -89,7 +89,7 @@ def write_report(
     there = [name for name in (PAGE, DOCUMENT, LAW) if (folder / name).exists()]
     if there and not overwrite:
         raise InputError(
-            f"{folder / there[0]} is already there: give overwrite=True to replace it, or another"
+            f"{folder / there[0]} already exists: give overwrite=True to replace it, or another"
             " folder."
         )
     content = document("select", {"rig": title, "digest": digest, **verdict.to_dict()})

@@ -151,7 +151,7 @@ class FitSummary:
     """Errors of the model."""
     limits: Sequence[str] = ()
     """What limits each interval: the readings, or the rig."""
-    open: tuple[str, Sequence[str]] = ("Cannot tell", ())
+    open: tuple[str, Sequence[str]] = ("Limitations", ())
     """What is left open, below a heading."""
     second: float | Mapping[str, float] | None = None
     """Error on a second record, for documents."""

@@ -51,7 +51,7 @@ class TravelRoute(Route[TravelFit, TravelVerdict]):
     @override
     def why_unused(self, name: str, options: Options) -> str:
         if name == "validate":
-            return "takes a second record, and travels have none: give more trials instead."
+            return "requires a second record, and travels have none: give more trials instead."
         return ""
 
     @override

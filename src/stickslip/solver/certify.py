@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.formatting import number, percent
 from stickslip.formulation import PAINLEVE
 from stickslip.kernels import enums
 from stickslip.solver.dense_output import Playback
@@ -76,13 +77,18 @@ def certify(
     energy_limit = energy_limit_at(tolerance)
     problems = []
     if not energy_error <= energy_limit:
-        problems.append(f"energy does not balance: {energy_error:.1e}, allowed {energy_limit:.0e}")
+        problems.append(
+            f"energy balance violated: relative error {number(energy_error, 2)},"
+            f" allowed {number(energy_limit, 2)}"
+        )
     if not violation <= VIOLATION_LIMIT:
-        problems.append(f"a condition of a mode is violated by {violation:.1e} of its size")
+        problems.append(f"a mode condition is violated by {number(violation, 2)} of its scale")
     if not residual <= RESIDUAL_LIMIT:
-        problems.append(f"an event was located only to {residual:.1e} of its guard")
+        problems.append(
+            f"an event was located only to within {number(residual, 2)} of its guard function"
+        )
     if drift != 0:
-        problems.append(f"a stuck body moved by {drift:.1e} m")
+        problems.append(f"a sticking body moved by {number(drift, 2)} m")
     margins = _margins(playback, w, whole[module.STATUS])
     return Certificate(
         **books,
@@ -118,10 +124,10 @@ def _margins(playback: Playback, w: Sequence[float], status: int) -> dict[str, f
 
 def _warning(name: str, share: float) -> str:
     if name == "lift-off":
-        return f"the normal force fell to {100 * share:.2g} % of its largest value"
+        return f"the normal force fell to {percent(share)} of its largest value"
     if name == PAINLEVE:
-        return f"the equations came within {100 * share:.2g} % of Painleve's paradox"
-    return f"{name}: the margin fell to {100 * share:.2g} % of its largest value"
+        return f"the equations came within {percent(share)} of the Painlevé paradox"
+    return f"{name}: the margin fell to {percent(share)} of its largest value"
 
 
 def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:

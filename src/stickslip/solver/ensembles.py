@@ -144,7 +144,7 @@ def _outputs(
     for name in outputs or ():
         if not _is_name(name):
             raise InputError(
-                f"outputs must be names of states, or a mapping from other names than"
+                "outputs must be names of states, or a mapping from names other than"
                 f" {', '.join(RESERVED)} to Final, Max, ...; got {name!r}."
             )
     if outputs is None or not isinstance(outputs, Mapping):
@@ -177,16 +177,16 @@ def _columns(
         full_path(path, list(known)): _numbers(path, values) for path, values in varied.items()
     }
     if len(given) < len(varied):
-        raise InputError("parameters must name each only once, got: " + ", ".join(varied))
+        raise InputError("parameters must name each parameter only once, got: " + ", ".join(varied))
     lengths = {len(values) for values in given.values() if values.ndim}
     if len(lengths) != 1:
         sizes = ", ".join(f"{path} {np.size(values)}" for path, values in given.items()) or "none"
         raise InputError(
-            "parameters must hold at least one array, and arrays of one length, got: " + sizes
+            "parameters must contain at least one array, and arrays of equal length, got: " + sizes
         )
     (count,) = lengths
     if count == 0:
-        raise InputError("parameters must hold at least one number each, got empty arrays.")
+        raise InputError("parameters must contain at least one value each, got empty arrays.")
     columns = {path: np.broadcast_to(values, count).copy() for path, values in given.items()}
     _check(mechanism, law, columns, known)
     return columns, count

@@ -120,8 +120,8 @@ class EventDriven(Solver):
         if isinstance(law, PrintedForm):
             raise InputError(
                 f"{type(law).__name__} is eq. {law.equation} as printed, which has no exact"
-                f" solution to switch between: run it with solver=FixedStep(...), or use the"
-                f" corrected law {law.corrected.__name__}."
+                " event-driven solution: run it with solver=FixedStep(...), or use the corrected"
+                f" law {law.corrected.__name__}."
             )
         model = formulate(mechanism, law)
         inputs, record = self._executed(mechanism, law, model, y0, t_end)

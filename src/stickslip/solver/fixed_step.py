@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import ParameterError
+from stickslip.formatting import number
 from stickslip.friction import FrictionLaw, PrintedForm
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
@@ -94,12 +95,14 @@ class FixedStep(Solver):
         diagram = Diagram.build(mechanism, law, t_end, y0)
         if self.dt > t_end:
             raise ParameterError(
-                f"FixedStep.dt (dt) must be at most t_end = {t_end:g} s, got {self.dt:g}."
+                f"FixedStep.dt (dt) must be at most t_end = {number(t_end, 6)} s, got"
+                f" {number(self.dt, 6)}."
             )
         if t_end > MOST_STEPS * self.dt:
             raise ParameterError(
-                f"FixedStep.dt (dt) must be at least {t_end / MOST_STEPS:g} s for t_end ="
-                f" {t_end:g} s, got {self.dt:g}: more than {MOST_STEPS:g} steps."
+                f"FixedStep.dt (dt) must be at least {number(t_end / MOST_STEPS)} s for t_end ="
+                f" {number(t_end, 6)} s, got {number(self.dt, 6)}: more than {number(MOST_STEPS)}"
+                " steps."
             )
         times = self._times(t_end)
         y = list(y0)
@@ -211,5 +214,5 @@ def _certificate(diagram: Diagram, rows: NDArray[np.float64]) -> Certificate:
         stick_drift=0.0,
         steps=len(rows) - 1,
         rejected=0,
-        problems=("fixed step: no event was located and no error was controlled",),
+        problems=("fixed step: events were not located and the error was not controlled",),
     )

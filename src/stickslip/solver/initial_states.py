@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
+from stickslip.formatting import number
 from stickslip.formulation import PAINLEVE
 from stickslip.mechanisms import Mechanism, Stop, stops_of
 from stickslip.quantities import parameters, shadow
@@ -101,8 +102,9 @@ def start_slopes(
             slopes = np.atleast_1d(np.imag(moved[state])) / IMAGINARY
             if np.ptp(slopes) > 1e-12 * np.abs(slopes).max():
                 raise InputError(
-                    f"how {state} begins changes differently with {path} from run to run:"
-                    f" give its start as initial.{state}, or take the sensitivities run by run."
+                    f"the derivative of the initial {state} with respect to {path} differs from"
+                    f" run to run: give the initial value as initial.{state}, or compute the"
+                    " sensitivities of each run separately."
                 )
             found[state][c] = slopes[0]
     return found
@@ -173,9 +175,9 @@ def starts_within_stops(
             unit = mechanism.units[index]
             raise InputError(
                 f"{f'run {row}: it' if columns else 'the run'} begins at {stop.coordinate} ="
-                f" {place[row]:g} {unit}, beyond the {stop.side} stop of"
-                f" {type(mechanism).__name__} at {position[row]:g} {unit}: move the stop, or begin"
-                f" elsewhere with y0={{{stop.coordinate!r}: ...}}."
+                f" {number(place[row], 6)} {unit}, beyond the {stop.side} stop of"
+                f" {type(mechanism).__name__} at {number(position[row], 6)} {unit}: move the stop,"
+                f" or choose another start with y0={{{stop.coordinate!r}: ...}}."
             )
         if (excess > 0.0).any():
             moved[path] = np.where(excess > 0.0, position, place)
@@ -234,13 +236,13 @@ def refuse_limits(mechanism: Mechanism, limits: Sequence[str]) -> None:
     """
     if PAINLEVE in limits:
         raise InputError(
-            f"FixedStep takes the normal force without friction, and that of this"
+            "FixedStep computes the normal force without friction, but that of this"
             f" {type(mechanism).__name__} depends on friction: run it with EventDriven()."
         )
     if limits:
         raise InputError(
-            f"FixedStep knows no limits, and this {type(mechanism).__name__} has some"
-            f" ({', '.join(limits)}): run it with EventDriven(), or without them."
+            f"FixedStep does not support limits, and this {type(mechanism).__name__} has some"
+            f" ({', '.join(limits)}): run it with EventDriven(), or without limits."
         )
 
 
@@ -248,6 +250,6 @@ def refuse_stops(mechanism: Mechanism) -> None:
     """Raise if a mechanism has hard stops."""
     if stops_of(mechanism):
         raise InputError(
-            f"FixedStep knows no hard stops, and this {type(mechanism).__name__} has some: run it"
-            " with EventDriven(), or without the stops."
+            f"FixedStep does not support hard stops, and this {type(mechanism).__name__} has some:"
+            " run it with EventDriven(), or without stops."
         )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from typing_extensions import TypeIs, override
 
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.formatting import number
 from stickslip.formulation import Model
 from stickslip.kernels import enums
 
@@ -87,7 +88,9 @@ def _column(values: Number) -> Array:
     """Return numbers a run, or one number for all, as a column."""
     array = np.asarray(values, dtype=np.float64)
     if array.ndim > 1:
-        raise InputError(f"an output takes a number, or one a run, got an array of {array.shape}.")
+        raise InputError(
+            f"an output takes a number, or one per run, got an array of {array.shape}."
+        )
     return array.reshape(-1, 1) if array.ndim else array.reshape(1)
 
 
@@ -95,8 +98,8 @@ def _time(owner: str, name: str, values: Number, t_end: float) -> Array:
     array = _column(values)
     if not np.all((array >= 0.0) & (array <= t_end)):
         raise InputError(
-            f"{owner}.{name} [s] must lie between 0 and t_end = {t_end:g} s,"
-            f" got {array.min():g} to {array.max():g} s."
+            f"{owner}.{name} [s] must lie between 0 and t_end = {number(t_end, 6)} s, got"
+            f" {number(array.min(), 6)} to {number(array.max(), 6)} s."
         )
     return array
 
@@ -179,7 +182,7 @@ class Mean(Output):
     def columns(self, model: Model, t_end: float) -> Columns:
         length = _time("Mean", "last", t_end if self.last is None else self.last, t_end)
         if not np.all(length > 0.0):
-            raise InputError(f"Mean.last [s] must be above 0 s, got {length.min():g} s.")
+            raise InputError(f"Mean.last [s] must be above 0 s, got {number(length.min(), 6)} s.")
         since = t_end - length
         return Columns(enums.MEAN, _state(model, self.state), since, 0.0 * since + t_end)
 

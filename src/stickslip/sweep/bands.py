@@ -11,6 +11,7 @@ from typing_extensions import override
 from stickslip.display import OnAxes, Summary
 from stickslip.errors import InputError, SimulationError
 from stickslip.experiments import LawEstimates
+from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, slip_names
 from stickslip.simulation import ensemble
@@ -87,7 +88,7 @@ class Band(OnAxes):
     def _summary(self) -> Summary:
         unit = next(iter(self.units.values()))
         rows = [
-            (name, *(f"{value:.4g}" for value in spread), shown)
+            (name, *(number(value, 4) for value in spread), shown)
             for name, spread, shown in (
                 ("travel", self.travel, unit),
                 ("mean velocity", self.mean_velocity, f"{unit}/s"),
@@ -95,7 +96,7 @@ class Band(OnAxes):
         ]
         lasted = self.count - self.ended_early
         return Summary(
-            sentence=f"{lasted} of {self.count} runs lasted to their end.",
+            sentence=f"{lasted} of {self.count} runs were completed.",
             head=("", "2.5 %", "median", "97.5 %", "unit"),
             rows=rows,
         )
@@ -197,8 +198,8 @@ def band_of(
     kept = np.array([status.complete for status in runs.status])
     if not kept.any():
         raise SimulationError(
-            f"none of {count} runs with draws of {', '.join(draws)} lasted to {t_end:g} s:"
-            f" {runs.status[0].value}"
+            f"none of {count} runs with samples of {', '.join(draws)} reached {number(t_end, 6)}"
+            f" s: {runs.status[0].value}"
         )
     x, v = runs[slip][kept], runs[rate][kept]
     at = x[:, np.searchsorted(grid, marks)]

@@ -90,12 +90,11 @@ class Basins(OnAxes):
 
     @override
     def _summary(self) -> Summary:
-        rows = [
-            (one.share, one.period or "does not close", one.velocity) for one in self.attractors
-        ]
+        rows = [(one.share, one.period or "not closed", one.velocity) for one in self.attractors]
         count = len(rows)
         return Summary(
-            sentence=f"{self.index.size} starts lead to {count} motion{'' if count == 1 else 's'}.",
+            sentence=f"{self.index.size} starts lead to {count}"
+            f" attractor{'' if count == 1 else 's'}.",
             head=("share of starts", "period", "mean velocity"),
             rows=rows,
         )

@@ -11,6 +11,7 @@ from typing_extensions import override
 
 from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, TowedBlock, cycle_of
 from stickslip.quantities import Quantity
@@ -104,7 +105,11 @@ class Bifurcation(OnAxes):
         closed = int((self.period > 0).sum())
         low, high = float(self.values.min()), float(self.values.max())
         rows = (
-            (self.path, f"{low:.4g} to {high:.4g} {self.path_unit}, {len(self.values)} values"),
+            (
+                self.path,
+                f"{number(low, 4)} to {number(high, 4)} {self.path_unit},"
+                f" {len(self.values)} values",
+            ),
             ("starts", self.samples.shape[1]),
             ("largest period", int(self.period.max(initial=0))),
         )
@@ -191,7 +196,7 @@ def bifurcation(
     counted("bifurcation", "settle", settle, 0)
     full, array = axis_of(mechanism, law, path, values)
     if full.startswith("initial."):
-        raise InputError(f"bifurcation: {full} is no parameter; give `starts`, or use basins.")
+        raise InputError(f"bifurcation: {full} is not a parameter; give `starts`, or use basins.")
     begun = tuple(dict(start) for start in starts)
     if not begun:
         raise InputError("bifurcation: starts must hold at least one mapping, got none.")
@@ -215,7 +220,10 @@ def _method(
 ) -> "_Method":
     if sample == "period":
         if t_end is not None:
-            raise InputError('bifurcation: t_end is for events; with "period" give settle, keep.')
+            raise InputError(
+                "bifurcation: t_end applies to sampling at events; for"
+                ' sample="period" give settle and keep.'
+            )
         if period is None:
             whole_run("bifurcation", shared.mechanism, settle + shared.keep)
         return _Strobe(shared, settle, period)

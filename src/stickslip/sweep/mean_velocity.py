@@ -11,6 +11,7 @@ from typing_extensions import override
 
 from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError
+from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_names
 from stickslip.simulation import check_pair, ensemble
@@ -71,7 +72,9 @@ class VelocityMap(OnAxes):
         other with such points in between, their middle counts.
         """
         if len(self.axes) != 1:
-            raise InputError(f"reversals are those along one axis, this map has {len(self.axes)}.")
+            raise InputError(
+                f"reversals are defined along one axis, but this map has {len(self.axes)}."
+            )
         (values,) = self.axes.values()
         moving = self.moves()
         x, v, rows = values[moving], self.velocity[moving], np.flatnonzero(moving)
@@ -125,12 +128,20 @@ class VelocityMap(OnAxes):
     @override
     def _summary(self) -> Summary:
         rows = [
-            (path, f"{x.min():.4g} to {x.max():.4g} {self.units[path]}, {len(x)} values")
+            (
+                path,
+                f"{number(x.min(), 4)} to {number(x.max(), 4)} {self.units[path]}, {len(x)} values",
+            )
             for path, x in self.axes.items()
         ]
         known = self.velocity[np.isfinite(self.velocity)]
         if known.size:
-            rows.append(("mean velocity", f"{known.min():.4g} to {known.max():.4g} {self.unit}"))
+            rows.append(
+                (
+                    "mean velocity",
+                    f"{number(known.min(), 4)} to {number(known.max(), 4)} {self.unit}",
+                )
+            )
         return Summary(
             sentence=f"{known.size} of {self.velocity.size} runs have a velocity.", rows=rows
         )

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from stickslip.errors import ParameterError
+from stickslip.formatting import number
 from stickslip.quantities import Parametrised, Quantity, fields_of
 
 __all__ = ["explained", "frozen", "kebab_case", "parameters_checked", "quantities_declared", "told"]
@@ -20,7 +21,10 @@ def kebab_case(one: Any) -> Iterator[str]:
     """Yield a name that rig files and registries cannot use."""
     name = getattr(one, "name", None)
     if not isinstance(name, str) or not _KEBAB.fullmatch(name):
-        yield f"{type(one).__name__}.name is {name!r}; such as 'two-mass-axis' is wanted"
+        yield (
+            f"{type(one).__name__}.name is {name!r}; expected a kebab-case name such as"
+            " 'two-mass-axis'"
+        )
 
 
 def told(one: Any, names: Sequence[str]) -> Iterator[str]:
@@ -48,7 +52,7 @@ def frozen(one: Any) -> Iterator[str]:
     kind = type(one)
     settings = kind.__dict__.get("__dataclass_params__")
     if settings is None:
-        yield f"{kind.__name__} has no @dataclass(frozen=True, kw_only=True) of its own"
+        yield f"{kind.__name__} lacks its own @dataclass(frozen=True, kw_only=True)"
         return
     if not settings.frozen:
         yield f"{kind.__name__} is not frozen"
@@ -56,7 +60,7 @@ def frozen(one: Any) -> Iterator[str]:
         yield f"{kind.__name__} is not keyword-only"
     hash(one)
     if dataclasses.replace(one) != one:
-        yield "a copy is not equal to what was copied"
+        yield "a copy does not equal the original"
 
 
 def quantities_declared(one: Parametrised) -> Iterator[str]:
@@ -66,7 +70,7 @@ def quantities_declared(one: Parametrised) -> Iterator[str]:
         value = getattr(one, field.name)
         number = isinstance(value, int | float) and not isinstance(value, bool)
         if number and field.name not in quantities:
-            yield f"{field.name} is a number without a Quantity: its derivatives are unknown"
+            yield f"{field.name} is a number without a Quantity, so it has no derivatives"
     symbols: dict[str, str] = {}
     for name, quantity in quantities.items():
         if not quantity.symbol or not quantity.unit:
@@ -88,7 +92,7 @@ def explained(one: Parametrised) -> Iterator[str]:
         below |= _written_below(base) if issubclass(base, Parametrised) else set()
     for name in fields_of(kind):
         if name not in below and not re.search(rf"\b{name}\b", text):
-            yield f"{name} is explained neither below it nor in the docstring of the class"
+            yield f"{name} is documented neither below its field nor in the docstring of the class"
 
 
 def _written_below(kind: type) -> set[str]:
@@ -116,7 +120,7 @@ def parameters_checked(one: Parametrised) -> Iterator[str]:
                 dataclasses.replace(one, **{name: value})
             except ParameterError:
                 continue
-            yield f"{name} = {value:g} is taken, but must be {quantity.range}"
+            yield f"{name} = {number(value, 6)} is accepted, but must be {quantity.range}"
 
 
 def _outside(quantity: Quantity) -> Iterator[float]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.formatting import number
 from stickslip.formulation import formulate
 from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw, towards
 from stickslip.mechanisms import Axis
@@ -102,14 +103,14 @@ def check_friction(
 
 def _fit_order(case: _Case) -> Iterator[str]:
     known, order = fields_of(type(case.law)), case.law.fit_order
-    yield from (f"{name!r} is no parameter" for name in order if name not in known)
-    yield from (f"{name!r} stands there twice" for name in {*order} if order.count(name) > 1)
+    yield from (f"{name!r} is not a parameter" for name in order if name not in known)
+    yield from (f"{name!r} is listed twice" for name in {*order} if order.count(name) > 1)
 
 
 def _ranges(case: _Case) -> Iterator[str]:
     known, order = fields_of(type(case.law)), case.law.fit_order
     yield from (
-        f"the Quantity of {name!r} has no scale, bounds and start: it cannot be fitted"
+        f"the Quantity of {name!r} has no scale, bounds and start, so it cannot be fitted"
         for name in order
         if name in known and not known[name].scale
     )
@@ -120,7 +121,7 @@ def _opposes(case: _Case) -> Iterator[str]:
         for v in (speed, -speed):
             force = case.steady(v, case.load)
             if not force * v >= 0.0:
-                yield f"{force:g} N at {v:g} m/s drives"
+                yield f"the force of {number(force)} N at {number(v)} m/s drives the motion"
 
 
 def _within_cone(case: _Case) -> Iterator[str]:
@@ -132,7 +133,10 @@ def _within_cone(case: _Case) -> Iterator[str]:
             level = case.level(sense, case.load)
             size = level + abs(case.steady(v, case.load))
             if pressed > level + ROUNDING * size:
-                yield f"{pressed:g} N at {v:g} m/s is more than the break-away level {level:g} N"
+                yield (
+                    f"{number(pressed)} N at {number(v)} m/s exceeds the break-away level of"
+                    f" {number(level)} N"
+                )
 
 
 def _breaks_away(case: _Case) -> Iterator[str]:
@@ -142,11 +146,14 @@ def _breaks_away(case: _Case) -> Iterator[str]:
         level, slow = case.level(sense, case.load), abs(case.steady(sense * slowest, case.load))
         free = abs(case.steady(sense * slowest, 0.0))
         if not level >= 0.0:
-            yield f"the break-away level is {level:g} N"
+            yield f"the break-away level is {number(level)} N, below 0"
         if slow > level + free + ROUNDING * (slow + level):
-            yield f"sliding begins with {slow:g} N, above the break-away level {level:g} N"
+            yield (
+                f"sliding begins with {number(slow)} N, above the break-away level of"
+                f" {number(level)} N"
+            )
         if case.level(sense, 0.0) != 0.0:
-            yield f"without load the break-away level is {case.level(sense, 0.0):g} N, not 0"
+            yield f"without load the break-away level is {number(case.level(sense, 0.0))} N, not 0"
         if isinstance(case.law, BristleLaw):
             yield from _bristles_break_away(case.law, case.load, level)
 
@@ -155,10 +162,10 @@ def _bristles_break_away(law: BristleLaw, load: float, level: float) -> Iterator
     """Yield what bristles hold, or keep, at rest that they should not."""
     z = (generated_equations.reach(law),) * len(law.bristles)
     if any(rate != 0.0 for rate in law.bristle_rates(0.0, z, load)):
-        yield "at rest the bristles do not stay"
+        yield "the bristle deflections change at rest"
     beyond = tuple(1.01 * one for one in z)
     if any(rate > 0.0 for rate in law.bristle_rates(1e-3, beyond, load)):
-        yield f"bristles that hold the break-away level {level:g} N are stretched further"
+        yield f"bristles at the break-away level of {number(level)} N deflect further"
 
 
 def _affine(case: _Case) -> Iterator[str]:
@@ -166,7 +173,7 @@ def _affine(case: _Case) -> Iterator[str]:
         for v in (speed, -speed):
             parts = [case.steady(v, share * case.load) for share in (2.0, 1.0, 0.0)]
             if abs(parts[0] - 2.0 * parts[1] + parts[2]) > ROUNDING * max(map(abs, parts)):
-                yield f"at {v:g} m/s friction is not a + b N"
+                yield f"at {number(v)} m/s friction is not affine in the load, a + b N"
 
 
 def _odd(case: _Case) -> Iterator[str]:
@@ -175,7 +182,7 @@ def _odd(case: _Case) -> Iterator[str]:
     for v in case.speeds:
         ahead, back = case.steady(v, case.load), case.steady(-v, case.load)
         if abs(ahead + back) > ROUNDING * abs(ahead):
-            yield f"{ahead:g} N at {v:g} m/s, {back:g} N at {-v:g} m/s"
+            yield f"{number(ahead)} N at {number(v)} m/s, but {number(back)} N at {number(-v)} m/s"
 
 
 def _arrays(case: _Case) -> Iterator[str]:
@@ -188,7 +195,7 @@ def _arrays(case: _Case) -> Iterator[str]:
     one_by_one = np.array([case.steady(float(each), case.load) for each in v])
     # exp and pow of NumPy may differ from those of math in the last digit
     if not np.allclose(np.broadcast_to(found, v.shape), one_by_one, rtol=ROUNDING, atol=0.0):
-        yield "an array of velocities gives other forces than its elements"
+        yield "an array of velocities gives other forces than its elements one by one"
 
 
 def _traced(case: _Case) -> Iterator[str]:
@@ -207,7 +214,10 @@ def _traced(case: _Case) -> Iterator[str]:
                 y, expected = [0.0, v], case.steady(v, case.load)
             force = equations("contact", sense, equations.flags(0.0, y), 0.0, y)[0]
             if abs(force - expected) > ROUNDING * (abs(expected) + case.load):
-                yield f"{force:g} N at {v:g} m/s in the equations, {expected:g} N by itself"
+                yield (
+                    f"{number(force, 6)} N at {number(v)} m/s in the generated equations, but"
+                    f" {number(expected, 6)} N from the law"
+                )
 
 
 def _dissipates(case: _Case) -> Iterator[str]:
@@ -219,7 +229,10 @@ def _dissipates(case: _Case) -> Iterator[str]:
         # the solver's tolerance, a hundredfold
         if energy.max() > energy[0] * (1.0 + 1e-6):
             worst = int(np.argmax(energy))
-            yield f"from {energy[0]:g} J to {energy[worst]:g} J at {run.t[worst]:g} s"
+            yield (
+                f"from {number(energy[0])} J to {number(energy[worst])} J at"
+                f" {number(run.t[worst])} s"
+            )
 
 
 def _certified(case: _Case) -> Iterator[str]:
@@ -236,35 +249,39 @@ def _derived(case: _Case) -> Iterator[str]:
 
 
 FIRST: Suite[_Case] = {
-    "its name is kebab-case": lambda case: class_declarations.kebab_case(case.law),
-    "it says what it is": lambda case: class_declarations.told(case.law, TOLD),
+    "its name is in kebab case": lambda case: class_declarations.kebab_case(case.law),
+    "it declares its name, title, formula and sources": lambda case: class_declarations.told(
+        case.law, TOLD
+    ),
     "it is a frozen, keyword-only dataclass": lambda case: class_declarations.frozen(case.law),
     "every number is a declared quantity": lambda case: class_declarations.quantities_declared(
         case.law
     ),
-    "every quantity is explained": lambda case: class_declarations.explained(case.law),
+    "every quantity is documented": lambda case: class_declarations.explained(case.law),
     "parameters are checked": lambda case: class_declarations.parameters_checked(case.law),
-    "the order of fitting names parameters": _fit_order,
-    "parameters that are fitted have ranges": _ranges,
+    "the fit order names parameters of the law": _fit_order,
+    "fitted parameters have ranges": _ranges,
     "friction opposes slip": _opposes,
     "friction is affine in the load": _affine,
-    "friction stays within the cone of the break-away level": _within_cone,
+    "friction stays below the break-away level": _within_cone,
     "break-away and sliding agree": _breaks_away,
-    "directions are alike where that is claimed": _odd,
-    "arrays give what numbers give": _arrays,
+    "friction is odd in velocity unless declared directional": _odd,
+    "arrays and scalars give the same forces": _arrays,
     "its equations can be derived": _derived,
 }
 THEN: Suite[_Case] = {
-    "its equations give what it gives itself": _traced,
-    "energy never rises through friction": _dissipates,
-    "runs keep the energy balance": _certified,
-    "equations are finite where slip ends": lambda case: generated_equations.finite_near_rest(
+    "the generated equations agree with the law": _traced,
+    "friction never increases the energy": _dissipates,
+    "runs satisfy the energy balance": _certified,
+    "equations are finite at the end of slip": lambda case: generated_equations.finite_near_rest(
         case.rig, case.law, ({}, {"x": 0.1})
     ),
     generated_equations.TIERS: lambda case: generated_equations.same_in_both_tiers(
         case.rig, case.law, {"v": case.speed}, case.t_end
     ),
-    "sensitivities are what differences give": lambda case: generated_equations.sensitivities_hold(
-        case.rig, case.law, case.law, {"v": case.speed}, case.t_end
+    "sensitivities agree with finite differences": lambda case: (
+        generated_equations.sensitivities_hold(
+            case.rig, case.law, case.law, {"v": case.speed}, case.t_end
+        )
     ),
 }

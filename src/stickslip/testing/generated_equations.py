@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from stickslip.errors import ParameterError
+from stickslip.formatting import number
 from stickslip.formulation import formulate
 from stickslip.friction import BristleLaw, FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism
@@ -25,7 +26,7 @@ __all__ = [
     "vector",
 ]
 
-TIERS = "both tiers agree bit for bit"
+TIERS = "compiled and interpreted runs agree bit for bit"
 """The check that compiles."""
 NEAR_REST = (0.0, -1e-4)
 """Slip velocities, in the direction of slip: at its end, and where a step overshoots it [m/s]."""
@@ -110,7 +111,7 @@ def finite_near_rest(
                 for name in LAWFUL:
                     size = equations(name, sense, flags, 0.0, y)
                     if not np.all(np.isfinite(size)):
-                        yield f"{name} is not finite at slip velocity {sense * speed:g}"
+                        yield f"{name} is not finite at slip velocity {number(sense * speed)}"
 
 
 def same_in_both_tiers(
@@ -139,12 +140,12 @@ def same_in_both_tiers(
         for tier in ("python", "compiled")
     )
     if plain.status is not compiled.status or len(plain.t) != len(compiled.t):
-        yield f"{len(plain.t)} steps in plain Python, {len(compiled.t)} in machine code"
+        yield f"{len(plain.t)} steps interpreted, {len(compiled.t)} steps compiled"
         return
     for name in plain.names:
         if not np.array_equal(plain[name], compiled[name], equal_nan=True):
             difference = np.nanmax(np.abs(plain[name] - compiled[name]))
-            yield f"{name} differs by {difference:.1e}"
+            yield f"{name} differs by {number(difference, 2)}"
 
 
 def sensitivities_hold(
@@ -200,8 +201,8 @@ def sensitivities_hold(
             continue  # as the solver says of derivatives beyond an impact
         if not abs(slope - difference) <= ALLOWED * max(abs(slope), abs(difference)) + noise:
             yield (
-                f"d {contact.slip} / d {quantity.symbol} = {slope:.6g}, but"
-                f" {difference:.6g} by difference"
+                f"d {contact.slip} / d {quantity.symbol} = {number(slope, 6)}, but finite"
+                f" differences give {number(difference, 6)}"
             )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.drives import Drive
+from stickslip.formatting import number
 from stickslip.formulation import formulate
 from stickslip.friction import Coulomb, FrictionLaw
 from stickslip.mechanisms import MatrixMechanism, Mechanism
@@ -140,30 +141,30 @@ def _lengths(case: _Case) -> Iterator[str]:
     if len(set(sizes.values())) > 1:
         yield ", ".join(f"{n} {name}" for name, n in sizes.items())
     names = (*kind.coordinates, *kind.rates)
-    yield from (f"{name!r} stands there twice" for name in {*names} if names.count(name) > 1)
+    yield from (f"{name!r} is listed twice" for name in {*names} if names.count(name) > 1)
 
 
 def _contacts(case: _Case) -> Iterator[str]:
     coordinates = case.mechanism.coordinates
     contacts = case.mechanism.contacts()
     if len(contacts) != 1:
-        yield f"there are {len(contacts)} contacts; this version solves one"
+        yield f"there are {len(contacts)} contacts; this version solves exactly one"
     for contact in contacts:
         if contact.slip not in coordinates:
             yield f"{contact.slip!r} slips, but the coordinates are {', '.join(coordinates)}"
         if (contact.normal is None) == (contact.load is None):
-            yield "either a normal coordinate or a load must be given, not both or neither"
+            yield "either a normal coordinate or a load must be given, and not both"
         if contact.normal in coordinates:
-            yield f"{contact.normal!r} is held, but stands among the coordinates that move"
+            yield f"{contact.normal!r} is held, but is listed among the moving coordinates"
 
 
 def _drives(case: _Case) -> Iterator[str]:
     held = {id(one) for one in _drives_in(case.mechanism)}
     for name, drive in case.mechanism.drives().items():
         if not name:
-            yield f"a drive is called {name!r}"
+            yield f"a drive is named {name!r}"
         if id(drive) not in held:
-            yield f"{name!r} stands in no field, so that its parameters are unknown"
+            yield f"{name!r} is not a field, so its parameters are unknown"
 
 
 def _drives_in(root: Parametrised) -> Iterator[Drive]:
@@ -178,7 +179,7 @@ def _drives_in(root: Parametrised) -> Iterator[Drive]:
 
 def _start(case: _Case) -> Iterator[str]:
     known = (*case.mechanism.coordinates, *case.mechanism.rates)
-    yield from (f"{name!r} is no state" for name in case.mechanism.start() if name not in known)
+    yield from (f"{name!r} is not a state" for name in case.mechanism.start() if name not in known)
 
 
 def _quadratic(case: _Case) -> Iterator[str]:
@@ -188,9 +189,12 @@ def _quadratic(case: _Case) -> Iterator[str]:
             case.mechanism.kinetic_energy(q, {name: 3.0 * v for name, v in q_dot.items()})
         )
         if not once > 0.0:
-            yield f"it is {once:g} J at rates {q_dot}"
+            yield f"it is {number(once)} J at rates {q_dot}"
         elif abs(thrice - 9.0 * once) > ROUNDING * thrice:
-            yield f"three times the rates give {thrice / once:.6g} times the energy, not 9 times"
+            yield (
+                f"three times the rates give {number(thrice / once, 6)} times the energy, not 9"
+                " times"
+            )
 
 
 def _symmetric(case: _Case) -> Iterator[str]:
@@ -222,7 +226,7 @@ def _gyroscopic(case: _Case) -> Iterator[str]:
         odd, odd_twice = (power(q, q_dot, k) - power(q, q_dot, -k) for k in (1.0, 2.0))
         size = float(case.mechanism.kinetic_energy(q, q_dot)) + abs(odd) + abs(odd_twice)
         if abs(odd_twice - 2.0 * odd) > 1e3 * ROUNDING * size:
-            yield f"they give {(odd_twice - 2.0 * odd) / 12.0:.3g} W at {q}, {q_dot}"
+            yield f"they give {number((odd_twice - 2.0 * odd) / 12.0)} W at {q}, {q_dot}"
 
 
 def _balanced(case: _Case) -> Iterator[str]:
@@ -254,7 +258,9 @@ def _mirrored(case: _Case) -> Iterator[str]:
             one, other = run.at(t)[name], image.at(t)[name]
             # a moment of stick more or less grows as the square root of a rounding
             if np.abs(one + other).max() > 1e-6 * (np.abs(run[name]).max() + 1e-9):
-                yield f"{name} from {dict(start)} differs by {np.abs(one + other).max():.2g}"
+                yield (
+                    f"{name} from {dict(start)} differs by {number(np.abs(one + other).max(), 2)}"
+                )
 
 
 def _derived(case: _Case) -> Iterator[str]:
@@ -263,8 +269,8 @@ def _derived(case: _Case) -> Iterator[str]:
 
 
 FIRST: Suite[_Case] = {
-    "its name is kebab-case": lambda case: class_declarations.kebab_case(case.mechanism),
-    "it says what its states are": lambda case: class_declarations.told(
+    "its name is in kebab case": lambda case: class_declarations.kebab_case(case.mechanism),
+    "it declares its states": lambda case: class_declarations.told(
         case.mechanism, ("name", "coordinates", "rates", "units")
     ),
     "it is a frozen, keyword-only dataclass": lambda case: class_declarations.frozen(
@@ -273,25 +279,25 @@ FIRST: Suite[_Case] = {
     "every number is a declared quantity": lambda case: class_declarations.quantities_declared(
         case.mechanism
     ),
-    "every quantity is explained": lambda case: class_declarations.explained(case.mechanism),
+    "every quantity is documented": lambda case: class_declarations.explained(case.mechanism),
     "parameters are checked": lambda case: class_declarations.parameters_checked(case.mechanism),
     "every coordinate has one rate and one unit": _lengths,
     "contacts name coordinates": _contacts,
-    "drives are named and stand in fields": _drives,
-    "it begins in states that it has": _start,
+    "drives are named and are fields": _drives,
+    "its initial state consists of states": _start,
     "its kinetic energy is positive and quadratic in the rates": _quadratic,
     "its mass matrix is symmetric and positive definite": _symmetric,
     "its equations can be derived": _derived,
 }
 THEN: Suite[_Case] = {
     "centrifugal and Coriolis forces do no work": _gyroscopic,
-    "runs keep the energy balance": _balanced,
-    "equations are finite where slip ends": lambda case: generated_equations.finite_near_rest(
+    "runs satisfy the energy balance": _balanced,
+    "equations are finite at the end of slip": lambda case: generated_equations.finite_near_rest(
         case.mechanism, case.law, [dict(case.mechanism.start()) | dict(s) for s in case.starts]
     ),
     generated_equations.TIERS: lambda case: generated_equations.same_in_both_tiers(
         case.mechanism, case.law, case.starts[-1], case.t_end
     ),
-    "sensitivities are what differences give": _sensitivities,
-    "its mirror image runs in mirror image": _mirrored,
+    "sensitivities agree with finite differences": _sensitivities,
+    "mirrored initial states give mirrored runs": _mirrored,
 }

@@ -80,7 +80,7 @@ class Report:
             lines.append(f"- {check}")
             lines += [f"    {one.problem}" for one in self.findings if one.check == check]
         if self.skipped:
-            lines.append(f"Not looked at before that is mended: {'; '.join(self.skipped)}")
+            lines.append(f"Not checked until these are corrected: {'; '.join(self.skipped)}")
         return lines
 
     @override

@@ -48,8 +48,9 @@ def velocity_and_position(record: Measurement) -> Iterator[Finding]:
     severity: Severity = "info"
     if abs(alike) < ALIKE:
         sentence = (
-            f"Velocity does not follow the derivative of position (correlation {number(alike, 2)}):"
-            " another body, a delay, or another time base."
+            "Velocity does not follow the derivative of position (correlation"
+            f" {number(alike, 2)}): the two belong to different bodies, are delayed, or have"
+            " different time bases."
         )
         severity = "warning"
     elif abs(factor - 1.0) <= OFF:
@@ -57,7 +58,7 @@ def velocity_and_position(record: Measurement) -> Iterator[Finding]:
         sentence += f" (factor {number(factor)}, correlation {number(alike)})."
     else:
         sentence = f"Velocity is {number(factor)} times the derivative of position"
-        sentence += f"{_guess(factor)}: give its unit or a gain."
+        sentence += f"{_guess(factor)}: state its unit or a gain."
         severity = "error"
     yield Finding(kind="velocity", severity=severity, sentence=sentence, numbers=numbers)
 
@@ -66,8 +67,8 @@ def _guess(factor: float) -> str:
     """Return what a factor between the two suggests."""
     for known, words in KNOWN:
         if abs(abs(factor) / known - 1.0) < OFF:
-            return f" ({words}{', and counts the other way' if factor < 0 else ''})"
-    return " (one of them counts the other way)" if abs(factor + 1.0) <= OFF else ""
+            return f" ({words}{', with the opposite sign' if factor < 0 else ''})"
+    return " (the signs are opposite)" if abs(factor + 1.0) <= OFF else ""
 
 
 def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
@@ -102,11 +103,14 @@ def friction_sign(record: Measurement, motion: Motion | None) -> Iterator[Findin
     sentence = f"Friction has the sign of the velocity on {percent(along)} of the moving samples."
     if against > OPPOSITE or (against > 0.5 and taken < -HALF):
         severity = "error"
-        sentence = f"Friction opposes the velocity sign on {percent(against)} of the moving samples"
-        sentence += " and would give out energy: the rule here is that friction has the sign of the"
+        sentence = (
+            f"Friction is opposite in sign to the velocity on {percent(against)} of the"
+            " moving samples"
+        )
+        sentence += " and would supply energy. Sign convention: friction has the sign of the"
         sentence += f" slip velocity; {TURN}."
     elif along < 0.5:
         severity = "warning"
         sentence = f"Friction has the sign of the velocity on only {percent(along)} of the moving"
-        sentence += " samples: an offset, a delay, or another direction of one of them."
+        sentence += " samples: check for an offset, a delay, or opposite sign conventions."
     yield Finding(kind="friction sign", severity=severity, sentence=sentence, numbers=numbers)

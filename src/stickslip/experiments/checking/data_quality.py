@@ -165,7 +165,7 @@ def faults(measurement: Measurement, *, mechanism: Mechanism | None = None) -> t
     --------
     >>> still = Measurement(time=np.arange(50.0), position=np.zeros(50))
     >>> [str(one) for one in faults(still)]
-    ['Position never changes: no motion was recorded.']
+    ['Position is constant: no motion was recorded.']
     """
     found = _findings(measurement, mechanism, grave=True)
     return tuple(finding for finding in found if finding.severity == "error")
@@ -261,7 +261,8 @@ def _signals(
     if record.position is None and record.velocity is None:
         yield Finding(
             kind="motion",
-            sentence="There is neither position nor velocity: directions and rests are not known.",
+            sentence="Neither position nor velocity is given: directions and rests cannot be"
+            " determined.",
         )
 
 
@@ -298,7 +299,8 @@ def _fits(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]
                 severity="warning",
                 sentence=(
                     f"Position reaches {quantity(float(reached), unit)}, beyond {name} of the"
-                    f" mechanism at {quantity(float(stop), unit)}: other zeros or other units?"
+                    f" mechanism at {quantity(float(stop), unit)}: check the zero and the unit of"
+                    " position."
                 ),
                 numbers={"reached": float(reached), "stop": float(stop)},
             )

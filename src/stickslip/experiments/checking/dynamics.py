@@ -67,8 +67,8 @@ def missing(record: Measurement, mechanism: Mechanism | None) -> Iterator[Findin
     yield Finding(
         kind="drive",
         sentence=(
-            "There is no force and no reference: a fit takes this for a motion that nothing drives,"
-            " such as a free decay."
+            "Neither force nor reference is given: a fit treats the motion as undriven, such as a"
+            " free decay."
         ),
     )
 
@@ -117,24 +117,25 @@ def energy(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding
         return
     gained, kept, turned = _sizes(record, mechanism)
     forced = "force" in record.quantities()
-    which = "its force never changes" if forced else "nothing is recorded that drives it"
+    which = "its force is constant" if forced else "no drive is recorded"
     severity: Severity = "warning" if mechanism is None else "error"
     if gained > GAINED:
         sentence = (
-            f"The motion gains energy, but {which}: it passes the same positions faster again, by"
-            f" {percent(gained)} of its largest energy. Is the force missing, or does the record"
-            " begin before the body was let go?"
+            f"The motion gains energy although {which}: it passes the same positions faster again,"
+            f" by {percent(gained)} of its largest energy. Check whether the force is missing, or"
+            " whether the record begins before the release."
         )
     elif turned > GAINED:
         sentence = (
-            f"The speed rises and falls, by {percent(turned)} of the largest, but {which}, and the"
-            " mechanism has no spring. Is the force missing, or the stiffness of the mechanism?"
+            f"The speed rises and falls, by {percent(turned)} of the largest, although {which} and"
+            " the mechanism has no spring. Check whether the force is missing, or the stiffness of"
+            " the mechanism."
         )
     elif kept > KEPT:
         severity = "warning"
         sentence = (
-            f"The motion keeps {percent(kept)} of its energy over {LASTING} passages or more, but"
-            f" {which}: is the force missing?"
+            f"The motion keeps {percent(kept)} of its energy over {LASTING} passages or more"
+            f" although {which}: check whether the force is missing."
         )
     else:
         return
@@ -296,21 +297,21 @@ def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fin
     factor, share = _factor(vary(mechanism, "mechanism", record.overrides), record, moving)
     if share < EXPLAINED or 1.0 / DOUBTED < factor < DOUBTED:
         return
-    cure = "is position in m (not mm), force in N (not kN)"
+    cure = "check that position is in m (not mm), force in N (not kN)"
     severity: Severity = "warning"
     if factor < 0.0:
-        cure = f"is its sign right (else {TURN})"
+        cure = f"check its sign (if it is wrong, {TURN})"
     else:
         if factor > 1.0:
-            cure = "is time in s (not ms), position in m, force in N (not mN)"
+            cure = "check that time is in s (not ms), position in m, force in N (not mN)"
         severity = "error" if max(factor, 1.0 / factor) >= IMPOSSIBLE else "warning"
     unit = units.turned("kg", record.turning)
     yield Finding(
         kind="units",
         severity=severity,
         sentence=(
-            f"Force is {number(factor, 2)} times what the mechanism takes to move so: {cure}, and"
-            f" is its {number(_mass(mechanism))} {unit} right?"
+            f"Force is {number(factor, 2)} times the force that this motion of the mechanism"
+            f" requires: {cure}, and that {number(_mass(mechanism))} {unit} is correct."
         ),
         numbers={"factor": factor, "explained": share},
     )

@@ -10,7 +10,7 @@ from typing_extensions import override
 __all__ = ["SEVERITIES", "TURN", "Finding", "Severity"]
 
 Severity = Literal["info", "warning", "error"]
-TURN: Final = "use gain −1, or turn the sign of the gain that it has"
+TURN: Final = "set its gain to −1, or reverse the sign of its present gain"
 """Cure of a force that counts the other way; a gain that is given takes the place of another."""
 SEVERITIES: tuple[Severity, ...] = ("info", "warning", "error")
 

@@ -75,9 +75,9 @@ def direction(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
         kind="force sign",
         severity="warning",
         sentence=(
-            f"Force acts against the motion: {percent(explained)} of it would be that of an inertia"
-            f" of {inertia} and of friction that gives out energy. Is its sign right (else {TURN}),"
-            " and is each column what it is taken for?"
+            f"Force acts against the motion: {percent(explained)} of it corresponds to an inertia"
+            f" of {inertia} and to friction that supplies energy. Check its sign (if it is wrong,"
+            f" {TURN}), and which quantity each column holds."
         ),
         numbers={"inertia": float(found[0]), "work": work, "explained": explained},
     )
@@ -112,9 +112,9 @@ def coefficient(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fi
         kind="units",
         severity="warning",
         sentence=(
-            f"Friction reaches {most} under a load of {pressed}, {percent(largest / load)} of it."
-            " If these are coefficients whose unit was not stated, state 1 as their unit: the load"
-            " then makes forces of them."
+            f"Friction reaches {most} at a load of {pressed}, {percent(largest / load)} of it. If"
+            " the values are friction coefficients, state their unit as 1: they are then"
+            " multiplied by the load."
         ),
         numbers={"friction": largest, "load": load},
     )

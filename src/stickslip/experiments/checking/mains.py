@@ -192,7 +192,7 @@ def words_of(lines: tuple[MainsLine, ...]) -> str:
     first, *rest = lines
     text = f"{number(first.frequency)} Hz"
     if abs(first.frequency - first.order * first.mains) > 2.0 * WANDER:
-        text += f" (where sampling folds {number(first.order * first.mains)} Hz to)"
+        text += f" (alias of {number(first.order * first.mains)} Hz)"
     if rest:
         text += f", with harmonics at {', '.join(number(one.frequency) for one in rest)} Hz"
     return text
@@ -219,9 +219,9 @@ def hum(record: Measurement) -> Iterator[Finding]:
             kind="mains hum",
             severity="warning" if share >= TOLD else "info",
             sentence=(
-                f"{name.replace('_', ' ').capitalize()} has a narrow line at {words_of(lines)},"
-                f" with an amplitude of {size} and {percent(share)} of the variance: mains hum."
-                f" {CURE}."
+                f"{name.replace('_', ' ').capitalize()} has a narrow spectral line at"
+                f" {words_of(lines)}, with an amplitude of {size} and {percent(share)} of the"
+                f" variance: mains hum. {CURE}."
             ),
             numbers={
                 "frequency": lines[0].frequency,

@@ -7,7 +7,7 @@ import numpy as np
 
 from stickslip.experiments.checking.finding import TURN, Finding, Severity
 from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Array, Measurement
-from stickslip.formatting import count, percent, quantities
+from stickslip.formatting import count, percent, quantities, quantity
 
 __all__ = ["alike", "coverage", "settings", "unused"]
 
@@ -41,19 +41,22 @@ def coverage(record: Measurement) -> Iterator[Finding]:
     few = distinct < FEWEST
     text = f"{count(velocity.size, 'point')} at {count(distinct, 'velocity', 'velocities')}"
     text += f" from {low} to {high}"
-    text += f": a curve needs at least {FEWEST}." if few else "."
+    text += f": a friction curve needs at least {FEWEST} velocities." if few else "."
     yield _map("warning" if distinct < FEW_SPEEDS else "info", text, numbers)
     if velocity.min() >= 0 or velocity.max() <= 0:
         way = "forward" if velocity.max() > 0 else "backward"
-        text = f"All velocities are {way}: friction level and offset are one number here."
+        text = f"All velocities are {way}: friction level and offset cannot be separated."
         yield _map("warning", text, numbers)
     if distinct == velocity.size:
-        text = "No velocity is repeated: scatter cannot be told from the shape of the curve."
+        text = "No velocity is repeated: scatter cannot be separated from the shape of the curve."
         yield _map("info", text, numbers)
     against = float(np.mean((velocity * friction)[moving] < 0))
     if against > 0.8:
-        text = f"Friction opposes the velocity sign on {percent(against)} of the points: the rule"
-        text += f" here is that friction has the sign of the slip velocity; {TURN}."
+        text = (
+            f"Friction is opposite in sign to the velocity on {percent(against)} of the points."
+            " Sign"
+        )
+        text += f" convention: friction has the sign of the slip velocity; {TURN}."
         sign = {"opposite_share": against}
         yield Finding(kind="friction sign", severity="error", sentence=text, numbers=sign)
 
@@ -72,8 +75,8 @@ def unused(records: Sequence[Measurement]) -> Iterator[Finding]:
             kind="unused column",
             severity="warning",
             sentence=(
-                f"Column {name!r} is not used, and differs between the trials: name it as a"
-                " condition to fit per trial."
+                f"Column {name!r} is not used but differs between the trials: declare it as a"
+                " condition to fit each trial separately."
             ),
         )
     if rest:
@@ -88,9 +91,9 @@ def unused(records: Sequence[Measurement]) -> Iterator[Finding]:
             kind="conditions",
             severity="warning",
             sentence=(
-                f"Conditions ({', '.join(conditions)}) are not used: a trial that is a single"
-                " number cannot be fitted alone. What a parameter of the mechanism says of them is,"
-                " such as mechanism.load."
+                f"Conditions ({', '.join(conditions)}) are not used: a trial with a single value"
+                " cannot be fitted separately. Where a condition is a parameter of the mechanism,"
+                " give it as such, e.g. mechanism.load."
             ),
         )
 
@@ -118,9 +121,9 @@ def settings(records: Sequence[Measurement]) -> Iterator[Finding]:
     )
     repeats = readings - len(apart)
     text = f"{count(readings, 'reading')} at {count(len(kinds), 'setting')}"
-    text += f", {count(repeats, 'repeat')}." if repeats else ", none repeated."
+    text += f", {count(repeats, 'repeat')}." if repeats else ", no repeats."
     if len(kinds) == 1:
-        text += " One setting fits one parameter and ranks no models."
+        text += " One setting determines one parameter and cannot rank models."
     yield Finding(
         kind="settings",
         severity="warning" if len(kinds) == 1 else "info",
@@ -134,7 +137,7 @@ def settings(records: Sequence[Measurement]) -> Iterator[Finding]:
         yield Finding(
             kind="uncertainty",
             severity="warning",
-            sentence=f"{which} uncertainty: give it, such as half the last digit.",
+            sentence=f"{which} uncertainty: give one, such as half of the last digit.",
             numbers={"without": bare},
         )
     for name in sorted({name for record in records for name in record.quantities()}):
@@ -152,14 +155,14 @@ def alike(records: Sequence[Measurement]) -> Iterator[Finding]:
         has = next(i for i in range(len(records)) if i not in bare)
         labels = [records[i].name or f"trial {i + 1}" for i in (has, bare[0])]
         word = name.replace("_", " ")
-        cure = f"give each its {word}"
-        cure += ", which is 0 where nothing pushed" if name == "force" else ""
+        cure = f"give {word} for each trial"
+        cure += ", 0 where no force acted" if name == "force" else ""
         yield Finding(
             kind="trials",
             severity="error",
             sentence=(
-                f"{word.capitalize()} was measured in {labels[0]!r} and not in {labels[1]!r}:"
-                f" {cure}, or fit them apart."
+                f"{word.capitalize()} was measured in {labels[0]!r} but not in {labels[1]!r}:"
+                f" {cure}, or fit the trials separately."
             ),
             numbers={"without": len(bare)},
         )
@@ -177,7 +180,8 @@ def _negative(name: str, records: Sequence[Measurement]) -> Iterator[Finding]:
         yield Finding(
             kind="units",
             severity="warning",
-            sentence=f"{noun.capitalize()} reaches {largest:g} m: are these really metres?",
+            sentence=f"{noun.capitalize()} reaches {quantity(largest, 'm')}: check that the values"
+            " are in metres.",
             numbers={name: largest},
         )
     elif name in TRAVELS and not values.any():

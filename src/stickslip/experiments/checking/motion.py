@@ -116,8 +116,9 @@ def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
             kind="reversals",
             severity="warning",
             sentence=(
-                f"No speed, {fastest} at most, rises above its noise of {noise} for sure:"
-                " directions are not known. Filter the position, or sample it more finely."
+                f"The largest speed, {fastest}, is not significantly above its noise of {noise}:"
+                " directions cannot be determined. Filter the position, or measure it with a finer"
+                " resolution."
             ),
             numbers={"noise": motion.noise, "fastest": motion.fastest},
         )
@@ -135,7 +136,7 @@ def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
         )
         return
     way = "forward" if seen[0] > 0 else "backward"
-    one_number = ", so that friction level and offset are one number here" if offset else ""
+    one_number = ", so that friction level and offset cannot be separated" if offset else ""
     yield Finding(
         kind="reversals",
         severity="warning" if offset else "info",
@@ -151,13 +152,16 @@ def straight(record: Measurement) -> Iterator[Finding]:
         return
     bent = line.wander > max(BENT * line.length, line.jitter)
     tilt, across = f"{number(float(np.degrees(line.tilt)))}°", quantity(line.across, "m")
-    way = f"Position is the way along a line of {quantity(line.length, 'm')}, tilted by {tilt}"
-    text = f"{way}; the samples lie {across} beside it (root mean square)."
+    way = (
+        f"Position is the coordinate along a line of {quantity(line.length, 'm')}, tilted by {tilt}"
+    )
+    text = f"{way}; the samples deviate from it by {across} (root mean square)."
     if bent:
         text = (
-            f"The motion is not straight: it wanders {quantity(line.wander, 'm')} (root mean"
-            f" square) across its line of {quantity(line.length, 'm')}, tilted by {tilt}. The body"
-            " turned, its track is curved, or the camera did not look square at it."
+            f"The motion is not straight: it deviates by {quantity(line.wander, 'm')} (root mean"
+            f" square) from its line of {quantity(line.length, 'm')}, tilted by {tilt}. The body"
+            " rotated, its track is curved, or the camera was not perpendicular to the plane of"
+            " motion."
         )
     yield Finding(
         kind="line",
@@ -181,14 +185,14 @@ def rests(motion: Motion) -> Iterator[Finding]:
     first, last = first[long], last[long]
     span = float(motion.time[-1] - motion.time[0])
     if not first.size:
-        yield Finding(kind="rests", sentence="Nothing rests for long.", numbers={"duration": 0.0})
+        yield Finding(kind="rests", sentence="No periods of rest.", numbers={"duration": 0.0})
         return
     total = float(np.sum(motion.time[last] - motion.time[first]))
     yield Finding(
         kind="rests",
         sentence=(
             f"At rest for {quantity(total, 's')} of {quantity(span, 's')}"
-            f" ({percent(total / span)}), in {count(int(first.size), 'stretch', 'stretches')}."
+            f" ({percent(total / span)}), in {count(int(first.size), 'period')}."
         ),
         numbers={"duration": total, "share": total / span, "stretches": first.size},
     )
@@ -202,5 +206,5 @@ def slow(motion: Motion) -> Iterator[Finding]:
     share, unit = float(np.mean(speed < SLOW * fastest)), motion.unit
     text = f"{percent(share)} of the samples are slower than {quantity(SLOW * fastest, unit)},"
     text += f" 5 % of the largest speed of {quantity(fastest, unit)}"
-    text += "." if share else ": friction near rest cannot be told from this record."
+    text += "." if share else ": this record does not determine friction near zero velocity."
     yield Finding(kind="low speed", sentence=text, numbers={"share": share, "fastest": fastest})

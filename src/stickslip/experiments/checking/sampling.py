@@ -30,9 +30,9 @@ def length(time: Array) -> Iterator[Finding]:
     n = time.size
     if n >= FEW:
         return
-    sentence = "what follows from so few is uncertain."
+    sentence = "estimates from so few samples are unreliable."
     if n < FEWEST:
-        sentence = f"a fit needs {FEWEST} at the very least."
+        sentence = f"a fit needs at least {FEWEST}."
     yield Finding(
         kind="length",
         severity="error" if n < FEWEST else "warning",
@@ -57,13 +57,16 @@ def sampling(time: Array) -> Iterator[Finding]:
     elif odd and odd < EVEN:
         missing = int(np.sum(np.rint(regular / dt) - 1))
         text += (
-            f", evenly spaced but for {count(int(np.sum(off > 0.5)), 'step')}"
+            f", evenly spaced except for {count(int(np.sum(off > 0.5)), 'step')}"
             f" ({count(missing, 'single sample')} missing)."
         )
     else:
-        text += f", steps scatter by {percent(typical)} (largest deviation {percent(worst)})."
+        text += (
+            f", with intervals that scatter by {percent(typical)} (largest deviation"
+            f" {percent(worst)})."
+        )
         if typical > UNEVEN:
-            text += " Velocities from positions are uncertain."
+            text += " Velocities derived from positions are unreliable."
     yield Finding(
         kind="sampling",
         severity="warning" if typical > UNEVEN else "info",
@@ -102,8 +105,9 @@ def gaps(time: Array) -> Iterator[Finding]:
             kind="gap",
             severity="warning",
             sentence=(
-                f"{number(at.size, 6)} gaps of more than {number(GAP)} usual steps in all,"
-                f" {percent(total / float(time[-1] - time[0]))} of the time; the longest are named."
+                f"{number(at.size, 6)} gaps longer than {number(GAP)} sampling intervals in total,"
+                f" {percent(total / float(time[-1] - time[0]))} of the time; the longest are"
+                " listed."
             ),
             numbers={"gaps": at.size, "duration": total},
         )
@@ -126,8 +130,8 @@ def usual(record: Measurement) -> Iterator[Finding]:
         severity="warning",
         sentence=(
             f"{'Force and motion' if driven else 'Positions'} were sampled every"
-            f" {quantity(dt, 's')}, {quantity(1.0 / dt, 'Hz')}:"
-            f" are times really in seconds?{MILLISECONDS if 1.0 / dt < SLOWEST else ''}"
+            f" {quantity(dt, 's')}, {quantity(1.0 / dt, 'Hz')}: check that times are in"
+            f" seconds.{MILLISECONDS if 1.0 / dt < SLOWEST else ''}"
         ),
         numbers={"interval": dt},
     )

@@ -73,7 +73,7 @@ def constant(record: Measurement) -> Iterator[Finding]:
         yield Finding(
             kind="constant",
             severity=severity,
-            sentence=f"{NAMES[name].capitalize()} never changes{text.format(value)}",
+            sentence=f"{NAMES[name].capitalize()} is constant{text.format(value)}",
             numbers={name: float(values[0])},
         )
 
@@ -83,10 +83,10 @@ def _never(name: str, value: float) -> tuple[str, Severity]:
     if name == "position" or (name == "velocity" and value == 0.0):
         return ": no motion was recorded.", "error"
     if name == "velocity":
-        return " ({}): one speed is one point of a law.", "warning"
+        return " ({}): a single speed gives one point of the friction law.", "warning"
     if name == "force":  # a body that slows down by itself is a good experiment
-        return " ({}): only the motion tells of friction.", "info"
-    return " ({}): it was not recorded, or one number says it all.", "warning"
+        return " ({}): friction follows from the motion alone.", "info"
+    return " ({}): it was not recorded, or can be replaced by a single number.", "warning"
 
 
 def unusable(record: Measurement) -> Iterator[Finding]:
@@ -98,19 +98,19 @@ def unusable(record: Measurement) -> Iterator[Finding]:
                 kind="units",
                 severity="error",
                 sentence=(
-                    f"Times reach {quantity(late, 's')} in steps of {quantity(least, 's')} or more:"
-                    " nothing can be computed from such numbers."
+                    f"Times reach {quantity(late, 's')} in steps of {quantity(least, 's')} or"
+                    " more: such values exceed the numerical range."
                 ),
                 numbers={"time": late, "step": least},
             )
     for name, values in arrays(record):
         largest = float(np.abs(values).max())
         if largest > HUGE:
-            text = f"reaches {quantity(largest, record.unit(name))}: nothing can be computed"
+            text = f"reaches {quantity(largest, record.unit(name))}: such values exceed"
             yield Finding(
                 kind="units",
                 severity="error",
-                sentence=f"{NAMES[name].capitalize()} {text} from such numbers.",
+                sentence=f"{NAMES[name].capitalize()} {text} the numerical range.",
                 numbers={name: largest},
             )
 
@@ -128,8 +128,8 @@ def unmoved(record: Measurement) -> Iterator[Finding]:
         kind="constant",
         severity="error",
         sentence=(
-            f"Position stays within {quantity(span, record.unit('position'))}, its noise: no motion"
-            " was recorded."
+            f"Position stays within {quantity(span, record.unit('position'))}, its noise level: no"
+            " motion was recorded."
         ),
         numbers={"span": span, "noise": noise},
     )
@@ -160,8 +160,8 @@ def jumps(record: Measurement) -> Iterator[Finding]:
             severity="warning",
             sentence=(
                 f"Position jumps by {quantity(step, record.unit('position'))} within one sample"
-                f" after {quantity(float(time[i]), 's', 6)}; the samples beside it move by"
-                f" {quantity(usual, record.unit('position'))} at most."
+                f" after {quantity(float(time[i]), 's', 6)}; between neighbouring samples it"
+                f" changes by at most {quantity(usual, record.unit('position'))}."
             ),
             numbers={"time": float(time[i]), "step": step, "neighbours": usual},
         )
@@ -169,7 +169,8 @@ def jumps(record: Measurement) -> Iterator[Finding]:
         yield Finding(
             kind="jump",
             severity="warning",
-            sentence=f"{number(at.size, 7)} such jumps of position in all; the largest are named.",
+            sentence=f"{number(at.size, 7)} such jumps of position in total; the largest are"
+            " listed.",
             numbers={"jumps": at.size},
         )
 
@@ -201,8 +202,8 @@ def saturated(record: Measurement) -> Iterator[Finding]:
                 sentence=(
                     f"{NAMES[name].capitalize()} stays at its {way} value,"
                     f" {quantity(extreme, record.unit('force'))}, for up to {number(longest, 7)}"
-                    f" samples in a row, {percent(share)} of the record: a limit of the amplifier"
-                    " or sensor, unless it was driven so."
+                    f" consecutive samples, {percent(share)} of the record: the amplifier or"
+                    " sensor saturates, unless the drive was constant there."
                 ),
                 numbers={"level": extreme, "longest": longest, "share": share},
             )
@@ -236,8 +237,9 @@ def cut_off(record: Measurement) -> Iterator[Finding]:
                 sentence=(
                     f"Position stays at its {way} value,"
                     f" {quantity(extreme, record.unit('position'))}, for up to"
-                    f" {number(max(found), 7)} samples in a row, and comes there and leaves without"
-                    " slowing down: the range of the sensor ends there, unless it was driven so."
+                    f" {number(max(found), 7)} consecutive samples, and reaches and leaves it"
+                    " without slowing down: the sensor is at the end of its range, unless the"
+                    " motion was driven in this way."
                 ),
                 numbers={"level": extreme, "longest": max(found), "times": len(found)},
             )
@@ -268,9 +270,9 @@ def held(record: Measurement) -> Iterator[Finding]:
             kind="held samples",
             severity="warning",
             sentence=(
-                f"{NAMES[name].capitalize()} changes every {number(usual, 7)} samples only: it was"
-                f" logged more slowly, and is {quantity(late, 's')} late on average. Leave out the"
-                " rows between."
+                f"{NAMES[name].capitalize()} changes only every {number(usual, 7)} samples: it was"
+                f" logged at a lower rate, and lags by {quantity(late, 's')} on average. Leave out"
+                " the rows between."
             ),
             numbers={"samples": usual, "delay": late},
         )
@@ -286,12 +288,12 @@ def quantised(record: Measurement) -> Iterator[Finding]:
         if levels > VISIBLE and name != "position":
             continue
         coarse = levels < COARSE and name == "position"
-        text = f"{NAMES[name].capitalize()} comes in steps of"
+        text = f"{NAMES[name].capitalize()} is quantised in steps of"
         text += f" {quantity(step, record.unit(name))}, {number(levels)} over its range"
         yield Finding(
             kind="quantisation",
             severity="warning" if coarse else "info",
-            sentence=text + (": velocities from it are coarse." if coarse else "."),
+            sentence=text + (": velocities derived from it are coarse." if coarse else "."),
             numbers={"step": step, "levels": levels},
         )
 
@@ -320,12 +322,14 @@ def plausible(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
             words = WORDS.get(unit, unit)
             what = "spans" if unit in SPANNED else "reaches"
             yield _doubted(
-                name, f"{what} {quantity(largest, unit)}: are these really {words}?", largest
+                name,
+                f"{what} {quantity(largest, unit)}: check that the values are in {words}.",
+                largest,
             )
         elif name == "position" and not record.turning and 0.0 < span < SMALLEST_SPAN:
             yield _doubted(
                 name,
-                f"spans {quantity(span, 'm')}: are these really metres?",
+                f"spans {quantity(span, 'm')}: check that the values are in metres.",
                 span,
             )
     if motion is None or record.position is None or record.velocity is not None:
@@ -335,7 +339,9 @@ def plausible(record: Measurement, motion: Motion | None) -> Iterator[Finding]:
     spans = float(np.ptp(record.values("position")))
     if spans <= LARGEST["m"] and motion.fastest > LARGEST["m/s"]:
         speed = motion.fastest
-        text = f"changes at {quantity(speed, 'm/s')}: are these really metres and seconds?"
+        text = (
+            f"changes at {quantity(speed, 'm/s')}: check that the values are in metres and seconds."
+        )
         yield _doubted("position", text, speed)
 
 
@@ -350,9 +356,9 @@ def lifted(record: Measurement) -> Iterator[Finding]:
             kind="load",
             severity="warning",
             sentence=(
-                f"Load is not above 0 on {percent(share)} of the samples (smallest"
-                f" {quantity(float(values.min()), 'N')}): there is no contact there, so leave them"
-                " out."
+                f"Load is zero or negative on {percent(share)} of the samples (smallest"
+                f" {quantity(float(values.min()), 'N')}): the contact is open there; leave these"
+                " samples out."
             ),
             numbers={"share": share, "smallest": float(values.min())},
         )

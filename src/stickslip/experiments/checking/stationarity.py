@@ -70,7 +70,9 @@ def levels(record: Measurement, motion: Motion | None) -> Iterator[Level]:
         matrix = matrix / np.where(scale > 0, scale, 1.0)
         found = np.linalg.lstsq(matrix, values, rcond=None)[0]
         left = values - matrix[:, :3] @ found[:3]
-        what = f"{words} less what acceleration, velocity and direction explain of it"
+        what = (
+            f"{words} after subtraction of its dependence on acceleration, velocity and direction"
+        )
         yield Level(name, what, left, size, record.unit(name))
 
 
@@ -112,10 +114,10 @@ def drift(found: list[Level]) -> Iterator[Finding]:
         matters = abs(change) >= MATTERS * level.size
         first, second = quantities(means, level.unit)
         word = "rises" if change > 0 else "falls"
-        text = f"Mean {level.what} {word} from {first} in the first half to {second} in the second,"
-        text += f" {percent(abs(change) / level.size)} of its level and"
-        text += f" {number(float(sure), 2)} standard errors"
-        text += ": fit the halves apart, or fit what drifts." if matters else "."
+        text = f"Mean {level.what} {word} from {first} in the first half to {second} in the second"
+        text += f" ({percent(abs(change) / level.size)} of its level,"
+        text += f" {number(float(sure), 2)} standard errors)"
+        text += ": fit the halves separately, or fit the drifting parameter." if matters else "."
         yield Finding(
             kind="drift",
             severity="warning" if matters else "info",
@@ -157,7 +159,7 @@ def effective(record: Measurement, found: list[Level]) -> Iterator[Finding]:
     elif time is not None and (record.position is not None or record.velocity is not None):
         name = "position" if record.position is not None else "velocity"
         own = np.asarray(record.values(name))
-        what, values = f"{name} less its smooth part", own - smooth(time, own)
+        what, values = f"{name} minus its smooth component", own - smooth(time, own)
     else:
         return
     if values.size < FEW or np.ptp(values) == 0.0:
@@ -167,8 +169,8 @@ def effective(record: Measurement, found: list[Level]) -> Iterator[Finding]:
         kind="effective size",
         severity="warning" if size < FEW else "info",
         sentence=(
-            f"{number(values.size, 9)} samples are worth about {number(size, 2)} independent ones"
-            f" (from the autocorrelation of the {what})."
+            f"Effective sample size: {number(size, 2)} of {number(values.size, 9)} samples (from"
+            f" the autocorrelation of the {what})."
         ),
         numbers={"samples": values.size, "independent": size},
     )

@@ -14,7 +14,7 @@ OF_TRIALS = ("uncertainty", "uncertainty_kind", "name", "provenance")
 MOTORS = {
     "current": "newtons per ampere (of the motor's constant and its gears)",
     "voltage": "newtons per volt (of the amplifier and its motor)",
-    "torque": "what makes the mechanism's unit of it, 1 where it moves in radians",
+    "torque": "the factor to the mechanism's unit, 1 if the mechanism is in radians",
 }
 """What drives a rig but is no quantity of its own, and what its gain is."""
 
@@ -50,8 +50,8 @@ def check_columns(names: Iterable[str], mechanism: Mechanism | None = None) -> N
             continue
         if name in MOTORS:
             raise InputError(
-                f"columns: {name} is no quantity of a measurement, but a force with a gain: name"
-                f" its column as that of force, and give gain of force, {MOTORS[name]}."
+                f"columns: {name} is not a quantity of a measurement, but a force with a gain:"
+                f" give its column as force, and as gain of force {MOTORS[name]}."
             )
         if mechanism is not None and _is_path(mechanism, str(name)):
             continue

@@ -29,7 +29,9 @@ def by_trial(frame: Frame) -> Iterator[tuple[str, Frame]]:
     cells = frame.data[frame.names[TRIAL]]
     if cells.isna().any():
         row = int(np.flatnonzero(cells.isna())[0])
-        raise InputError(f"{frame.place(TRIAL, row)}: the trial of this row is not given.")
+        raise InputError(
+            f"{frame.place(TRIAL, row)}: the trial of this row is missing: fill the cell."
+        )
     if cells.nunique() == 1:
         yield "", frame
         return
@@ -130,8 +132,9 @@ def conditions_in(frame: Frame, wanted: Sequence[str]) -> dict[str, float | str]
                 else f"{len(values)} texts"
             )
             raise InputError(
-                f"{frame.file}: column {frame.names[name]!r} changes within the trial ({shown}): a"
-                " condition has one value in a trial. Split the record, or leave the condition out."
+                f"{frame.file}: column {frame.names[name]!r} changes within the trial ({shown}),"
+                " but a condition has one value per trial. Split the record, or leave the"
+                " condition out."
             )
     return found
 

@@ -60,7 +60,7 @@ def read_text(path: Path) -> tuple[pd.DataFrame, int]:
     _check_table(path, names, sample, separator)
     twice = [name for name in names if names.count(name) > 1 and name.strip()]
     if twice:
-        raise InputError(f"{path}: two columns are called {shown(twice[0])}.")
+        raise InputError(f"{path}: two columns are named {shown(twice[0])}. Rename one of them.")
     own = [name if name.strip() else f"Unnamed: {index}" for index, name in enumerate(names)]
     try:
         with warnings.catch_warnings():
@@ -82,8 +82,8 @@ def read_text(path: Path) -> tuple[pd.DataFrame, int]:
         # What stands before it names the parser's language and nothing in the file.
         reason = str(error).strip().splitlines()[0].rpartition("error: ")[2].rstrip(".")
         raise InputError(
-            f"{path}: rows and header do not fit ({reason}). Every row needs"
-            f" {len(names)} cells, parted by {separator!r}."
+            f"{path}: rows and header do not match ({reason}). Every row needs {len(names)} cells,"
+            f" separated by {separator!r}."
         ) from None
     table = table[[column for column, name in zip(table, names, strict=True) if name.strip()]]
     return table.dropna(how="all"), start + 2
@@ -126,8 +126,8 @@ def _check_text(path: Path, head: bytes) -> None:
     bare = sum(code < LEAST_CODE and code not in b"\t\n\r\f" for code in head)
     if b"\0" in head or bare > len(head) / 100:
         raise InputError(
-            f"{path}: is a binary file, not a table of text. Give a CSV, Parquet or MATLAB file,"
-            " with the ending that says which."
+            f"{path}: is a binary file, not a text table. Give a CSV, Parquet or MATLAB file with"
+            " the matching file extension."
         )
 
 
@@ -142,13 +142,13 @@ def _head(path: Path, text: str) -> tuple[list[str], int]:
             break
         position, start = (len(text) if end < 0 else end + 1), start + 1
     if position >= len(text):
-        raise InputError(f"{path}: has no header.")
+        raise InputError(f"{path}: has no header. Add a first line with the column names.")
     part = text[position : position + 20 * LONGEST_LINE]
     lines = list(itertools.islice(part.splitlines(), LOOKED_AT + 1))
     if len(lines[0]) > LONGEST_LINE:
         raise InputError(
-            f"{path}: is no table: its first line has {len(lines[0]):,} characters or more."
-            " A table begins with a line of column names."
+            f"{path}: is not a table: its first line has {len(lines[0]):,} characters or more. The"
+            " first line must hold the column names."
         )
     return lines, start
 
@@ -164,11 +164,10 @@ def _check_first(path: Path, lines: list[str], start: int, separator: str) -> No
                 continue
             words = not any(_NUMBER.fullmatch(name) for name in names)
             if index and words and all(_NUMBER.fullmatch(cell) for cell in numbers):
-                above = "a line stands" if index == 1 else f"{index} lines stand"
+                above = "a line precedes" if index == 1 else f"{index} lines precede"
                 raise InputError(
-                    f"{path}: {above} above the header, which seems to be line"
-                    f" {start + index + 1}, {shown(line[:40].strip())}. Begin each line above it"
-                    " with #, or delete it."
+                    f"{path}: {above} the header, which appears to be line {start + index + 1},"
+                    f" {shown(line[:40].strip())}. Begin each line above it with #, or delete it."
                 )
 
 
@@ -181,8 +180,8 @@ def _check_table(path: Path, names: list[str], sample: list[str], separator: str
     rows = [row for row in sample if row.strip()]
     if all(_NUMBER.fullmatch(name) for name in names):
         raise InputError(
-            f"{path}: its first line holds numbers, not names. Put a line above it that names the"
-            " columns, such as time,position."
+            f"{path}: its first line holds numbers, not names. Add a first line with the column"
+            " names, such as time,position."
         )
     if not rows:
         return
@@ -191,9 +190,9 @@ def _check_table(path: Path, names: list[str], sample: list[str], separator: str
     cells = [cell.strip().strip('"') for row in rows for cell in row.split(separator)]
     if not any(_NUMBER.fullmatch(cell) or cell.lower() in _WORDS for cell in cells):
         raise InputError(
-            f"{path}: is no table: there is not one number in its first {len(rows)} rows; the"
-            f" first begins with {shown(rows[0][:40])}. A table has a line of column names and"
-            " below it rows of numbers, parted by commas, semicolons or tabs."
+            f"{path}: is not a table: its first {len(rows)} rows contain no number; the first"
+            f" begins with {shown(rows[0][:40])}. A table has a line of column names, followed by"
+            " rows of numbers separated by commas, semicolons or tabs."
         )
 
 
@@ -206,8 +205,8 @@ def _check_single(path: Path, name: str, rows: list[str]) -> None:
         alike = len(several) == len(rows) and len(name.split(mark)) > 1
         if alike and all(_NUMBER.fullmatch(cells[0]) for cells in several):
             raise InputError(
-                f"{path}: has a single column {shown(name)}, and its rows are parted by {words}."
-                " Part the cells by commas, semicolons or tabs."
+                f"{path}: has a single column {shown(name)}, with cells separated by {words}."
+                " Separate the cells by commas, semicolons or tabs."
             )
 
 
@@ -236,10 +235,10 @@ def grouped(cell: object) -> str:
     Examples
     --------
     >>> grouped("1.592,0"), grouped("12 000"), grouped("broken")
-    (" Write numbers ... thousands, here '1592,0'.", " Write ...12000'.", '')
+    (" Write numbers ... separator, here '1592,0'.", " Write ...12000'.", '')
     """
     found = _GROUPED.fullmatch(cell) if isinstance(cell, str) else None
     if found is None:
         return ""
     plain = found[0].strip().replace(found["mark"] or found["comma"], "")
-    return f" Write numbers without a mark between thousands, here {plain!r}."
+    return f" Write numbers without a thousands separator, here {plain!r}."

@@ -81,14 +81,14 @@ def _elements(data: memoryview, order: str) -> Iterator[Element]:
             # All but compressed ones end on a multiple of eight.
             after = start + size + (0 if kind == COMPRESSED else -size % 8)
         if start + size > len(data):
-            raise ValueError("it is cut short")
+            raise ValueError("it is truncated")
         yield Element(kind, data[start : start + size])
         place = after
 
 
 def _check_variable(element: Element, order: str, depth: int = DEEPEST) -> None:
     if element.kind != MATRIX or not depth:
-        raise ValueError("an element is no variable")
+        raise ValueError("an element is not a variable")
     if not len(element.body):
         return
     parts = list(_elements(element.body, order))
@@ -117,7 +117,7 @@ def _check_content(flags: int, size: int, parts: Sequence[Element], order: str, 
     if kind in NUMERIC:
         for part in parts:
             if SIZES.get(part.kind, 0) * size != len(part.body):
-                raise ValueError("a variable has another size than its shape")
+                raise ValueError("the size of a variable differs from its shape")
         if len(parts) != (2 if flags & COMPLEX else 1):  # real, and imaginary if the flag says so
             raise ValueError("a variable has no values")
     elif kind == CHAR:
@@ -131,7 +131,7 @@ def _check_content(flags: int, size: int, parts: Sequence[Element], order: str, 
         if kind == STRUCT:
             fields, parts = _fields(parts, order), parts[2:]
         if len(parts) != fields * size:
-            raise ValueError("a struct or cell has another size than its shape")
+            raise ValueError("the size of a struct or cell differs from its shape")
         for part in parts:
             _check_variable(part, order, depth - 1)
 
@@ -142,5 +142,5 @@ def _fields(parts: Sequence[Element], order: str) -> int:
         raise ValueError("a struct has no fields")
     width = int(struct.unpack(f"{order}i", parts[0].body)[0])
     if width <= 0 or len(parts[1].body) % width:
-        raise ValueError("the names of fields do not fit")
+        raise ValueError("the field names are inconsistent")
     return len(parts[1].body) // width

@@ -46,9 +46,9 @@ def read_mat(path: Path, wanted: Collection[str] = ()) -> pd.DataFrame:
         listed = [f"{name} {_shape(value)}" for name, value in found.items()]
         more = "" if len(listed) <= MOST_LISTED else f" and {len(listed) - MOST_LISTED} more"
         raise InputError(
-            f"{path}: has no vector of numbers; it has"
+            f"{path}: has no vector of numbers; it contains"
             f" {', '.join(listed[:MOST_LISTED]) or 'nothing'}{more}. Save time and signals as"
-            " vectors of the same length."
+            " vectors of equal length."
         )
     sizes = Counter(value.size for value in vectors.values())
     named = Counter(value.size for name, value in vectors.items() if name in wanted)

@@ -46,7 +46,7 @@ def column_of(quantity: str, given: Any) -> Column:
     names = [name for name in given if isinstance(name, str)] if isinstance(given, PAIR) else []
     if quantity == "position" and len(set(names)) == 2 == len(given):
         return (names[0], names[1])
-    plane = " or two different names, of the coordinates of a position in a plane,"
+    plane = " or two different names, for the two coordinates of a position in a plane,"
     raise InputError(
         f"columns.{quantity} must be the name of one column,{plane * (quantity == 'position')}"
         f" got {shown(given)}."

@@ -133,7 +133,7 @@ class Frame:
             row, cell = int(bad[first]), column.iloc[int(bad[first])]
             got = "nothing" if pd.isna(cell) else shown(cell)
             hole = pd.isna(cell) or not np.isnan(values[row])
-            cure = ' To drop such samples give repair="gaps".' if repairable and hole else ""
+            cure = ' To drop such samples, give repair="gaps".' if repairable and hole else ""
             raise ParameterError(
                 f"{self.place(name, row)}: must be a finite number, got {got}."
                 f"{cure or grouped(cell)}"
@@ -227,8 +227,7 @@ def read_frame(
     else:
         raise InputError(
             f"{file}: must be a .csv, .tsv, .txt, .parquet or .mat file, got"
-            f" {suffix or 'no ending'}."
-            " Save a spreadsheet as CSV."
+            f" {suffix or 'no file extension'}. Save a spreadsheet as CSV."
         )
     if data.empty:
         raise InputError(f"{file}: has no rows.")
@@ -267,7 +266,7 @@ def _named(
         match = _HEADER.fullmatch(header)
         name, unit = (match["name"], match["unit"]) if match else (header, None)
         if name in names:
-            raise InputError(f"{file}: two columns are called {name!r}.")
+            raise InputError(f"{file}: two columns are named {name!r}. Rename one of them.")
         names[name], found_units[name] = header, "1" if unit in NO_UNIT else unit
     data = data.set_axis(list(map(str, data.columns)), axis=1)
     own, own_units = dict(names), dict(found_units)
@@ -301,8 +300,8 @@ def _check_plane(
         units[SECOND] = units["position"]
     if units[SECOND] != units["position"]:
         raise InputError(
-            f"{file}: columns {names['position']!r} and {names[SECOND]!r} of one position have"
-            ' different units: give that of both, as units={"position": "..."}.'
+            f"{file}: the columns {names['position']!r} and {names[SECOND]!r} of the position have"
+            ' different units: give one unit for both, as units={"position": "..."}.'
         )
 
 
@@ -318,6 +317,6 @@ def _known_column(file: str, column: Any, own: Mapping[str, str]) -> str:
         pair = [name for name in own if name.startswith(short[0].rpartition(SEPARATOR)[0])][:2]
         raise InputError(
             f"{file}: {len(short)} tracks have a column {column!r}: {', '.join(map(repr, short))}."
-            f' Say which, as columns={{"position": ["{pair[0]}", "{pair[-1]}"]}}.'
+            f' Choose one, as columns={{"position": ["{pair[0]}", "{pair[-1]}"]}}.'
         )
     raise UnknownNameError(f"column of {file}:", str(column), own)

@@ -57,7 +57,7 @@ def repaired(
     >>> columns = {"time": np.array([0.0, 2.0, 1.0, 1.0]), "position": np.array([0.0, 2.0, 1, 1])}
     >>> found, done = repaired(columns, ["sort"])
     >>> found["time"].tolist(), done
-    ([0.0, 1.0, 2.0], ('sorted by time (2 samples were late)', '1 exact double dropped'))
+    ([0.0, 1.0, 2.0], ('sorted by time (2 samples out of order)', 'dropped 1 exact duplicate'))
     """
     found, done = dict(columns), []
     for step in steps:
@@ -72,9 +72,11 @@ def _without_gaps(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str
     if not dropped:
         return columns, []
     if dropped == good.size:
-        raise InputError("no sample is finite in all columns, so that repair leaves nothing.")
+        raise InputError(
+            'no sample is finite in all columns: repair="gaps" would remove every sample.'
+        )
     kept = {name: values[good] for name, values in columns.items()}
-    return kept, [f"{count(dropped, 'sample')} that {_was(dropped)} not finite dropped"]
+    return kept, [f"dropped {count(dropped, 'non-finite sample')}"]
 
 
 def _was(size: int) -> str:
@@ -83,14 +85,17 @@ def _was(size: int) -> str:
 
 def _sorted(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     if "time" not in columns:
-        raise InputError('repair="sort" needs a column of times, and there is none.')
+        raise InputError(
+            'repair="sort" needs a column of times, and there is none: name it, as'
+            ' columns={"time": "..."}.'
+        )
     remarks = []
     time = columns["time"]
     late = int(np.count_nonzero(time < np.maximum.accumulate(time)))
     if late:
         order = np.argsort(time, kind="stable")
         columns = {name: values[order] for name, values in columns.items()}
-        remarks.append(f"sorted by time ({count(late, 'sample')} {_was(late)} late)")
+        remarks.append(f"sorted by time ({count(late, 'sample')} out of order)")
     columns, more = _single(columns)
     return columns, [*remarks, *more]
 
@@ -111,7 +116,7 @@ def _single(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     deviation = table - table[first][groups]
     single = table[first] + np.add.reduceat(deviation, first, axis=0) / sizes[:, None]
     exact, conflicts = int(np.count_nonzero(same)), int(np.count_nonzero(sizes > 1))
-    remarks = [f"{count(exact, 'exact double')} dropped"] if exact else []
+    remarks = [f"dropped {count(exact, 'exact duplicate')}"] if exact else []
     if conflicts:
-        remarks.append(f"{count(conflicts, 'time')} with different values averaged")
+        remarks.append(f"averaged the values at {count(conflicts, 'duplicate time')}")
     return dict(zip(columns, single.T.copy(), strict=True)), remarks

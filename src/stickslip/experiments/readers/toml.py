@@ -62,7 +62,7 @@ def check_file(path: str | Path, *, largest: int | None = None) -> None:
         size = Path(path).stat().st_size
         regular, folder = Path(path).is_file(), Path(path).is_dir()
     except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file. {_siblings(Path(path))}") from None
+        raise InputError(f"{path} does not exist. {_siblings(Path(path))}") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise InputError(f"{str(path)!r}: cannot be read: {reason}.") from None
@@ -72,22 +72,22 @@ def check_file(path: str | Path, *, largest: int | None = None) -> None:
         raise InputError(f"{path}: is not a regular file.")
     if largest is not None and size > largest:
         raise InputError(
-            f"{path}: has {size / 1e6:.0f} MB, more than the {largest / 1e6:.0f} MB a rig file"
-            " may have. Long records belong into a CSV or Parquet file."
+            f"{path}: has {size / 1e6:.0f} MB; a rig file may have at most"
+            f" {largest / 1e6:.0f} MB. Store long records in a CSV or Parquet file."
         )
     if size == 0:
-        raise InputError(f"{path}: is empty.")
+        raise InputError(f"{path}: is empty. A rig file needs at least [mechanism].")
 
 
 def _siblings(path: Path) -> str:
     try:
         same = sorted(one.name for one in path.parent.iterdir() if one.suffix == path.suffix)
     except OSError:
-        return f"The folder {path.parent} is not there either."
+        return f"The folder {path.parent} does not exist either."
     if not same:
         return "Check the path."
     more = "" if len(same) <= 5 else f" and {len(same) - 5} more"
-    return f"In {path.parent} there are: {', '.join(same[:5])}{more}."
+    return f"Files in {path.parent}: {', '.join(same[:5])}{more}."
 
 
 def decode(data: bytes, file: str) -> str:
@@ -145,7 +145,7 @@ def parse(data: bytes, file: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{file}: is not valid TOML: {error}.") from None
     except RecursionError:
-        raise InputError(f"{file}: is nested too deeply.") from None
+        raise InputError(f"{file}: its tables are nested too deeply.") from None
     except InputError:
         raise
     except ValueError as error:

@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.measurement import QUANTITIES, Array
 from stickslip.experiments.units import factor, is_of
+from stickslip.formatting import number
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
 
@@ -59,8 +60,8 @@ def gains_of(given: Mapping[str, float], known: Iterable[str]) -> dict[str, floa
         found[name] = Quantity("g", "").check("gain", name, value)
         if found[name] == 0.0:
             raise ParameterError(
-                f"gain.{name} (g) must be a finite number other than 0, got 0: nothing would be"
-                " left of its column."
+                f"gain.{name} (g) must be a finite number other than 0, got 0: it would set the"
+                " whole column to 0."
             )
     for name in found:
         if name not in known:
@@ -150,13 +151,13 @@ class Scaling:
         what += f" {self.frame.units[name]}, and {name} is"
         if target != QUANTITIES[name].unit:
             raise ParameterError(
-                f"{what} a torque in {target}: give the load times the radius at which it rubs, in"
-                f" {target}, as its gain."
+                f"{what} a torque in {target}: give as its gain the load times the contact radius,"
+                f" in {target}."
             )
         if load is None:
             raise ParameterError(
-                f"{what} a force in N: give the load as a column in N or as the load of the"
-                " mechanism, or the load in N as its gain."
+                f"{what} a force in N: give the load as a column in N or in the mechanism, or give"
+                f" the load in N as the gain of {name}."
             )
         return np.asarray((gain or 1.0) * self.frame.scaled(name, raw, "1") * load)
 
@@ -166,8 +167,9 @@ class Scaling:
             return
         cure = "leave the gain out" if gain > 0.0 else "give the gain as -1"
         raise InputError(
-            f"{self.frame.file}: column {self.frame.names[name]!r} is in {unit}, which is converted"
-            f" to {target}, and a gain of {gain:g} would do so a second time: {cure}."
+            f"{self.frame.file}: column {self.frame.names[name]!r} is in {unit} and converted to"
+            f" {target}; a gain of {number(gain, 6)} would apply this conversion a second time:"
+            f" {cure}."
         )
 
     def _targets(self, names: Iterable[str]) -> tuple[dict[str, str], bool]:
@@ -180,9 +182,9 @@ class Scaling:
         kinds = plain or self._kinds(name for name in moving if name in self.gains)
         if len(kinds) == 2:
             raise InputError(
-                f"{self.frame.file}: {kinds[True]}, as of an axis that turns, and {kinds[False]},"
-                " as of one that moves straight: angles go with torques, such as N m, and lengths"
-                " with forces."
+                f"{self.frame.file}: {kinds[True]}, as for a rotary axis, but {kinds[False]}, as"
+                " for a linear one: combine angles with torques, such as N m, and lengths with"
+                " forces."
             )
         turning = True in kinds
         targets = {"time": "s"}

@@ -158,7 +158,7 @@ def read_blocks(text: str) -> tuple[pd.DataFrame, int]:
         if not table.index.is_unique:
             twice = table.index[table.index.duplicated()][0]
             raise InputError(
-                f"{track!r} has the time {twice} twice: export times with more digits, such as"
+                f"{track!r} has the time {twice} twice: export the times with more digits, e.g. in"
                 " milliseconds."
             )
     merged = pd.concat(by_time, axis=1)
@@ -170,7 +170,10 @@ def _moment(cell: str) -> float:
     try:
         return float(cell) if stamp is None else stamp
     except ValueError:
-        raise InputError(f"a row begins with {shown(cell)}, which is no time.") from None
+        raise InputError(
+            f"a row begins with {shown(cell)}, which is not a time. Every row of a"
+            " track begins with its time."
+        ) from None
 
 
 def _block(rows: list[list[str]], track: str) -> pd.DataFrame:

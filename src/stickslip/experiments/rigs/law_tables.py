@@ -118,7 +118,7 @@ def friction_table(more: tuple[type[FrictionLaw], ...] = ()) -> type[FrictionTab
     for name, owners in _owners(kinds.values()).items():
         if not _means_one_thing(name, owners):
             where = " or ".join(f"[friction.{law.name}]" for law in owners)
-            misplaced[name] = f"it differs from law to law: give it under {where}"
+            misplaced[name] = f"it depends on the law: give it under {where}"
             continue
         quantities = [fields_of(law)[name] for law in owners if name in fields_of(law)]
         if quantities:

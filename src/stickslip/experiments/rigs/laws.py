@@ -8,6 +8,7 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.experiments.rigs.law_tables import force_parameters, python_name
 from stickslip.experiments.rigs.rig_models import Given, Table
 from stickslip.experiments.rigs.validation_errors import place
+from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.quantities import fields_of
 
@@ -158,8 +159,8 @@ def _own(
             continue
         if field in values and f"friction.{law.name}.forces.{key}" not in overridden:
             raise InputError(
-                f"{file}: {normalised} and friction.{law.name}.forces.{key} give the same"
-                " parameter twice: leave one out."
+                f"{file}: {normalised} and friction.{law.name}.forces.{key} both give the same"
+                " parameter: leave one out."
             )
         scale = 1.0 if quantity.unit == fields_of(law)[field].unit else load
         values[field] = Given(force.value / scale, force.marked)
@@ -210,7 +211,7 @@ def _check_order(
             (upper, lower, "below") if upper in changed else (lower, upper, "above")
         )
         raise ParameterError(
-            f"override of {file}: {changed[key]} ({known[key].symbol}) = {values[key]:g} lies"
-            f" {relation} {other} ({known[other].symbol}) = {values[other]:g} of the file: override"
-            f" both, so that {upper} is at least {lower}."
+            f"override of {file}: {changed[key]} ({known[key].symbol}) = {number(values[key], 6)}"
+            f" is {relation} {other} ({known[other].symbol}) = {number(values[other], 6)} of the"
+            f" file: override both, so that {upper} is at least {lower}."
         )

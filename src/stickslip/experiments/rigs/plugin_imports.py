@@ -72,9 +72,9 @@ def imported(
             )
         if not allow:
             raise InputError(
-                f"{where} wants to import {match['name']} from the Python module"
-                f" {match['module']}, which runs code. Nothing was imported. If you trust it, give"
-                " --allow-import on the command line or load_rig(..., allow_import=True)."
+                f"{where} requests the import of {match['name']} from the Python module"
+                f" {match['module']}, which runs its code. Nothing was imported. If you trust it,"
+                " give --allow-import on the command line or load_rig(..., allow_import=True)."
             )
     found = {
         key: _class(path, f"{place(key, file, overridden)}: {key}", beside)
@@ -116,7 +116,7 @@ def _class(path: str, where: str, beside: Path | None) -> Any:
         )
     missing = ", ".join(_missing(found, base))
     if missing:
-        raise InputError(f"{where}: {path} is not complete: it has no {missing}.")
+        raise InputError(f"{where}: {path} is abstract: implement {missing}.")
     return found
 
 
@@ -141,7 +141,7 @@ def _module(name: str, where: str, beside: Path | None) -> ModuleType:
     except (Exception, SystemExit) as error:  # a module of somebody else may raise anything
         raise InputError(
             f"{where}: the module {name} cannot be imported: {type(error).__name__}: {error}."
-            " Modules are looked for where Python does and in the folder of the rig file."
+            " Modules are searched for on Python's path and in the folder of the rig file."
         ) from error
     _check_is_the_one_beside(module, where, folder)
     return module
@@ -156,7 +156,7 @@ def _check_is_the_one_beside(module: ModuleType, where: str, folder: str | None)
         actual = getattr(module, "__file__", None) or "none"
         if own.exists() and Path(actual).resolve() != own.resolve():
             raise InputError(
-                f"{where}: {own} is hidden by a module of the same name, {actual}. Rename it."
+                f"{where}: {own} is shadowed by a module of the same name, {actual}. Rename it."
             )
 
 
@@ -168,10 +168,10 @@ def _check_name(law: type[FrictionLaw], table: str, where: str) -> None:
         raise InputError(f"{where}: {law.__name__} must be derived from one of {names}.")
     if law.name != table:
         raise InputError(
-            f"{where}: the law {law.__name__} is called {law.name!r}: write [friction.{law.name}]."
+            f"{where}: the law {law.__name__} is named {law.name!r}: write [friction.{law.name}]."
         )
     if laws().get(table, law) is not law:
         raise InputError(
-            f"{where}: {table!r} is the name of a law that is there already; give"
-            f" {law.__name__}.name another."
+            f"{where}: {table!r} is already the name of another law; give {law.__name__}.name"
+            " another value."
         )

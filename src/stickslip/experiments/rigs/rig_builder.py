@@ -167,7 +167,7 @@ def _measured(
         raise InputError(f"{file}: data.file and data.files are both given: leave one out.")
     names = [data.file] if data.file else data.files
     if names and table.trial:
-        raise InputError(f"{file}: [data] and [[trial]] both say what was measured: leave one out.")
+        raise InputError(f"{file}: [data] and [[trial]] both give measurements: leave one out.")
     return _files(names, mechanism, reading, file) or _trials(table, mechanism, reading, file)
 
 
@@ -277,7 +277,7 @@ def _filed(
     """Return what stands in the file of a trial, with the settings of that trial."""
     key = f"trial.{index}"
     label, given = f"{file}: {key}", trial.given()
-    _check_keys(given, TRAVEL_ONLY, f"{label}: {{}} is for a travel, and file names a record")
+    _check_keys(given, TRAVEL_ONLY, f"{label}: {{}} applies to a travel, but file names a record")
     own = reading.with_changes(_reading(trial, file, key))
     settings, doubts = _overrides(trial.set, mechanism, f"{label}.set")
     try:
@@ -314,17 +314,18 @@ def _record(
     names = [name for name in TRAVELS if name in given]
     if not names:
         raise ParameterError(
-            f"{label} says nothing that was measured. Add travel under [[trial]] number"
-            f' {index + 1}, a distance such as "72 mm", or mean_velocity, travel_per_cycle, or'
-            " file, a record."
+            f"{label} contains no measurement. Add travel under [[trial]] number {index + 1}, a"
+            ' distance such as "72 mm", or mean_velocity, travel_per_cycle, or file (a record).'
         )
     if len(names) > 1:
         raise InputError(
-            f"{label}: {names[0]} and {names[1]} both say how far the body came: give one of"
-            f" {', '.join(TRAVELS)}."
+            f"{label}: {names[0]} and {names[1]} both give the distance travelled: give only one"
+            f" of {', '.join(TRAVELS)}."
         )
     _check_keys(
-        given, FILE_ONLY, f"{label}: {{}} is for the file of a record, and {names[0]} is a number"
+        given,
+        FILE_ONLY,
+        f"{label}: {{}} applies to the file of a record, but {names[0]} is a number",
     )
     if "uncertainty" in given:
         measured = QUANTITIES[names[0]]
@@ -335,7 +336,10 @@ def _record(
             raise ParameterError(f"{label}.uncertainty {error}") from None
     overrides, initial = given.pop("set", {}), given.pop("initial", {})
     if "uncertainty_kind" in given and "uncertainty" not in given:
-        raise ParameterError(f"{label}.uncertainty is missing, but uncertainty_kind is given.")
+        raise ParameterError(
+            f"{label}.uncertainty is missing, but uncertainty_kind is given. Add"
+            " the uncertainty, or leave its kind out."
+        )
     settings, doubts = _overrides(overrides, mechanism, f"{label}.set")
     record = Measurement(
         **given,

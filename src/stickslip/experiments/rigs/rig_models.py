@@ -63,8 +63,8 @@ class Number:
         if isinstance(value, dict):
             if "unknown" in value and self.mark:
                 raise ParameterError(
-                    f"({self.quantity.symbol}) has the key unknown, which is now {self.mark}:"
-                    f" write {self.mark} = {shown(value['unknown'])}."
+                    f"({self.quantity.symbol}) has the key unknown, which was renamed to"
+                    f" {self.mark}: write {self.mark} = {shown(value['unknown'])}."
                 )
             if "value" not in value or set(value) - {"value", *keys}:
                 raise ParameterError(
@@ -79,8 +79,8 @@ class Number:
             )
         if marked and doubt is not None:
             raise ParameterError(
-                f"({self.quantity.symbol}) has {self.mark} = true and an uncertainty: what is"
-                " fitted has none before. Leave one of them out."
+                f"({self.quantity.symbol}) has {self.mark} = true and an uncertainty, but a fitted"
+                " parameter has no prior uncertainty. Leave one of them out."
             )
         number = self._number(value)
         return Given(number, marked, None if doubt is None else self._doubt(doubt, number))
@@ -92,7 +92,8 @@ class Number:
             share = read_number(given, Quantity(symbol))
             if value == 0.0:
                 raise ParameterError(
-                    f"({symbol}) is {given.strip()} of a value of 0: give it in {unit}."
+                    f"({symbol}) is {given.strip()} of a value of 0: give an absolute uncertainty"
+                    f" in {unit}."
                 )
             doubt = share * abs(value)
         else:
@@ -198,11 +199,11 @@ class _Numbers:
 
     def read(self, value: object) -> tuple[float, ...]:
         if not isinstance(value, list):
-            raise ParameterError(f"must be a list of numbers in SI, got {shown(value)}.")
+            raise ParameterError(f"must be a list of numbers in SI units, got {shown(value)}.")
         for index, item in enumerate(value):
             if isinstance(item, bool) or not isinstance(item, int | float):
                 raise ParameterError(
-                    f"must be a list of numbers in SI, got {shown(item)} at index {index}."
+                    f"must be a list of numbers in SI units, got {shown(item)} at index {index}."
                 )
         return tuple(value)
 

@@ -56,16 +56,18 @@ class ReadTable(Table):
     """How the columns of a file are read."""
 
     columns: dict[str, Annotated[Any, Columns()]] = Field(
-        default={}, description="quantity: name of its column; `position`: two, in a plane"
+        default={},
+        description="quantity: name of its column; `position`: two names for motion in a plane",
     )
     units: dict[str, str] = Field(default={}, description="quantity: unit of its column")
     gain: dict[str, Annotated[Any, Number(Quantity("g"))]] = Field(
         default={},
-        description="quantity: factor, after a unit of its kind; else it makes SI of the column",
+        description="quantity: scale factor, applied after unit conversion if the unit is of the"
+        " right kind; otherwise it converts the column to SI",
     )
-    offset: dict[str, Any] = Field(default={}, description="quantity: offset of its sensor")
+    offset: dict[str, Any] = Field(default={}, description="quantity: zero offset of its sensor")
     repair: list[Literal["sort", "gaps"]] = Field(
-        default=[], min_length=1, description="`sort` the times, drop `gaps`"
+        default=[], min_length=1, description="`sort` the rows by time, drop rows with `gaps`"
     )
 
 
@@ -92,10 +94,9 @@ class TrialTable(ReadTable):
     mean_velocity: Annotated[Any, Number(QUANTITIES["mean_velocity"])] = None
     """Measured mean velocity of a driven rig [m/s]."""
     travel_per_cycle: Annotated[Any, Number(QUANTITIES["travel_per_cycle"])] = None
-    """Measured travel per cycle of the drive [m]."""
-    file: str = Field(default="", description="a record, relative to the rig file")
+    file: str = Field(default="", description="file of a record, relative to the rig file")
     uncertainty: Annotated[Any, Doubt()] = Field(
-        default=None, description="above 0, in the unit of what was measured"
+        default=None, description="above 0, in the unit of the measured quantity"
     )
     uncertainty_kind: Literal["rounding", "standard", "interval"] = "standard"
     """What the uncertainty is, as in `Measurement`."""
@@ -104,11 +105,12 @@ class TrialTable(ReadTable):
     provenance: str = ""
     """Where the trial is from."""
     set: dict[str, Any] = Field(
-        default={}, description="parameter path: value in this trial, perhaps with its uncertainty"
+        default={},
+        description="parameter path: value in this trial, optionally with its uncertainty",
     )
-    initial: dict[str, Any] = Field(default={}, description="state name: value at the start")
+    initial: dict[str, Any] = Field(default={}, description="state: initial value")
     conditions: dict[str, float | str] = Field(
-        default={}, description="what else was different, by name: a number or a text"
+        default={}, description="further conditions of the trial, by name: a number or a text"
     )
 
 
@@ -116,17 +118,19 @@ class DataTable(ReadTable):
     """Files with what was measured, and how they are read; several files are several trials."""
 
     file: str = Field(default="", description="relative to the rig file")
-    files: list[str] = Field(default=[], min_length=1, description="several, as trials")
+    files: list[str] = Field(default=[], min_length=1, description="several files, one per trial")
     hold: Literal["zero", "first"] = Field(
         default="zero",
-        description="a force keeps its value until the next sample (`zero`: a command), or goes"
-        " straight to it (`first`: a sensor's)",
+        description="interpolation of the force: `zero`-order hold (a command) or `first`-order,"
+        " linear (a sensor)",
     )
     conditions: list[str] = Field(
-        default=[], min_length=1, description="columns with a condition, one value in each trial"
+        default=[], min_length=1, description="columns with a condition, one value per trial"
     )
     second: str = Field(
-        default="", alias="validate", description="a second record, which no fit sees"
+        default="",
+        alias="validate",
+        description="second record for validation, not used in any fit",
     )
 
 
@@ -159,28 +163,31 @@ class PublishedTable(Table):
 class EstimatesTable(Table):
     """How well the values of one law are known, as fits write it; all in SI."""
 
-    law: str = Field(description="whose values these are")
+    law: str = Field(description="law to which the values belong")
     interval: Literal["95 %", "rounding range", "stated interval"] = "95 %"
     """Kind of the intervals."""
     levels: Literal["per load", "forces", "torques"] = Field(
         default="per load",
-        description="whether levels and bristles are over the normal force, or none was known",
+        description="unit of levels and bristle stiffness: coefficients per normal force, or"
+        " forces or torques",
     )
     largest_speed: float | None = Field(
-        default=None, description="largest slip speed in what was fitted"
+        default=None, description="largest slip speed in the fitted data"
     )
-    not_fitted: list[str] = Field(default=[], description="parameters that were given or assumed")
+    not_fitted: list[str] = Field(
+        default=[], description="parameters that were given or assumed, not fitted"
+    )
     not_identified: dict[str, str] = Field(
-        default={}, description="parameter: why the data do not tell it"
+        default={}, description="parameter: reason why the data do not identify it"
     )
     intervals: dict[str, list[float]] = Field(
-        default={}, description="parameter: lower and upper end"
+        default={}, description="parameter: lower and upper end of its interval"
     )
     covariance_of: list[str] = Field(
-        default=[], description="parameters of the rows and columns of the covariance"
+        default=[], description="parameters in the rows and columns of the covariance"
     )
     covariance: list[list[float]] = Field(
-        default=[], description="of the normal distribution that has these intervals"
+        default=[], description="covariance of the normal distribution with these intervals"
     )
 
 

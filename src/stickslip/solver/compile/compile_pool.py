@@ -56,7 +56,7 @@ class Process:
             )
         except OSError as error:
             self._words.close()
-            raise CompilationError(f"no process for compiling can be started: {error}") from error
+            raise CompilationError(f"no process for compilation can be started: {error}") from error
 
     def compile(self, part: CompileUnit) -> bool:
         """Compile or load a part there; return whether it was compiled."""
@@ -70,7 +70,7 @@ class Process:
         except (OSError, ValueError):
             line = ""
         if not line:
-            raise CompilationError(f"{self._end()} while it compiled {part.title}.{self._said()}")
+            raise CompilationError(f"{self._end()} while compiling {part.title}.{self._said()}")
         answer: dict[str, Any] = json.loads(line)
         if "error" in answer:
             raise CompilationError(f"{part.title} cannot be compiled: {answer['error']}")
@@ -86,7 +86,7 @@ class Process:
     def _said(self) -> str:
         self._words.seek(0)
         words = self._words.read().decode("utf-8", "replace").strip()[-LAST_WORDS:]
-        return f" Its last words:\n{words}" if words else ""
+        return f" Its last output:\n{words}" if words else ""
 
     def stop(self) -> None:
         """End it, whatever it does; what it has compiled so far is in the cache."""

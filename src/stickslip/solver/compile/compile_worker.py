@@ -29,7 +29,11 @@ def _answer(title: str, text: str, entries: list[str]) -> dict[str, object]:
         compiled = part.load()
     except Exception as error:
         return {"error": f"{type(error).__name__}: {error}"}
-    return {"compiled": compiled} if part.is_kept() else {"error": "the cache does not keep it"}
+    return (
+        {"compiled": compiled}
+        if part.is_kept()
+        else {"error": "the cache did not keep the compiled module"}
+    )
 
 
 if __name__ == "__main__":

@@ -90,8 +90,8 @@ def _from_file(name: str, text: str, *, compiled: bool) -> ModuleType:
 
 def _warn(reason: str) -> None:
     warnings.warn(
-        f"{cache_directory()} cannot be used ({reason}): compiled modules are lost with this"
-        " process. Set STICKSLIP_CACHE to a folder that can be written.",
+        f"{cache_directory()} cannot be used ({reason}): compiled modules are lost when this"
+        " process ends. Set STICKSLIP_CACHE to a writable folder.",
         stacklevel=4,
     )
 

@@ -136,8 +136,8 @@ def _compiled(
     """Compile parts; return those that were really not there."""
     if not is_writable():
         raise InputError(
-            f"{cache_directory()} cannot be written to, so what is compiled would be lost. Set"
-            " STICKSLIP_CACHE to a folder that can be written."
+            f"{cache_directory()} cannot be written to, so compiled modules would be lost. Set"
+            " STICKSLIP_CACHE to a writable folder."
         )
     if progress is None:
         waiting(parts, min(jobs, len(parts)))
