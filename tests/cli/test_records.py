@@ -234,7 +234,7 @@ set = {{ "mechanism.compression" = "60 mm" }}
 @pytest.mark.parametrize(
     ("stiffness", "said"),
     [
-        ("3 N/m", "The stiffness (3 %) limits it more than the readings do."),
+        ("3 N/m", "The stiffness (3 %) contributes more to its uncertainty than the readings."),
         ("0.1 N/m", "The readings limit it more than the stiffness (0.1 %) does."),
     ],
 )

@@ -227,7 +227,7 @@ def test_the_verdict_says_whether_the_record_or_the_mechanism_limits_an_interval
     record = replace(rubbed(), doubts={N: 0.4})
     verdict = select(AXIS, [Coulomb, CoulombViscous], record)
     said = next(line for line in verdict.words.settles if "mu_k" in line)
-    assert said.endswith("The load (2 %) limits it more than the record does.")
+    assert said.endswith("The load (2 %) contributes more to its uncertainty than the record.")
 
 
 def test_uncertainties_without_effect_are_refused():

@@ -163,7 +163,7 @@ def test_what_turns_is_told_in_angles_and_torques():
     )
     said = {one.what.split()[0]: one for one in found}
     assert "rad/s" in said["Constant"].what
-    assert said["Constant"].observed == "torque that keeps it, N m"
+    assert said["Constant"].observed == "drive torque, N m"
     assert said["Coast"].observed == "angle to the stop, rad"
     assert "mm" not in " ".join(one.what for one in found)
 

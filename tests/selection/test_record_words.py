@@ -101,7 +101,7 @@ def test_a_difference_within_doubt_overturns_nothing():
 def test_a_second_record_that_is_missed_by_several_times_the_held_out_error_says_so():
     found = selected(table(1), table(2, level=3.0))
     assert found.on_second.ratio > 5.0
-    assert "times the held-out error; expect errors of this size on new records" in found.words.lede
+    assert "times the held-out error; expect errors of this size on new data" in found.words.lede
     assert found.words.measure_next[0].startswith("Find what differs between the two records")
     assert "times the held-out" not in selected(table(1), table(2)).words.lede
 
@@ -225,7 +225,7 @@ def test_what_is_not_distinguished_is_listed():
     assert found.best.name == "coulomb-viscous"
     named = [c for c in found.candidates if "no gain beyond doubt" in c.outcome]
     assert named
-    assert "not distinguished from it by this record" in found.sentence + found.words.lede
+    assert "his record does not distinguish it from" in found.sentence + found.words.lede
 
 
 def test_scores_have_the_digits_that_their_standard_error_allows():
@@ -261,9 +261,7 @@ def test_a_choice_that_cannot_be_simulated_on_the_second_record_does_not_hold(co
     assert "against a simulation that fails" in said.verdict
     assert "the choice does not hold there" in said.lede
     failed = [second_of(c, [math.inf, 0.1]) for c in others]
-    assert (
-        _on_second(best, [best, *failed]).finding == "cannot be judged by a simulation that fails"
-    )
+    assert _on_second(best, [best, *failed]).finding == "cannot be tested (its simulation fails)"
 
 
 def test_one_segment_of_a_second_record_cannot_judge_the_choice(confirmed):
@@ -272,7 +270,7 @@ def test_one_segment_of_a_second_record_cannot_judge_the_choice(confirmed):
     found = _on_second(best, candidates)
     assert found.holds  # nothing speaks against it
     said = words_with(confirmed, best, candidates, on_second=found).lede
-    assert "the choice cannot be judged by one segment there" in said
+    assert "the choice cannot be tested (only one segment) there" in said
     assert "holds" not in said
 
 
@@ -301,13 +299,13 @@ def test_what_an_error_of_the_model_moves_is_not_settled(confirmed):
 
 def test_an_error_of_the_model_hides_neither_doubts_nor_laws_not_distinguished():
     found = selected(table(3), laws=["coulomb-viscous", "power-viscous", "direction-dependent"])
-    assert "not distinguished from it" in found.sentence
+    assert "does not distinguish it from" in found.sentence
     best = with_errors(found, None, doubt="the interval of $mu_k$ covers 0")
     rivals = [dataclasses.replace(c, simpler={}) for c in found.candidates]
     said = words_with(found, best, rivals)
-    assert said.verdict.endswith("predicts best, but the model does not hold: It is late.")
+    assert said.verdict.endswith("predicts best, but the model does not hold: it is late.")
     assert "Not all of its parameters are identified: the interval of $mu_k$ covers 0." in said.lede
-    assert "not distinguished from it by this record." in said.lede
+    assert "his record does not distinguish it from" in said.lede
 
 
 def test_halves_that_contradict_each_other_stand_in_the_verdict(confirmed):
@@ -320,7 +318,7 @@ def test_halves_that_contradict_each_other_stand_in_the_verdict(confirmed):
     )
     best = dataclasses.replace(confirmed.best, fit=dataclasses.replace(fit, halves=apart))
     said = words_with(confirmed, best).verdict
-    assert "predicts best, but halves of the record contradict each other: " in said
+    assert "predicts best, but the two halves of the record disagree: " in said
     assert "= 9 N and 1 N, which differ by 80 standard errors." in said
 
 
@@ -348,7 +346,7 @@ def test_a_law_whose_search_failed_is_not_chosen_where_another_is_left(confirmed
     assert every.best is None
     assert every.closest.dropped.startswith("The search failed")
     assert every.sentence == (
-        "No candidate passes all checks; direction-dependent friction comes closest."
+        "No candidate passes all checks; direction-dependent friction fits best."
     )
 
 

@@ -267,7 +267,8 @@ def test_a_candidate_that_cannot_be_refitted_is_dropped_and_says_why(monkeypatch
     lost = next(c for c in found.candidates if c.name == "viscous")
     assert lost.validation is None
     assert lost.outcome == (
-        "not judged: without a held-out block, the record cannot be predicted from this start."
+        "not scored: the fit without one of the held-out blocks failed: the record cannot be"
+        " predicted from this start."
     )
     assert json_text(document("select", found.to_dict()))
     monkeypatch.setattr(refits, "improve", failing_without_a_block(CoulombViscous))
@@ -386,7 +387,7 @@ def test_it_is_said_where_blocks_do_not_tell_the_usual_choice_apart(verdict):
     )
     others = [close if c.name == close.name else c for c in verdict.candidates]
     said = record_wording(others, best, None, verdict.picks, verdict.checks, (), scored="position")
-    assert ", not distinguished by them." in said.lede
+    assert ", which is not significantly different." in said.lede
     row = next(c for c in outcomes(others, best) if c.name == close.name)
     assert row.outcome == "reference, not distinguished"
 
@@ -404,7 +405,7 @@ def test_scores_that_read_alike_have_the_digits_that_tell_them_apart():
 def test_a_step_that_may_be_none_is_told_with_its_unit():
     found = table_fit(Stribeck, np.linspace(0.01, 0.2, 80))
     said = objection(dataclasses.replace(found, at_bounds={}))
-    assert re.search(r"its step of \S+ N \(−\S+ to \S+\) covers 0", said)
+    assert re.search(r"its static step of \S+ N \(−\S+ to \S+\) includes 0", said)
 
 
 def table_fit(law, v, noise=0.05):
@@ -438,12 +439,12 @@ def test_a_bound_is_told_with_its_unit():
         said[path] = objection(dataclasses.replace(found, at_bounds={path: side}))
     level = found.estimate("static_coefficient").value
     assert (
-        f"$mu_s$ ran to its upper bound of {quantity(level, 'N', 2)}"
+        f"$mu_s$ reached its upper bound of {quantity(level, 'N', 2)}"
         in said["friction.static_coefficient"]
     )
     speed = found.estimate("stribeck_velocity").value
     assert (
-        f"$v_s$ ran to its lower bound of {quantity(speed, 'm/s', 2)}"
+        f"$v_s$ reached its lower bound of {quantity(speed, 'm/s', 2)}"
         in said["friction.stribeck_velocity"]
     )
 
@@ -494,7 +495,7 @@ def test_a_law_whose_search_was_cut_short_is_not_judged_and_says_so():
     dahl = next(one for one in verdict.candidates if one.name == "dahl")
     assert dahl.fit.found.hopeless
     assert dahl.validation is None
-    assert dahl.outcome.startswith("not judged: the search was stopped early")
+    assert dahl.outcome.startswith("not scored: its search was stopped early")
     assert verdict.missing == ()  # what was not judged says so itself
     short = dataclasses.replace(verdict.best.validation, extrapolation=math.nan)
     again = dataclasses.replace(

@@ -73,7 +73,7 @@ def test_a_law_with_values_that_nobody_gave_is_shown_and_never_taken():
     stribeck = next(c for c in verdict.candidates if c.name == "stribeck")
     assert stribeck.invented == ("static_coefficient", "stribeck_velocity")
     assert stribeck.score is None
-    assert stribeck.unscored == "not judged: $mu_s$ and $v_s$ were assumed, not fitted"
+    assert stribeck.unscored == "not scored: $mu_s$ and $v_s$ were assumed, not fitted"
     assert verdict.best.unscored == ""
     assert "neither measured, given nor fitted" in stribeck.passed_over
     assert verdict.to_dict()["candidates"][-1]["invented"]
@@ -83,7 +83,7 @@ def test_laws_that_are_not_told_apart_are_listed_in_the_first_sentence():
     verdict = select(RIG, SET_VALUED, readings(COULOMB, THREE))
     assert verdict.best.name == "coulomb"
     assert "Coulomb + viscous" in verdict.sentence
-    assert "not distinguished" in verdict.sentence
+    assert "do not distinguish it from" in verdict.sentence
     viscous = next(c for c in verdict.candidates if c.name == "viscous")
     assert viscous.distinguished
     assert "Viscous" not in verdict.sentence.replace("Coulomb + viscous", "")

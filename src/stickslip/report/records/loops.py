@@ -14,7 +14,7 @@ from stickslip.report.core.blocks import Figure
 from stickslip.report.core.documents import Section
 from stickslip.report.records.texts import rival_of
 from stickslip.selection import RecordCandidate, RecordVerdict
-from stickslip.selection.record_wording import in_sentence
+from stickslip.selection.wording import in_sentence
 
 __all__ = ["loops_section", "turns_of"]
 

@@ -20,7 +20,7 @@ from stickslip.report.records.texts import (
     typeset,
 )
 from stickslip.selection import RecordCandidate, RecordVerdict
-from stickslip.selection.record_wording import in_sentence
+from stickslip.selection.wording import in_sentence
 
 __all__ = ["parameters_section"]
 

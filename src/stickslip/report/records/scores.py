@@ -11,8 +11,8 @@ from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.report.records.texts import symbols_of, typeset
 from stickslip.selection import RecordCandidate, RecordVerdict
 from stickslip.selection.choice import LEVEL, LIKELY, MATERIAL, NEAR
-from stickslip.selection.record_wording import in_sentence
 from stickslip.selection.verdict import score_text
+from stickslip.selection.wording import in_sentence
 
 __all__ = ["picks_text", "scores_section"]
 

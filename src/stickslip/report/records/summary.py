@@ -34,8 +34,8 @@ from stickslip.selection import RecordVerdict
 from stickslip.selection.design.predictors import Steady
 from stickslip.selection.identifiable import limit_of, moved_by_errors, settled_estimates, traded
 from stickslip.selection.next_measurements import predictor_of
-from stickslip.selection.record_wording import in_sentence
 from stickslip.selection.verdict import score_text
+from stickslip.selection.wording import in_sentence
 
 __all__ = ["law_lines", "level_at", "levels_at_speed", "opening_section"]
 

@@ -16,8 +16,8 @@ from stickslip.report.core.tables import Column, Name, Number, Row, Table
 from stickslip.report.records.texts import rival_of
 from stickslip.selection import RecordCandidate, RecordVerdict
 from stickslip.selection.record_verdict import SecondRecord
-from stickslip.selection.record_wording import in_sentence
 from stickslip.selection.verdict import score_text
+from stickslip.selection.wording import in_sentence
 
 __all__ = ["second_section"]
 

@@ -151,8 +151,8 @@ class Proposal:
             first, last = self.tried[0].text, self.tried[-1].text
             ends = f"from {first} to {last}" if len(self.tried) > 1 else f"such as {first}"
             return (
-                f"No setting of {symbol} {ends} would separate {titles[self.best]} from {names}:"
-                f" they differ by at most {quantity(self.widest, 'm', 2)}."
+                f"No setting of {symbol} {ends} would distinguish {titles[self.best]} from"
+                f" {names}: their predictions differ by at most {quantity(self.widest, 'm', 2)}."
             )
         one, other = (
             " and ".join(quantity(row.predicted[name], "m") for row in self.settings)
