@@ -88,7 +88,7 @@ def test_a_viscous_law_has_half_the_slope_with_the_compression():
 def test_an_uncertain_rig_does_not_make_up_for_an_unstated_reading():
     found = fit(BLOCK, Coulomb, Measurement(travel=0.2, doubts={K: 2.0})).estimates[0]
     assert not found.bounded
-    assert found.reason == "no uncertainty of the reading was given"
+    assert found.reason == "no uncertainty of the reading was stated"
 
 
 def test_what_trials_share_is_not_averaged_and_what_is_set_by_hand_is():
@@ -312,7 +312,7 @@ def test_a_rig_file_that_states_them_wrongly_is_refused(tmp_path, old, new, said
 def test_uncertainties_of_what_is_not_there_are_refused():
     with pytest.raises(InputError, match="stifness"):
         fit(BLOCK, Coulomb, Measurement(travel=0.2, doubts={"stifness": 1.0}))
-    with pytest.raises(InputError, match="upper_stop has an uncertainty, but SpringBlock has no"):
+    with pytest.raises(InputError, match="upper_stop, but SpringBlock has no such value"):
         fit(BLOCK, Coulomb, Measurement(travel=0.2, doubts={"upper_stop": 1.0}))
     with pytest.raises(InputError, match="above 0 in the SI unit of the parameter, got 0"):
         Measurement(travel=0.2, doubts={K: 0.0})

@@ -125,7 +125,7 @@ def test_equal_laws_are_not_told_apart_and_the_simpler_one_stands_first():
         BLOCK, [Stribeck, Coulomb], measured, vary=["friction.*", "mechanism.mass"]
     )
     assert [found.law.name for found in fits] == ["coulomb", "stribeck"]
-    assert all("are not told apart" in found.sentences[-1] for found in fits)
+    assert all("are not distinguished" in found.sentences[-1] for found in fits)
 
 
 def test_progress_hears_of_the_global_search():

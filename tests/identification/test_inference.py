@@ -281,7 +281,7 @@ def test_what_one_block_alone_shows_has_no_bounded_error():
     columns[45:55, 1] = 1.0  # rows of the third of eight blocks
     found = infer(line_of(rows, columns), np.eye(3))
     assert np.isinf(found.errors).tolist() == [False, True, False]
-    assert found.reasons == ("", "only one part of the record depends on it", "")
+    assert found.reasons == ("", "only one segment of the record depends on it", "")
     # as much is known of the others as if those rows were not there
     kept = columns[:, 1] == 0.0
     rest = infer(line_of(rows[kept], columns[kept][:, [0, 2]]), np.eye(2))

@@ -149,7 +149,7 @@ def test_the_route_of_a_driven_cart_simulates_the_record_as_a_whole():
 def test_times_before_the_drive_begins_are_refused():
     mechanism, length, rate, noise = CASES["kicks"]
     seen = record(mechanism, length, rate, noise)
-    with pytest.raises(InputError, match=r"begins at -1 s, and the drive of Capsule at 0 s"):
+    with pytest.raises(InputError, match=r"begins at −1 s, but the drive of Capsule begins at 0 s"):
         fitted(mechanism, Measurement(time=seen.time - 1.0, position=seen.position))
 
 

@@ -342,7 +342,7 @@ def test_sections_of_ones_own_stand_after_the_verdict_and_before_what_to_measure
 def test_an_interval_without_an_end_is_a_sentence():
     reading = Measurement(travel=0.20)
     reader = read(page_of(select(RIG, [Coulomb], reading, t_end=1.5)))
-    assert "no uncertainty of the reading was given" in reader.text
+    assert "no uncertainty of the reading was stated" in reader.text
     assert "without a stated uncertainty" in reader.text
 
 

@@ -237,8 +237,8 @@ def first_of(objections: str) -> str:
 
     Examples
     --------
-    >>> first_of("c went to 0"), first_of("a covers 0; b covers 0; c went to 0")
-    ('c went to 0', 'a covers 0, and 2 more objections')
+    >>> first_of("c is 0"), first_of("a is 0; b is 0; c is 0")
+    ('c is 0', 'a is 0, and 2 more objections')
     """
     first, *others = objections.split("; ")
     if not others:
@@ -274,8 +274,8 @@ def _lede(
     usual = next((c for c in candidates if c.name == REFERENCE), None)
     if usual is not None and usual.name != best.name and usual.fit:
         text += (
-            f" Coulomb + viscous friction, the usual choice: {told(usual.score)} on the same"
-            f" blocks{'' if _told_apart(usual, best) else ', which is not significantly different'}."
+            f" Coulomb + viscous friction, the usual choice: {told(usual.score)} on the same blocks"
+            f"{'' if _told_apart(usual, best) else ', which is not significantly different'}."
         )
     elif without is not None and math.isfinite(without.score):
         text += f" Without friction: {told(without.score)}."
@@ -336,7 +336,7 @@ def _cannot_tell(
     lines = [*far_above_dry(best.fit), *best.fit.sentences]
     for c in candidates:
         for line in c.fit.sentences if c.fit and c.dropped and c.name != best.name else ():
-            if "step" in line or "undetermined" in line:
+            if "step" in line or "not identified" in line:
                 lines.append(f"{c.title}: {line}")
                 break
     lines.append(UNMEASURED)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.formatting import joined, number
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.force_map.bristle_integration import Path
 from stickslip.mechanisms import Mechanism
@@ -38,7 +39,7 @@ SEGMENTS = 40
 """Segments of a record where no length is given."""
 BUTTERWORTH = 4
 """Order of the filter that derived friction came through."""
-TIMELESS = "bristles show in displacements, and a table without time has none"
+TIMELESS = "bristles depend on displacement, which a table without time does not have"
 """Why laws of bristles are not fitted to tables."""
 SHARES = 8
 """Segments of a table; its rows are dealt out to them in turn, so that each has all speeds."""
@@ -161,7 +162,7 @@ def _check(record: Measurement) -> None:
     """Refuse a record that is not one of friction."""
     label = f"record {record.name!r}" if record.name else "the record"
     known = record.quantities()
-    had = f"{label} has only {', '.join(known)}"
+    had = f"{label} has only {joined(known)}"
     if "friction" not in known:
         raise InputError(f"a force map needs friction (F) [N], and {had}.")
     if record.time is None and record.kind != "friction-map":
@@ -184,8 +185,8 @@ def _other_way(record: Measurement) -> str:
     if "pull" not in record.quantities():
         return ""
     return (
-        " Friction while a load point is pulled is what rate-and-state friction is about:"
-        " stickslip.identification.fit_rate_state fits it."
+        " Friction measured while a load point is driven is fitted by rate-and-state friction:"
+        " stickslip.identification.fit_rate_state."
     )
 
 
@@ -194,8 +195,8 @@ def check_loads(measurement: Measurement) -> None:
     loads = {"load" in record.quantities() for record in measurement.records()}
     if len(loads) > 1:
         raise InputError(
-            "load (N) was measured in some of the trials only: give Measurement.load [N] to each of"
-            " them, or to none of them to use that of the mechanism."
+            "load (N) was measured in only some of the trials: give Measurement.load [N] for each"
+            " trial, or for none to use that of the mechanism."
         )
 
 
@@ -247,8 +248,8 @@ def load_along(mechanism: Mechanism, record: Measurement, count: int) -> Array:
         where = f"the load of {type(mechanism).__name__} (N)"
     if not np.all(load > 0.0):
         raise InputError(
-            f"{where} of {label} must be above 0 N, got {float(np.min(load)):g}: give the normal"
-            " force in Measurement.load, one number or one for each sample."
+            f"{where} of {label} must be above 0 N, got {number(float(np.min(load)))}: give the"
+            " normal force in Measurement.load, one number or one for each sample."
         )
     return load
 
@@ -258,7 +259,8 @@ def _own_load(mechanism: Mechanism) -> float:
     contacts = mechanism.contacts()
     if len(contacts) != 1:
         raise InputError(
-            f"a force map is of one contact, and {type(mechanism).__name__} has {len(contacts)}."
+            f"a force map describes one contact, and {type(mechanism).__name__} has"
+            f" {len(contacts)}."
         )
     (contact,) = contacts
     if contact.normal is None:

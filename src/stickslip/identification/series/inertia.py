@@ -42,8 +42,8 @@ def inertia_of(
         value = mass_of(mechanism)  # the motion was slow: it says little of the mass
     if value <= 0.0:
         raise InputError(
-            f"inverse dynamics finds {quantity(value, 'kg')} for {path}: is the sign of the"
-            " force right (gain -1), and does the motion accelerate?"
+            f"inverse dynamics gives {quantity(value, 'kg')} for {path}: check the sign of the"
+            " force (gain -1) and that the motion accelerates."
         )
     return FreeParameter(
         path=path,

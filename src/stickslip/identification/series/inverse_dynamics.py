@@ -196,9 +196,9 @@ def _pieces(record: Measurement) -> list[Measurement]:
     found = [piece for piece, size in zip(pieces, sizes, strict=True) if size >= LEAST]
     if not found:
         raise InputError(
-            "inverse dynamics, which start values come from, needs a stretch of at least"
-            f" {LEAST} samples without a gap, and the longest has {max(sizes, default=1)}: record"
-            " longer, or resample at even times."
+            f"inverse dynamics, which gives the start values, needs a stretch of at least {LEAST}"
+            f" samples without a gap, and the longest has {max(sizes, default=1)}: record longer,"
+            " or resample at even times."
         )
     return found
 
@@ -258,8 +258,9 @@ def check_even(time: Array) -> float:
     longest = float(np.diff(time).max())
     if longest > UNEVEN * dt:
         raise InputError(
-            "inverse dynamics, which start values come from, needs even times: the mean step is"
-            f" {quantity(dt, 's')} and the longest {quantity(longest, 's')}. Resample the record."
+            "inverse dynamics, which gives the start values, needs evenly spaced times: the mean"
+            f" step is {quantity(dt, 's')} and the longest {quantity(longest, 's')}. Resample the"
+            " record."
         )
     return dt
 

@@ -17,7 +17,7 @@ from stickslip.experiments.measurement import QUANTITIES
 from stickslip.experiments.parameter_paths import canonical
 from stickslip.experiments.travels import scale_of
 from stickslip.experiments.units import check_uncertainty
-from stickslip.formatting import quantity
+from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism, Motor
 from stickslip.mechanisms.drive_period import WHOLE, cycle_of, repeats
@@ -170,7 +170,8 @@ def trials_of(mechanism: Mechanism, measurement: Measurement, t_end: float) -> t
         name = record.travelled
         if not name:
             raise InputError(
-                f"this fit uses travels, and record {record.name or 'without a name'!r} has none;"
+                "a fit to travels needs travels, and record"
+                f" {record.name or 'without a name'!r} has none;"
                 f" it has {', '.join(record.quantities())}."
             )
         scale, cycles = scale_of(mechanism, record, t_end, f"trial {record.name or number}")
@@ -233,7 +234,8 @@ def _doubts(mechanism: Mechanism, given: Mapping[str, float]) -> dict[str, float
     for path, doubt in found.items():
         if path not in known:
             raise InputError(
-                f"{path} has an uncertainty, but {type(mechanism).__name__} has no value of it."
+                f"an uncertainty was stated for {path}, but {type(mechanism).__name__} has no"
+                " such value."
             )
         quantity, value = known[path]
         try:
@@ -391,9 +393,9 @@ class TravelModel:
         speed = quantity(abs(float(seen[trial.mechanism.rates[index]][0])), f"{unit}/s")
         halves = way[np.searchsorted(times, 0.5 * (end + last))], way[-1]
         steady = halves[1] >= STEADY * halves[0]
-        cure = "It does not slow down: give a mean_velocity over the run instead."
+        cure = "It does not slow down: measure mean_velocity over the run instead."
         raise ConvergenceError(
-            f"{law.title} friction does not bring the body to rest: at t_end = {end:g} s it still"
-            f" moves at {speed}, and goes up to {quantity(float(way.max()), unit)} farther in as"
-            f" long again. {cure if steady else 'Increase t_end.'}"
+            f"{law.title} friction does not bring the body to rest: at t_end = {number(end)} s it"
+            f" still moves at {speed}, and travels up to {quantity(float(way.max()), unit)}"
+            f" farther in the same time again. {cure if steady else 'Increase t_end.'}"
         )
