@@ -146,15 +146,15 @@ def stretches_of(
         raise InputError(f"samples must be at least {LEAST}, got {samples!r}.")
     check_loads(measurement)
     found: list[MotionSegment] = []
-    for number, record in enumerate(measurement.records()):
+    for index, record in enumerate(measurement.records()):
         _check(record)
         set_up = vary(mechanism, "mechanism", record.overrides)
         load = load_along(set_up, record, np.asarray(record.values("friction")).size)
         count = max((int(one.segment.max()) + 1 for one in found), default=0)
         if record.time is None:
-            found.append(_table(number, record, load, count))
+            found.append(_table(index, record, load, count))
         else:
-            found.extend(_series(number, record, load, count, segment, samples))
+            found.extend(_series(index, record, load, count, segment, samples))
     return tuple(found)
 
 

@@ -166,7 +166,7 @@ def trials_of(mechanism: Mechanism, measurement: Measurement, t_end: float) -> t
     trials = []
     uncertainties = uncertainties_of(mechanism, measurement)
     pairs = zip(measurement.records(), uncertainties, strict=True)
-    for number, (record, (own, shared)) in enumerate(pairs, 1):
+    for index, (record, (own, shared)) in enumerate(pairs, 1):
         name = record.travelled
         if not name:
             raise InputError(
@@ -174,7 +174,7 @@ def trials_of(mechanism: Mechanism, measurement: Measurement, t_end: float) -> t
                 f" {record.name or 'without a name'!r} has none;"
                 f" it has {', '.join(record.quantities())}."
             )
-        scale, cycles = scale_of(mechanism, record, t_end, f"trial {record.name or number}")
+        scale, cycles = scale_of(mechanism, record, t_end, f"trial {record.name or index}")
         trials += [
             Trial(
                 mechanism=vary(mechanism, "mechanism", record.overrides),

@@ -97,7 +97,7 @@ class Opening:
             raise InputError("Opening.verdict must be a sentence, got none.")
         if not any(item.strip() for item in self.cannot_tell):
             raise InputError(
-                "Opening.cannot_tell must not be empty: every record leaves something open."
+                "Opening.cannot_tell must not be empty: no record determines everything."
             )
         for name in ("facts", "settles", "cannot_tell", "measure_next"):
             at_most_three(f"Opening.{name}", getattr(self, name))
@@ -141,7 +141,7 @@ class Section:
         if not _ID.fullmatch(self.id):
             raise InputError(f"Section.id must be made of a-z, 0-9 and dashes, got {self.id!r}.")
         if not self.blocks:
-            raise InputError(f"Section {self.id!r} shows nothing; leave it out.")
+            raise InputError(f"Section {self.id!r} has no content; leave it out.")
 
 
 @final
@@ -264,7 +264,7 @@ def failed_section(name: str, error: Exception) -> Section:
     >>> failed_section("fixed_steps", ValueError("no steps")).id
     'fixed-steps'
     """
-    text = f"{type(error).__name__}: {str(error).rstrip('.')}. Nothing else depends on it."
+    text = f"{type(error).__name__}: {str(error).rstrip('.')}. The other sections are not affected."
     title = name.replace("_", " ").capitalize()
-    note = Note(title="This section could not be made.", text=text)
+    note = Note(title="This section could not be produced.", text=text)
     return Section(id=name.replace("_", "-"), nav=title, heading=title, blocks=(note,))

@@ -46,7 +46,7 @@ def dropped_section(verdict: RecordVerdict) -> Section | None:
     columns = (
         Column(head="candidate"),
         Column(head=f"held-out error\n{scale.unit}, ± 1 s.e.", numeric=True),
-        Column(head="what the fit said"),
+        Column(head="estimates"),
         Column(head="rule", phone="label", label="rule:"),
     )
     count = in_words(len(dropped)).capitalize()
@@ -54,7 +54,7 @@ def dropped_section(verdict: RecordVerdict) -> Section | None:
     return Section(
         id="dropped",
         nav="Dropped",
-        heading=f"{count} {noun} dropped, and why",
+        heading=f"{count} {noun} dropped",
         blocks=(Table(columns=columns, rows=tuple(rows)),),
     )
 
@@ -73,7 +73,7 @@ def _said(c: RecordCandidate, symbols: frozenset[str]) -> str:
         shown = with_unit(text, estimate.quantity.unit)
         parts.append(f"${estimate.quantity.symbol}$ = {shown}{tail}")
     if not parts:
-        return " ".join(typeset(line, symbols) for line in c.fit.sentences) or "nothing was free"
+        return " ".join(typeset(line, symbols) for line in c.fit.sentences) or "no free parameters"
     return "; ".join(parts)
 
 
@@ -98,10 +98,10 @@ def record_section(verdict: RecordVerdict) -> Section | None:
     if not blocks:
         return None
     warned = sum(finding.severity != "info" for finding in verdict.checks.findings)
-    heading = "The record, and no warning from its checks"
+    heading = "The record: no warnings from its checks"
     if warned:
         noun = "warning" if warned == 1 else "warnings"
-        heading = f"The record, and {in_words(warned)} {noun} from its checks"
+        heading = f"The record: {in_words(warned)} {noun} from its checks"
     return Section(id="record", nav="Record and checks", heading=heading, blocks=tuple(blocks))
 
 
@@ -134,7 +134,7 @@ def _record_figure(verdict: RecordVerdict, fit: RecordFit) -> Figure | None:
     several = len(verdict.measurement.records())
     caption = "**The record.**" if several == 1 else f"**The first of {several} records.**"
     if moving is not None and "velocity" not in record.quantities():
-        caption += " Velocity: from filtered positions."
+        caption += " The velocity is computed from filtered positions."
     caption += " Blue-grey: reverse travel." if spans else ""
     return Figure(svg=svg, caption=caption)
 
@@ -158,21 +158,23 @@ def next_section(verdict: RecordVerdict) -> Section | None:
     names = list(verdict.experiments[0].predicted)
     columns = (
         Column(head="measurement"),
-        Column(head="read off"),
+        Column(head="quantity"),
         *(
             Column(head=titles.get(n, n), numeric=True, phone="label", label=f"{titles.get(n, n)}:")
             for n in names
         ),
-        Column(head="separation\nover its doubt", numeric=True, phone="label", label="separation"),
+        Column(
+            head=("separation\nover uncertainty"), numeric=True, phone="label", label="separation"
+        ),
     )
     rows = [_experiment(one, names) for one in verdict.experiments]
     first = verdict.experiments[0]
     far = significant(first.separation, 2)
-    heading = f"The most telling next measurement tells the laws apart by {far} times its doubt"
+    heading = f"The best next measurement separates the laws by {far} times its uncertainty"
     caption = (
-        "What each law predicts as it was fitted, with the mass and the offset fitted with it."
-        " Separation: from the chosen law to the nearest rival, over the doubt of the reading and"
-        " of both predictions."
+        "Predictions of each law with its fitted mass and offset. Separation: difference between"
+        " the chosen law and its nearest rival, divided by the combined uncertainty of the"
+        " measurement and both predictions."
     )
     table = Table(columns=columns, rows=tuple(rows), caption=caption)
     return Section(id="next", nav="Measure next", heading=heading, blocks=(table,))

@@ -30,7 +30,7 @@ def certificate_section(verdict: RecordVerdict) -> Section | None:
     items = [*_search(best.fit), *_runs(best.fit), *_information(best.fit)]
     settings = verdict.settings
     items.append(
-        KeyValue(key="Seed", value=f"{settings.seed}, of the starts beside the first of each law")
+        KeyValue(key="Seed", value=f"{settings.seed}, for the starts after the first of each law")
     )
     plan = verdict.plan
     items.append(
@@ -40,7 +40,7 @@ def certificate_section(verdict: RecordVerdict) -> Section | None:
             " both sides,"
             f" predicted over {quantity(plan.horizon, 's', 2)}"
             if plan.length
-            else f"{verdict.blocks_scored} blocks, rows dealt out in turn",
+            else f"{verdict.blocks_scored} blocks, rows assigned in turn",
         )
     )
     agree = all(name in ("", best.name) for name in verdict.picks.values())
@@ -59,12 +59,14 @@ def _search(fit: RecordFit) -> list[KeyValue]:
     """Return how the least residual was found."""
     found, restarts = fit.found, fit.restarts
     starts, agreeing = len(restarts.costs), restarts.agreeing
-    text = f"{agreeing} of {starts} starts came to the least residual within {percent(AGREE)}"
+    text = f"{agreeing} of {starts} starts reached the smallest residual within {percent(AGREE)}"
     if agreeing < starts:
         text += f"; {_worst(restarts.costs)}"
     if fit.first is not None:
-        text += ", in short segments; longer ones of the free decay were fitted from there"
-    text += "; the search was stopped before its end" if found.cancelled else ""
+        text += (
+            ", in short segments; longer segments of the free decay were fitted from their result"
+        )
+    text += "; the search was stopped early" if found.cancelled else ""
     certain = agreeing > 1 and not found.cancelled
     how = {
         "shooting": "segments simulated exactly, each from a fitted state",
@@ -74,7 +76,7 @@ def _search(fit: RecordFit) -> list[KeyValue]:
     return [
         KeyValue(key="Route", value=how),
         KeyValue(key="Restarts", value=text, mark="ok" if certain else "warn"),
-        KeyValue(key="Evaluations", value=f"{found.evaluations:,} predictions of the record"),
+        KeyValue(key="Evaluations", value=f"{found.evaluations:,} simulations of the record"),
     ]
 
 
@@ -82,7 +84,7 @@ def _worst(costs: Sequence[float]) -> str:
     """Return what became of the start that ended farthest from the least residual."""
     failed = sum(not math.isfinite(cost) for cost in costs)
     if failed:
-        return f"from {in_words(failed)} nothing could be predicted"
+        return f"{in_words(failed)} could not be simulated"
     times = math.sqrt(max(costs) / max(min(costs), 1e-300))
     if times < TWICE:
         return f"the worst ended {percent(times - 1.0)} higher"
@@ -112,12 +114,12 @@ def _runs(fit: RecordFit) -> list[KeyValue]:
         ),
         KeyValue(
             key="Energy balance",
-            value=f"mismatch of energy and work at most {energy} of their size",
+            value=f"relative mismatch of energy and work at most {energy}",
         ),
         KeyValue(
             key="Stops and reversals",
-            value=f"{turns:,} events, located to {located} of their size;"
-            f" {quantity(rest, 's', 2)} at rest{still}",
+            value=f"{turns:,} events, located to a relative {located}; {quantity(rest, 's', 2)} at"
+            f" rest{still}",
         ),
     ]
 

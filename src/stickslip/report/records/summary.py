@@ -175,7 +175,7 @@ def _assigned(fit: RecordFit, name: str, left_out: Collection[str]) -> str:
     if found:
         return f"${quantity.symbol}$ = {found[0].plus_minus}"
     if f"friction.{name}" in left_out:
-        return f"${quantity.symbol}$ went to 0 and was left out"
+        return f"${quantity.symbol}$ = 0, estimated as 0 and left out"
     value = getattr(fit.law, name)
     return f"${quantity.symbol}$ = {formatting.quantity(value, quantity.unit)}, taken as given"
 

@@ -62,8 +62,8 @@ def run_page(about: RunReport) -> str:
             title=f"{about.rig.title or about.rig.mechanism.name}: {about.law.title} friction",
             subject=about.rig.path or about.rig.title,
             sections=sections,
-            footer=f"Written by {f'stickslip {version}'.strip()}. This file is complete: it loads"
-            " nothing and runs no script.",
+            footer=f"Written by {f'stickslip {version}'.strip()}. This file is self-contained: it"
+            " loads nothing and runs no scripts.",
             kicker="simulation report",
         )
     )
