@@ -161,7 +161,7 @@ def test_fit_prints_intervals_and_restarts(run):
     assert code == 0
     assert "friction.viscous_coefficient" in out
     assert "95 %" in out
-    assert "Restarts: 2 of 2 starts end at the least residual" in out
+    assert "Restarts: 2 of 2 starts reached the smallest residual" in out
     _, out, _ = run("fit", "axis.toml", "--law", "coulomb", "--starts", "1", "--json")
     content = json.loads(out)
     assert content["schema"] == "stickslip/fit/1"
@@ -498,7 +498,7 @@ def test_the_starts_of_a_free_decay_are_those_of_its_first_search(pendulum):
     asked = ("fit", "swing.toml", "--law", "coulomb-viscous", "--starts", "2")
     code, out, _ = pendulum(*asked)
     assert code == 0
-    assert "Restarts: 2 of 2 starts end at the least residual in short segments" in out
+    assert "Restarts: starts reached the smallest residual within 1 %, in short segments" in out
     content = json.loads(pendulum(*asked, "--json")[1])
     assert (len(content["restarts"]), content["restarts_agreeing"]) == (2, 2)
     _, out, _ = pendulum(*asked[:-1], "1")

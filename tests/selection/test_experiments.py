@@ -133,7 +133,7 @@ def test_below_break_away_only_bristles_give_way():
     bristles = at(Dahl(kinetic_coefficient=level, bristle_stiffness=stiff), axis)
     rigid = at(Coulomb(kinetic_coefficient=level), axis)
     _, found = designed({"bristles": bristles, "rigid": rigid}, force=10.0, length=1e-6)
-    (push,) = [one for one in found if "to and fro" in one.what]
+    (push,) = [one for one in found if "alternating" in one.what]
     assert push.what.startswith("A force of 1.6 N")
     assert push.predicted["rigid"] == pytest.approx(0.0, abs=1e-12)
     # from one reversal to the next, df/dx = (sigma / F_c) (1 - f) from f = -.8 to .8
@@ -189,7 +189,7 @@ def test_a_constant_speed_is_kept_no_longer_than_the_stroke_allows(stroke):
     steady = [one.what for one in found if one.what.startswith("Constant speed of 500 mm/s")]
     assert len(steady) == 2
     for what in steady:
-        seconds = float(re.search(r"([\d.]+) s( at a time)?[,.]", what)[1])
+        seconds = float(re.search(r"([\d.]+) s( within .*)?[,.]", what)[1])
         # a sine of that speed and stroke takes half of it to gain the speed and to lose it
         room = stroke / 2.0
         # two digits of the time, rounded down

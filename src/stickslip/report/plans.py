@@ -7,6 +7,7 @@ from stickslip.formatting import number
 from stickslip.report.core.blocks import Block, Code, KeyValue, KeyValues, Note, Paragraph
 from stickslip.report.core.documents import Page, Section
 from stickslip.report.core.tables import Blank, Column, Name, Row, Table
+from stickslip.report.core.versions import colophon
 from stickslip.selection import Plan
 from stickslip.selection.design.discriminating_settings import unit_of
 from stickslip.selection.sheet_tables import SheetTable, tables_of
@@ -68,16 +69,12 @@ def plan_page(
         _runs(plan, save_as),
         _reproduce(reproduce, versions, digest),
     ]
-    version = f"stickslip {versions.get('stickslip', '')}".strip()
     return Page(
         title=f"Lab sheet: {title}",
         subject=subject,
         kicker="plan of travels",
         sections=tuple(section for section in sections if section is not None),
-        footer=(
-            f"Written by {version}. This file is self-contained: it loads nothing and runs no"
-            " scripts."
-        ),
+        footer=colophon(versions),
     )
 
 

@@ -27,7 +27,7 @@ from stickslip.routes.route import (
 from stickslip.selection import RecordCandidate, RecordVerdict, select_records
 from stickslip.selection.candidates import specifications
 from stickslip.selection.identifiable import limits_of
-from stickslip.selection.record_wording import error_text, route_text
+from stickslip.selection.record_wording import error_text, restarts_text, route_text
 from stickslip.selection.records import way_for
 from stickslip.selection.verdict import score_text
 
@@ -138,7 +138,7 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
         heads += [f"second record, {unit}"] if second else []
         notes = [f"{one.name}: {one.outcome}" for one in verdict.candidates]
         closest = verdict.closest
-        title = closest.title + ("" if verdict.best else ", closest but not recommended")
+        title = closest.title + ("" if verdict.best else ", fits best but not recommended")
         return Comparison(
             heads=heads,
             rows=[_row(c, verdict, second=second) for c in verdict.candidates],
@@ -161,11 +161,11 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
         lines = [f"Residual of {compared_}: {text(fit.rms)}"]
         if second is not None:
             lines.append(f"On the second record: {text(second.rms)}, {_predicted(fit, second)}")
-        lines.append(f"Restarts: {_restarts(fit)}")
+        lines.append(f"Restarts: {restarts_text(fit)}")
         lines += [line for line in (*fit.remarks, route_text(fit)) if line]
         return FitSummary(
             lines=lines,
-            findings=[f"Error of the model: {error}" for error in fit.model_errors],
+            findings=[f"Model error: {error}" for error in fit.model_errors],
             limits=limits_of(fit),
             open=("Cannot tell", fit.sentences),
             second=None if second is None else second.rms,
@@ -201,16 +201,5 @@ def _row(candidate: RecordCandidate, verdict: RecordVerdict, *, second: bool) ->
 def _predicted(fit: RecordFit, second: Score) -> str:
     """Return how a second record was predicted: where friction is, bristles run through it."""
     if fit.problem.simulates:
-        return f"over {quantity(second.horizon, 's')} at a time"
+        return f"in segments of {quantity(second.horizon, 's')}"
     return "along the measured motion"
-
-
-def _restarts(fit: RecordFit) -> str:
-    """Return how many starts agree; a free decay is fitted in longer segments after that."""
-    starts = len(fit.restarts.costs)
-    if starts == 1:
-        return "none, a single start"
-    text = f"{fit.restarts.agreeing} of {starts} starts end at the least residual"
-    if fit.first is None:
-        return text
-    return f"{text} in short segments; longer ones of the free decay were fitted from there"

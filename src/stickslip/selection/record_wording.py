@@ -14,10 +14,12 @@ from stickslip.formatting import (
     count,
     lower_first,
     number,
+    percent,
     ratio,
 )
 from stickslip.identification import RecordFit, TrialComparison
 from stickslip.identification.estimation.halves import difference
+from stickslip.identification.estimation.levenberg_marquardt import AGREE
 from stickslip.identification.results import far_above_dry
 from stickslip.selection.candidates import REFERENCE
 from stickslip.selection.choice import as_good
@@ -41,6 +43,7 @@ __all__ = [
     "first_of",
     "outcomes",
     "record_wording",
+    "restarts_text",
     "route_text",
 ]
 
@@ -230,6 +233,20 @@ def route_text(fit: RecordFit) -> str:
     """Return how a record was fitted where that is unusual, and why; empty where it is not."""
     way = "inverse dynamics" if fit.route == "inverse-dynamics" else "shorter simulated segments"
     return f"Fitted by {way}, because {fit.route_reason}." if fit.route_reason else ""
+
+
+def restarts_text(fit: RecordFit) -> str:
+    """Return how many starts of the search agree; of a free decay, in which segments."""
+    starts = len(fit.restarts.costs)
+    if starts == 1:
+        return "none, a single start"
+    text = (
+        f"{fit.restarts.agreeing} of {starts} starts reached the smallest residual within"
+        f" {percent(AGREE)}"
+    )
+    if fit.first is None:
+        return text
+    return f"{text}, in short segments; longer segments were fitted from there"
 
 
 def first_of(objections: str) -> str:

@@ -160,8 +160,8 @@ def draw_prediction_error(
             )  # fmt: skip
         upper.axhline(0.0, color=MUTED, linewidth=0.8, zorder=0)
         upper.set_ylabel(label)
-        upper.set_title("predicted with parameters from all of the record", color=MUTED)
-        lower.set_title("held out: root mean square of each block", color=MUTED)
+        upper.set_title("predicted with parameters fitted to the whole record", color=MUTED)
+        lower.set_title("held out: root mean square per block", color=MUTED)
         top = max(float(np.nanmax(one.blocks)) for one in series.values())
         lower.set_ylim(0.0, (1.5 if _fit_one_line(series, narrow) else 1.9) * top)
         lower.set_xlim(edges[0], edges[-1])

@@ -9,12 +9,12 @@ import numpy as np
 from stickslip.formatting import in_words, number, percent, quantity, ratio, residue, significant
 from stickslip.identification import RecordFit
 from stickslip.identification.estimates import SEPARABLE
-from stickslip.identification.estimation.levenberg_marquardt import AGREE
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.report.core.blocks import KeyValue, KeyValues
 from stickslip.report.core.documents import Section
 from stickslip.report.records.scores import picks_text
 from stickslip.selection import RecordVerdict
+from stickslip.selection.record_wording import restarts_text
 
 __all__ = ["certificate_section"]
 
@@ -58,14 +58,10 @@ def certificate_section(verdict: RecordVerdict) -> Section | None:
 def _search(fit: RecordFit) -> list[KeyValue]:
     """Return how the least residual was found."""
     found, restarts = fit.found, fit.restarts
-    starts, agreeing = len(restarts.costs), restarts.agreeing
-    text = f"{agreeing} of {starts} starts reached the smallest residual within {percent(AGREE)}"
-    if agreeing < starts:
+    agreeing = restarts.agreeing
+    text = restarts_text(fit)
+    if agreeing < len(restarts.costs):
         text += f"; {_worst(restarts.costs)}"
-    if fit.first is not None:
-        text += (
-            ", in short segments; longer segments of the free decay were fitted from their result"
-        )
     text += "; the search was stopped early" if found.cancelled else ""
     certain = agreeing > 1 and not found.cancelled
     how = {
