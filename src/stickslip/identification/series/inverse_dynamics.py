@@ -1,7 +1,7 @@
 """Inverse dynamics: friction levels by linear least squares from forces and filtered positions."""
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +21,7 @@ from stickslip.quantities import vary as with_values
 __all__ = [
     "InverseDynamics",
     "check_even",
+    "check_is_mass",
     "inverse_dynamics",
     "known_forces",
     "mass_of",
@@ -154,9 +155,7 @@ def inverse_dynamics(
     """
     offset = not directional if offset is None else offset
     names = [name for name in names_of(vary) if name != LAW]
-    for name in names:
-        if name.rpartition(".")[2] not in ("inertia", "mass"):
-            raise InputError(f"inverse dynamics finds the mass of a mechanism, not {name!r}.")
+    check_is_mass(names)
     inertia = bool(names)
     parts = []
     for record in measurement.records():
@@ -185,6 +184,19 @@ def inverse_dynamics(
         table=table,
         weights=weights,
     )
+
+
+def check_is_mass(names: Iterable[str]) -> None:
+    """Refuse parameters of a mechanism other than its mass, which is all that this route identifies.
+
+    Raises
+    ------
+    InputError
+        With the first of the others.
+    """
+    for name in names:
+        if name.rpartition(".")[2] not in ("inertia", "mass"):
+            raise InputError(f"inverse dynamics identifies the mass of a mechanism, not {name!r}.")
 
 
 def _pieces(record: Measurement) -> list[Measurement]:

@@ -241,7 +241,7 @@ def _second(verdict: RecordVerdict) -> Fact | None:
         return None
     return Fact(
         value=verdict.scale.quantity(on_second.error),
-        what=f"error on the second record, where the choice {on_second.finding}",
+        what=f"error on the second record; the choice {on_second.finding} there",
     )
 
 
@@ -261,7 +261,7 @@ def _factor(verdict: RecordVerdict) -> Fact | None:
             value=f"{shown} smaller", what=f"than the error of {in_sentence(other.title)}{doubt}"
         )
     names = [in_sentence(one.title) for one in (other, best)]
-    return Fact(value=shown, what=f"the error of {names[0]} over that of {names[1]}{doubt}")
+    return Fact(value=shown, what=f"ratio of the error of {names[0]} to that of {names[1]}{doubt}")
 
 
 def _telling(verdict: RecordVerdict) -> Fact | None:

@@ -60,7 +60,7 @@ def _heading(best: RecordCandidate, scale: Scale) -> str:
     far = _standard(best)
     if far > ALIKE:
         return f"Error on the second record: {said}, larger than the held-out error"
-    than = "like" if far >= -ALIKE else "smaller than"
+    than = "similar to" if far >= -ALIKE else "smaller than"
     return f"Error on the second record: {said}, {than} the held-out error"
 
 
