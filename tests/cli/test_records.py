@@ -254,7 +254,7 @@ def test_fit_prints_what_limits_an_interval_from_a_record(run, tmp_path):
     )
     code, out, _ = run("fit", "known.toml", "--law", "coulomb-viscous", "--starts", "1")
     assert code == 0
-    assert "friction.kinetic_coefficient: The inertia (20 %) limits it more than" in out
+    assert "friction.kinetic_coefficient: The inertia (20 %) contributes more to" in out
 
 
 @pytest.mark.parametrize("name", ["dahl", "dahl-exponent"])
@@ -430,7 +430,7 @@ def test_one_interrupt_keeps_the_best_so_far(run, monkeypatch):
     assert (content["best"], content["closest"]) == (None, "coulomb")
     found = {one["law"]: one for one in content["candidates"]}
     assert found["coulomb"]["fit"]["cancelled"] is True
-    assert "before its turn" in found["coulomb-viscous"]["dropped"]
+    assert "skipped: the search was stopped" in found["coulomb-viscous"]["dropped"]
     assert "may not have converged: coulomb" in err
     assert code == 3
 

@@ -431,7 +431,7 @@ def test_held_parameters_stay():
                 )
             ),
             AXIS,
-            "in some of the trials only",
+            "in only some of the trials",
         ),
     ],
 )

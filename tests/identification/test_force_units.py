@@ -42,7 +42,7 @@ def test_an_offset_that_levels_by_direction_stand_for_is_not_dropped_in_silence(
     said = [line for line in found.sentences if "constant force" in line]
     assert len(said) == 1
     assert "one number" in said[0]
-    assert "kept at 0.25 N" in said[0]
+    assert "fixed at 0.25 N" in said[0]
 
 
 def test_nothing_is_said_of_an_offset_that_was_looked_for():

@@ -157,7 +157,7 @@ def test_a_drive_that_lifts_the_cart_at_every_level_is_refused_in_words():
     mechanism, length, rate, noise = CASES["swing"]
     seen = record(mechanism, length, rate, noise)
     wild = replace(mechanism, pendulum=Prescribed(profile=replace(SWING, fast=900.0, slow=500.0)))
-    with pytest.raises(ConvergenceError, match="whether it lifts off"):
+    with pytest.raises(ConvergenceError, match="whether the body lifts off"):
         fit(wild, Coulomb, seen)
 
 

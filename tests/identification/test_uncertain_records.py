@@ -238,5 +238,5 @@ def test_uncertainties_without_effect_are_refused():
     towed = TowedBlock(mass=0.03, stiffness=1000.0, speed=4e-3)
     pull = Measurement(time=t, spring_force=0.08 + 0.01 * (t % 0.1), doubts={"mass": 1e-3})
     for verb, law in ((fit, Coulomb), (select, [Coulomb])):
-        with pytest.raises(InputError, match="not propagated into intervals of fits to features"):
+        with pytest.raises(InputError, match="fits to features do not propagate"):
             verb(towed, law, pull)

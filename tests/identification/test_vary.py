@@ -170,9 +170,9 @@ def test_a_selection_varies_and_holds_what_is_said_of_the_mechanism(driven):
     assert "mechanism.offset" not in paths
     with pytest.raises(InputError, match="vary must contain 'friction"):
         select(AXIS, None, driven, vary="inertia")
-    with pytest.raises(InputError, match="where laws are compared"):
+    with pytest.raises(InputError, match="when laws are compared"):
         select(AXIS, None, driven, vary=[LAW, "friction.exponent"])
-    with pytest.raises(InputError, match="where laws are compared"):
+    with pytest.raises(InputError, match="when laws are compared"):
         select(AXIS, None, driven, fixed={"friction.exponent": 1.0})
 
 

@@ -255,7 +255,7 @@ def test_axes_of_the_wrong_kind_or_number_are_refused_before_anything_is_drawn(r
     ):
         plots.plot_friction_velocity(run, [one, other])
     other.remove()
-    with pytest.raises(InputError, match="belongs to no figure any more"):
+    with pytest.raises(InputError, match="was removed from its figure"):
         plots.plot_friction_velocity(run, other)
     assert plt.get_fignums() == [figure.number]
 

@@ -45,7 +45,7 @@ def test_it_says_what_the_file_is_to_look_like(page):
 def test_it_says_how_well_the_rig_is_to_be_known(page):
     assert "2.9 N/m, too large" in page
     assert "Hang 1.18 kg on the spring" in page
-    assert "2 % of the longest one: an assumption" in page
+    assert "2 % of the longest travel, until repeats" in page
 
 
 def test_no_mark_of_the_markup_is_left(page):

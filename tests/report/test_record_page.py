@@ -205,7 +205,7 @@ def test_a_table_of_friction_has_a_map_but_nothing_in_time(table_verdict):
     text = text_of(html)
     assert "120 samples of measured friction" in text
     assert "The record. " not in text
-    assert "Predicted against held out" not in text
+    assert "Prediction errors." not in text
     assert "last third" not in text
     assert "are assigned to 8 blocks in turn" in text
     assert all(math.isfinite(c.score) for c in table_verdict.candidates)
@@ -224,14 +224,14 @@ def test_a_section_without_content_is_left_out(verdict):
 def test_a_dropped_law_keeps_its_score_and_gets_its_rule(verdict):
     name = next(c.name for c in verdict.candidates if c.name != verdict.best.name)
     changed = tuple(
-        dataclasses.replace(c, dropped="the interval of mu_k covers 0") if c.name == name else c
+        dataclasses.replace(c, dropped="the interval of mu_k includes 0") if c.name == name else c
         for c in verdict.candidates
     )
     html = page_of(dataclasses.replace(verdict, candidates=changed))
     dropped = html[html.index('id="dropped"') : html.index('id="record"')]
     one = next(c for c in changed if c.name == name)
     text = text_of(f"<{dropped}")
-    assert "covers 0" in text
+    assert "includes 0" in text
     value, _ = verdict.scale.estimate_text(one.score, one.score_error)
     assert plain(value) in text
 
@@ -383,7 +383,7 @@ def test_a_short_record_of_friction_has_a_page_with_its_time():
     assert {"verdict", "map", "scores", "residuals", "record"} <= set(sections(html))
     text = text_of(html)
     assert "The record." in text
-    assert "Predicted against held out" in text
+    assert "Prediction errors." in text
 
 
 def test_records_of_several_trials_lie_end_to_end():
@@ -425,7 +425,7 @@ def loops_html(loops):
 def test_friction_with_memory_is_drawn_against_displacement(loops, loops_html):
     assert sections(loops_html)[1:3] == ["map", "loops"]
     text = text_of(loops_html)
-    assert "friction measured against displacement" in text
+    assert "measured friction against displacement" in text
     best = loops.closest
     left = formatting.percent(best.fit.rms / float(np.std(best.fit.problem.measured)))
     assert f"Dahl with exponent leaves {plain(left)}" in text
@@ -640,12 +640,12 @@ def test_no_trend_is_not_all_that_is_said_of_residuals_far_above_the_sensors_noi
     )
     assert fit.model_errors == ()
     quiet, _ = residual_heading(verdict, fit)
-    assert quiet.startswith("No test finds a trend")
+    assert quiet.startswith("No test finds a dependence")
     best = fit.found.best.with_residual(100.0 * fit.residual)
     loud = dataclasses.replace(fit, found=dataclasses.replace(fit.found, best=best))
     heading, caption = residual_heading(verdict, loud)
     assert re.match(r"Residuals of \d+ times the sensor noise", heading)
-    assert "does not explain the record to its noise" in caption
+    assert "because of an unmeasured disturbance or a model error" in caption
 
 
 def test_the_residuals_section_says_which_error_of_the_model_the_tests_show(verdict):

@@ -309,7 +309,7 @@ def test_a_spring_that_stays_attached_is_not_called_elastic_deflection():
     rig = dataclasses.replace(RIG, attached=True)
     reading = Measurement(travel=0.1, uncertainty=0.005, uncertainty_kind="rounding")
     reader = read(page_of(select(rig, [Coulomb, Dahl], reading, t_end=1.5)))
-    assert "That is physics" not in reader.text
+    assert "This is physical" not in reader.text
     assert "The mechanism pulls the body back" in reader.text
 
 
@@ -317,7 +317,7 @@ def test_a_law_alone_is_compared_with_a_contact_that_does_not_deflect():
     rig = dataclasses.replace(RIG, attached=True)
     reading = Measurement(travel=0.1, uncertainty=0.005, uncertainty_kind="rounding")
     reader = read(page_of(select(rig, [Dahl], reading, t_end=1.5)))
-    assert "That is physics" not in reader.text
+    assert "This is physical" not in reader.text
     assert "The mechanism pulls the body back" in reader.text
 
 

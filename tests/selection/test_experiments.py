@@ -134,7 +134,7 @@ def test_below_break_away_only_bristles_give_way():
     rigid = at(Coulomb(kinetic_coefficient=level), axis)
     _, found = designed({"bristles": bristles, "rigid": rigid}, force=10.0, length=1e-6)
     (push,) = [one for one in found if "alternating" in one.what]
-    assert push.what.startswith("A force of 1.6 N")
+    assert push.what.startswith("An alternating force of amplitude 1.6 N")
     assert push.predicted["rigid"] == pytest.approx(0.0, abs=1e-12)
     # from one reversal to the next, df/dx = (sigma / F_c) (1 - f) from f = -.8 to .8
     expected = level / stiff * np.log(1.8 / 0.2)

@@ -77,7 +77,7 @@ def percentages(text):
 def test_one_per_cent_names_the_laws_that_are_then_not_told_apart():
     sheet = plan(BLOCK, ["coulomb", "coulomb-viscous", "viscous"], uncertainty=0.0055)
     one = next(one for one in sheet.preparations if one.path == X)
-    assert "no longer tell Coulomb + viscous from Coulomb." in one.rough
+    assert "no longer distinguish Coulomb + viscous from Coulomb." in one.rough
     told = {(t.holds, t.rival) for t in sheet.tellings if t.repeats}
     assert ("coulomb-viscous", "coulomb") in told
     doubts = {p.path: p.needed for p in sheet.preparations}
@@ -215,7 +215,7 @@ def test_stated_uncertainties_count_and_are_judged():
     sheet = plan(BLOCK, ["coulomb"], uncertainty=SIGMA, doubts={"stiffness": 5.0, "mass": 1e-4})
     said = {one.path: one.verdict for one in sheet.preparations}
     assert said[K] == "5 N/m, too large"
-    assert said[M] == "0.1 g, enough"
+    assert said[M] == "0.1 g, sufficient"
     assert said[X] == "not stated"
     (one,) = (e.estimate for e in sheet.expectations if e.fitted)
     assert one.sources[K] / one.value == pytest.approx(5.0 / 145.0, rel=1e-3)
@@ -313,7 +313,7 @@ def test_a_law_whose_values_do_not_reach_the_travel_is_left_out_and_named():
     }
     sheet = plan(BLOCK, laws)
     assert list(sheet.laws) == ["coulomb", "viscous"]
-    assert any("is left out" in line for line in sheet.remarks)
+    assert any("was left out" in line for line in sheet.remarks)
 
 
 def test_a_plan_prints_and_goes_into_json(three):
@@ -397,7 +397,7 @@ def test_a_law_under_which_the_body_creeps_on_is_left_out_and_named():
     """Viscous friction stops no body on an incline: its distance is that of the last time."""
     sheet = plan(replace(BLOCK, incline=0.17), ["coulomb", "viscous"])
     assert list(sheet.laws) == ["coulomb"]
-    assert any("Viscous friction is left out" in line for line in sheet.remarks)
+    assert any("Viscous friction was left out" in line for line in sheet.remarks)
     assert any("does not bring the body to rest: at t_end = 10 s" in line for line in sheet.remarks)
 
 

@@ -223,7 +223,7 @@ def test_a_law_that_reduces_to_the_chosen_one_contradicts_nothing():
 def test_what_is_not_distinguished_is_listed():
     found = selected(table(3), laws=["coulomb-viscous", "power-viscous", "direction-dependent"])
     assert found.best.name == "coulomb-viscous"
-    named = [c for c in found.candidates if "no gain beyond doubt" in c.outcome]
+    named = [c for c in found.candidates if "no significant improvement" in c.outcome]
     assert named
     assert "his record does not distinguish it from" in found.sentence + found.words.lede
 
@@ -300,11 +300,11 @@ def test_what_an_error_of_the_model_moves_is_not_settled(confirmed):
 def test_an_error_of_the_model_hides_neither_doubts_nor_laws_not_distinguished():
     found = selected(table(3), laws=["coulomb-viscous", "power-viscous", "direction-dependent"])
     assert "does not distinguish it from" in found.sentence
-    best = with_errors(found, None, doubt="the interval of $mu_k$ covers 0")
+    best = with_errors(found, None, doubt="the interval of $mu_k$ includes 0")
     rivals = [dataclasses.replace(c, simpler={}) for c in found.candidates]
     said = words_with(found, best, rivals)
     assert said.verdict.endswith("predicts best, but the model does not hold: it is late.")
-    assert "Not all of its parameters are identified: the interval of $mu_k$ covers 0." in said.lede
+    assert "parameters are identified: the interval of $mu_k$ includes 0." in said.lede
     assert "his record does not distinguish it from" in said.lede
 
 
@@ -332,7 +332,7 @@ def judged_again(verdict, candidates):
 
 def failed(candidate):
     """A candidate whose search failed."""
-    why = "The search failed: it leaves more than Coulomb friction, which it contains."
+    why = "The search did not converge: Coulomb friction has a smaller residual."
     fit = dataclasses.replace(candidate.fit, search_failure=why)
     return dataclasses.replace(candidate, fit=fit, dropped=why.rstrip("."))
 
@@ -344,7 +344,7 @@ def test_a_law_whose_search_failed_is_not_chosen_where_another_is_left(confirmed
     assert found.closest.name != name
     every = judged_again(confirmed, [failed(c) for c in confirmed.candidates])
     assert every.best is None
-    assert every.closest.dropped.startswith("The search failed")
+    assert every.closest.dropped.startswith("The search did not converge")
     assert every.sentence == (
         "No candidate passes all checks; direction-dependent friction fits best."
     )

@@ -148,7 +148,7 @@ def test_everything_of_a_verdict_is_json(verdict):
 def test_a_record_without_motion_decides_nothing():
     t = np.arange(0.0, 4.0, 0.01)
     still = Measurement(time=t, position=np.zeros(400), force=np.sin(t))
-    with pytest.raises(InputError, match="cannot decide"):
+    with pytest.raises(InputError, match="cannot be used for a selection"):
         select(AXIS, [Coulomb], still)
 
 
@@ -159,7 +159,7 @@ def test_a_fault_of_several_trials_is_told_once_after_their_names():
         for name in ("north", "south")
     ]
     with pytest.raises(
-        InputError, match=r"cannot decide\. north and south: Position never"
+        InputError, match=r"cannot be used for a selection\. north and south: Position never"
     ) as seen:
         select(AXIS, [Coulomb], Measurement(trials=tuple(still)))
     assert str(seen.value).count("Position never changes") == 1
@@ -272,7 +272,7 @@ def test_a_candidate_that_cannot_be_refitted_is_dropped_and_says_why(monkeypatch
     )
     assert json_text(document("select", found.to_dict()))
     monkeypatch.setattr(refits, "improve", failing_without_a_block(CoulombViscous))
-    with pytest.raises(ConvergenceError, match="no candidate can be judged"):
+    with pytest.raises(ConvergenceError, match="no candidate can be scored"):
         select(AXIS, [CoulombViscous], short, horizon=0.5, settings=QUICK)
 
 
@@ -503,5 +503,5 @@ def test_a_law_whose_search_was_cut_short_is_not_judged_and_says_so():
         candidates=[dataclasses.replace(verdict.best, validation=short), *verdict.candidates[1:]],
     )
     (line,) = again.missing
-    assert line.startswith("No error on the last third (quadratic-drag): no segment of 3 s lies in")
+    assert line.startswith("No error on the last third (quadratic-drag): the record is too")
     assert any("stopped early" in sentence for sentence in dahl.fit.sentences)

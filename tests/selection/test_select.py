@@ -182,7 +182,7 @@ def test_the_verdict_says_which_given_parameters_the_travel_depends_on():
     # viscosity raised by half shortens the travel by more than the 5 mm of the reading
     assert viscous.influence["viscous_coefficient"] > 0.005
     said = " ".join(verdict.words.cannot_tell)
-    assert "for which the fitted level compensates" in said
+    assert "which the fitted level compensates" in said
     assert "$sigma_2$" in said
 
 

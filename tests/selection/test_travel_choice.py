@@ -163,7 +163,7 @@ def test_a_reading_in_another_unit_is_explained_by_no_law(stated):
     wrong = readings(COULOMB, errors=errors, uncertainty=0.001 if stated else None, scale={2: 10.0})
     verdict = select(RIG, PLAIN, wrong)
     said = contradicted(verdict)
-    assert "cm read as mm" in said
+    assert "centimetres entered as millimetres" in said
     # no law is passed over in favour of one that is not taken either
     assert all(c.passed_over == "" for c in verdict.candidates)
     assert verdict.to_dict()["closest"] == verdict.closest.name

@@ -77,7 +77,7 @@ def not_distinguished(titles: Sequence[str], source: str, *, most: int = MOST) -
     return f"{source} {verb} not distinguish it from {joined(names)}"
 
 
-def held_out_text(scale: Scale, score: float, error: float | None, scored: str) -> str:
+def held_out_text(scale: Scale, score: float | None, error: float | None, scored: str) -> str:
     """Return the sentence of a held-out error, with its standard error and what it is of.
 
     Parameters

@@ -249,7 +249,7 @@ def _mapped(wanted: ProblemRequest) -> FitSetup[ForceMap]:
     """Return the problem of friction that was measured."""
     if wanted.unknown:
         raise InputError(
-            f"measured friction does not depend on {joined(wanted.unknown)}: vary parameters of"
+            f"measured friction does not depend on {', '.join(wanted.unknown)}: vary parameters of"
             " the law only, or fit another record with motion and force."
         )
     mechanism = wanted.mechanism

@@ -187,7 +187,7 @@ def inverse_dynamics(
 
 
 def check_is_mass(names: Iterable[str]) -> None:
-    """Refuse parameters of a mechanism other than its mass, which is all that this route identifies.
+    """Refuse parameters of a mechanism other than its mass, which is all that is identified.
 
     Raises
     ------
