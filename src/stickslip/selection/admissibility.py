@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from stickslip.formatting import number
+from stickslip.formatting import joined, number
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate, TravelFit
 from stickslip.quantities import fields_of, parameters
@@ -129,7 +129,7 @@ def _reason(candidate: TravelCandidate, best: TravelCandidate) -> str:
     """Return why a law is not taken whatever it leaves; empty if it leaves too much."""
     if candidate.invented and not best.invented:
         fields = fields_of(type(candidate.law))
-        names = " and ".join(f"${fields[name].symbol}$" for name in candidate.invented)
+        names = joined([f"${fields[name].symbol}$" for name in candidate.invented])
         verb = "was" if len(candidate.invented) == 1 else "were"
         return f"{names} {verb} neither measured, given nor fitted"
     if told_apart(candidate, best):

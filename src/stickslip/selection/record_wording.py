@@ -12,6 +12,7 @@ from stickslip.formatting import (
     Scale,
     capital,
     count,
+    joined,
     lower_first,
     number,
     percent,
@@ -370,7 +371,7 @@ def _other_picks(
     for criterion, name in picks.items():
         if name and name != best.name:
             against.setdefault(titles.get(name, name), []).append(criterion)
-    said = [f"{' and '.join(who)} would pick {title}" for title, who in against.items()]
+    said = [f"{joined(who)} would pick {title}" for title, who in against.items()]
     return (f"Criteria disagree: {'; '.join(said)}.",) if said else ()
 
 

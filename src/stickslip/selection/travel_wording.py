@@ -9,6 +9,7 @@ from collections.abc import Collection, Mapping, Sequence
 from stickslip.formatting import (
     Scale,
     count,
+    joined,
     lower_first,
     number,
     quantity,
@@ -99,7 +100,7 @@ def estimate_text(estimate: Estimate) -> str:
 def _with_estimates(candidate: TravelCandidate, without: Collection[str] = ()) -> str:
     found = candidate.fit.estimates if candidate.fit else ()
     said = [estimate_text(e) for e in found if e.path.rpartition(".")[2] not in without]
-    return f"{candidate.title} friction" + (f" with {' and '.join(said)}" if said else "")
+    return f"{candidate.title} friction" + (f" with {joined(said)}" if said else "")
 
 
 def _nothing_fits(candidates: Sequence[TravelCandidate]) -> tuple[str, str]:
@@ -262,7 +263,7 @@ def _cannot_tell(
         lines.append("Which friction model is right: no data are left for validation.")
     others = [value for c in explained if c is best and c.fit for value in c.fit.others]
     if others:
-        said = " and ".join(number(value) for value in others)
+        said = joined([number(value) for value in others])
         verb = "gives" if len(others) == 1 else "give"
         lines.insert(0, f"Which value: {said} {verb} the same travel.")
     lines += _given_lines(explained, reading)

@@ -47,7 +47,7 @@ def dropped_section(verdict: RecordVerdict) -> Section | None:
         Column(head="candidate"),
         Column(head=f"held-out error\n{scale.unit}, ± 1 s.e.", numeric=True),
         Column(head="estimates"),
-        Column(head="rule", phone="label", label="rule:"),
+        Column(head="reason", phone="label", label="rule:"),
     )
     count = in_words(len(dropped)).capitalize()
     noun = "candidate" if len(dropped) == 1 else "candidates"
@@ -69,7 +69,7 @@ def _said(c: RecordCandidate, symbols: frozenset[str]) -> str:
         value, doubt = estimate.parts
         text = f"{value} {doubt}" if estimate.bounded else value
         side = c.fit.at_bounds.get(estimate.path)
-        tail = f", at its {side} bound" if side else "" if estimate.bounded else ", not bounded"
+        tail = f", at its {side} bound" if side else "" if estimate.bounded else ", not identified"
         shown = with_unit(text, estimate.quantity.unit)
         parts.append(f"${estimate.quantity.symbol}$ = {shown}{tail}")
     if not parts:

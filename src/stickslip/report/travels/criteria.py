@@ -129,7 +129,7 @@ def _table(
         Column(head="largest back-slip\nmm", numeric=True, phone="label"),
         Column(head="work supplied\nJ", numeric=True, phone="label"),
         Column(head="dissipated by friction\nJ", numeric=True, phone="label"),
-        Column(head="left\nJ", numeric=True, phone="label"),
+        Column(head="remaining\nJ", numeric=True, phone="label"),
     ]
     out = []
     for candidate, seen in rows:

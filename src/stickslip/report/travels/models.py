@@ -183,7 +183,10 @@ def _value(estimate: Estimate) -> str:
 
 def _score_cells(candidate: TravelCandidate, scale: Scale, is_best: bool) -> list[Cell]:
     if candidate.score is None:
-        return [Name(text="no score", aside=candidate.unscored), RowPlot(marks=())]
+        return [
+            Name(text="not scored", aside=candidate.unscored.removeprefix("not scored: ")),
+            RowPlot(marks=()),
+        ]
     score, error = (scale.factor * part for part in (candidate.score, candidate.score_error or 0.0))
     colour: Colour = "c1" if is_best else "muted"
     marks = (

@@ -7,7 +7,7 @@ from typing import Any
 
 from stickslip.errors import StickslipError
 from stickslip.experiments.travels import whole_cycles
-from stickslip.formatting import number, quantity
+from stickslip.formatting import joined, number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification.travels.model import TravelModel, Trial
 from stickslip.mechanisms import Mechanism
@@ -155,11 +155,11 @@ class Proposal:
                 f" {names}: their predictions differ by at most {quantity(self.widest, 'm', 2)}."
             )
         one, other = (
-            " and ".join(quantity(row.predicted[name], "m") for row in self.settings)
+            joined([quantity(row.predicted[name], "m") for row in self.settings])
             for name in (self.best, self.rival)
         )
         return (
-            f"Set {symbol} to {' and '.join(row.text for row in self.settings)}, three runs each."
+            f"Set {symbol} to {joined([row.text for row in self.settings])}, three runs each."
             f" {titles[self.best]} predicts {one}, {titles[self.rival]} {other}."
         )
 
