@@ -146,7 +146,7 @@ class Proposal:
             return f"No new setting of the {self.what} was found at which the body moves."
         symbol = f"${self.tried[0].symbol}$"
         others = [titles[name] for name in self.rivals]
-        names = others[0] if len(others) == 1 else ", ".join(others[:-1]) + f" and {others[-1]}"
+        names = joined(others)
         if not self.settings:
             first, last = self.tried[0].text, self.tried[-1].text
             ends = f"from {first} to {last}" if len(self.tried) > 1 else f"such as {first}"
