@@ -174,7 +174,7 @@ def known_by(plan: Plan) -> str:
     >>> from stickslip import SpringBlock, plan
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> known_by(plan(rig, "coulomb", uncertainty=0.004))
-    'scatter and reading together'
+    'scatter and measurement uncertainty combined'
     """
     if not plan.repeated:
         return "scatter and measurement uncertainty combined"

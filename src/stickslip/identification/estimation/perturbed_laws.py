@@ -26,9 +26,10 @@ class PerturbedLaws:
     Examples
     --------
     >>> from stickslip import Coulomb
-    >>> from stickslip.identification.estimation.parameters import Unknown
+    >>> from stickslip.identification.estimation.parameters import FreeParameter
     >>> from stickslip.quantities import Quantity
-    >>> level = Unknown(path="friction.kinetic_coefficient", quantity=Quantity("mu_k"), start=0.5)
+    >>> path, quantity = "friction.kinetic_coefficient", Quantity("mu_k")
+    >>> level = FreeParameter(path=path, quantity=quantity, start=0.5)
     >>> own = PerturbedLaws.of(
     ...     Coulomb(kinetic_coefficient=0.5), FreeParameters((level,)), np.array([0.4]), constant=""
     ... )

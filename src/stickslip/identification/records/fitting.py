@@ -107,7 +107,9 @@ def fit_records(
     Examples
     --------
     >>> from stickslip import Axis, Coulomb
-    >>> table = Measurement(velocity=[-0.1, 0.1, 0.2, 0.3], friction=[-2.0, 2.0, 2.0, 2.0])
+    >>> table = Measurement(
+    ...     velocity=[-0.2, -0.1, 0.1, 0.2] * 3, friction=[-2.0, -2.0, 2.0, 2.0] * 3
+    ... )
     >>> fit_records(Axis(inertia=1.0), Coulomb, table).route
     'force-map'
     """

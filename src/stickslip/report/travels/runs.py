@@ -198,7 +198,7 @@ def steps_heading(rows: Sequence[FixedStepRow], limit: float | None = None) -> s
     Examples
     --------
     >>> steps_heading([])
-    'Fixed steps beside the exact run'
+    'Fixed steps and the exact run'
     """
     large = [row.dt for row in rows if row.dt and (row.diverged or row.dt > (limit or math.inf))]
     if large:
