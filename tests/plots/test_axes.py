@@ -369,7 +369,7 @@ def test_residuals_of_a_fit_have_a_panel_for_what_is_known(results):
     panels = plots.plot_residuals(results["record fit"], Figure())
     assert [axes.get_xlabel() for axes in panels] == ["velocity, m/s"]
     few = Measurement(velocity=V[::20], friction=TABLE.friction[::20])
-    with pytest.raises(InputError, match="leaves 20 residuals, too few"):
+    with pytest.raises(InputError, match="has 20 residuals, too few"):
         plots.plot_residuals(fit(Axis(inertia=1.0), Coulomb, few))
 
 

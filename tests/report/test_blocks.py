@@ -72,7 +72,7 @@ def test_a_table_refuses_empty_cells_ragged_rows_no_rows_and_plots_without_axis(
     plot = report.RowPlot(marks=(report.Mark(kind="dot", at=1),))
     bad = [
         ((), "no rows"),
-        ((report.Row(cells=("a",)),), "2 columns but a row"),
+        ((report.Row(cells=("a",)),), "2 columns but the row"),
         ((report.Row(cells=("a", " ")),), "say in words"),
         ((report.Row(cells=("a", report.Number(value=""))),), "say in words"),
         ((report.Row(cells=("a", plot)),), "have no axis"),

@@ -440,7 +440,7 @@ def test_no_headline_claims_a_curve_that_the_points_refute(loops, loops_html):
 
 def test_a_headline_on_the_friction_map_says_of_which_law_it_is(table_verdict, table_html):
     assert table_verdict.best.name == "coulomb-viscous"
-    assert "By the Coulomb + viscous law, friction grows from" in text_of(table_html)
+    assert "In the Coulomb + viscous law, friction grows from" in text_of(table_html)
 
 
 def test_an_axis_that_turns_has_angles_and_torques_in_words_and_figures():
@@ -588,7 +588,7 @@ def test_how_large_a_hidden_step_may_be_is_said():
     flat = Measurement(velocity=v, friction=2.0 * np.sign(v) + 5.0 * v + noise)
     found = select(Axis(inertia=1.0), ["coulomb-viscous", "stribeck"], flat)
     text = text_of(page_of(found))
-    assert "of Stribeck up to about" in text
+    assert "of Stribeck values up to about" in text
     assert "are compatible with this record (95 %, profile likelihood)" in text
 
 
@@ -644,7 +644,7 @@ def test_no_trend_is_not_all_that_is_said_of_residuals_far_above_the_sensors_noi
     best = fit.found.best.with_residual(100.0 * fit.residual)
     loud = dataclasses.replace(fit, found=dataclasses.replace(fit.found, best=best))
     heading, caption = residual_heading(verdict, loud)
-    assert re.match(r"Residuals of \d+ times the sensor noise", heading)
+    assert re.match(r"Residuals \d+ times the sensor noise", heading)
     assert "because of an unmeasured disturbance or a model error" in caption
 
 

@@ -72,7 +72,7 @@ def _search(fit: RecordFit) -> list[KeyValue]:
     return [
         KeyValue(key="Route", value=how),
         KeyValue(key="Restarts", value=text, mark="ok" if certain else "warn"),
-        KeyValue(key="Evaluations", value=f"{found.evaluations:,} simulations of the record"),
+        KeyValue(key="Evaluations", value=f"{found.evaluations:,} predictions of the record"),
     ]
 
 
