@@ -428,7 +428,7 @@ def test_friction_with_memory_is_drawn_against_displacement(loops, loops_html):
     assert "measured friction against displacement" in text
     best = loops.closest
     left = formatting.percent(best.fit.rms / float(np.std(best.fit.problem.measured)))
-    assert f"Dahl with exponent leaves {plain(left)}" in text
+    assert f"{plain(left)} for Dahl with exponent" in text
 
 
 def test_no_headline_claims_a_curve_that_the_points_refute(loops, loops_html):
