@@ -50,10 +50,7 @@ def test_a_plan_is_printed(run, folder):
     assert "Hang 1.18 kg on the spring" in text
     assert "name,mechanism.compression [mm],travel [mm]" in text
     assert "is assumed" not in text
-    assert (
-        "The rig has one compression: the settings span 0.4 to 1 times that value, 32 to 80 mm."
-        in text
-    )
+    assert "the settings span 0.4 to 1 times that value, 32 to 80 mm." in text
 
 
 def test_an_uncertainty_that_nobody_stated_is_said_to_be_assumed(run, folder):
