@@ -212,7 +212,7 @@ def test_select_says_why_a_law_has_no_held_out_error(run, tmp_path):
     assert code == 0
     (row,) = (line for line in out.splitlines() if line.startswith("Stribeck "))
     assert row.rstrip().endswith("—")
-    assert "Stribeck: not judged: mu_s and v_s were assumed, not fitted" in out
+    assert "Stribeck: not scored: mu_s and v_s were assumed, not fitted" in out
 
 
 def test_cite_prints_the_sources_of_the_laws_asked_for(run):

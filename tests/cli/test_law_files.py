@@ -152,7 +152,7 @@ def test_a_back_slip_that_rests_on_bristles_nobody_measured_is_said_to(walk):
     assert "travel in a cycle" not in err
     page = " ".join(Path("stickslip-run/index.html").read_text().split())
     assert re.search(
-        r"back-slip in the last cycle; rests on .{0,900}no measurement determined", page
+        r"back-slip in the last cycle; depends on .{0,900}no measurement determined", page
     )
     remarks = json.loads(walk(*asked, "--json")[1])["remarks"]
     assert any(said in line for line in remarks)

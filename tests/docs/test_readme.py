@@ -84,7 +84,7 @@ def test_the_chain_leads_from_a_selection_to_the_page_of_a_cart(
     assert [f"{1e3 * float(number):.1f}" for number in row[1:]] == [said[2], said[3]]
     page = (tmp_path / "stickslip-run" / "index.html").read_text(encoding="utf-8")
     assert f"The body moves {said[1]}" in page.replace("\N{NO-BREAK SPACE}", " ")
-    assert "This section could not be made" not in page
+    assert "This section could not be produced" not in page
 
 
 def test_the_same_way_leads_from_three_travels_of_an_own_block_to_a_cart(
@@ -99,7 +99,7 @@ def test_the_same_way_leads_from_three_travels_of_an_own_block_to_a_cart(
     assert load_rig("own-report/law.toml").estimates.covariance_of
     for page in ("own-report", "stickslip-run"):
         text = (tmp_path / page / "index.html").read_text(encoding="utf-8")
-        assert "This section could not be made" not in text
+        assert "This section could not be produced" not in text
 
 
 @pytest.mark.parametrize("target", sorted(set(LINK.findall(README))))

@@ -168,7 +168,7 @@ def test_what_was_not_fitted_and_what_the_data_do_not_tell_is_said(read):
     reading = Measurement(travel=0.2)
     alone = fit(BLOCK, Coulomb, reading)
     assert read(alone.to_toml()).estimates.not_identified == {
-        "kinetic_coefficient": "no uncertainty of the reading was given"
+        "kinetic_coefficient": "no uncertainty of the reading was stated"
     }
     with pytest.raises(InputError, match="no parameter of coulomb has an interval"):
         alone.law_estimates().draw(alone.law, 10)

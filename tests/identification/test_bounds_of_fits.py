@@ -70,7 +70,7 @@ def test_a_bound_that_is_a_limit_of_the_quantity_stays_and_is_named():
     found = fit(Axis(inertia=1.0), CoulombViscous, table)
     slope = found.estimate("viscous_coefficient")
     assert slope.value == 0.0
-    assert slope.reason == "it ran to its lower bound, 0 N s/m"
+    assert slope.reason == "it reached its lower bound, 0 N s/m"
 
 
 def test_bounds_of_what_turns_are_named_as_torques():
@@ -79,7 +79,7 @@ def test_bounds_of_what_turns_are_named_as_torques():
         velocity=v, friction=3.0 * np.sign(v) - 0.5 * v + 0.01 * np.cos(40.0 * v), turning=True
     )
     slope = fit(Axis(inertia=1.0), CoulombViscous, table).estimate("viscous_coefficient")
-    assert slope.reason == "it ran to its lower bound, 0 N m s/rad"
+    assert slope.reason == "it reached its lower bound, 0 N m s/rad"
 
 
 def test_an_interval_of_many_times_the_value_is_none_and_its_size_is_the_reason(motion):
@@ -94,7 +94,7 @@ def test_an_interval_of_many_times_the_value_is_none_and_its_size_is_the_reason(
     half = found.inference.half_widths[0]
     assert half > 10.0 * level.value, "the premise: its doubt is many times its value"
     assert not level.bounded
-    assert level.reason.startswith("the record leaves its size open, ± ")
+    assert level.reason.startswith("the record does not determine its magnitude, ± ")
     assert level.reason.endswith(" N")
     assert any(level.reason in line for line in found.sentences)
     assert found.estimate("viscous_coefficient").bounded

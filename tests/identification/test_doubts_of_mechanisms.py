@@ -88,7 +88,7 @@ def test_a_viscous_law_has_half_the_slope_with_the_compression():
 def test_an_uncertain_rig_does_not_make_up_for_an_unstated_reading():
     found = fit(BLOCK, Coulomb, Measurement(travel=0.2, doubts={K: 2.0})).estimates[0]
     assert not found.bounded
-    assert found.reason == "no uncertainty of the reading was given"
+    assert found.reason == "no uncertainty of the reading was stated"
 
 
 def test_what_trials_share_is_not_averaged_and_what_is_set_by_hand_is():
@@ -241,17 +241,17 @@ def test_the_verdict_says_what_limits_the_interval():
     reading = Measurement(travel=0.2, uncertainty=0.001, doubts={K: 2.0})
     verdict = select(BLOCK, [Coulomb], reading)
     said = " ".join(verdict.words.settles)
-    assert "The stiffness (2 %) limits it more than the reading does." in said
+    assert "The stiffness (2 %) contributes more to its uncertainty than the reading." in said
     better = select(BLOCK, [Coulomb], replace(reading, doubts={K: 0.1}))
     said = " ".join(better.words.settles)
-    assert "The reading limits it more than the stiffness (0.1 %) does." in said
+    assert "The reading contributes more to its uncertainty than the stiffness (0.1 %)." in said
 
 
 def test_the_verdict_names_a_setting_by_hand_in_millimetres():
     s = [mu_of(100.0, 1.0, x, 0.25) for x in (0.06, 0.08, 0.1)]
     reading = travels([0.06, 0.08, 0.1], s, error=0.0005, doubts={X: 0.001})
     said = " ".join(select(BLOCK, [Coulomb], reading).words.settles)
-    assert "The compression (1 mm) limits it more than the readings do." in said
+    assert "The compression (1 mm) contributes more to its uncertainty than the readings." in said
 
 
 def test_repeats_that_were_set_anew_do_not_contradict_each_other():
@@ -312,7 +312,7 @@ def test_a_rig_file_that_states_them_wrongly_is_refused(tmp_path, old, new, said
 def test_uncertainties_of_what_is_not_there_are_refused():
     with pytest.raises(InputError, match="stifness"):
         fit(BLOCK, Coulomb, Measurement(travel=0.2, doubts={"stifness": 1.0}))
-    with pytest.raises(InputError, match="upper_stop has an uncertainty, but SpringBlock has no"):
+    with pytest.raises(InputError, match="upper_stop, but SpringBlock has no such value"):
         fit(BLOCK, Coulomb, Measurement(travel=0.2, doubts={"upper_stop": 1.0}))
     with pytest.raises(InputError, match="above 0 in the SI unit of the parameter, got 0"):
         Measurement(travel=0.2, doubts={K: 0.0})

@@ -108,4 +108,4 @@ def test_the_stribeck_step_is_reported_as_undetermined(emps):
     assert "mu_s" in told or "v_s" in told
     assert not (found.estimate("static_coefficient").bounded
                 and found.estimate("stribeck_velocity").bounded
-                and "No step" not in told)  # fmt: skip
+                and "The step from" not in told)  # fmt: skip

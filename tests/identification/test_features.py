@@ -125,7 +125,7 @@ def test_equal_laws_are_not_told_apart_and_the_simpler_one_stands_first():
         BLOCK, [Stribeck, Coulomb], measured, vary=["friction.*", "mechanism.mass"]
     )
     assert [found.law.name for found in fits] == ["coulomb", "stribeck"]
-    assert all("are not told apart" in found.sentences[-1] for found in fits)
+    assert all("are not distinguished" in found.sentences[-1] for found in fits)
 
 
 def test_progress_hears_of_the_global_search():
@@ -179,7 +179,7 @@ def test_the_slow_slider_has_the_published_slips(data_dir):
     assert found.levels.std() == pytest.approx(0.045, abs=0.002)
     assert found.drop == pytest.approx(0.033, rel=0.1)
     assert 1.04 <= found.slope_ratio <= 1.09
-    assert any("cannot explain their spread" in sentence for sentence in found.sentences)
+    assert any("cannot explain the scatter" in sentence for sentence in found.sentences)
 
 
 def test_the_soft_fast_slider_drifts(data_dir):

@@ -100,7 +100,7 @@ def test_a_travel_that_no_value_can_give_is_said_so():
 
 
 def test_more_parameters_than_travels_are_refused():
-    with pytest.raises(InputError, match=r"1 travel\(s\) cannot fix 2"):
+    with pytest.raises(InputError, match=r"1 travel cannot determine 2"):
         fit(RIG, CoulombViscous, READING, vary=["kinetic_coefficient", "viscous_coefficient"])
 
 

@@ -390,7 +390,7 @@ def test_held_parameters_stay():
     assert both.unknowns.paths == ("friction.kinetic_coefficient",)
     with pytest.raises(UnknownNameError, match="stiffness"):
         force_map(CoulombViscous, AXIS, record, held=["stiffness"])
-    with pytest.raises(InputError, match="nothing is left to look for"):
+    with pytest.raises(InputError, match="there is nothing to fit: all parameters"):
         force_map(Coulomb, AXIS, record, held=["kinetic_coefficient", "mechanism.offset"])
 
 
@@ -431,7 +431,7 @@ def test_held_parameters_stay():
                 )
             ),
             AXIS,
-            "in some of the trials only",
+            "in only some of the trials",
         ),
     ],
 )

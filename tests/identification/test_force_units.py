@@ -41,8 +41,8 @@ def test_an_offset_that_levels_by_direction_stand_for_is_not_dropped_in_silence(
     found = fit(Axis(inertia=1.0, offset=0.25), DirectionDependent, table())
     said = [line for line in found.sentences if "constant force" in line]
     assert len(said) == 1
-    assert "one number" in said[0]
-    assert "kept at 0.25 N" in said[0]
+    assert "cannot be separated" in said[0]
+    assert "fixed at 0.25 N" in said[0]
 
 
 def test_nothing_is_said_of_an_offset_that_was_looked_for():

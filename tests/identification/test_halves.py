@@ -131,7 +131,7 @@ def test_halves_of_several_trials_are_not_called_those_of_a_record():
     )
     found = fit(Axis(inertia=1.0), Coulomb, Measurement(trials=trials))
     assert found.halves.contradicting
-    assert "The first and the last half of the trials give mu_k" in found.sentences[0]
+    assert "The first and second half of the trials give mu_k" in found.sentences[0]
     assert "not hold over all trials" in found.sentences[0]
 
 

@@ -201,7 +201,7 @@ def test_sorted_tables_of_friction_tell_a_step_of_ten_standard_deviations():
     for seed in range(10):
         noise = 0.2 * np.random.default_rng(seed).normal(size=60)
         found = fit(Axis(inertia=1.0), Stribeck, Measurement(velocity=v, friction=curve + noise))
-        unsaid += any("No step" in line for line in found.sentences)
+        unsaid += any("The step from" in line for line in found.sentences)
     # blocks of neighbouring speeds told it in hardly any of them
     assert unsaid <= 1
 
@@ -281,7 +281,7 @@ def test_what_one_block_alone_shows_has_no_bounded_error():
     columns[45:55, 1] = 1.0  # rows of the third of eight blocks
     found = infer(line_of(rows, columns), np.eye(3))
     assert np.isinf(found.errors).tolist() == [False, True, False]
-    assert found.reasons == ("", "only one part of the record depends on it", "")
+    assert found.reasons == ("", "only one segment of the record depends on it", "")
     # as much is known of the others as if those rows were not there
     kept = columns[:, 1] == 0.0
     rest = infer(line_of(rows[kept], columns[kept][:, [0, 2]]), np.eye(2))

@@ -149,7 +149,7 @@ def test_the_route_of_a_driven_cart_simulates_the_record_as_a_whole():
 def test_times_before_the_drive_begins_are_refused():
     mechanism, length, rate, noise = CASES["kicks"]
     seen = record(mechanism, length, rate, noise)
-    with pytest.raises(InputError, match=r"begins at -1 s, and the drive of Capsule at 0 s"):
+    with pytest.raises(InputError, match=r"begins at −1 s, but the drive of Capsule begins at 0 s"):
         fitted(mechanism, Measurement(time=seen.time - 1.0, position=seen.position))
 
 
@@ -157,7 +157,7 @@ def test_a_drive_that_lifts_the_cart_at_every_level_is_refused_in_words():
     mechanism, length, rate, noise = CASES["swing"]
     seen = record(mechanism, length, rate, noise)
     wild = replace(mechanism, pendulum=Prescribed(profile=replace(SWING, fast=900.0, slow=500.0)))
-    with pytest.raises(ConvergenceError, match="whether it lifts off"):
+    with pytest.raises(ConvergenceError, match="whether the body lifts off"):
         fit(wild, Coulomb, seen)
 
 

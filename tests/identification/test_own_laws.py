@@ -158,7 +158,7 @@ def test_features_of_a_law_of_ones_own_are_levels_and_speeds():
 
 def test_a_parameter_without_a_range_says_which_quantity_to_complete_and_how(table, driven):
     said = (
-        r"^Unranged\.knee_speed \(v_0\) has no range to be looked for in: complete its Quantity,"
+        r"^Unranged\.knee_speed \(v_0\) has no search range: complete its Quantity,"
         r' such as Quantity\("v_0", "m/s", above=0, scale="speed", bounds=\(1e-3, 1\.0\),'
         r" start=0\.1\)"
     )

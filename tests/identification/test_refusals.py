@@ -100,7 +100,7 @@ def test_a_motion_that_nothing_drives_is_not_blamed_on_the_sign_of_a_force():
     # it only speeds up, as a constant force might make it: a check of its energy cannot tell
     time = np.arange(60) / 100
     record = Measurement(time=time, position=0.1 * (np.cosh(4 * time) - 1))
-    with pytest.raises(InputError, match=r"nothing drives this motion.*Give the force"):
+    with pytest.raises(InputError, match=r"no drive was given.*Give the force"):
         fit(Axis(inertia=1.0), Viscous, record, settings=QUICK)
 
 

@@ -84,7 +84,7 @@ def test_a_force_that_is_not_held_between_samples_is_named_as_a_setting():
     force = np.array([drive.value(float(at)) for at in t])
     record = Measurement(time=t, position=run.at(t)["x"] + noise, force=force)
     (error,) = fitted(record).model_errors
-    assert 'either hold should be "first"' in error.finding
+    assert 'either set hold to "first"' in error.finding
     joined = replace(QUICK, hold="first")
     right = fit(
         Axis(inertia=1.0), CoulombViscous, record, vary=["friction.*", "mechanism.inertia"],

@@ -263,7 +263,9 @@ def test_what_creeps_to_its_end_within_the_uncertainty_counts_as_at_rest():
             found = fit(LEVEL, law, measured, t_end=end)
             assert found.predicted[0] == pytest.approx(seen, abs=1e-7)
         else:
-            with pytest.raises(ConvergenceError, match=r"farther in as long again. Increase t_end"):
+            with pytest.raises(
+                ConvergenceError, match=r"farther in the same time again. Increase t_end"
+            ):
                 fit(LEVEL, law, measured, t_end=end)
 
 

@@ -142,7 +142,7 @@ def test_a_condition_that_is_the_same_or_missing_or_doubled_is_named():
     )
     found = compared(Measurement(trials=tuple(trial(draw, i, **row) for i, row in enumerate(rows))))
     text = str(found)
-    assert "All trials have load 10: its effect cannot be told." in text
+    assert "All trials have load 10: its effect cannot be determined." in text
     assert "run2 has no temperature" in text
     assert "run and temperature change together" in text
     assert {line.condition for line in found.lines} == {"run", "temperature"}

@@ -227,7 +227,7 @@ def test_the_verdict_says_whether_the_record_or_the_mechanism_limits_an_interval
     record = replace(rubbed(), doubts={N: 0.4})
     verdict = select(AXIS, [Coulomb, CoulombViscous], record)
     said = next(line for line in verdict.words.settles if "mu_k" in line)
-    assert said.endswith("The load (2 %) limits it more than the record does.")
+    assert said.endswith("The load (2 %) contributes more to its uncertainty than the record.")
 
 
 def test_uncertainties_without_effect_are_refused():
@@ -238,5 +238,5 @@ def test_uncertainties_without_effect_are_refused():
     towed = TowedBlock(mass=0.03, stiffness=1000.0, speed=4e-3)
     pull = Measurement(time=t, spring_force=0.08 + 0.01 * (t % 0.1), doubts={"mass": 1e-3})
     for verb, law in ((fit, Coulomb), (select, [Coulomb])):
-        with pytest.raises(InputError, match="not propagated into intervals of fits to features"):
+        with pytest.raises(InputError, match="fits to features do not propagate"):
             verb(towed, law, pull)

@@ -255,7 +255,7 @@ def test_axes_of_the_wrong_kind_or_number_are_refused_before_anything_is_drawn(r
     ):
         plots.plot_friction_velocity(run, [one, other])
     other.remove()
-    with pytest.raises(InputError, match="belongs to no figure any more"):
+    with pytest.raises(InputError, match="was removed from its figure"):
         plots.plot_friction_velocity(run, other)
     assert plt.get_fignums() == [figure.number]
 
@@ -341,7 +341,7 @@ def test_runs_that_ended_early_are_told_apart_from_the_others(results):
     ax = plots.plot_ensemble(early, Figure())
     assert [len(line.get_xdata()) for line in ax.lines] == [2, 1]
     assert [text.get_text() for text in ax.get_legend().get_texts()] == [
-        "lasted to the end", "ended early",
+        "reached the end", "ended early",
     ]  # fmt: skip
     way = plots.plot_ensemble(runs, Figure(), output="way")
     assert len(way.lines[0].get_xdata()) == 2 * len(runs)
@@ -369,7 +369,7 @@ def test_residuals_of_a_fit_have_a_panel_for_what_is_known(results):
     panels = plots.plot_residuals(results["record fit"], Figure())
     assert [axes.get_xlabel() for axes in panels] == ["velocity, m/s"]
     few = Measurement(velocity=V[::20], friction=TABLE.friction[::20])
-    with pytest.raises(InputError, match="leaves 20 residuals, too few"):
+    with pytest.raises(InputError, match="has 20 residuals, too few"):
         plots.plot_residuals(fit(Axis(inertia=1.0), Coulomb, few))
 
 

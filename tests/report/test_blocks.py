@@ -71,8 +71,8 @@ def test_a_table_refuses_empty_cells_ragged_rows_no_rows_and_plots_without_axis(
     columns = (report.Column(head="model"), report.Column(head="travel"))
     plot = report.RowPlot(marks=(report.Mark(kind="dot", at=1),))
     bad = [
-        ((), "without rows"),
-        ((report.Row(cells=("a",)),), "2 columns but a row"),
+        ((), "no rows"),
+        ((report.Row(cells=("a",)),), "2 columns but the row"),
         ((report.Row(cells=("a", " ")),), "say in words"),
         ((report.Row(cells=("a", report.Number(value=""))),), "say in words"),
         ((report.Row(cells=("a", plot)),), "have no axis"),

@@ -40,7 +40,7 @@ def test_sections_stand_in_the_order_in_which_a_reader_decides(verdict):
 
 
 def test_the_page_says_the_verdict_and_how_to_get_it_again(verdict, page):
-    assert "these features do not tell it from Stribeck" in page
+    assert "these features do not distinguish it from Stribeck" in page
     assert "effective mass" in page
     assert "stickslip select slider.toml" in page
     assert "abc" in page
@@ -52,14 +52,14 @@ def test_a_law_that_cannot_be_fitted_stands_on_the_page_with_the_reason(verdict)
         verdict.mechanism, [Coulomb, Viscous], verdict.measurement, vary=["friction.*", "mass"]
     )
     page = render(verdict_page(found, ORIGIN))
-    assert "no level that these features could set" in page
+    assert "no friction level that these features could determine" in page
 
 
 def test_a_page_on_a_law_that_misses_the_features_settles_nothing_of_it(verdict):
     found = select(verdict.mechanism, [Coulomb], verdict.measurement)
     opening = verdict_page(found, ORIGIN).sections[0]
     (block,) = opening.blocks
-    assert "No candidate has the features" in block.verdict
+    assert "No candidate reproduces the features" in block.verdict
     assert not any("mu" in line for line in block.settles)
 
 

@@ -45,7 +45,7 @@ def test_it_says_what_the_file_is_to_look_like(page):
 def test_it_says_how_well_the_rig_is_to_be_known(page):
     assert "2.9 N/m, too large" in page
     assert "Hang 1.18 kg on the spring" in page
-    assert "2 % of the longest one: an assumption" in page
+    assert "2 % of the longest travel, until repeats" in page
 
 
 def test_no_mark_of_the_markup_is_left(page):
@@ -83,6 +83,6 @@ def test_no_law_told_apart_is_a_section_without_a_table():
     alike = plan(BLOCK, ["coulomb", "quadratic-drag"])
     made = plan_page(alike, title="Own block", subject="", save_as="", versions={})
     (apart,) = (section for section in made.sections if section.id == "apart")
-    assert apart.heading == "The runs tell 0 of 1 pair of laws apart"
+    assert apart.heading == "The runs distinguish 0 of 1 pair of laws"
     (lines,) = apart.blocks
-    assert lines.items[0].key == "Not separated by any travels, since both laws predict the same"
+    assert lines.items[0].key == "Not distinguishable by travels: both laws predict the same"

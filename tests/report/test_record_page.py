@@ -205,9 +205,9 @@ def test_a_table_of_friction_has_a_map_but_nothing_in_time(table_verdict):
     text = text_of(html)
     assert "120 samples of measured friction" in text
     assert "The record. " not in text
-    assert "Predicted against held out" not in text
+    assert "Prediction errors." not in text
     assert "last third" not in text
-    assert "are dealt out into 8 blocks" in text
+    assert "are assigned to 8 blocks in turn" in text
     assert all(math.isfinite(c.score) for c in table_verdict.candidates)
 
 
@@ -224,14 +224,14 @@ def test_a_section_without_content_is_left_out(verdict):
 def test_a_dropped_law_keeps_its_score_and_gets_its_rule(verdict):
     name = next(c.name for c in verdict.candidates if c.name != verdict.best.name)
     changed = tuple(
-        dataclasses.replace(c, dropped="the interval of mu_k covers 0") if c.name == name else c
+        dataclasses.replace(c, dropped="the interval of mu_k includes 0") if c.name == name else c
         for c in verdict.candidates
     )
     html = page_of(dataclasses.replace(verdict, candidates=changed))
     dropped = html[html.index('id="dropped"') : html.index('id="record"')]
     one = next(c for c in changed if c.name == name)
     text = text_of(f"<{dropped}")
-    assert "covers 0" in text
+    assert "includes 0" in text
     value, _ = verdict.scale.estimate_text(one.score, one.score_error)
     assert plain(value) in text
 
@@ -306,7 +306,7 @@ def test_an_interval_without_an_end_is_said_in_words(verdict):
     changed = dataclasses.replace(verdict, best=dataclasses.replace(best, fit=fit))
     html = page_of(changed)
     text = text_of(html)
-    assert "is not bounded by the record" in text
+    assert "is not identified" in text
     assert "the record does not depend on it" in text
     assert not re.search(
         r"\b(?:nan|inf)\b", re.sub(r"<style.*?</style>", "", html, flags=re.DOTALL)
@@ -337,7 +337,7 @@ def test_a_second_record_is_shown_named_and_compared_with_held_out_blocks(judged
     assert f"has an error of {scale.quantity(best.second.rms)} there, and" in text
     assert f"held-out blocks of the first: {times} that." in text
     assert "Predicted and measured on the second record" in text
-    assert "The choice holds: no law has a smaller error there beyond doubt." in text
+    assert "The choice holds: no law has a significantly smaller error there." in text
 
 
 def test_a_second_record_that_turns_the_order_round_says_so(judged):
@@ -353,7 +353,7 @@ def test_a_second_record_that_turns_the_order_round_says_so(judged):
         on_second=dataclasses.replace(judged.on_second, holds=False),
     )
     text = text_of(page_of(changed))
-    assert "The choice does not hold: a law has a smaller error there beyond doubt." in text
+    assert "The choice does not hold: another law has a significantly smaller error there." in text
     assert "larger than the held-out error" in text
 
 
@@ -383,7 +383,7 @@ def test_a_short_record_of_friction_has_a_page_with_its_time():
     assert {"verdict", "map", "scores", "residuals", "record"} <= set(sections(html))
     text = text_of(html)
     assert "The record." in text
-    assert "Predicted against held out" in text
+    assert "Prediction errors." in text
 
 
 def test_records_of_several_trials_lie_end_to_end():
@@ -425,22 +425,22 @@ def loops_html(loops):
 def test_friction_with_memory_is_drawn_against_displacement(loops, loops_html):
     assert sections(loops_html)[1:3] == ["map", "loops"]
     text = text_of(loops_html)
-    assert "friction measured against displacement" in text
+    assert "measured friction against displacement" in text
     best = loops.closest
     left = formatting.percent(best.fit.rms / float(np.std(best.fit.problem.measured)))
-    assert f"Dahl with exponent leaves {plain(left)}" in text
+    assert f"{plain(left)} for Dahl with exponent" in text
 
 
 def test_no_headline_claims_a_curve_that_the_points_refute(loops, loops_html):
     assert loops.closest.name == "dahl-exponent"
     text = text_of(loops_html)
     assert "at all speeds" not in text
-    assert "No curve of friction against velocity runs through what was measured" in text
+    assert "The measured friction is not a function of velocity" in text
 
 
 def test_a_headline_on_the_friction_map_says_of_which_law_it_is(table_verdict, table_html):
     assert table_verdict.best.name == "coulomb-viscous"
-    assert "By the Coulomb + viscous law, friction grows from" in text_of(table_html)
+    assert "In the Coulomb + viscous law, friction grows from" in text_of(table_html)
 
 
 def test_an_axis_that_turns_has_angles_and_torques_in_words_and_figures():
@@ -481,20 +481,20 @@ def test_points_say_whether_the_motion_speeds_up_or_slows_down(loops_html, table
 def test_the_caption_of_the_scores_states_the_rule(html):
     text = text_of(html)
     assert "established over every simpler law that it contains" in text
-    assert "least AIC is taken if its error is within one paired standard error and 30 %" in text
-    assert "within one paired standard error and 2 % of the least" in text
+    assert "lowest AIC is chosen if its error is within one paired standard error and 30 %" in text
+    assert "within one paired standard error and 2 % of the lowest error" in text
     assert "the fewest parameters" in text
 
 
 @pytest.mark.parametrize(
     ("costs", "said"),
     [
-        ((1.0, 1.0, 1.0, 1.05), "3 of 4 starts came to the least residual within 1 %; the worst"
+        ((1.0, 1.0, 1.0, 1.05), "3 of 4 starts reached the smallest residual within 1 %; the worst"
                                 " ended 2.5 % higher"),
-        ((1.0, 1.0, 1.0, 9.0), "3 of 4 starts came to the least residual within 1 %; the worst"
+        ((1.0, 1.0, 1.0, 9.0), "3 of 4 starts reached the smallest residual within 1 %; the worst"
                                " ended at 3.0 × that residual"),
-        ((1.0, 1.0, 1.0, math.inf), "from one nothing could be predicted"),
-        ((1.0, 1.0, 1.0, 1.0), "4 of 4 starts came to the least residual within 1 %"),
+        ((1.0, 1.0, 1.0, math.inf), "one could not be simulated"),
+        ((1.0, 1.0, 1.0, 1.0), "4 of 4 starts reached the smallest residual within 1 %"),
     ],
 )  # fmt: skip
 def test_starts_that_disagree_are_said_in_numbers_of_the_search(verdict, costs, said):
@@ -521,7 +521,7 @@ def test_what_went_to_0_is_not_said_to_have_been_given(loops):
     gone = ("friction.viscous_coefficient",)
     left_out = {line.label: line.formula for line in law_lines(fit, gone)}
     assert "taken as given" in given["viscous coefficient"]
-    assert left_out["viscous coefficient"] == "$sigma_2$ went to 0 and was left out"
+    assert left_out["viscous coefficient"] == "$sigma_2$ = 0, estimated as 0 and left out"
 
 
 def test_the_lines_of_python_make_the_selection_again(table_verdict):
@@ -557,7 +557,7 @@ def test_seed_and_checksums_of_the_data_stand_on_the_page(verdict):
     text = text_of(page_of(verdict, files={"record.csv": "0123" * 16}))
     assert "SHA-256 of record.csv" in text
     assert "0123" * 16 in text
-    assert "Seed 0, of the starts beside the first of each law" in text
+    assert "Seed 0, for the starts after the first of each law" in text
 
 
 def test_no_number_of_a_page_is_written_with_an_e(html, loops_html):
@@ -588,8 +588,8 @@ def test_how_large_a_hidden_step_may_be_is_said():
     flat = Measurement(velocity=v, friction=2.0 * np.sign(v) + 5.0 * v + noise)
     found = select(Axis(inertia=1.0), ["coulomb-viscous", "stribeck"], flat)
     text = text_of(page_of(found))
-    assert "of Stribeck up to about" in text
-    assert "is allowed by this record (95 %, profile likelihood, all else fitted anew)" in text
+    assert "of Stribeck values up to about" in text
+    assert "are compatible with this record (95 %, profile likelihood)" in text
 
 
 def test_friction_at_a_speed_is_told_where_its_parameters_trade_off():
@@ -640,12 +640,12 @@ def test_no_trend_is_not_all_that_is_said_of_residuals_far_above_the_sensors_noi
     )
     assert fit.model_errors == ()
     quiet, _ = residual_heading(verdict, fit)
-    assert quiet.startswith("No test finds a trend")
+    assert quiet.startswith("No test finds a dependence")
     best = fit.found.best.with_residual(100.0 * fit.residual)
     loud = dataclasses.replace(fit, found=dataclasses.replace(fit.found, best=best))
     heading, caption = residual_heading(verdict, loud)
-    assert re.match(r"Residuals of \d+ times the sensor's noise", heading)
-    assert "does not explain the record to its noise" in caption
+    assert re.match(r"Residuals \d+ times the sensor noise", heading)
+    assert "because of an unmeasured disturbance or a model error" in caption
 
 
 def test_the_residuals_section_says_which_error_of_the_model_the_tests_show(verdict):
@@ -655,7 +655,7 @@ def test_the_residuals_section_says_which_error_of_the_model_the_tests_show(verd
     )  # fmt: skip
     wrong = dataclasses.replace(verdict.best.fit, model_errors=(late,))
     heading, caption = residual_heading(verdict, wrong)
-    assert heading == "The model does not hold: residuals show delay"
+    assert heading == "Model error: the residuals show an effect of delay"
     assert "It is late. Much." in caption
 
 

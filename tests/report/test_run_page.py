@@ -137,7 +137,7 @@ def test_what_was_not_fitted_and_what_was_drawn_is_said():
     assert "not identified: the record does not show it" in said
     assert "given or assumed" in said
     assert "40 draws (seed 0) of kinetic coefficient" in said
-    assert "Held fixed: static coefficient, stribeck velocity" in said
+    assert "Fixed: static coefficient, stribeck velocity" in said
 
 
 def test_a_band_of_runs_of_which_none_lasts_says_why():
@@ -156,7 +156,7 @@ def test_a_section_that_fails_is_one_line(monkeypatch):
     monkeypatch.setattr(documents, "CAUGHT", (Exception,))
     monkeypatch.setattr(page, "SECTIONS", (motion_section, *page.SECTIONS[4:]))
     said = texts(run_page(about(BLOCK, COULOMB, 1.0)))
-    assert "This section could not be made. ZeroDivisionError: no motion." in said
+    assert "This section could not be produced. ZeroDivisionError: no motion." in said
     assert "The run is certified" in said
 
 

@@ -133,8 +133,8 @@ def test_below_break_away_only_bristles_give_way():
     bristles = at(Dahl(kinetic_coefficient=level, bristle_stiffness=stiff), axis)
     rigid = at(Coulomb(kinetic_coefficient=level), axis)
     _, found = designed({"bristles": bristles, "rigid": rigid}, force=10.0, length=1e-6)
-    (push,) = [one for one in found if "to and fro" in one.what]
-    assert push.what.startswith("A force of 1.6 N")
+    (push,) = [one for one in found if "alternating" in one.what]
+    assert push.what.startswith("An alternating force of amplitude 1.6 N")
     assert push.predicted["rigid"] == pytest.approx(0.0, abs=1e-12)
     # from one reversal to the next, df/dx = (sigma / F_c) (1 - f) from f = -.8 to .8
     expected = level / stiff * np.log(1.8 / 0.2)
@@ -163,7 +163,7 @@ def test_what_turns_is_told_in_angles_and_torques():
     )
     said = {one.what.split()[0]: one for one in found}
     assert "rad/s" in said["Constant"].what
-    assert said["Constant"].observed == "torque that keeps it, N m"
+    assert said["Constant"].observed == "drive torque, N m"
     assert said["Coast"].observed == "angle to the stop, rad"
     assert "mm" not in " ".join(one.what for one in found)
 
@@ -189,7 +189,7 @@ def test_a_constant_speed_is_kept_no_longer_than_the_stroke_allows(stroke):
     steady = [one.what for one in found if one.what.startswith("Constant speed of 500 mm/s")]
     assert len(steady) == 2
     for what in steady:
-        seconds = float(re.search(r"([\d.]+) s( at a time)?[,.]", what)[1])
+        seconds = float(re.search(r"([\d.]+) s( within .*)?[,.]", what)[1])
         # a sine of that speed and stroke takes half of it to gain the speed and to lose it
         room = stroke / 2.0
         # two digits of the time, rounded down

@@ -84,11 +84,11 @@ def test_laws_that_have_the_same_three_features_are_not_ranked(verdict):
     assert isinstance(verdict, FeatureVerdict)
     assert verdict.best.name == "coulomb"
     assert not verdict.ranked
-    assert "do not tell it from Stribeck" in verdict.sentence
+    assert "do not distinguish it from Stribeck" in verdict.sentence
     assert verdict.words.no_score
     assert verdict.to_dataframe()["law"].tolist() == ["coulomb", "stribeck"]
     other = verdict.candidates[1]
-    assert "not bounded" in other.doubt
+    assert "not identified" in other.doubt
     assert as_good(other.fit, verdict.best.fit)
 
 
@@ -97,7 +97,7 @@ def test_an_effective_mass_is_named_and_judged_beside_the_nominal_one(verdict):
     assert verdict.control.fit.mechanism.mass == STATED.mass
     assert verdict.control.score > 5.0 * verdict.best.score
     assert any("spring stiffer" in line for line in verdict.words.cannot_tell)
-    assert any("Weigh what moves" in line for line in verdict.words.measure_next)
+    assert any("Weigh the moving parts" in line for line in verdict.words.measure_next)
 
 
 def test_a_verdict_is_plain_numbers(verdict):
@@ -117,7 +117,7 @@ def test_other_speeds_are_ordered_by_how_far_the_laws_part(verdict):
 
 def test_where_no_limit_cycle_is_right_no_law_is_beyond_objection(record):
     found = select(STATED, [Coulomb], record)
-    assert "No candidate has the features" in found.sentence
+    assert "No candidate reproduces the features" in found.sentence
     assert "misses the frequency" in found.best.dropped
     assert found.control is None
     assert any("Fit the mass as well" in line for line in found.words.measure_next)
@@ -127,7 +127,7 @@ def test_a_law_without_a_level_is_kept_with_the_reason(record):
     found = select(STATED, [Coulomb, Viscous], record, vary=["friction.*", "mechanism.mass"])
     assert found.best.name == "coulomb"
     assert found.candidates[1].fit is None
-    assert "no level" in found.candidates[1].outcome
+    assert "no friction level" in found.candidates[1].outcome
 
 
 def test_a_law_that_misses_what_it_was_fitted_to_is_no_rival(record):
@@ -135,7 +135,7 @@ def test_a_law_that_misses_what_it_was_fitted_to_is_no_rival(record):
     found = select(STATED, [Coulomb, QuadraticDrag], record, vary=["friction.*", "mechanism.mass"])
     assert found.best.name == "coulomb"
     assert found.ranked
-    assert "where it was fitted" in found.candidates[1].dropped
+    assert "its fit misses the" in found.candidates[1].dropped
     assert not found.words.no_score
 
 
@@ -173,7 +173,7 @@ def test_a_candidate_is_left_out_once_the_search_is_ended(record):
     found = select(
         STATED, [Coulomb, Stribeck], record, vary=["friction.*", "mechanism.mass"], progress=watch
     )
-    assert "ended before its turn" in found.candidates[1].dropped
+    assert "skipped: the search was stopped" in found.candidates[1].dropped
     assert {"coulomb", "stribeck"} <= set(seen)
 
 
@@ -287,4 +287,4 @@ def test_no_law_with_fixed_parameters_has_the_scatter_of_the_slow_slider(data_di
     block, record = slider(data_dir, "k168_v42", 168.0, 42e-6)
     found = select(block, [Coulomb], record)
     assert "No candidate" in found.sentence
-    assert any("cannot explain their spread" in line for line in found.words.cannot_tell)
+    assert any("cannot explain the scatter" in line for line in found.words.cannot_tell)

@@ -148,7 +148,7 @@ def test_everything_of_a_verdict_is_json(verdict):
 def test_a_record_without_motion_decides_nothing():
     t = np.arange(0.0, 4.0, 0.01)
     still = Measurement(time=t, position=np.zeros(400), force=np.sin(t))
-    with pytest.raises(InputError, match="cannot decide"):
+    with pytest.raises(InputError, match="cannot be used for a selection"):
         select(AXIS, [Coulomb], still)
 
 
@@ -159,7 +159,7 @@ def test_a_fault_of_several_trials_is_told_once_after_their_names():
         for name in ("north", "south")
     ]
     with pytest.raises(
-        InputError, match=r"cannot decide\. north and south: Position is constant"
+        InputError, match=r"cannot be used for a selection\. north and south: Position never"
     ) as seen:
         select(AXIS, [Coulomb], Measurement(trials=tuple(still)))
     assert str(seen.value).count("Position is constant") == 1
@@ -267,11 +267,12 @@ def test_a_candidate_that_cannot_be_refitted_is_dropped_and_says_why(monkeypatch
     lost = next(c for c in found.candidates if c.name == "viscous")
     assert lost.validation is None
     assert lost.outcome == (
-        "not judged: without a held-out block, the record cannot be predicted from this start."
+        "not scored: the fit without one of the held-out blocks failed: the record cannot be"
+        " predicted from this start."
     )
     assert json_text(document("select", found.to_dict()))
     monkeypatch.setattr(refits, "improve", failing_without_a_block(CoulombViscous))
-    with pytest.raises(ConvergenceError, match="no candidate can be judged"):
+    with pytest.raises(ConvergenceError, match="no candidate can be scored"):
         select(AXIS, [CoulombViscous], short, horizon=0.5, settings=QUICK)
 
 
@@ -363,7 +364,7 @@ def test_a_table_without_time_tells_nothing_of_bristles():
     lugre = next(c for c in found.candidates if c.name == "lugre")
     assert lugre.fit is None
     assert lugre.outcome == (
-        "not fitted: bristles show in displacements, and a table without time has none"
+        "not fitted: bristles depend on displacement, which a table without time does not have"
     )
 
 
@@ -386,7 +387,7 @@ def test_it_is_said_where_blocks_do_not_tell_the_usual_choice_apart(verdict):
     )
     others = [close if c.name == close.name else c for c in verdict.candidates]
     said = record_wording(others, best, None, verdict.picks, verdict.checks, (), scored="position")
-    assert ", not distinguished by them." in said.lede
+    assert ", which is not significantly different." in said.lede
     row = next(c for c in outcomes(others, best) if c.name == close.name)
     assert row.outcome == "reference, not distinguished"
 
@@ -404,7 +405,7 @@ def test_scores_that_read_alike_have_the_digits_that_tell_them_apart():
 def test_a_step_that_may_be_none_is_told_with_its_unit():
     found = table_fit(Stribeck, np.linspace(0.01, 0.2, 80))
     said = objection(dataclasses.replace(found, at_bounds={}))
-    assert re.search(r"its step of \S+ N \(−\S+ to \S+\) covers 0", said)
+    assert re.search(r"its static step of \S+ N \(−\S+ to \S+\) includes 0", said)
 
 
 def table_fit(law, v, noise=0.05):
@@ -438,12 +439,12 @@ def test_a_bound_is_told_with_its_unit():
         said[path] = objection(dataclasses.replace(found, at_bounds={path: side}))
     level = found.estimate("static_coefficient").value
     assert (
-        f"$mu_s$ ran to its upper bound of {quantity(level, 'N', 2)}"
+        f"$mu_s$ reached its upper bound of {quantity(level, 'N', 2)}"
         in said["friction.static_coefficient"]
     )
     speed = found.estimate("stribeck_velocity").value
     assert (
-        f"$v_s$ ran to its lower bound of {quantity(speed, 'm/s', 2)}"
+        f"$v_s$ reached its lower bound of {quantity(speed, 'm/s', 2)}"
         in said["friction.stribeck_velocity"]
     )
 
@@ -476,7 +477,7 @@ def test_the_verdict_on_trials_that_do_not_share_one_law_is_no_plain_use():
 def test_the_verdict_on_trials_that_share_one_law_says_so():
     verdict = select(Axis(inertia=1.0), ["coulomb-viscous"], trials_of_levels(5.0, 5.0, 5.0))
     assert verdict.sentence.startswith("Use ")
-    assert "The trials share one law as far as they can tell" in verdict.to_dict()["why"]
+    assert "The trials are consistent with one law" in verdict.to_dict()["why"]
     one = select(Axis(inertia=1.0), ["coulomb-viscous"], trials_of_levels(5.0).trials[0])
     assert one.trials is None
     assert one.to_dict()["trials"] is None
@@ -494,7 +495,7 @@ def test_a_law_whose_search_was_cut_short_is_not_judged_and_says_so():
     dahl = next(one for one in verdict.candidates if one.name == "dahl")
     assert dahl.fit.found.hopeless
     assert dahl.validation is None
-    assert dahl.outcome.startswith("not judged: the search was stopped early")
+    assert dahl.outcome.startswith("not scored: its search was stopped early")
     assert verdict.missing == ()  # what was not judged says so itself
     short = dataclasses.replace(verdict.best.validation, extrapolation=math.nan)
     again = dataclasses.replace(
@@ -502,5 +503,5 @@ def test_a_law_whose_search_was_cut_short_is_not_judged_and_says_so():
         candidates=[dataclasses.replace(verdict.best, validation=short), *verdict.candidates[1:]],
     )
     (line,) = again.missing
-    assert line.startswith("No error on the last third (quadratic-drag): no segment of 3 s lies in")
-    assert any("cut short" in sentence for sentence in dahl.fit.sentences)
+    assert line.startswith("No error on the last third (quadratic-drag): the record is too")
+    assert any("stopped early" in sentence for sentence in dahl.fit.sentences)

@@ -58,7 +58,7 @@ def test_one_travel_is_explained_by_every_law_and_ranks_none(paper_verdict):
     assert not paper_verdict.ranked
     assert all(candidate.score is None for candidate in paper_verdict.candidates)
     assert "So does every other model" in paper_verdict.words.verdict
-    assert "No score and no ranking" in paper_verdict.words.no_score
+    assert "No held-out error and no ranking" in paper_verdict.words.no_score
 
 
 def test_the_law_named_on_the_papers_rig_is_the_plainest_that_holds_a_body(paper_verdict):
@@ -182,7 +182,7 @@ def test_the_verdict_says_which_given_parameters_the_travel_depends_on():
     # viscosity raised by half shortens the travel by more than the 5 mm of the reading
     assert viscous.influence["viscous_coefficient"] > 0.005
     said = " ".join(verdict.words.cannot_tell)
-    assert "for which the fitted level compensates" in said
+    assert "which the fitted level compensates" in said
     assert "$sigma_2$" in said
 
 

@@ -73,7 +73,7 @@ def test_a_law_with_values_that_nobody_gave_is_shown_and_never_taken():
     stribeck = next(c for c in verdict.candidates if c.name == "stribeck")
     assert stribeck.invented == ("static_coefficient", "stribeck_velocity")
     assert stribeck.score is None
-    assert stribeck.unscored == "not judged: $mu_s$ and $v_s$ were assumed, not fitted"
+    assert stribeck.unscored == "not scored: $mu_s$ and $v_s$ were assumed, not fitted"
     assert verdict.best.unscored == ""
     assert "neither measured, given nor fitted" in stribeck.passed_over
     assert verdict.to_dict()["candidates"][-1]["invented"]
@@ -83,7 +83,7 @@ def test_laws_that_are_not_told_apart_are_listed_in_the_first_sentence():
     verdict = select(RIG, SET_VALUED, readings(COULOMB, THREE))
     assert verdict.best.name == "coulomb"
     assert "Coulomb + viscous" in verdict.sentence
-    assert "not distinguished" in verdict.sentence
+    assert "do not distinguish it from" in verdict.sentence
     viscous = next(c for c in verdict.candidates if c.name == "viscous")
     assert viscous.distinguished
     assert "Viscous" not in verdict.sentence.replace("Coulomb + viscous", "")
@@ -163,7 +163,7 @@ def test_a_reading_in_another_unit_is_explained_by_no_law(stated):
     wrong = readings(COULOMB, errors=errors, uncertainty=0.001 if stated else None, scale={2: 10.0})
     verdict = select(RIG, PLAIN, wrong)
     said = contradicted(verdict)
-    assert "cm read as mm" in said
+    assert "centimetres entered as millimetres" in said
     # no law is passed over in favour of one that is not taken either
     assert all(c.passed_over == "" for c in verdict.candidates)
     assert verdict.to_dict()["closest"] == verdict.closest.name
@@ -175,7 +175,7 @@ def test_repeats_that_contradict_each_other_are_explained_by_no_law():
     again = dataclasses.replace(records[1], travel=records[1].travel + 0.08)
     verdict = select(RIG, PLAIN, Measurement(trials=(*records, again)))
     said = contradicted(verdict)
-    assert "contradict each other" in said
+    assert "disagree" in said
     assert "0.13 m" in said
     assert "0.21 m" in said
 

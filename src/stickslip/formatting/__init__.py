@@ -29,6 +29,7 @@ from stickslip.formatting.text import (
     count,
     in_words,
     joined,
+    lower_first,
     unbroken,
 )
 from stickslip.formatting.units import (
@@ -57,6 +58,7 @@ __all__ = [
     "in_words",
     "interval",
     "joined",
+    "lower_first",
     "number",
     "percent",
     "quantities",

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
-__all__ = ["NO_BREAK_SPACE", "capital", "count", "in_words", "joined", "unbroken"]
+__all__ = ["NO_BREAK_SPACE", "capital", "count", "in_words", "joined", "lower_first", "unbroken"]
 
 NO_BREAK_SPACE: Final = "\N{NO-BREAK SPACE}"
 _WORDS: Final = [
@@ -138,3 +138,24 @@ def capital(text: str) -> str:
     'Viscous and LuGre'
     """
     return text[:1].upper() + text[1:]
+
+
+def lower_first(text: str) -> str:
+    """Return a text with its first letter in lower case, the others as they are.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+
+    Returns
+    -------
+    str
+        The text as it goes on within a sentence, after a colon.
+
+    Examples
+    --------
+    >>> lower_first("The rig: mass and stiffness.")
+    'the rig: mass and stiffness.'
+    """
+    return text[:1].lower() + text[1:]

@@ -108,10 +108,10 @@ def estimates_of(
             low, high = value * math.exp(-min(spread, 700.0)), value * math.exp(min(spread, 700.0))
             if spread > math.log(ORDERS):
                 low, high = -math.inf, math.inf
-                reason = "the record leaves its order of magnitude open"
+                reason = "the record does not determine its order of magnitude"
         elif half > max(MANY * abs(value), OF_BOUNDS * (item.high - item.low)):
             low, high = -math.inf, math.inf
-            reason = f"the record leaves its size open, ± {with_unit(half, item, 2)}"
+            reason = f"the record does not determine its magnitude, ± {with_unit(half, item, 2)}"
         found.append(
             Estimate(
                 path=item.path,
@@ -139,8 +139,8 @@ def _sources(inference: Inference, index: int) -> dict[str, float]:
 
 def _bound_reason(item: FreeParameter, side: str, value: float) -> str:
     if item.above and side == "lower":
-        return f"it went down to the {in_words(item.above)}: no surplus is seen"
-    return f"it ran to its {side} bound, {with_unit(value, item)}"
+        return f"it is not above the {in_words(item.above)}"
+    return f"it reached its {side} bound, {with_unit(value, item)}"
 
 
 def with_unit(value: float, item: FreeParameter, digits: int = 3) -> str:
@@ -236,7 +236,7 @@ def sentences_of(
         none.
     """
     lines = [
-        f"{in_words(estimate.path)} ({estimate.quantity.symbol}) is undetermined:"
+        f"{in_words(estimate.path)} ({estimate.quantity.symbol}) is not identified:"
         f" {estimate.reason}."
         for estimate in estimates
         if estimate.reason
@@ -248,16 +248,15 @@ def sentences_of(
                 f", interval {number(low)} to {number(high)}" if math.isfinite(high - low) else ""
             )
             lines.append(
-                f"No step from {item.quantity.symbol} to sliding can be told from 0:"
-                f" {with_unit(step, item)}{bounds}."
+                f"The step from {item.quantity.symbol} to sliding friction is not distinguished"
+                f" from 0: {with_unit(step, item)}{bounds}."
             )
     lines += _together(unknowns, inference, at_bounds)
     if inference.condition > SEPARABLE:
         symbols = ", ".join(item.quantity.symbol for item in unknowns.items)
         lines.append(
-            f"{symbols} cannot all be separated by this record: condition number"
-            f" {number(inference.condition, 2)}, where {SEPARABLE:g} is the most that is"
-            " taken."
+            f"This record cannot separate {symbols}: the condition number is"
+            f" {number(inference.condition, 2)}, above the limit of {number(SEPARABLE)}."
         )
     return tuple(lines)
 
@@ -290,9 +289,9 @@ def offset_left_out(
         return ()
     own = float(getattr(mechanism, "offset", 0.0))
     return (
-        "A constant force (gravity, a cable, a sensor's zero) and levels that differ by direction"
-        f" are one number: the offset is kept at {number(own)} N, and the levels hold what there is"
-        " of it.",
+        "A constant force (gravity, a cable, a sensor offset) and different levels in the two"
+        f" directions cannot be separated: the offset is fixed at {number(own)} N and absorbed"
+        " into the two levels.",
     )
 
 
@@ -308,9 +307,8 @@ def _together(
             free = one.path not in at_bounds and other.path not in at_bounds
             if free and np.isfinite(table[i, j]) and abs(table[i, j]) > TOGETHER:
                 lines.append(
-                    f"{other.quantity.symbol} and {one.quantity.symbol} trade off"
-                    f" (correlation {fixed(table[i, j], 2)}): their combination is better known"
-                    " than"
-                    " either."
+                    f"{other.quantity.symbol} and {one.quantity.symbol} are strongly correlated"
+                    f" ({fixed(table[i, j], 2)}): a combination of them is known better than"
+                    " either one."
                 )
     return lines

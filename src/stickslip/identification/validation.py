@@ -111,8 +111,8 @@ class Parameters(Generic[L]):
         for record in () if measurement is None else measurement.records():
             for path in values.keys() & record.overrides.keys():
                 raise InputError(
-                    f"trial {record.name or 'without a name'} sets {path}, which is in fixed too:"
-                    " leave it out of one of them."
+                    f"trial {record.name or 'without a name'} sets {path}, which fixed sets too:"
+                    " remove one of them."
                 )
         friction = {path: v for path, v in values.items() if path in of_law}
         own = {path: v for path, v in values.items() if path not in of_law}
@@ -120,8 +120,8 @@ class Parameters(Generic[L]):
         free = tuple(path for path in varied if path.startswith("friction."))
         if isinstance(law, type) and not free and varied and not friction:
             raise InputError(
-                f"vary names no parameter of {law.__name__}, of which no values are given: add"
-                f" {LAW!r} to vary, or give a law with its values, which are then held."
+                f"vary names no parameter of {law.__name__}, and no values of it were given: add"
+                f" {LAW!r} to vary, or give a law with its values, which are then fixed."
             )
         if isinstance(law, FrictionLaw | RateState) and friction:
             law = cast("L", with_values(law, "friction", friction))
@@ -170,8 +170,8 @@ def _fixed_values(
     for name, value in fixed.items():
         if law is None and str(name).startswith("friction."):
             raise InputError(
-                f"fixed takes values of the mechanism where laws are compared, got {name}: give"
-                " the law with its values, or fit it alone."
+                f"fixed takes only parameters of the mechanism when laws are compared, got {name}:"
+                " give the law with its values, or fit it alone."
             )
         path = full_path(name, known, "parameter in fixed")
         if path in values:
@@ -192,7 +192,7 @@ def _varied(
     names = (LAW,) if vary is None else names_of(vary)
     if law is None and LAW not in names:
         raise InputError(
-            f"vary must contain {LAW!r} where laws are compared, as each is fitted:"
+            f"vary must contain {LAW!r} when laws are compared, because each is fitted:"
             f" vary={[LAW, *names]!r}."
         )
     known = [*of_law, *(path for path, _, _ in parameters(mechanism, "mechanism"))]
@@ -208,12 +208,12 @@ def _varied(
         else:
             if law is None and name.startswith("friction."):
                 raise InputError(
-                    f"vary takes {LAW!r} and parameters of the mechanism where laws are compared,"
+                    f"vary takes {LAW!r} and parameters of the mechanism when laws are compared,"
                     f" got {name}: fit that law alone."
                 )
             path = full_path(name, known, "parameter in vary")
             if path in values:
-                raise InputError(f"{path} is in vary and in fixed: leave it out of one of them.")
+                raise InputError(f"{path} is in both vary and fixed: remove it from one of them.")
             found.append(path)
     return list(dict.fromkeys(found))
 

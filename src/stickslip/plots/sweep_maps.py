@@ -67,7 +67,7 @@ def draw_velocity_map(found: VelocityMap) -> Draw:
     """
     if len(found.axes) not in (1, 2):
         raise InputError(
-            f"a map of {len(found.axes)} parameters cannot be drawn; fix all but two of them."
+            f"a map cannot show {len(found.axes)} parameters; fix all but two of them."
         )
 
     def draw(figure: Figure, _narrow: bool) -> None:
@@ -179,7 +179,7 @@ def draw_bifurcation(found: Bifurcation) -> Draw:
             colour = POINT_COLOURS[start % len(POINT_COLOURS)]
             axes.plot(places, points.ravel(), ".", color=colour, markersize=2.2, alpha=0.7)
         axes.margins(x=0.01, y=0.06)
-        when = "once a cycle" if found.sample == "period" else f'at "{found.sample}"'
+        when = "once per cycle" if found.sample == "period" else f'at "{found.sample}"'
         axes.set_xlabel(_name(found.path, found.path_unit))
         axes.set_ylabel(f"{found.state} {when}, {unit}")
         axes.grid(axis="y")
@@ -222,8 +222,8 @@ def draw_basins(found: Basins) -> Draw:
         )  # fmt: skip
         axes.set_xlim(xs.min(), xs.max())
         axes.set_ylim(ys.min(), ys.max())
-        axes.set_xlabel(f"{across} at the start")
-        axes.set_ylabel(f"{up} at the start")
+        axes.set_xlabel(f"initial {across}")
+        axes.set_ylabel(f"initial {up}")
         for number, motion in enumerate(found.attractors):
             colour = POINT_COLOURS[number % len(POINT_COLOURS)]
             if {across, up} <= set(found.states):
@@ -231,7 +231,7 @@ def draw_basins(found: Basins) -> Draw:
                 axes.plot(
                     motion.points[:, i], motion.points[:, j], "o", color=colour, markersize=4.5
                 )
-            kind = f"period {motion.period}" if motion.period else "does not close"
+            kind = f"period {motion.period}" if motion.period else "not periodic"
             axes.plot([], [], "o", color=colour, label=f"{100 * motion.share:.0f} %, {kind}")
         if found.attractors:
             axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))

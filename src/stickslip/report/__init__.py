@@ -45,6 +45,7 @@ HOMES = {
 }
 
 INSIDE = {
+    "colophon": "core.versions",
     "feature_sections": "features.sections",
     "rate_state_sections": "rate_state.sections",
     "record_sections": "records.sections",

@@ -46,6 +46,7 @@ from stickslip.report.core.tables import Name as Name
 from stickslip.report.core.tables import Number as Number
 from stickslip.report.core.tables import Row as Row
 from stickslip.report.core.tables import Table as Table
+from stickslip.report.core.versions import colophon as colophon
 from stickslip.report.core.versions import versions as versions
 from stickslip.report.features.sections import feature_sections as feature_sections
 from stickslip.report.plans import plan_page as plan_page

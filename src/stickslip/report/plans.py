@@ -7,6 +7,7 @@ from stickslip.formatting import number
 from stickslip.report.core.blocks import Block, Code, KeyValue, KeyValues, Note, Paragraph
 from stickslip.report.core.documents import Page, Section
 from stickslip.report.core.tables import Blank, Column, Name, Row, Table
+from stickslip.report.core.versions import colophon
 from stickslip.selection import Plan, SheetTable, tables_of, unit_of
 
 __all__ = ["plan_page"]
@@ -71,13 +72,12 @@ def plan_page(
         _runs(plan, save_as),
         _reproduce(reproduce, versions, digest),
     ]
-    version = f"stickslip {versions.get('stickslip', '')}".strip()
     return Page(
         title=f"Lab sheet: {title}",
         subject=subject,
         kicker="plan of travels",
         sections=tuple(section for section in sections if section is not None),
-        footer=f"Written by {version}. This file is complete: it loads nothing and runs no script.",
+        footer=colophon(versions),
     )
 
 
@@ -154,14 +154,14 @@ def _runs(plan: Plan, save_as: str) -> Section:
     )
     head, first, *_ = plan.csv().splitlines()
     text = (
-        "Make the runs in this order: settings go up and down again, so that wear and warmth are"
-        " not taken for their effect. Measure each travel from where the body starts to where it"
-        " rests."
+        "Make the runs in this order: the settings go up and down again, so that wear and warm-up"
+        " are not mistaken for their effect. Measure each travel from the start to the rest"
+        " position of the body."
     )
     save = (
-        "Save the table as a CSV file with these columns. A column `uncertainty [mm]`, the standard"
-        " uncertainty of each travel, may stand beside them; without it the scatter of the repeats"
-        " counts."
+        "Save the table as a CSV file with these columns. A column `uncertainty [mm]`, the"
+        " standard uncertainty of each travel, is optional; without it the scatter of the repeats"
+        " is used."
     )
     blocks: list[Block] = [
         Paragraph(text=text),
@@ -184,5 +184,8 @@ def _reproduce(commands: Sequence[str], versions: Mapping[str, str], digest: str
     if not blocks:
         return None
     return Section(
-        id="reproduce", nav="This sheet again", heading="This sheet again", blocks=tuple(blocks)
+        id="reproduce",
+        nav="Reproduce this sheet",
+        heading="Reproduce this sheet",
+        blocks=tuple(blocks),
     )

@@ -51,7 +51,7 @@ class FeatureRoute(Route[FeatureFit, FeatureVerdict]):
 
     @override
     def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
-        return f"feature error {percent(error)}"
+        return f"error of the features {percent(error)}"
 
     @override
     def fit(self, request: FitRequest, options: Options) -> FeatureFit:
@@ -102,8 +102,8 @@ class FeatureRoute(Route[FeatureFit, FeatureVerdict]):
         self, fit: FeatureFit, validate: Measurement | None = None, horizon: float | None = None
     ) -> FitSummary:
         second = {} if validate is None else fit.judged(validate)
-        heads = ["feature of F/N", "first half", "fitted", "second half", "off by"]
-        heads += ["second record off by"] if second else []
+        heads = ["feature of F/N", "first half", "fitted", "second half", "error"]
+        heads += ["second record, error"] if second else []
         rows = []
         for name in COMPARED:
             cells = [_sized(name, getattr(fit.observed, name)), _sized(name, fit.predicted[name])]
@@ -114,7 +114,7 @@ class FeatureRoute(Route[FeatureFit, FeatureVerdict]):
         return FitSummary(
             heads=heads,
             rows=rows,
-            open=("Remarks on the features", fit.sentences),
+            open=("Remarks", fit.sentences),
             second=second or None,
         )
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from stickslip.report import Origin, Page, Section, SectionMaker, made_sections
+from stickslip.report import Origin, Page, Section, SectionMaker, colophon, made_sections
 from stickslip.routes.registry import route_named
 from stickslip.selection import Verdict
 
@@ -52,11 +52,9 @@ def verdict_page(
     first, *others = route_named(verdict.route).sections(verdict, origin, remark)
     before = [one for one in others if one.func.__name__ not in LAST]
     after = [one for one in others if one.func.__name__ in LAST]
-    version = origin.versions.get("stickslip", "")
     return Page(
         title=f"Friction model selection: {origin.title}",
         subject=origin.file or origin.title,
         sections=made_sections(first, *lead, *before, *extra, *after),
-        footer=f"Written by {f'stickslip {version}'.strip()}. This file is complete: it loads"
-        " nothing and runs no script.",
+        footer=colophon(origin.versions),
     )

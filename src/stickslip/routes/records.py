@@ -39,6 +39,7 @@ from stickslip.selection import (
     RecordVerdict,
     error_text,
     limits_of,
+    restarts_text,
     route_text,
     score_text,
     select_records,
@@ -152,7 +153,7 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
         heads += [f"second record, {unit}"] if second else []
         notes = [f"{one.name}: {one.outcome}" for one in verdict.candidates]
         closest = verdict.closest
-        title = closest.title + ("" if verdict.best else ", closest but not recommended")
+        title = closest.title + ("" if verdict.best else ", fits best but not recommended")
         return Comparison(
             heads=heads,
             rows=[_row(c, verdict, second=second) for c in verdict.candidates],
@@ -175,11 +176,11 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
         lines = [f"Residual of {compared_}: {text(fit.rms)}"]
         if second is not None:
             lines.append(f"On the second record: {text(second.rms)}, {_predicted(fit, second)}")
-        lines.append(f"Restarts: {_restarts(fit)}")
+        lines.append(f"Restarts: {restarts_text(fit)}")
         lines += [line for line in (*fit.remarks, route_text(fit)) if line]
         return FitSummary(
             lines=lines,
-            findings=[f"Prediction error: {error}" for error in fit.model_errors],
+            findings=[f"Model error: {error}" for error in fit.model_errors],
             limits=limits_of(fit),
             open=("Limitations", fit.sentences),
             second=None if second is None else second.rms,
@@ -217,14 +218,3 @@ def _predicted(fit: RecordFit, second: Score) -> str:
     if fit.problem.simulates:
         return f"in segments of {quantity(second.horizon, 's')}"
     return "along the measured motion"
-
-
-def _restarts(fit: RecordFit) -> str:
-    """Return how many starts agree; a free decay is fitted in longer segments after that."""
-    starts = len(fit.restarts.costs)
-    if starts == 1:
-        return "none, a single start"
-    text = f"{fit.restarts.agreeing} of {starts} starting points converge to the smallest residual"
-    if fit.first is None:
-        return text
-    return f"{text} in short segments; longer ones of the free decay were fitted from there"

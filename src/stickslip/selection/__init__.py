@@ -29,6 +29,8 @@ HOMES = {
 }
 
 INSIDE = {
+    "friction_of": "wording",
+    "restarts_text": "record_wording",
     "Experiment": "design.experiments",
     "LEVEL": "choice",
     "LIKELY": "choice",
@@ -46,7 +48,7 @@ INSIDE = {
     "Wording": "verdict",
     "error_text": "record_wording",
     "feature_laws": "features",
-    "in_sentence": "record_wording",
+    "in_sentence": "wording",
     "known_by": "sheet_tables",
     "largest_step": "fixed_step_comparison",
     "limit_of": "identifiable",

@@ -42,7 +42,7 @@ from stickslip.selection.record_verdict import RecordCandidate as RecordCandidat
 from stickslip.selection.record_verdict import RecordVerdict as RecordVerdict
 from stickslip.selection.record_verdict import SecondRecord as SecondRecord
 from stickslip.selection.record_wording import error_text as error_text
-from stickslip.selection.record_wording import in_sentence as in_sentence
+from stickslip.selection.record_wording import restarts_text as restarts_text
 from stickslip.selection.record_wording import route_text as route_text
 from stickslip.selection.records import PURPOSES as PURPOSES
 from stickslip.selection.records import PurposeName as PurposeName
@@ -61,6 +61,8 @@ from stickslip.selection.verdict import Verdict as Verdict
 from stickslip.selection.verdict import Wording as Wording
 from stickslip.selection.verdict import score_scale as score_scale
 from stickslip.selection.verdict import score_text as score_text
+from stickslip.selection.wording import friction_of as friction_of
+from stickslip.selection.wording import in_sentence as in_sentence
 
 __all__ = [
     "Candidate",

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from stickslip.formatting import number
+from stickslip.formatting import joined, number
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate, TravelFit
 from stickslip.quantities import fields_of, parameters
@@ -24,7 +24,7 @@ def doubts(candidate: TravelCandidate) -> dict[str, str]:
         name = estimate.path.rpartition(".")[2]
         limit = limit_of(candidate.fit.law, name) if candidate.fit else 0.0
         if not estimate.bounded:
-            found[name] = "not bounded by these trials"
+            found[name] = "not identified by these trials"
         elif estimate.low <= limit:
             found[name] = _at(limit, estimate)
     return found
@@ -60,8 +60,8 @@ def limit_of(law: FrictionLaw, name: str) -> float:
 
 
 def _at(limit: float, estimate: Estimate) -> str:
-    value = "zero" if limit == 0.0 else f"its limit {number(limit)}"
-    return f"{value} within its {estimate.interval} interval"
+    value = "zero" if limit == 0.0 else f"its limit of {number(limit)}"
+    return f"consistent with {value} ({estimate.interval} interval)"
 
 
 def improves(richer: TravelFit, simpler: TravelFit, extra: int) -> bool:
@@ -172,7 +172,7 @@ def _reason(candidate: TravelCandidate, best: TravelCandidate) -> str:
     """Return why a law is not taken whatever it leaves; empty if it leaves too much."""
     if candidate.invented and not best.invented:
         fields = fields_of(type(candidate.law))
-        names = " and ".join(f"${fields[name].symbol}$" for name in candidate.invented)
+        names = joined([f"${fields[name].symbol}$" for name in candidate.invented])
         verb = "was" if len(candidate.invented) == 1 else "were"
         return f"{names} {verb} neither measured, given nor fitted"
     if told_apart(candidate, best):
@@ -181,5 +181,5 @@ def _reason(candidate: TravelCandidate, best: TravelCandidate) -> str:
     for name, doubt in doubts(candidate).items():
         if name not in needed:
             symbol = fields_of(type(candidate.law))[name].symbol
-            return f"${symbol}$ is {doubt}, and {best.title} does without it"
-    return f"it is no better than {best.title} within the uncertainty of the readings"
+            return f"${symbol}$ is {doubt}, and {best.title} does not need it"
+    return f"it is not significantly better than {best.title}"

@@ -60,7 +60,7 @@ def unsuited_by(measurement: Measurement, law: FrictionLaw | type[FrictionLaw]) 
     >>> from stickslip.friction import LuGre
     >>> table = Measurement(velocity=[0.1, 0.2, 0.3], friction=[2.0, 2.1, 2.2])
     >>> unsuited_by(table, LuGre)
-    'bristles show in displacements, and a table without time has none'
+    'bristles depend on displacement, which a table without time does not have'
     """
     kind = law if isinstance(law, type) else type(law)
     timeless = all(record.time is None for record in measurement.records())

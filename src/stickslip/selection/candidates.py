@@ -58,7 +58,7 @@ def specifications(
             for one in laws
         ]
     if not found:
-        raise InputError("there is no friction law to try: give at least one in `laws`.")
+        raise InputError("no friction law was given: name at least one in `laws`.")
     check_apart([one.name for one in found])
     return tuple(found)
 

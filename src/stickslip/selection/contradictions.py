@@ -23,7 +23,10 @@ WORST = 10.0
 SHARE = 0.15
 """The same as a share of the travels where no uncertainty was stated: repeats of dry friction
 scatter by up to a tenth."""
-FACTORS = {10.0: "cm read as mm, or mm as cm", 1000.0: "m read as mm, or mm as m"}
+FACTORS = {
+    10.0: ("centimetres entered as millimetres, or the reverse"),
+    1000.0: "metres entered as millimetres, or the reverse",
+}
 """Ratios of a reading to its prediction that a wrong unit gives."""
 NEAR_FACTOR = 0.2
 """Share within which such a ratio is met."""
@@ -88,7 +91,10 @@ def contradiction(
         f"{times} times their standard error" if stated else f"travels of {quantity(size, 'm')}"
     )
     against = compared if stated else f"for {compared}"
-    reason = f"The closest, {closest.title} friction, leaves {rms} (root mean square), {against}."
+    reason = (
+        f"{closest.title} friction fits best, with a residual of {rms} (root mean square),"
+        f" {against}."
+    )
     return Contradiction(reason=reason, check=(*_found(trials, closest), _usual(candidates)))
 
 
@@ -122,7 +128,7 @@ def _repeats(
         f"; the standard error of a reading is {quantity(float(errors[i]), 'm')}" if stated else ""
     )
     return Contradiction(
-        reason=f"Repeats of one setting{where} contradict each other: {quantity(one, 'm')} and"
+        reason=f"Repeats of one setting{where} disagree: {quantity(one, 'm')} and"
         f" {quantity(other, 'm')}{known}.",
         check=(
             f"Which of the readings {quantity(one, 'm')} and {quantity(other, 'm')} is wrong:"
@@ -145,8 +151,7 @@ def _found(trials: Sequence[Trial], closest: TravelCandidate) -> tuple[str, ...]
                 if abs(ratio / about - 1.0) < NEAR_FACTOR:
                     found.append(
                         f"The unit of {quantity(trial.travel, 'm')}{setting_of(trials, trial)}:"
-                        " the other"
-                        f" readings predict {quantity(others, 'm')} ({units}?)."
+                        f" the other readings predict {quantity(others, 'm')} ({units}?)."
                     )
     for i, j in combinations(range(len(trials)), 2):
         measured, expected = trials[i].travel - trials[j].travel, predicted[i] - predicted[j]
@@ -160,8 +165,7 @@ def _found(trials: Sequence[Trial], closest: TravelCandidate) -> tuple[str, ...]
     worst = max(range(len(trials)), key=lambda i: abs(trials[i].travel - predicted[i]))
     found.append(
         f"The reading {quantity(trials[worst].travel, 'm')}{setting_of(trials, trials[worst])},"
-        " which"
-        f" {closest.title} friction misses by"
+        f" from which {closest.title} friction differs by"
         f" {quantity(abs(trials[worst].travel - predicted[worst]), 'm')}."
     )
     return tuple(found[:2])
@@ -176,16 +180,16 @@ def _usual(candidates: Sequence[TravelCandidate]) -> str:
         if name in c.assumed and not quantity.structural and getattr(c.law, name)
     }
     values = (
-        f" The values that were not fitted: {joined([f'${s}$' for s in held])}. A guess among them"
-        " that is marked assumed = true in the rig file (Python: assumed) is fitted where there are"
-        " more settings than fitted parameters."
+        f" The values that were not fitted: {joined([f'${s}$' for s in held])}. A value marked"
+        " assumed = true in the rig file (Python: assumed) is fitted if there are more settings"
+        " than fitted parameters."
         if held
         else ""
     )
     return (
-        "The rig: mass, stiffness, the unit of its settings, whether the body leaves the spring."
-        + values
-    )
+        "The rig: its mass, stiffness and the unit of its settings, and whether the body"
+        " leaves the spring."
+    ) + values
 
 
 def setting_of(trials: Sequence[Trial], trial: Trial) -> str:

@@ -115,10 +115,9 @@ def _check_block(measurement: Measurement, block: float, length: float, folds: i
         return
     count = sum(time.size for time in times)
     raise InputError(
-        f"the record of {quantity(length, 's')}, {count} samples, is too short to be judged on"
-        f" {folds}"
-        f" held-out blocks, which need {LEAST} samples each: record longer, or `fit` one law"
-        " without judging it."
+        f"the record of {quantity(length, 's')}, {count} samples, is too short for {folds}"
+        f" held-out blocks of at least {LEAST} samples: record longer, or `fit` one law without a"
+        " held-out error."
     )
 
 
@@ -158,10 +157,9 @@ def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
             losses.append(_loss(judged, without.values, held))
     if not losses:
         raise InputError(
-            f"the record of {quantity(plan.length, 's')} has nothing left to fit to when a block"
-            " of it is"
-            " held out: record longer, record several decays if nothing drives it, or `fit` one law"
-            " without judging it."
+            f"the record of {quantity(plan.length, 's')} leaves no data for the fit when one of"
+            " its blocks is held out: record longer, record several decays if nothing drives the"
+            " motion, or `fit` one law without a held-out error."
         )
     border = (1.0 - EXTRAPOLATED) * edges[-1]
     after = tested[:, 0] >= border

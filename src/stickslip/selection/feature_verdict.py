@@ -117,7 +117,7 @@ class FeatureVerdict(Verdict[FeatureCandidate]):
 
     @override
     def _basis(self) -> str:
-        return " to features of the first half of the record, judged on the second"
+        return " to features of the first half of the record, scored on the second half"
 
     @override
     def _details(self) -> Mapping[str, Any]:

@@ -25,6 +25,15 @@ from stickslip.identification import (
 )
 from stickslip.selection.feature_verdict import FeatureCandidate, OtherSpeed
 from stickslip.selection.verdict import Wording, score_text
+from stickslip.selection.wording import (
+    CORRECT_FIRST,
+    NOT_DISTINGUISHED,
+    UNMEASURED,
+    friction_of,
+    held_out_text,
+    in_sentence,
+    not_distinguished,
+)
 
 __all__ = ["errors_text", "feature_wording", "outcomes", "share_parts", "share_text"]
 
@@ -35,8 +44,6 @@ CLEAR = 0.05
 PERCENT = Scale(100.0, "%")
 """What errors of features are shown in."""
 MASS = "mechanism.mass"
-NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
-"""How titles begin that are names."""
 
 
 def share_parts(one: FeatureCandidate) -> EstimateText:
@@ -55,11 +62,9 @@ def errors_text(errors: Mapping[str, float]) -> str:
     Examples
     --------
     >>> errors_text({"frequency": -0.032, "standard_deviation": 0.085})
-    'frequency by −3.2 % and standard deviation by +8.5 %'
+    'frequency −3.2 % and standard deviation +8.5 %'
     """
-    return joined(
-        [f"{name.replace('_', ' ')} by {signed_percent(e)}" for name, e in errors.items()]
-    )
+    return joined([f"{name.replace('_', ' ')} {signed_percent(e)}" for name, e in errors.items()])
 
 
 def outcomes(ordered: Sequence[FeatureCandidate]) -> list[FeatureCandidate]:
@@ -71,11 +76,11 @@ def _outcome(one: FeatureCandidate, best: FeatureCandidate) -> str:
     if one.fit is None:
         return f"not fitted: {one.dropped}"
     if one.name == best.name:
-        return "chosen" if not one.dropped else f"closest, but {one.dropped}"
+        return "chosen" if not one.dropped else f"closest, not recommended: {one.dropped}"
     if one.dropped:
         return one.dropped
     if best.fit is not None and as_good(one.fit, best.fit):
-        return f"as good within doubt; {one.doubt}" if one.doubt else "as good within doubt"
+        return f"{NOT_DISTINGUISHED}; {one.doubt}" if one.doubt else NOT_DISTINGUISHED
     return f"{ratio(one.score / best.score)} the error"
 
 
@@ -123,28 +128,24 @@ def _verdict(
     ordered: Sequence[FeatureCandidate], fit: FeatureFit, equal: Sequence[FeatureCandidate]
 ) -> str:
     best = ordered[0]
-    name = f"{_inline(best.title)} friction"
+    name = friction_of(best.title)
     if best.dropped:
         least = all(best.score <= one.score for one in ordered)
-        said = f"the closest is {name}" if least else f"{name} comes as close as any"
-        return f"No candidate has the features of this record; {said}."
+        said = f"{name} fits best" if least else f"{name} fits as well as any"
+        return f"No candidate reproduces the features of this record; {said}."
     mass = next((one for one in fit.estimates if one.path == MASS and one.bounded), None)
     if mass is not None:
         name += f" with an effective mass of {mass.plus_minus}"
     if best.doubt:
-        return f"Use {name} to predict; not all of it is known: {best.doubt}."
+        return f"Use {name} to predict, but not all of its parameters are identified: {best.doubt}."
     if equal:
-        return f"Use {name}; these features do not tell it from {_titles(equal)}."
+        titles = [one.title for one in equal]
+        return f"Use {name}; {not_distinguished(titles, 'these features')}."
     return f"Use {name}."
 
 
 def _titles(candidates: Sequence[FeatureCandidate]) -> str:
-    return joined([_inline(one.title) for one in candidates])
-
-
-def _inline(title: str) -> str:
-    """Return a title as it stands within a sentence; names keep their capital."""
-    return title if title.startswith(NAMES) else title[0].lower() + title[1:]
+    return joined([in_sentence(one.title) for one in candidates])
 
 
 def _lede(
@@ -152,20 +153,24 @@ def _lede(
 ) -> str:
     best = ordered[0]
     text = (
-        f"Fitted to the first half of the record, it is off in the second in"
-        f" {errors_text(fit.held_out_errors)}: {share_text(best)} root mean square. The features"
-        f" themselves change by {percent(room_of(fit))} between the halves."
+        held_out_text(
+            PERCENT,
+            best.score,
+            best.score_error,
+            "second half of the record predicted from the first, root mean square of"
+            f" {errors_text(fit.held_out_errors)}",
+        )
+        + f" The features themselves change by {percent(room_of(fit))} between the halves."
     )
     if control is not None and control.fit is not None:
         off = control.fit.held_out_errors.get("frequency", 0.0)
         text += (
-            f" With the nominal mechanism it would be {share_text(control)}, the frequency off by"
-            f" {signed_percent(off)}."
+            f" With the nominal mechanism: {share_text(control)} (frequency {signed_percent(off)})."
         )
     closer = [one for one in ordered[1:] if one.fit and one.dropped and one.score < best.score]
     if closer and not best.dropped:
         first = closer[0]
-        text += f" {first.title} is off by {share_text(first)}, but {first.dropped}."
+        text += f" {first.title}: {share_text(first)}, but {first.dropped}."
     return text
 
 
@@ -192,18 +197,18 @@ def _cannot_tell(
     lines = [*far_above_dry(fit)]
     if equal:
         lines.append(
-            f"Which law: {_titles(equal)} can have the same frequency, mean and standard deviation."
-            " Three features fix three numbers."
+            f"Which law: {_titles(equal)} can reproduce the same frequency, mean and standard"
+            " deviation. Three features determine three numbers."
         )
     lines += [line for line in features.sentences if "cannot explain" in line or "drifts" in line]
     if any(one.path == MASS for one in fit.estimates):
         lines.append(
-            "Why this mass: a spring stiffer than stated, or a body that rocks, would look the same"
-            " as another mass."
+            "Why the effective mass differs: a spring stiffer than stated, or a rocking body, has"
+            " the same effect."
         )
     elif features.frequency > FASTER * features.natural_frequency:
         lines += [line for line in features.sentences if "effective mass" in line]
-    lines.append("How friction behaves at speeds and loads that were not recorded.")
+    lines.append(UNMEASURED)
     return tuple(lines[:MOST])
 
 
@@ -222,37 +227,36 @@ def _measure_next(
     if not free and features.frequency > FASTER * features.natural_frequency:
         lines.append(
             "Fit the mass as well: vary=['friction.*', 'mechanism.mass'], or --vary"
-            " 'friction.*,mass'. The nominal one cannot oscillate as fast as was measured."
+            " 'friction.*,mass'. The nominal mass cannot oscillate as fast as measured."
         )
     if free:
         lines.append(
-            "Weigh what moves and load the spring by a known weight: the effective mass says that"
-            " one of the two is not as stated, or that the body is not rigid."
+            "Weigh the moving parts and load the spring with a known weight: the effective mass"
+            " implies that the mass or the stiffness is not as stated, or that the body is not"
+            " rigid."
         )
     if features.drifts:
-        lines.append("The same pull after some passes more, until the mean no longer drifts.")
+        lines.append("Repeat the pull after further passes, until the mean no longer drifts.")
     warned = [one.sentence for one in checks.findings if one.severity == "warning"]
-    lines += [f"First mend the record: {line}" for line in warned[:1] if "drift" not in line]
+    lines += [f"{CORRECT_FIRST}{line}" for line in warned[:1] if "drift" not in line]
     if not lines:
-        lines.append("The same pull at another speed, and at another place of the track.")
+        lines.append("Repeat the pull at another speed and at another position on the track.")
     return tuple(lines[:MOST])
 
 
 def _speed_line(told: OtherSpeed, alike: Sequence[FeatureCandidate]) -> str:
     said = "; ".join(f"{one.title} {_motion(told.predicted[one.name])}" for one in alike)
-    return (
-        f"Pull at {quantity(told.speed, 'm/s')}, where the laws part with the values found here:"
-        f" {said}."
-    )
+    return f"Pull at {quantity(told.speed, 'm/s')}, where the fitted laws differ: {said}."
 
 
 def _motion(predicted: Mapping[str, float]) -> str:
     """Return a predicted limit cycle in words."""
     if not predicted["frequency"] > 0.0:
-        return "slides steadily"
+        return "predicts steady sliding"
     spread = predicted["standard_deviation"]
     return (
-        f"has {quantity(predicted['frequency'], 'Hz')} and a standard deviation of {number(spread)}"
+        f"predicts {quantity(predicted['frequency'], 'Hz')} and a standard deviation of"
+        f" {number(spread)}"
     )
 
 
@@ -262,6 +266,6 @@ def _no_score(ordered: Sequence[FeatureCandidate], equal: Sequence[FeatureCandid
     if not equal:
         return ""
     return (
-        f"No ranking of {_titles([ordered[0], *equal])}: their held-out errors do not differ beyond"
-        " doubt."
+        f"No ranking of {_titles([ordered[0], *equal])}: their held-out errors do not differ"
+        " significantly."
     )

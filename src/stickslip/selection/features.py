@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.errors import ConvergenceError, SimulationError
 from stickslip.experiments import Checks, Measurement
-from stickslip.formatting import ratio, signed_percent
+from stickslip.formatting import joined, ratio, signed_percent
 from stickslip.friction import Coulomb, FrictionLaw, LuGre, Stribeck
 from stickslip.identification import (
     LAW,
@@ -174,7 +174,7 @@ def _candidate(
     """Fit one candidate; one that cannot be fitted is kept with the reason."""
     unfitted = partial(FeatureCandidate, name=one.name, title=one.title, fit=None)
     if not free_of(one.law):
-        return unfitted(dropped="it has no level that these features could set")
+        return unfitted(dropped="it has no friction level that these features could determine")
     if watch is not None and watch(one.name, math.nan) is False:
         return unfitted(dropped=LEFT_OUT)
     report = None if watch is None else (lambda rms: watch(one.name, rms))
@@ -208,7 +208,7 @@ def _missed(fit: FeatureFit) -> str:
         for name, error in fit.errors.items()
         if not abs(error) <= MISSED
     ]
-    return f"it misses the {' and '.join(missed)} where it was fitted" if missed else ""
+    return f"its fit misses the {joined(missed)}" if missed else ""
 
 
 def _open(fit: FeatureFit) -> str:
@@ -216,7 +216,7 @@ def _open(fit: FeatureFit) -> str:
     symbols = [f"${one.quantity.symbol}$" for one in fit.estimates if not one.bounded]
     if not symbols:
         return ""
-    return f"{', '.join(symbols)} {'is' if len(symbols) == 1 else 'are'} not bounded"
+    return f"{joined(symbols)} {'is' if len(symbols) == 1 else 'are'} not identified"
 
 
 def _best(judged: Sequence[FeatureCandidate]) -> FeatureCandidate:
@@ -224,7 +224,7 @@ def _best(judged: Sequence[FeatureCandidate]) -> FeatureCandidate:
     fitted = [one for one in judged if one.fit and np.isfinite(one.score)]
     if not fitted:
         raise ConvergenceError(
-            "no candidate has a limit cycle with the features of this record: "
+            "no candidate has a limit cycle that can be compared with this record: "
             + "; ".join(f"{one.title}: {one.dropped}" for one in judged)
         )
     held = [one for one in fitted if not one.dropped] or fitted

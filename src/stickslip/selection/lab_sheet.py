@@ -54,7 +54,7 @@ class Preparation:
             return "not stated"
         enough = self.stated <= self.needed * (1.0 + 1e-9)
         stated = quantity(self.stated, self.quantity.unit, 2, degrees=True)
-        return f"{stated}, {'enough' if enough else 'too large'}"
+        return f"{stated}, {'sufficient' if enough else 'too large'}"
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the preparation as plain numbers and strings."""
@@ -99,13 +99,13 @@ class Telling:
         if self.repeats is not None:
             return ""
         if self.alike:
-            return "Not separated by any travels, since both laws predict the same"
+            return "Not distinguishable by travels: both laws predict the same"
         known = (
-            f"travels known to {quantity(self.uncertainty, 'm', 2)} would"
+            f"travels known to {quantity(self.uncertainty, 'm', 2)} would suffice"
             if self.uncertainty > 0.0
-            else "the uncertainty of the rig covers the difference"
+            else "the uncertainty of the rig exceeds the difference"
         )
-        return f"Not separated by any number of repeats up to {self.most} ({known})"
+        return f"Not distinguished by up to {self.most} repeats ({known})"
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return it as plain numbers and strings."""
@@ -194,14 +194,14 @@ class Plan:
         unit, factor = unit_of(self.settings[0].unit)
         values = joined([number(factor * one.value) for one in self.settings])
         said = (
-            f"Set the {self.knob} to {values} {unit}, {self.repeats} runs each:"
-            f" {len(self.runs())} travels, each known to {quantity(self.uncertainty, 'm', 2)}."
+            f"Set the {self.knob} to {values} {unit}, {self.repeats} runs each: {len(self.runs())}"
+            f" travels, each measured to {quantity(self.uncertainty, 'm', 2)}."
         ).replace(" °", "°")
         told = [one for one in self.tellings if one.repeats is not None]
         if not self.tellings:
             return said
         pairs = count(len(self.tellings), "pair")
-        return f"{said} They tell {len(told)} of {pairs} of laws apart."
+        return f"{said} They distinguish {len(told)} of {pairs} of laws."
 
     def csv(self) -> str:
         """Return the table of runs to fill in, as `load_measurement` and ``select --data`` read it.

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from stickslip.formatting import percent, quantity
+from stickslip.formatting import capital, percent, quantity
 from stickslip.identification import READINGS, Estimate
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
@@ -36,18 +36,17 @@ def limit_text(
     >>> reading = Measurement(travel=0.2, uncertainty=0.001, doubts={"stiffness": 3.0})
     >>> (level,) = fit(rig, Coulomb, reading).estimates
     >>> limit_text(level, [(rig, {"mechanism.stiffness": 3.0})], "the reading")
-    ' The stiffness (3 %) limits it more than the reading does.'
+    ' The stiffness (3 %) contributes more to its uncertainty than the reading.'
     """
     rig = {path: error for path, error in estimate.sources.items() if path != READINGS}
     if not rig:
         return ""
     path = max(rig, key=lambda one: rig[one])
     known = f"the {path.rpartition('.')[2].replace('_', ' ')}{_known_to(path, stated)}"
-    verb = "do" if readings.endswith("s") else "does"
     if rig[path] > estimate.sources[READINGS]:
-        return f" {known[0].upper()}{known[1:]} limits it more than {readings} {verb}."
-    limit = "limit" if readings.endswith("s") else "limits"
-    return f" {readings[0].upper()}{readings[1:]} {limit} it more than {known} does."
+        return f" {capital(known)} contributes more to its uncertainty than {readings}."
+    verb = "contribute" if readings.endswith("s") else "contributes"
+    return f" {capital(readings)} {verb} more to its uncertainty than {known}."
 
 
 def _known_to(path: str, stated: Sequence[tuple[Mechanism, Mapping[str, float]]]) -> str:

@@ -387,19 +387,19 @@ def _knob(mechanism: Mechanism, done: Sequence[Trial]) -> str:
     """Return the path of what is set to get other travels."""
     if driven_on(mechanism):
         raise InputError(
-            f"{type(mechanism).__name__} does not come to rest under a drive that goes on as long"
-            " as the run lasts, so there is no travel to plan: measure its position in time or its"
-            " travel per cycle and give that to select, which says what to measure next (see the"
-            " how-to on a cart that drives itself, docs/howto/fit-cart.md)."
+            f"{type(mechanism).__name__} does not come to rest because its drive never ends, so"
+            " there is no travel to plan. Measure its position in time or its travel per cycle and"
+            " give that to select, which proposes the next measurement (see"
+            " docs/howto/fit-cart.md)."
         )
     knob = knob_of(mechanism, done)
     contacts = mechanism.contacts()
     if knob is None or len(contacts) != 1:
         raise InputError(
-            "a plan is made for a body that a compressed spring or a push (compression,"
-            " drive.level or drive.amplitude, not 0) sets in motion and friction stops."
-            f" {type(mechanism).__name__} as it stands is not such a body. For records in time take"
-            " a first one: check says what it can tell, and select which one to take next."
+            "plan needs a body that a compressed spring or a push sets in motion (compression,"
+            " drive.level or drive.amplitude other than 0) and that friction stops; this"
+            f" {type(mechanism).__name__} is not one. For records in time, make a first record:"
+            " check says what it can tell, and select proposes the next one."
         )
     return knob[0]
 
@@ -421,7 +421,7 @@ def _candidates(
         law = _ordinary(mechanism, kind, t_end) if isinstance(kind, type) else kind
         found[law.name] = law
     if not found:
-        raise InputError("there is no friction law to plan for: give at least one in `laws`.")
+        raise InputError("no friction law was given: name at least one in `laws`.")
     return found
 
 
@@ -475,13 +475,13 @@ def _levelled(
             trials = [replace(one, travel=TravelModel(law, (), t_end).travel(one, ()))]
             if trials[0].travel == 0.0:
                 raise InputError(
-                    f"{law.title} friction{_values_of(law)} does not let the body move: give the"
-                    " law a lower level, or set the rig higher."
+                    f"{law.title} friction{_values_of(law)} holds the body at rest: lower the"
+                    " friction level, or raise the setting of the rig."
                 )
         try:
             found[name] = fit_trials(law, trials, free=payable(law, trials)[:1], t_end=t_end).law
         except (ConvergenceError, InputError) as error:
-            remarks.append(f"{law.title} friction is left out: {error}")
+            remarks.append(f"{law.title} friction was left out: {error}")
     if not found:
         raise InputError(f"no law can be planned for. {' '.join(remarks)}")
     return {name: found[name] for name in laws if name in found}, remarks
@@ -505,7 +505,7 @@ def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float
             np.any((beyond if stop.side == "upper" else -beyond) > -NEAR_STOP)
         ):
             at = quantity(float(stop.position), mechanism.units[0])
-            return f"the body runs into the stop at {at}. Set the rig lower."
+            return f"the body hits the stop at {at}. Lower the setting of the rig."
     return ""
 
 
@@ -556,7 +556,7 @@ def _range(
         if not 0.0 < low < high:
             raise InputError(
                 f"between must be two settings of {path} ({asked.symbol}) above 0 {asked.unit},"
-                f" the smaller one first, got {low:g} and {high:g}."
+                f" the smaller one first, got {number(low)} and {number(high)}."
             )
         return between, ""
     sign = math.copysign(1.0, present)
@@ -572,11 +572,11 @@ def _range(
         low, high = RANGE[0] * sizes[-1], RANGE[1] * sizes[-1]
         source = (
             f"{'The trials and the rig have' if done else 'The rig has'} one {word}: the settings"
-            f" span {RANGE[0]:g} to {RANGE[1]:g} times it"
+            f" span {number(RANGE[0])} to {number(RANGE[1])} times that value"
         )
     low, high = (min(max(sign * one, asked.low), asked.high) for one in (low, high))
     shown = f"{number(factor * low)} to {number(factor * high)} {unit}".replace(" °", "°")
-    return (low, high), f"{source}, {shown}. Another range is given by --between (Python: between)."
+    return (low, high), f"{source}, {shown}. Use --between (Python: between) for another range."
 
 
 def _settings(
@@ -617,7 +617,7 @@ def _stopping(
             continue
         value, said = reasons.popitem()
         at = quantity(value, unit, degrees=True)
-        remarks.append(f"{law.title} friction is left out: with {words_of(path)} {at}, {said}")
+        remarks.append(f"{law.title} friction was left out: with {words_of(path)} {at}, {said}")
     if not found:
         raise InputError(f"no law can be planned for. {' '.join(remarks)}")
     return found, remarks
@@ -640,10 +640,15 @@ def _rows(
         ends = " to ".join(quantity(one, unit, degrees=True) for one in (settings[0], settings[-1]))
         raise InputError(
             f"the body moves at {len(kept)} of {len(settings)} settings of the {word} from {ends}:"
-            " set the rig higher, or give a higher range as between (--between)."
+            " raise the setting of the rig, or give a higher range with --between (Python:"
+            " between)."
         )
     idle = [row.text for row in rows if row not in kept]
-    said = [f"At {joined(idle)} the body hardly moves: no runs there."] if idle else []
+    said = (
+        [(f"At {joined(idle)} the body hardly moves, so no runs are planned there.")]
+        if idle
+        else []
+    )
     return kept, said
 
 
@@ -653,9 +658,9 @@ def _checked(error: float | None, longest: float) -> float:
     if not LEAST_ERROR * longest <= size <= longest:
         least, most, got = (quantity(one, "m") for one in (LEAST_ERROR * longest, longest, size))
         raise InputError(
-            f"the uncertainty of a travel (u_s) must be from {least}, to which runs are exact, to"
-            f" {most}, the longest travel planned, got {got}: state it as uncertainty"
-            " (--uncertainty)."
+            f"the uncertainty of a travel (u_s) must be from {least} (the accuracy of the"
+            f" simulation) to {most} (the longest planned travel), got {got}: give it with"
+            " --uncertainty (Python: uncertainty)."
         )
     return size
 
@@ -696,7 +701,7 @@ def _rough(
     symbol, wanted = bench.width(laws[named], repeats)
     _, got = worse.width(laws[named], repeats)
     said = (
-        f"Known to 1 % only, it leaves the 95 % interval of ${symbol}$ at ± {percent(got)} of the"
+        f"If it is known only to 1 %, the 95 % interval of ${symbol}$ is ± {percent(got)} of the"
         f" value instead of ± {percent(wanted)}"
     )
     told = [pair for pair in contrasts if pair.sigmas(bench.error, repeats) >= TELLING]
@@ -706,8 +711,8 @@ def _rough(
         if _contrast(worse, pair.holds, pair.rival, laws).sigmas(bench.error, repeats) < TELLING
     ]
     if lost:
-        return f"{said}, and the runs no longer tell {joined(lost)}."
-    return f"{said}; the runs tell the same laws apart." if told else f"{said}."
+        return f"{said}, and the runs no longer distinguish {joined(lost)}."
+    return f"{said}; the runs distinguish the same laws." if told else f"{said}."
 
 
 def _stated(

@@ -11,10 +11,10 @@ from stickslip.quantities import Quantity, parameters
 __all__ = ["how_to", "otherwise"]
 
 PLAIN = {
-    "mass": "Weigh all that slides, to {needed}.",
+    "mass": "Weigh all sliding parts, to {needed}.",
     "level": "Measure the push with the force sensor that will record it, to {needed}.",
     "amplitude": "Measure the force with the sensor that will record it, to {needed}.",
-    "duration": "Read the push off a record of its force, to {needed}.",
+    "duration": "Determine the push from a record of its force, to {needed}.",
     "incline": "Measure the rise of the track over its length, or its angle, to {needed}.",
     "lower_stop": "Measure where the stop is, to {needed}.",
     "upper_stop": "Measure where the stop is, to {needed}.",
@@ -55,22 +55,22 @@ def how_to(mechanism: Mechanism, path: str, needed: float, largest: float) -> st
         length = quantity(largest, "m")
         if load > LIFTED:
             return (
-                f"Press the spring together by {length} against a load cell, which takes"
-                f" {number(value * largest)} N. Read both lengths to {read} for {text}, or take the"
-                " slope over several loads."
+                f"Compress the spring by {length} against a load cell (range at least"
+                f" {number(value * largest)} N). Measure both lengths to {read} to reach {text},"
+                " or take the slope over several loads."
             )
         return (
             f"Hang {quantity(load, 'kg')} on the spring, or press it onto a scale: its length"
-            f" changes by {length}. Read both lengths to {read} for {text}, or take the slope over"
-            " several masses."
+            f" changes by {length}. Measure both lengths to {read} to reach {text}, or take the"
+            " slope over several masses."
         )
     if name == "mass" and known.get("mechanism.stiffness", (None, 0.0))[1]:
         plain = PLAIN[name].format(needed=text)
-        return f"{plain} A third of the spring's mass moves with it: take a light spring."
+        return f"{plain} A third of the spring's mass moves with the body: use a light spring."
     if name == "compression":
         return (
-            f"Set it anew for each run, against a stop or a scale that is good to {text}. Its zero"
-            " is where the spring just touches."
+            f"Set it anew for each run, against a stop or a scale accurate to {text}. Its zero is"
+            " where the spring just touches the body."
         )
     return PLAIN.get(name, "Measure it to {needed}.").format(needed=text)
 

@@ -52,35 +52,35 @@ def objection(fit: RecordFit, *, shown: bool = False) -> str:
         if estimate.path in fit.at_bounds:
             reasons.append(f"{symbol} {_ran(fit, estimate)}")
         elif estimate.reason:
-            reasons.append(f"{symbol} is undetermined: {estimate.reason}")
+            reasons.append(f"{symbol} is not identified: {estimate.reason}")
         elif estimate.path in steps and steps[estimate.path][1] <= 0.0:
             step, low, high = steps[estimate.path]
             if not (shown and math.isfinite(high - low)):
                 reasons.append(_no_step(step, low, high, estimate.quantity.unit))
         elif estimate.low <= 0.0 and not shown:
-            reasons.append(f"the interval of {symbol} covers 0")
+            reasons.append(f"the interval of {symbol} includes 0")
     if fit.inference.condition > SEPARABLE:
         condition = number(fit.inference.condition, 2)
-        reasons.append(f"condition number {condition}, above {SEPARABLE:g}")
+        reasons.append(f"condition number {condition}, above {number(SEPARABLE)}")
     return "; ".join(reasons)
 
 
 def _no_step(step: float, low: float, high: float, unit: str) -> str:
     if not math.isfinite(high - low):
-        return "its step is not bounded"
+        return "the step from static to kinetic friction is not identified"
     shown, first, last = (number(value, 2) for value in (step, low, high))
     shown += "" if unit in {"", "1"} else f" {unit}"
-    return f"its step of {shown} ({first} to {last}) covers 0"
+    return f"the interval of its static step of {shown} ({first} to {last}) includes 0"
 
 
 def _ran(fit: RecordFit, estimate: Estimate) -> str:
     item = fit.unknowns.items[fit.unknowns.paths.index(estimate.path)]
     side = fit.at_bounds[estimate.path]
     if item.above and side == "lower":
-        return "shows no step above the kinetic level"
+        return "is not above the kinetic level"
     if side == "lower" and item.low == 0.0:
-        return "went to 0"
-    return f"ran to its {side} bound of {quantity(estimate.value, estimate.quantity.unit, 2)}"
+        return "is estimated as 0"
+    return f"reached its {side} bound of {quantity(estimate.value, estimate.quantity.unit, 2)}"
 
 
 def standard_uncertainty(measurement: Measurement, quantity: str) -> float:
@@ -132,8 +132,8 @@ def unexplained(candidate: RecordCandidate, variation: float, *, uncertainty: fl
     share = candidate.score / variation if variation > 0.0 else 0.0
     assert candidate.fit is not None
     said = (
-        f"the held-out error of the closest, {candidate.title}, is {percent(share)} of the"
-        f" variation of the {candidate.fit.problem.quantity} itself"
+        f"the held-out error of the best, {candidate.title}, is {percent(share)} of the variation"
+        f" of the {candidate.fit.problem.quantity} itself"
     )
     if uncertainty > 0.0 and candidate.score > MANY * uncertainty and share > VISIBLE:
         times = number(candidate.score / uncertainty, 2)

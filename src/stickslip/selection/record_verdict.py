@@ -63,8 +63,8 @@ class SecondRecord:
         if not self.holds:
             return "does not hold"
         if self.segments < 2 or not math.isfinite(self.error):
-            why = "one segment" if math.isfinite(self.error) else "a simulation that fails"
-            return f"cannot be judged by {why}"
+            why = "only one segment" if math.isfinite(self.error) else "its simulation fails"
+            return f"cannot be tested ({why})"
         return "holds"
 
 
@@ -252,13 +252,14 @@ class RecordVerdict(Verdict[RecordCandidate]):
         why = "a table has no order in time"
         if self.plan.length:
             why = (
-                f"no segment of {quantity(self.plan.horizon, 's', 2)} lies in the last third, or"
-                " what comes"
-                " before tells too little: the record is too short"
+                f"the record is too short: no segment of {quantity(self.plan.horizon, 's', 2)}"
+                " lies in the last third, or the data before it do not suffice for a fit"
             )
         found = [f"No error on the last third ({', '.join(ahead)}): {why}."] if ahead else []
         if fails:
-            found.append(f"No error on the second record ({', '.join(fails)}): simulation fails.")
+            found.append(
+                f"No error on the second record ({', '.join(fails)}): the simulation fails."
+            )
         return tuple(found)
 
     @property

@@ -7,23 +7,40 @@ from functools import partial
 
 from stickslip import formatting
 from stickslip.experiments import QUANTITIES, Checks, turned
-from stickslip.formatting import Scale, capital, count, joined, number, ratio, with_unit
-from stickslip.identification import RecordFit, TrialComparison, difference, far_above_dry
+from stickslip.formatting import (
+    Scale,
+    capital,
+    count,
+    joined,
+    lower_first,
+    number,
+    percent,
+    ratio,
+)
+from stickslip.identification import AGREE, RecordFit, TrialComparison, difference, far_above_dry
 from stickslip.selection.candidates import REFERENCE
 from stickslip.selection.choice import as_good
 from stickslip.selection.design.experiments import Experiment
 from stickslip.selection.identifiable import limit_of, settled_estimates
 from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
-from stickslip.selection.verdict import Wording, score_scale, score_text
+from stickslip.selection.verdict import Wording, score_scale
+from stickslip.selection.wording import (
+    CORRECT_FIRST,
+    NOT_DISTINGUISHED,
+    UNMEASURED,
+    friction_of,
+    held_out_text,
+    in_sentence,
+    not_distinguished,
+)
 
 __all__ = [
     "distinct",
     "error_text",
     "first_of",
-    "friction_of",
-    "in_sentence",
     "outcomes",
     "record_wording",
+    "restarts_text",
     "route_text",
 ]
 
@@ -31,8 +48,6 @@ MOST = 3
 """Items of a list at most."""
 SEVERAL = 2.0
 """Error on a second record over the held-out one from which the second is what to expect."""
-NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
-"""How titles begin that are names."""
 
 
 def error_text(value: float, quantity: str, *, turning: bool = False) -> str:
@@ -122,7 +137,7 @@ def _outcome(c: RecordCandidate, best: RecordCandidate, *, recommended: bool) ->
     if c.name == best.name:
         if recommended:
             return "chosen"
-        return f"closest, not recommended{f': {c.dropped}' if c.dropped else ''}"
+        return f"fits best, not recommended{f': {c.dropped}' if c.dropped else ''}"
     if c.fit is None:
         return f"not fitted: {c.dropped}"
     if c.dropped:
@@ -130,14 +145,14 @@ def _outcome(c: RecordCandidate, best: RecordCandidate, *, recommended: bool) ->
     more = c.parameters - best.parameters
     if as_good(c, best):
         if more > 0:
-            return f"{more} more parameter{'s' if more > 1 else ''}, no gain beyond doubt"
-        return "not distinguished"
+            return f"{count(more, 'more parameter')}, no significant improvement"
+        return NOT_DISTINGUISHED
     told = _told_apart(c, best)
     if c.name == REFERENCE:
-        return "reference" if told else "reference, not distinguished"
+        return "reference" if told else f"reference, {NOT_DISTINGUISHED}"
     if best.score <= 0.0:  # numbers that a law made, without noise
         return "non-zero error, while the chosen law fits exactly"
-    return f"{ratio(c.score / best.score)} the error" + ("" if told else ", within doubt")
+    return f"{ratio(c.score / best.score)} the error" + ("" if told else ", not significant")
 
 
 def _told_apart(c: RecordCandidate, best: RecordCandidate) -> bool:
@@ -219,7 +234,7 @@ def _verdict(
     if fault:
         return f"No law explains this record: {fault}."
     if best.dropped:
-        return f"No candidate passes all checks; {name} comes closest."
+        return f"No candidate passes all checks; {name} fits best."
     if on_second is not None and not on_second.holds:
         other = next(c for c in candidates if c.name == on_second.rival)
         assert best.fit is not None
@@ -230,20 +245,17 @@ def _verdict(
         )
     if trials is not None and not trials.shared:
         outcome = trials.sentences[0]
-        return f"{capital(name)} predicts best, but {outcome[0].lower()}{outcome[1:]}"
+        return f"{capital(name)} predicts best, but {lower_first(outcome)}"
     if best.fit is not None and best.fit.model_errors:
         finding = best.fit.model_errors[0].finding
-        return f"{capital(name)} predicts best, but the model does not hold: {finding}"
+        return f"{capital(name)} predicts best, but the model does not hold: {lower_first(finding)}"
     apart = _halves_apart(best.fit) if best.fit else ""
     if apart:
-        return (
-            f"{capital(name)} predicts best, but halves of the record contradict each other:"
-            f" {apart}."
-        )
+        return f"{capital(name)} predicts best, but the two halves of the record disagree: {apart}."
     if best.doubt:
         return f"Use {name} to predict, but not all of its parameters are identified: {best.doubt}."
     if equal:
-        return f"Use {name}; {_not_distinguished(equal)}"
+        return f"Use {name}; {_not_distinguished(equal)}."
     return f"Use {name}."
 
 
@@ -253,12 +265,7 @@ def _halves_apart(fit: RecordFit) -> str:
 
 
 def _not_distinguished(candidates: Sequence[RecordCandidate]) -> str:
-    """Return that candidates are not distinguished from the chosen one, three at most by name."""
-    names = [in_sentence(c.title) for c in candidates]
-    if len(names) > MOST:
-        names = [*names[: MOST - 1], f"{len(names) - MOST + 1} more"]
-    verb = "are" if len(names) > 1 else "is"
-    return f"{joined(names)} {verb} not distinguished from it by this record."
+    return not_distinguished([c.title for c in candidates], "this record")
 
 
 def _trials_text(trials: TrialComparison | None, verdict: str) -> str:
@@ -273,42 +280,32 @@ def route_text(fit: RecordFit) -> str:
     return f"Fitted by {way}, because {fit.route_reason}." if fit.route_reason else ""
 
 
+def restarts_text(fit: RecordFit) -> str:
+    """Return how many starts of the search agree; of a free decay, in which segments."""
+    starts = len(fit.restarts.costs)
+    if starts == 1:
+        return "none, a single start"
+    text = (
+        f"{fit.restarts.agreeing} of {starts} starts reached the smallest residual within"
+        f" {percent(AGREE)}"
+    )
+    if fit.first is None:
+        return text
+    return f"{text}, in short segments; longer segments were fitted from there"
+
+
 def first_of(objections: str) -> str:
     """Return the first of several objections, and how many more there are.
 
     Examples
     --------
-    >>> first_of("c went to 0"), first_of("a covers 0; b covers 0; c went to 0")
-    ('c went to 0', 'a covers 0, and 2 more objections')
+    >>> first_of("c is 0"), first_of("a is 0; b is 0; c is 0")
+    ('c is 0', 'a is 0, and 2 more objections')
     """
     first, *others = objections.split("; ")
     if not others:
         return first
     return f"{first}, and {count(len(others), 'more objection')}"
-
-
-def friction_of(title: str) -> str:
-    """Return the friction of a law as one says it within a sentence.
-
-    Examples
-    --------
-    >>> friction_of("Direction-dependent"), friction_of("Dahl with exponent")
-    ('direction-dependent friction', 'Dahl friction with exponent')
-    """
-    kind, joint, more = in_sentence(title).partition(" with ")
-    noun = "" if kind.endswith("friction") else " friction"
-    return f"{kind}{noun}{joint}{more}"
-
-
-def in_sentence(title: str) -> str:
-    """Return a title as it stands within a sentence; names keep their capital.
-
-    Examples
-    --------
-    >>> in_sentence("Direction-dependent"), in_sentence("Coulomb + viscous")
-    ('direction-dependent', 'Coulomb + viscous')
-    """
-    return title if title.startswith(NAMES) else title[0].lower() + title[1:]
 
 
 def _lede(
@@ -329,19 +326,18 @@ def _lede(
     told = partial(
         distinct, scale, [c.score for c in candidates if c.name in {best.name, REFERENCE}]
     )
-    held = " ".join(score_text(scale, best.score, best.score_error)).strip()
-    text = f"Held-out error: {with_unit(held, scale.unit)} ({scored})."
+    text = held_out_text(scale, best.score, best.score_error, scored)
     if on_second is not None:
         text += f" {_second_text(candidates, best, on_second)}"
     if best.doubt and best.doubt not in said:
         text += f" Not all of its parameters are identified: {best.doubt}."
     if equal and _not_distinguished(equal) not in said:
-        text += f" {capital(_not_distinguished(equal))}"
+        text += f" {capital(_not_distinguished(equal))}."
     usual = next((c for c in candidates if c.name == REFERENCE), None)
     if usual is not None and usual.name != best.name and usual.fit:
         text += (
             f" Coulomb + viscous friction, the usual choice: {told(usual.score)} on the same blocks"
-            f"{'.' if _told_apart(usual, best) else ', not distinguished by them.'}"
+            f"{'' if _told_apart(usual, best) else ', which is not significantly different'}."
         )
     elif without is not None and math.isfinite(without.score):
         text += f" Without friction: {told(without.score)}."
@@ -370,7 +366,7 @@ def _second_text(
     if SEVERAL <= on_second.ratio < math.inf:
         text += (
             f", {number(on_second.ratio, 2)} times the held-out error; expect errors of this size"
-            " on new records"
+            " on new data"
         )
     text += f"; the choice {on_second.finding} there"
     rival = next((c for c in candidates if c.name == on_second.rival), None)
@@ -402,10 +398,10 @@ def _cannot_tell(
     lines = [*far_above_dry(best.fit), *best.fit.sentences]
     for c in candidates:
         for line in c.fit.sentences if c.fit and c.dropped and c.name != best.name else ():
-            if "step" in line or "undetermined" in line:
+            if "step" in line or "not identified" in line:
                 lines.append(f"{c.title}: {line}")
                 break
-    lines.append("How friction behaves at speeds, loads and temperatures that were not recorded.")
+    lines.append(UNMEASURED)
     # What else there is to say never crowds out that criteria disagree.
     return (*lines[: MOST - len(others)], *others)
 
@@ -419,7 +415,7 @@ def _other_picks(
     for criterion, name in picks.items():
         if name and name != best.name:
             against.setdefault(titles.get(name, name), []).append(criterion)
-    said = [f"{' and '.join(who)} would pick {title}" for title, who in against.items()]
+    said = [f"{joined(who)} would pick {title}" for title, who in against.items()]
     return (f"Criteria disagree: {'; '.join(said)}.",) if said else ()
 
 
@@ -432,11 +428,11 @@ def _measure_next(
 ) -> tuple[str, ...]:
     titles = {c.name: c.title for c in candidates}
     warned = [f.sentence for f in checks.findings if f.severity == "warning"]
-    lines = [f"First correct the record: {line}" for line in warned[:1]]
+    lines = [f"{CORRECT_FIRST}{line}" for line in warned[:1]]
     if fault:
         lines.append(
             "Before any further measurement, check the units, gains and signs of each column, the"
-            " mass, and that all trials are of one machine in one condition."
+            " mass, and whether all trials are of one machine in one condition."
         )
     for one in experiments[:2]:
         observed, readings = one.readings()
@@ -449,14 +445,14 @@ def _measure_next(
         )
     if on_second is not None and SEVERAL <= on_second.ratio < math.inf:
         lines.append(
-            "Find what differs between the two records (load, temperature, lubrication, gains): the"
-            " law of the first does not carry over to the second."
+            "Find what differs between the two records (load, temperature, lubrication, gains):"
+            " the law fitted to the first does not transfer to the second."
         )
     if not lines and on_second is None:
         lines.append(
-            "A second record of another motion: given for validation, it tests the choice on data"
-            " that no fit has used."
+            "Record a second, different motion and give it for validation (--validate), to test"
+            " the choice on data that no fit has used."
         )
     elif not lines:
-        lines.append("A record at other speeds, loads or temperatures, where the law extrapolates.")
+        lines.append("Record at other speeds, loads or temperatures, where the law extrapolates.")
     return tuple(lines[:MOST])

@@ -97,9 +97,9 @@ PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "comp
 """Horizon [s] of what is predicted, by what the law is for."""
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
-LEFT_OUT = "the search was ended before its turn"
+LEFT_OUT = "skipped: the search was stopped"
 HOPELESS = (
-    "not judged: the search was stopped early, since the residual is more than three times that of"
+    "not scored: its search was stopped early because the residual exceeded three times that of"
     " another law"
 )
 
@@ -322,7 +322,7 @@ def checked(
     checks = check(measurement, mechanism=mechanism)
     if checks.worst == "error":
         wrong = [one for one in checks.findings if one.severity == "error"]
-        raise InputError(f"{which} cannot decide. {told(wrong)}")
+        raise InputError(f"{which} cannot be used for a selection. {told(wrong)}")
     return checks
 
 
@@ -331,7 +331,7 @@ def _fits(tried: Sequence[RecordCandidate]) -> list[RecordFit]:
     fits = [candidate.fit for candidate in tried if candidate.fit]
     if not fits:
         raise ConvergenceError(
-            "no candidate predicts this record: "
+            "no candidate can predict this record: "
             + "; ".join(f"{c.title}: {c.dropped}" for c in tried)
         )
     return fits
@@ -418,9 +418,12 @@ def _judged(
         validation = cross_validate(candidate.fit, plan)
         second = None if validate is None else candidate.fit.score(validate, horizon=plan.horizon)
     except (ConvergenceError, SimulationError) as error:
-        return replace(candidate, dropped=f"not judged: without a held-out block, {error}")
+        return replace(
+            candidate,
+            dropped=(f"not scored: the fit without one of the held-out blocks failed: {error}"),
+        )
     if not math.isfinite(validation.score):
-        reason = "not judged: its simulation of a held-out block fails"
+        reason = "not scored: its simulation of a held-out block failed"
         return replace(candidate, dropped=reason, second=second)
     return replace(
         candidate, validation=validation, dropped=objection(candidate.fit), second=second
@@ -470,7 +473,7 @@ def _judgeable(judged: Sequence[RecordCandidate]) -> list[RecordCandidate]:
     scored = [c for c in judged if c.validation and math.isfinite(c.score)]
     if not scored:
         raise ConvergenceError(
-            "no candidate can be judged on blocks of this record that it has not seen: "
+            "no candidate can be scored on held-out blocks of this record: "
             + "; ".join(f"{c.title}: {c.dropped}" for c in judged)
         )
     return scored
@@ -514,7 +517,9 @@ def _verdict(
     what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(closest, plan))
     fault = unexplained(closest, variation, uncertainty=stated)
     if without is not None and not _better_than(closest, without):
-        fault = fault or "no candidate is shown to predict it better than no friction at all"
+        fault = fault or (
+            "no candidate predicts it significantly better than a model without friction"
+        )
     on_second = _on_second(closest, scored)
     recommended = not fault and not closest.dropped and (on_second is None or on_second.holds)
     ordered = outcomes(ordered, closest, recommended=recommended)

@@ -103,11 +103,11 @@ def _before(plan: Plan) -> SheetTable:
         )
         how[f"{one.name[:1].upper()}{one.name[1:]}"] = f"{one.how} {one.rough}".rstrip()
     caption = (
-        "Uncertainties are standard uncertainties. A parameter known as well as needed adds half as"
-        f" much as the {len(plan.runs())} readings to the uncertainty of the level of"
-        f" {_titles(plan)[plan.reference]} friction; three such parameters widen its interval by a"
-        " third. An error that all runs share does not average out; that of a setting that is made"
-        " anew for each run does."
+        "Uncertainties are standard uncertainties. A parameter with the needed uncertainty"
+        f" contributes half as much as the {len(plan.runs())} readings to the uncertainty of the"
+        f" level of {_titles(plan)[plan.reference]} friction; three such parameters widen its"
+        " interval by a third. An error common to all runs does not average out; the error of a"
+        " setting that is adjusted anew for each run does."
     )
     return SheetTable(
         name="before",
@@ -126,16 +126,16 @@ def _settings(plan: Plan) -> tuple[SheetTable, ...]:
     # a digit beyond that of the uncertainty
     decimals = min(max(0, 1 - math.floor(math.log10(1e3 * plan.uncertainty))), 4)
     level = (
-        "Each law has the level that fits the trials."
+        "The level of each law is fitted to the trials."
         if plan.from_trials
-        else "Each law has the level that gives the same travel with the rig as it stands."
+        else "The level of each law gives the same travel with the rig as described."
     )
     known = quantity(plan.uncertainty, "m", 2)
     doubt = (
-        f"Travels are taken to be known to {known}, 2 % of the longest one: an assumption, until"
-        " repeats at one setting show their scatter."
+        f"The uncertainty of a travel is assumed to be {known}, 2 % of the longest travel, until"
+        " repeats at one setting show the scatter."
         if plan.assumed
-        else f"Travels are taken to be known to {known}, {known_by(plan)}."
+        else f"The uncertainty of a travel is {known}, {known_by(plan)}."
     )
     size = math.ceil(len(plan.settings) / math.ceil(len(plan.settings) / BLOCK))
     blocks = [plan.settings[i : i + size] for i in range(0, len(plan.settings), size)]
@@ -174,12 +174,12 @@ def known_by(plan: Plan) -> str:
     >>> from stickslip import SpringBlock, plan
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> known_by(plan(rig, "coulomb", uncertainty=0.004))
-    'scatter and reading together'
+    'scatter and measurement uncertainty combined'
     """
     if not plan.repeated:
-        return "scatter and reading together"
+        return "scatter and measurement uncertainty combined"
     return (
-        "the scatter of the repeats that were measured before"
+        "the scatter of the repeats measured so far"
         f" ({count(plan.repeated, 'degree of freedom', 'degrees of freedom')})"
     )
 
@@ -216,19 +216,20 @@ def _apart(plan: Plan) -> SheetTable:
             open_.setdefault(one.obstacle, []).append(one)
     return SheetTable(
         name="apart",
-        title=f"The runs tell {len(told)} of {count(len(plan.tellings), 'pair')} of laws apart",
+        title=f"The runs distinguish {len(told)} of {count(len(plan.tellings), 'pair')} of laws",
         heads=(
-            "if this law holds",
-            "this one is ruled out",
+            "if this law is true",
+            "this law is ruled out",
             "gap [mm]",
             f"at [{unit}]",
             "runs each",
         ),
         rows=tuple(rows),
         caption=(
-            "Gap: the largest difference that is left when the law to be ruled out is fitted to the"
-            " travels of the other one, and the setting where it is. Runs each: the number at each"
-            " setting that rules it out by the test of `stickslip select` in nine of ten such sets."
+            "Gap: the largest difference that remains when the law to be ruled out is fitted to"
+            " the travels of the other law, and the setting at which it occurs. Runs each: the"
+            " runs per setting with which the test of `stickslip select` rules that law out in"
+            " nine of ten experiments."
         ),
         lines={said: _pairs(pairs, titles) for said, pairs in open_.items()},
     )
@@ -266,15 +267,15 @@ def _values(plan: Plan) -> SheetTable:
             advice.setdefault(one.estimate.quantity.symbol, one.advice)
     return SheetTable(
         name="values",
-        title="What the runs will tell of each law",
-        heads=("law", "parameter", "if it is", "95 % interval to expect"),
+        title="Expected intervals of each law",
+        heads=("law", "parameter", "true value", "expected 95 % interval"),
         rows=tuple(rows),
         caption=(
-            "The interval to expect if the law holds with this value and the rig is known as stated"
-            " or, where nothing is stated, as needed. A parameter that `stickslip select` does not"
-            " fit is fitted here beside those that it does: its interval is the best that these"
-            " travels can give. Not identified: the interval reaches the least value that the law"
-            " allows."
+            "The expected interval if the law is true with this value and the rig has the stated"
+            " (otherwise the needed) uncertainties. Parameters that `stickslip select` does not"
+            " fit are fitted here together with those that it fits: their intervals are the best"
+            " that these travels can give. Not identified: the interval reaches the lowest value"
+            " that the law allows."
         ),
         lines={f"To identify ${symbol}$": text for symbol, text in advice.items()},
     )

@@ -7,7 +7,7 @@ from typing import Any, final
 
 from typing_extensions import override
 
-from stickslip.formatting import count, number
+from stickslip.formatting import count, joined, number
 from stickslip.friction import FrictionLaw
 from stickslip.identification import TravelFit
 from stickslip.quantities import fields_of, parameters
@@ -60,9 +60,9 @@ class TravelCandidate(Candidate[TravelFit]):
         if self.dropped:
             return self.dropped
         if self.invented:
-            names = " and ".join(f"${fields_of(type(self.law))[n].symbol}$" for n in self.invented)
+            names = joined([f"${fields_of(type(self.law))[n].symbol}$" for n in self.invented])
             verb = "was" if len(self.invented) == 1 else "were"
-            return f"not judged: {names} {verb} assumed, not fitted"
+            return f"not scored: {names} {verb} assumed, not fitted"
         return "no held-out trials: all trials repeat one setting"
 
     @property

@@ -6,7 +6,16 @@ Symbols stand between dollar signs, which reports typeset.
 import math
 from collections.abc import Collection, Mapping, Sequence
 
-from stickslip.formatting import joined, number, quantity, with_unit, within
+from stickslip.formatting import (
+    Scale,
+    count,
+    joined,
+    lower_first,
+    number,
+    quantity,
+    with_unit,
+    within,
+)
 from stickslip.identification import Estimate, Trial, far_above_dry
 from stickslip.quantities import fields_of
 from stickslip.selection.admissibility import doubts
@@ -15,23 +24,24 @@ from stickslip.selection.design.discriminating_settings import Proposal
 from stickslip.selection.identifiable import limit_of
 from stickslip.selection.travel_verdict import TravelCandidate, misfit
 from stickslip.selection.verdict import Wording
+from stickslip.selection.wording import UNMEASURED, held_out_text, not_distinguished
 
 __all__ = ["estimate_text", "wording"]
 
 ADVICE = {
     "static_coefficient": (
-        "Pull slowly until the block moves: the force then is $mu_s$ times the load."
+        "Pull slowly until the block moves: the force at break-away is $mu_s$ times the load."
     ),
     "bristle_stiffness": (
-        "A presliding loop: push to and fro with less than the break-away force and record the"
-        " movement; its slope gives $sigma_0$."
+        "Record a presliding loop: apply an alternating force below break-away; the slope of force"
+        " against displacement gives $sigma_0$."
     ),
-    "bristle_damping": "The same loop at two rates, for $sigma_1$.",
+    "bristle_damping": "Record presliding loops at two rates, which give $sigma_1$.",
     "stribeck_velocity": (
-        "A velocity trace of the last centimetre, 240 frames a second or more: friction that rises"
-        " before the stop gives $v_s$."
+        "Record the velocity over the last centimetre (240 frames per second or more): the rise of"
+        " friction before the stop gives $v_s$."
     ),
-    "viscous_coefficient": "A velocity trace of one run: its curvature gives $sigma_2$.",
+    "viscous_coefficient": "Record the velocity of one run: its curvature gives $sigma_2$.",
 }
 """Which measurement pays for a parameter that a travel does not fix, the most telling first."""
 
@@ -92,7 +102,7 @@ def wording(
             explained, best, unsettled, max(t.half_width for t in trials), ranked=ranked
         ),
         measure_next=(
-            tuple(f"Check: {_lower(line)}" for line in against.check[:3])
+            tuple(f"Check: {lower_first(line)}" for line in against.check[:3])
             if against
             else _measure_next(explained, best, proposal)
         ),
@@ -109,7 +119,7 @@ def estimate_text(estimate: Estimate) -> str:
 def _with_estimates(candidate: TravelCandidate, without: Collection[str] = ()) -> str:
     found = candidate.fit.estimates if candidate.fit else ()
     said = [estimate_text(e) for e in found if e.path.rpartition(".")[2] not in without]
-    return f"{candidate.title} friction" + (f" with {' and '.join(said)}" if said else "")
+    return f"{candidate.title} friction" + (f" with {joined(said)}" if said else "")
 
 
 def _nothing_fits(candidates: Sequence[TravelCandidate]) -> tuple[str, str]:
@@ -123,9 +133,9 @@ def _nothing_fits(candidates: Sequence[TravelCandidate]) -> tuple[str, str]:
     closest = min(candidates, key=lambda c: known.get(c.title, float("inf")))
     return (
         f"No candidate explains the measurement; the closest is {closest.title}.",
-        f"With the values it started from it is {number(100.0 * known[closest.title], 2)} % off:"
-        f" {_why(closest)} Check the rig: mass, stiffness, compression, and whether the body leaves"
-        " the spring.",
+        f"With its start values its travel is off by {number(100.0 * known[closest.title], 2)} %."
+        f" {_why(closest)} Check the mass, stiffness and compression of the rig, and whether the"
+        " body leaves the spring.",
     )
 
 
@@ -153,14 +163,13 @@ def _tie(
     if not others:
         return (
             f"{_with_estimates(best)} explains the measurement. {rest}",
-            f"One travel fixes one number: the mean friction force, {quantity(force, 'N')}.",
+            f"One travel determines one number, the mean friction force of {quantity(force, 'N')}.",
         )
     return (
         f"{_with_estimates(best)} explains the measurement. {rest}",
-        f"One travel fixes one number: the mean friction force, {quantity(force, 'N')}. It"
-        " cannot tell"
-        f" friction models apart. {best.title} is named because it needs the fewest assumptions,"
-        " not because it is closer.",
+        f"One travel determines one number, the mean friction force of {quantity(force, 'N')}; it"
+        f" cannot distinguish friction models. {best.title} is named because it needs the fewest"
+        " assumptions, not because it fits better.",
     )
 
 
@@ -168,22 +177,15 @@ def _ranked(
     trials: Sequence[Trial], explained: Sequence[TravelCandidate], best: TravelCandidate
 ) -> tuple[str, str]:
     equals = [c.title for c in explained if c is not best and not c.distinguished]
-    doubt = ""
-    if equals:
-        verb = "is" if len(equals) == 1 else "are"
-        doubt = f"; {joined(equals)} {verb} not distinguished from it by these readings"
-    score, error = best.score or 0.0, best.score_error or 0.0
-    settings = len({trial.setting for trial in trials})
+    doubt = f"; {not_distinguished(equals, 'these readings', most=6)}" if equals else ""
+    scored = f"each of the {len({t.setting for t in trials})} settings predicted from the others"
+    held_out = held_out_text(
+        Scale(1e3, "mm"), best.score, best.score_error, f"{scored}, root mean square"
+    )
     return (
         f"Use {_with_estimates(best, doubts(best))}{doubt}.",
-        f"Each of the {settings} settings was predicted from the others. {best.title} friction has"
-        f" a held-out error of {number(1e3 * score, 2)} mm (root mean square, standard error"
-        f" {number(1e3 * error, 2)} mm).{_fit_quality(best)}{_remarks(explained, best)}",
+        f"{held_out}{_fit_quality(best)}{_remarks(explained, best)}",
     )
-
-
-def _lower(line: str) -> str:
-    return line[:1].lower() + line[1:]
 
 
 def _fit_quality(best: TravelCandidate) -> str:
@@ -193,13 +195,13 @@ def _fit_quality(best: TravelCandidate) -> str:
     factor, freedom = best.fit.variance
     if not best.fit.stated:
         return (
-            " No uncertainty of the readings was stated: it is estimated from the residuals, with"
-            f" {freedom:g} degree{'s' if freedom != 1 else ''} of freedom."
+            " No measurement uncertainty was stated; it is estimated from the residuals, with"
+            f" {count(round(freedom), 'degree')} of freedom."
         )
     if math.isfinite(freedom):
         return (
-            f" Residuals are {number(math.sqrt(factor), 2)} times the stated uncertainty: intervals"
-            " are widened accordingly."
+            f" The residuals are {number(math.sqrt(factor), 2)} times the stated uncertainty; the"
+            " intervals are widened accordingly."
         )
     return ""
 
@@ -210,7 +212,7 @@ def _remarks(explained: Sequence[TravelCandidate], best: TravelCandidate) -> str
     if best.invented:
         names = _symbols([best], set(best.invented))
         verb = "was" if len(best.invented) == 1 else "were"
-        said = f" {names} {verb} neither measured, given nor fitted: an ordinary value was assumed."
+        said = f" {names} {verb} neither measured, given nor fitted: a typical value was assumed."
     closer = [c for c in explained if c.passed_over and misfit(c) < misfit(best)]
     if closer:
         one = min(closer, key=lambda c: (bool(c.invented), misfit(c)))
@@ -258,7 +260,7 @@ def _range_line(estimate: Estimate, best: TravelCandidate) -> str:
     given = getattr(best.law, name)
     symbol = f"${estimate.quantity.symbol}$"
     if not estimate.bounded:
-        return f"{symbol} only to one side: {estimate.reason}."
+        return f"{symbol} is bounded on one side only: {estimate.reason}."
     lies = f"{symbol} lies between {estimate.range.replace(' to ', ' and ')}"
     if best.ordinary:
         return f"{lies}."
@@ -280,12 +282,12 @@ def _cannot_tell(
         lines.append("Which friction model is right: no data are left for validation.")
     others = [value for c in explained if c is best and c.fit for value in c.fit.others]
     if others:
-        said = " and ".join(number(value) for value in others)
+        said = joined([number(value) for value in others])
         verb = "gives" if len(others) == 1 else "give"
         lines.insert(0, f"Which value: {said} {verb} the same travel.")
     lines += _given_lines(explained, reading)
     lines[:0] = far_above_dry(best.fit) if best is not None and best.fit else ()
-    return tuple(lines[:3]) or ("How friction behaves at speeds and loads that were not measured.",)
+    return tuple(lines[:3]) or (UNMEASURED,)
 
 
 def _given_lines(explained: Sequence[TravelCandidate], reading: float) -> list[str]:
@@ -302,8 +304,8 @@ def _given_lines(explained: Sequence[TravelCandidate], reading: float) -> list[s
     if busy:
         widest = 1e3 * max(moved.values())
         lines.append(
-            f"{busy}: not fitted. A rise of 50 % changes the travel by up to {number(widest)} mm,"
-            " for which the fitted level compensates."
+            f"{busy}: not fitted. An increase of 50 % changes the travel by up to {number(widest)}"
+            " mm, which the fitted level compensates."
         )
     return lines
 
@@ -336,8 +338,8 @@ def _no_score(trials: Sequence[Trial], *, ranked: bool) -> str:
     if ranked:
         return ""
     if len(trials) == 1:
-        return "No score and no ranking: one number was measured and one was fitted."
+        return "No held-out error and no ranking: one number was measured and one was fitted."
     return (
-        "No score and no ranking: all trials repeat one setting, so none can be predicted from"
-        " another."
+        "No held-out error and no ranking: all trials repeat one setting, so none can be predicted"
+        " from another."
     )

@@ -103,8 +103,8 @@ def select_travels(
     varied = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
     if varied.unknown:
         raise InputError(
-            "vary takes no parameters of the mechanism where travels are compared: give more trials"
-            " instead."
+            "vary cannot name parameters of the mechanism when laws are compared by travels: give"
+            " more trials instead."
         )
     mechanism = varied.mechanism
     trials = trials_of(mechanism, measurement, t_end)
@@ -112,7 +112,7 @@ def select_travels(
         laws = None  # a rig file without friction values: the command tries the usual laws too
     named = _named(laws)
     if not named:
-        raise InputError("there is no friction law to try: give at least one in `laws`.")
+        raise InputError("no friction law was given: name at least one in `laws`.")
     scored = len({trial.setting for trial in trials}) > 1
     ordinary = _ordinary(laws)
     compile_for(trials, named.values(), progress=_compiling(progress))

@@ -221,8 +221,8 @@ def search_failure(
     --------
     >>> from stickslip import Coulomb, CoulombViscous
     >>> simple = FittedLaw(law=Coulomb(kinetic_coefficient=0.2), values={}, cost=4.0, rows=100)
-    >>> search_failure(CoulombViscous, 9.0, 100, [simple])
-    'The search failed: the residual of Coulomb friction, which this law contains, is 33 % smaller.'
+    >>> search_failure(CoulombViscous, 9.0, 100, [simple]).partition(": ")[2]
+    'Coulomb friction, a special case of this law, has a residual 33 % smaller.'
     >>> search_failure(CoulombViscous, 4.0, 100, [simple])
     ''
     """
@@ -232,7 +232,7 @@ def search_failure(
         if exact and one.rows == rows and cost > (1.0 + WORSE) * one.cost:
             less = 100.0 * (1.0 - (one.cost / cost) ** 0.5)
             return (
-                f"The search failed: the residual of {one.law.title} friction, which this law"
-                f" contains, is {number(less, 2)} % smaller."
+                f"The search did not converge: {one.law.title} friction, a special case of this"
+                f" law, has a residual {number(less, 2)} % smaller."
             )
     return ""

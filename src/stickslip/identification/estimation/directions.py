@@ -15,7 +15,7 @@ HOPELESS = 1e7
 TAKES_PART = 0.01
 """Share of such a direction from which a parameter counts as part of it."""
 UNSEEN = "the record does not depend on it"
-TIED = "the record depends only on a combination of it and others"
+TIED = "the record depends only on a combination of it and other parameters"
 
 
 @final

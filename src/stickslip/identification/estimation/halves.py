@@ -183,13 +183,11 @@ def contradiction(unknowns: FreeParameters, halves: Halves) -> tuple[str, ...]:
     apart = difference([item.quantity for item in unknowns.items], halves)
     if not apart:
         return ()
-    parts = (
-        "first and the last half of the trials" if halves.several else "two halves of the record"
-    )
+    parts = "first and second half of the trials" if halves.several else "two halves of the record"
     whole = "all trials" if halves.several else "the whole record"
     return (
-        f"The {parts} give {apart}: the law does not hold over {whole}, and the intervals were"
-        " widened to cover both.",
+        f"The {parts} give {apart}: the law does not hold over {whole}; the intervals were widened"
+        " to include both values.",
     )
 
 
@@ -217,6 +215,6 @@ def difference(quantities: Sequence[Quantity], halves: Halves | None) -> str:
         for values in halves.values
     )
     return (
-        f"{own.symbol} = {first} and {second}, which differ by"
+        f"{own.symbol} = {first} and {second}, a difference of"
         f" {number(abs(float(halves.distance[worst])), 2)} standard errors"
     )

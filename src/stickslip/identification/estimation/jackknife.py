@@ -40,7 +40,7 @@ DEPENDENT = 0.05
 """Chance with which independent rows pass for dependent ones."""
 ALONE = 1e-12
 """Share of what all blocks see of a direction, squared, below which the others see nothing."""
-ONCE = "only one part of the record depends on it"
+ONCE = "only one segment of the record depends on it"
 
 
 @final

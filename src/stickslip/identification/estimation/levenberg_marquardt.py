@@ -137,7 +137,7 @@ def search(
     ends = [one for one in race.ends if one]
     if not ends:
         raise ConvergenceError(
-            f"the record cannot be predicted from any of {len(race.ends)} starts near"
+            f"the record cannot be simulated from any of {len(race.ends)} starting points near"
             f" {', '.join(f'{i.path} = {number(i.start)}' for i in problem.unknowns.items)}."
         )
     best = min(ends, key=lambda end: end.cost)
@@ -179,7 +179,9 @@ def _polished(
             found.append(whole)
             last = end
     if not found:
-        raise ConvergenceError("the whole record cannot be predicted from where a part of it led.")
+        raise ConvergenceError(
+            "the whole record cannot be simulated with the values fitted to a part of it."
+        )
     return found
 
 
@@ -335,7 +337,7 @@ def improve(
     at = unknowns.coordinates(values)
     here = problem.linearise(unknowns.values(at)) if near is None else near
     if not here.finite:
-        raise ConvergenceError("the record cannot be predicted from this start.")
+        raise ConvergenceError("the record cannot be simulated with these start values.")
     damping, growth = FIRST_DAMPING, GROWTH
     costs, moved = [here.cost], False
     try:

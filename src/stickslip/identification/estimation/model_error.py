@@ -8,7 +8,7 @@ from typing_extensions import override
 
 __all__ = ["UNSAID", "ModelError"]
 
-UNSAID = "The 95 % intervals of the estimates do not allow for it."
+UNSAID = "The 95 % intervals do not account for it."
 """What an error means where no more is known of it."""
 
 

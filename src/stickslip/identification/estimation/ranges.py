@@ -137,7 +137,7 @@ def _without_range(kind: type[FrictionLaw], name: str, quantity: Quantity) -> st
     }
     text = usual.get(quantity.unit, 'scale="none", bounds=(LOW, HIGH), start=VALUE')
     return (
-        f"{kind.__name__}.{name} ({quantity.symbol}) has no range to be looked for in: complete its"
+        f"{kind.__name__}.{name} ({quantity.symbol}) has no search range: complete its"
         f' Quantity, such as Quantity("{quantity.symbol}"{unit}{limits}, {text}), where bounds and'
         ' start are multiples of the scale as measured, or values with scale="none"; or give an'
         f" instance of {kind.__name__}, whose values other than 0 are the start."

@@ -269,8 +269,7 @@ def refuse_uncertainties(measurement: Measurement) -> None:
     stated = [path for one in (measurement, *measurement.trials) for path in one.doubts]
     if stated:
         raise InputError(
-            f"the uncertainty of {stated[0]} is not propagated into intervals of fits to features:"
-            " leave it out."
+            f"fits to features do not propagate the uncertainty of {stated[0]}: leave it out."
         )
 
 
@@ -310,8 +309,8 @@ def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
     """
     if measurement.trials or measurement.time is None or measurement.spring_force is None:
         raise InputError(
-            "features of stick-slip need one record with time and spring_force [N]. A coefficient"
-            " becomes a force by gain={'spring_force': load}."
+            "features of stick-slip need one record with time and spring_force [N]. Convert a"
+            " coefficient to a force with gain={'spring_force': load}."
         )
     time = measurement.time
     force = np.asarray(measurement.values("spring_force")) / towed_load(block)
@@ -362,8 +361,9 @@ def _sentences(found: StickSlipFeatures) -> tuple[str, ...]:
         low, high = ratio * math.exp(-2.0 * error), ratio * math.exp(2.0 * error)
         said.append(
             f"The observed frequency is {within(ratio, low, high)} ({interval(low, high)}) times"
-            " sqrt(k/m)/(2 pi) of the nominal mass: a rigid body of that mass cannot oscillate so"
-            f" fast; an effective mass of {number(1.0 / ratio**2, 2)} times the nominal one could."
+            " sqrt(k/m)/(2 pi) of the nominal mass: a rigid body of the nominal mass cannot"
+            f" oscillate so fast; an effective mass of {number(1.0 / ratio**2, 2)} times the"
+            " nominal one could."
         )
     if found.slips > 1:
         spread = found.waiting_times.std() / found.waiting_times.mean()
@@ -376,15 +376,15 @@ def _sentences(found: StickSlipFeatures) -> tuple[str, ...]:
         )
         if spread > 0.2:
             said.append(
-                f"Waiting times scatter by {percent(spread)}: a law with fixed parameters has"
-                " one waiting time, and cannot explain their spread."
+                f"Waiting times scatter by {percent(spread)}: a law with fixed parameters predicts"
+                " a single waiting time and cannot explain the scatter."
             )
     if found.drifts:
         first, second = found.halves
         thirds = ", ".join(number(value) for value in found.thirds)
         said.append(
             f"The record drifts: the mean F/N is {number(first)} in the first half and"
-            f" {number(second)} in"
-            f" the second ({thirds} in thirds). Features of all of it mix different states."
+            f" {number(second)} in the second ({thirds} in thirds). Features of the whole record"
+            " mix different states."
         )
     return tuple(said)

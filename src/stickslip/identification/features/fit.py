@@ -132,8 +132,8 @@ def fit_features(
     unknowns = unknowns_of(block, start, observed, unknown=chosen.unknown, free=names)
     if not len(unknowns):
         raise InputError(
-            f"there is nothing to fit: {start.title} has no level of friction and no speed that is"
-            " not fixed; name at least one parameter in vary."
+            f"there is nothing to fit: all friction levels and speeds of {start.title} are fixed;"
+            " name at least one parameter in vary."
         )
     problem = FeatureProblem(block=block, law=start, observed=observed, unknowns_=unknowns)
     return _result(problem, _searched(problem, points, seed, progress), held, measurement)
@@ -184,8 +184,8 @@ def _result(
     said = sentences_of(estimates, observed, held, errors)
     if observed.frequency > FASTER * observed.natural_frequency and MASS not in pairs:
         said += (
-            "The mass was held at the nominal one;"
-            " vary=['friction.*', 'mechanism.mass'] fits it too.",
+            "The mass was fixed at its nominal value; vary=['friction.*', 'mechanism.mass'] fits"
+            " it too.",
         )
     return FeatureFit(
         law=with_values(problem.law, "friction", others),
@@ -286,7 +286,7 @@ def _told_apart(fits: Sequence[FeatureFit]) -> tuple[FeatureFit, ...]:
     if len(alike) < 2:
         return tuple(fits)
     said = (
-        f"{', '.join(one.law.title for one in alike)} are not told apart: their held-out errors"
+        f"{', '.join(one.law.title for one in alike)} are not distinguished: their held-out errors"
         " differ by less than the features change between the parts of the record"
         f" ({percent(room_of(fits[0]))})."
     )
@@ -352,8 +352,8 @@ def _searched(
         ends.append(end)
     if not ends:
         raise ConvergenceError(
-            f"none of {len(places)} runs has a limit cycle to compare:"
-            " check mass, stiffness and speed of the block."
+            f"none of {len(places)} simulated runs has a limit cycle: check the mass, stiffness"
+            " and speed of the block."
         )
     best = min(ends, key=lambda end: end.cost)
     alike = [end.values for end in ends if end.cost <= best.cost + ALIKE**2]

@@ -215,7 +215,7 @@ def _range(
     if quantity.scale == "speed":
         return 2.0 * block.speed, 0.1 * block.speed, 50.0 * block.speed
     if value <= 0.0:
-        raise InputError(f"a feature fit needs a value above 0 to start from, {path} is 0.")
+        raise InputError(f"a fit to features needs a start value above 0 for {path}, got 0.")
     if quantity.scale == "none" and not quantity.structural and quantity.bounds is not None:
         low, high = quantity.bounds
         return value, max(min(low, value), value / 1e3), max(high, value)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.experiments import LawEstimates, Measurement, levels_at
-from stickslip.formatting import number, percent, signed_percent
+from stickslip.formatting import joined, number, percent, signed_percent
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.features.features import (
@@ -36,7 +36,7 @@ FLAT = 0.1
 """A parameter takes part in a change that no feature shows if its share is above this."""
 TOLD = 0.01
 """Singular values below this share of the largest are such changes."""
-WHOLE, PART = "The record drifts", "The part that was fitted drifts by itself"
+WHOLE, PART = "The record drifts", "The fitted part of the record drifts"
 EDGE = 1e-6
 """Logarithms closer than that to an end of their range are at it."""
 MISSED = 0.05
@@ -218,7 +218,7 @@ def estimates_of(
         tied = item.above in unknowns.paths and bool(loose[unknowns.paths.index(item.above)])
         reason = "other values give the same features" if loose[i] or tied else ""
         if not low[i] + EDGE < at[i] < high[i] - EDGE and not reason:
-            reason = "it lies at the end of the range that was searched"
+            reason = "it reached the end of the search range"
         width = math.inf if reason else QUANTILE * float(errors[i])
         least = -math.inf if reason else 0.0  # all that is looked for is a size
         found.append(
@@ -262,24 +262,23 @@ def sentences_of(
     said = [line.replace(WHOLE, PART) if held else line for line in observed.sentences]
     if held is not None and abs(held.mean / observed.mean - 1.0) > DRIFTS:
         said.append(
-            f"The record drifts: the mean F/N is {number(observed.mean)} in the part that was"
-            " fitted"
-            f" and {number(held.mean)} in the part held out, and no fixed parameters give both."
+            f"The record drifts: the mean F/N is {number(observed.mean)} in the fitted part and"
+            f" {number(held.mean)} in the held-out part; no fixed parameters reproduce both."
         )
     reasons = {e.reason for e in estimates if e.reason}
     for reason in sorted(reasons):
         symbols = ", ".join(e.quantity.symbol for e in estimates if e.reason == reason)
-        said.append(f"Frequency, mean and standard deviation do not tell {symbols}: {reason}.")
+        said.append(f"Frequency, mean and standard deviation do not identify {symbols}: {reason}.")
     missed = [
         f"{name.replace('_', ' ')} by {signed_percent(error)}"
         for name, error in errors.items()
         if abs(error) > MISSED
     ]
     if missed:
-        said.append(f"The best limit cycle misses the observed {' and '.join(missed)}.")
+        said.append(f"The best limit cycle misses the observed {joined(missed)}.")
     if observed.regime == "stick-slip":
         said.append(
-            "A limit cycle repeats exactly: the scatter of an irregular record enters its standard"
-            " deviation and reads as larger slips."
+            "A limit cycle repeats exactly: the scatter of an irregular record increases its"
+            " standard deviation and appears as larger slips."
         )
     return tuple(said)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.formatting import joined, number
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.force_map.bristle_integration import Path
 from stickslip.mechanisms import Mechanism
@@ -38,7 +39,7 @@ SEGMENTS = 40
 """Segments of a record where no length is given."""
 BUTTERWORTH = 4
 """Order of the filter that derived friction came through."""
-TIMELESS = "bristles show in displacements, and a table without time has none"
+TIMELESS = "bristles depend on displacement, which a table without time does not have"
 """Why laws of bristles are not fitted to tables."""
 SHARES = 8
 """Segments of a table; its rows are dealt out to them in turn, so that each has all speeds."""
@@ -150,15 +151,15 @@ def stretches_of(
         raise InputError(f"samples must be at least {LEAST}, got {samples!r}.")
     check_loads(measurement)
     found: list[MotionSegment] = []
-    for number, record in enumerate(measurement.records()):
+    for index, record in enumerate(measurement.records()):
         _check(record)
         set_up = vary(mechanism, "mechanism", record.overrides)
         load = load_along(set_up, record, np.asarray(record.values("friction")).size)
         count = max((int(one.segment.max()) + 1 for one in found), default=0)
         if record.time is None:
-            found.append(_table(number, record, load, count))
+            found.append(_table(index, record, load, count))
         else:
-            found.extend(_series(number, record, load, count, segment, samples))
+            found.extend(_series(index, record, load, count, segment, samples))
     return tuple(found)
 
 
@@ -166,7 +167,7 @@ def _check(record: Measurement) -> None:
     """Refuse a record that is not one of friction."""
     label = f"record {record.name!r}" if record.name else "the record"
     known = record.quantities()
-    had = f"{label} has only {', '.join(known)}"
+    had = f"{label} has only {joined(known)}"
     if "friction" not in known:
         raise InputError(f"a force map needs friction (F) [N], and {had}.")
     if record.time is None and record.kind != "friction-map":
@@ -199,8 +200,8 @@ def check_loads(measurement: Measurement) -> None:
     loads = {"load" in record.quantities() for record in measurement.records()}
     if len(loads) > 1:
         raise InputError(
-            "load (N) was measured in some of the trials only: give Measurement.load [N] to each of"
-            " them, or to none of them to use that of the mechanism."
+            "load (N) was measured in only some of the trials: give Measurement.load [N] for each"
+            " trial, or for none to use that of the mechanism."
         )
 
 
@@ -286,8 +287,8 @@ def load_along(mechanism: Mechanism, record: Measurement, count: int) -> Array:
         where = f"the load of {type(mechanism).__name__} (N)"
     if not np.all(load > 0.0):
         raise InputError(
-            f"{where} of {label} must be above 0 N, got {float(np.min(load)):g}: give the normal"
-            " force in Measurement.load, one number or one for each sample."
+            f"{where} of {label} must be above 0 N, got {number(float(np.min(load)))}: give the"
+            " normal force in Measurement.load, one number or one for each sample."
         )
     return load
 
@@ -297,7 +298,8 @@ def _own_load(mechanism: Mechanism) -> float:
     contacts = mechanism.contacts()
     if len(contacts) != 1:
         raise InputError(
-            f"a force map is of one contact, and {type(mechanism).__name__} has {len(contacts)}."
+            f"a force map describes one contact, and {type(mechanism).__name__} has"
+            f" {len(contacts)}."
         )
     (contact,) = contacts
     if contact.normal is None:

@@ -145,9 +145,9 @@ def balanced(
                 found.extend(_cut(replace(one, record=number), length, first))
     if not found:
         raise InputError(
-            "inverse dynamics needs a stretch of at least"
-            f" {LEAST} samples without a gap, in which the body moves for longer than the filter"
-            " of motion and force remembers: record longer, or choose the route shooting."
+            f"inverse dynamics needs a stretch of at least {LEAST} samples without a gap, in which"
+            " the body moves for longer than the memory of the filter of motion and force: record"
+            " longer, or choose the route shooting."
         )
     return tuple(found)
 

@@ -147,8 +147,8 @@ def map_along(
     kind = law if isinstance(law, type) else type(law)
     if not issubclass(kind, SetValuedLaw | DirectionalLaw | BristleLaw):
         raise InputError(
-            f"a force map needs a law that is set-valued, directional or of bristles;"
-            f" {kind.__name__} is none of them."
+            f"a force map needs a set-valued, directional or bristle law; {kind.__name__} is none"
+            " of these."
         )
     refuse_timeless(law, stretches)
     own = getattr(mechanism, "offset", None)
@@ -213,7 +213,7 @@ def _effective(problem: ForceMap) -> FreeParameters:
     left = tuple(item for item, gone in zip(items, dead, strict=True) if not gone)
     if not left:
         raise InputError(
-            f"nothing is left to look for in the law {problem.law.title}: its parameters are held"
-            " or do not show in the record."
+            f"there is nothing to fit: all parameters of {problem.law.title} are fixed or have no"
+            " effect on the record."
         )
     return replace(problem.unknowns, items=left)

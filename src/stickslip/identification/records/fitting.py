@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement, refuse_faults, refuse_unused, with_doubts
-from stickslip.formatting import quantity
+from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw, laws
 from stickslip.identification.estimates import (
     bounds_met,
@@ -101,8 +101,8 @@ def route_of(measurement: Measurement, route: str | None = None) -> Route:
                 return known
         if route == FEATURES:
             raise InputError(
-                "features are no residuals of a record: fit_features, `fit` and `select` take that"
-                " route."
+                "the route 'features' has no residuals in time: use fit_features, `fit` or"
+                " `select`."
             )
         raise UnknownNameError("route", route, (*ROUTES, FEATURES))
     return "force-map" if "friction" in measurement.quantities() else "shooting"
@@ -149,7 +149,9 @@ def fit_records(
     Examples
     --------
     >>> from stickslip import Axis, Coulomb
-    >>> table = Measurement(velocity=[-0.1, 0.1] * 4, friction=[-2.0, 2.0] * 4)
+    >>> table = Measurement(
+    ...     velocity=[-0.2, -0.1, 0.1, 0.2] * 3, friction=[-2.0, -2.0, 2.0, 2.0] * 3
+    ... )
     >>> fit_records(Axis(inertia=1.0), Coulomb, table).route
     'force-map'
     """
@@ -470,7 +472,7 @@ def _lengthened(
             again = search(problem, starts=1, watch=watch)
         except ConvergenceError as error:
             raise ConvergenceError(
-                f"segments of {settings.segment:g} s of this free decay do not tell enough to"
+                f"segments of {number(settings.segment)} s of this free decay are too short to"
                 f" predict {quantity(length, 's')}: {error} Give longer segments."
             ) from None
         ready = replace(ready, problem=problem, length=length)
@@ -543,13 +545,12 @@ def _doubtful(found: OptimizeResult) -> tuple[str, ...]:
     """Return a sentence where no other start came to the least residual."""
     if found.hopeless:
         return (
-            "The search was cut short: from all of its"
-            f" {len(found.costs)} starts, the residual is more than three times that of another"
-            " law.",
+            f"The search was stopped early: from each of its {len(found.costs)} starts, the"
+            " residual is more than three times that of another law.",
         )
     if found.agreeing > 1 or len(found.costs) == 1:
         return ()
     return (
-        f"Only one of {len(found.costs)} starts came to the least residual: the estimates may be"
-        " those of a side valley, which intervals do not show.",
+        f"Only one of {len(found.costs)} starts reached the smallest residual: the search may have"
+        " ended in a local minimum, which the intervals do not show.",
     )

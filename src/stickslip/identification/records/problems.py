@@ -262,8 +262,8 @@ def _refuse_overrides(measurement: Measurement, unknowns: FreeParameters) -> Non
         for path in record.overrides:
             if path in unknowns.paths:
                 raise InputError(
-                    f"trial {record.name or number} overrides {path}, which is looked for as one"
-                    " number of all trials: leave the override out, or do not look for it."
+                    f"trial {record.name or number} overrides {path}, which is fitted as one value"
+                    " for all trials: leave the override out, or do not vary it."
                 )
 
 
@@ -271,8 +271,8 @@ def _mapped(wanted: ProblemRequest) -> FitSetup[ForceMap]:
     """Return the problem of friction that was measured."""
     if wanted.unknown:
         raise InputError(
-            f"friction was measured, which tells nothing of {', '.join(wanted.unknown)}: vary"
-            " parameters of the law only, or fit another record that has motion and force."
+            f"measured friction does not depend on {', '.join(wanted.unknown)}: vary parameters of"
+            " the law only, or fit another record with motion and force."
         )
     mechanism = wanted.mechanism
     problem, starts = map_along(

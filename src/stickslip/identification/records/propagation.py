@@ -87,8 +87,8 @@ def displacements(
 def _refuse_load(paths: Collection[str], measurement: Measurement) -> None:
     if LOAD in paths and "load" in measurement.quantities():
         raise InputError(
-            f"the uncertainty of {LOAD} is stated, and the measured load takes the place of its"
-            " value: leave the uncertainty out."
+            f"the uncertainty of {LOAD} was stated, but the measured load replaces its value:"
+            " leave the uncertainty out."
         )
 
 
@@ -121,8 +121,8 @@ def _moved(
         sides.append(again(whole).carried(best))
     if not all(np.all(np.isfinite(side)) for side in sides):
         raise ConvergenceError(
-            f"the uncertainty of {path} cannot be propagated: the record cannot be predicted with"
-            " values just beside the stated one. Leave the uncertainty out."
+            f"the uncertainty of {path} cannot be propagated: the record cannot be simulated with"
+            " values close to the stated one. Leave the uncertainty out."
         )
     slopes = np.array(errors) / (spans[:, 1] - spans[:, 0])
     return np.asarray((sides[1] - sides[0]) * slopes[record_of])

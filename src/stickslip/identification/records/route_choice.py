@@ -113,7 +113,7 @@ def better_route(fits: Sequence[RecordFit], others: Sequence[RecordFit]) -> str:
     if not others:
         return ""
     if not fits:
-        return "no law can be fitted to simulated segments"
+        return "no law could be fitted to simulated segments"
     one, other = (min(unexplained_share(fit) for fit in some) for some in (fits, others))
     if not other < one:
         return ""
@@ -300,8 +300,8 @@ def _contradiction(
             if factor > CONTRADICTED:
                 name = path.rpartition(".")[2].replace("_", " ")
                 return (
-                    f"simulated segments and inverse dynamics contradict each other: the {name}"
-                    f" differs by a factor of {number(factor, 2)}"
+                    f"simulated segments and inverse dynamics disagree: the {name} differs by a"
+                    f" factor of {number(factor, 2)}"
                 )
     return ""
 

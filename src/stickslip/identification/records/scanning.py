@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError
 from stickslip.experiments import Measurement
+from stickslip.formatting import number
 from stickslip.friction import Coulomb
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem
@@ -91,9 +92,10 @@ def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str
     runs = problem.runs(best) if np.isfinite(best.cost) else ()
     if not runs:
         raise ConvergenceError(
-            f"no run of the {type(mechanism).__name__} goes on to the end of the record with"
-            f" Coulomb friction of {LEVELS[0]:g} to {LEVELS[-1]:g} times the load: look at masses,"
-            " lengths and the drive, in SI, and whether it lifts off or tips over."
+            f"no simulation of the {type(mechanism).__name__} reaches the end of the record with"
+            f" Coulomb friction of {number(LEVELS[0])} to {number(LEVELS[-1])} times the load:"
+            " check masses, lengths and the drive (in SI), and whether the body lifts off or tips"
+            " over."
         )
     slip = mechanism.coordinates.index(mechanism.contacts()[0].slip)
     place, rate = mechanism.coordinates[slip], mechanism.rates[slip]

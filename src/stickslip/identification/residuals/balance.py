@@ -185,7 +185,7 @@ def balance_of(fit: Fitted, wider: float, order: int) -> Balance:
     rows = _with_rows_before(kept[chosen], edges, every, order)
     residual, slopes = residual[chosen], slopes[chosen]
     if not (np.isfinite(residual).all() and np.isfinite(slopes).all()):
-        raise InputError("the law does not predict friction along the whole motion.")
+        raise InputError("the law does not predict friction over the whole motion.")
     memory = _autoregression(beside(residual, slopes), rows, order)
     return Balance(
         residual=whitened(residual, rows, memory),

@@ -37,12 +37,12 @@ NEAR = 15
 OWN = 0.3
 """Power of force or inertia over that of the other at a peak below which it has no part in it."""
 RIPPLE = (
-    "The recorded force has a peak at {}, a root mean square of {}, that the motion does not have:"
-    " a ripple of the amplifier or sensor, perhaps of a higher frequency that sampling folded."
+    "The recorded force has a spectral peak at {} (root mean square {}) that the motion lacks:"
+    " ripple of the amplifier or sensor, possibly aliased from a higher frequency."
 )
 VIBRATION = (
-    "The motion vibrates at {}, a root mean square of {} of inertia, that the recorded force does"
-    " not have: a flexible coupling or mount, or a disturbance."
+    "The motion vibrates at {} (inertial force {} root mean square) without such a component in"
+    " the recorded force: a flexible coupling or mount, or a disturbance."
 )
 
 

@@ -285,15 +285,15 @@ def _error(one: ScoreTest, estimates: Sequence[Estimate], measurement: Measureme
         if estimate.value
     ]
     text = (
-        f"This effect predicts {percent(min(one.share, 1.0))} of the squared residuals in blocks of"
-        " the record left out."
+        f"This effect explains {percent(min(one.share, 1.0))} of the squared residuals on held-out"
+        " blocks."
     )
     if said:
-        consequence = f"It moves {joined(said)}, farther than the 95 % intervals allow."
+        consequence = f"It shifts {joined(said)}, beyond the 95 % intervals."
     elif moved:
         consequence = UNSAID
     else:
-        consequence = "To first order, it moves no bounded estimate out of its 95 % interval."
+        consequence = "To first order, it shifts no identified parameter out of its 95 % interval."
     return ModelError(
         kind=one.effect.kind,
         finding=finding_of(one.effect, size(one.values), (low, high), measurement),

@@ -12,95 +12,94 @@ __all__ = ["finding_of"]
 
 HALF = (0.35, 0.65)
 """Delays over the step of time which are those of a wrong setting of hold."""
+FLEXIBLE = (
+    "High-frequency forces do not act on a single rigid mass: the residuals are proportional to the"
+    " second derivative of the force ({size} s²), as with a flexible coupling, belt or mount."
+)
+WAVY = "Friction depends on position, with amplitude {size} and wavelength {scale}."
 SAID: Mapping[str, tuple[str, str, str]] = {
     "delay": (
         "s",
-        "The motion follows the recorded force {size} late{half} a delay or lag of the amplifier"
-        " or of the position sensor, or two clocks.",
-        "The recorded force follows the motion {size} late{half} a delay or filter of the force"
-        " sensor, or two clocks.",
+        "The motion lags the recorded force by {size}{half} a delay of the amplifier or of the"
+        " position sensor, or two unsynchronised clocks.",
+        "The recorded force lags the motion by {size}{half} a delay or filter of the force sensor,"
+        " or two unsynchronised clocks.",
     ),
     "clock": (
         "s",
-        "The motion falls behind the recorded force by {size} each second: two clocks that run"
-        " apart.",
-        "The recorded force falls behind the motion by {size} each second: two clocks that run"
-        " apart.",
+        "The motion lags the recorded force by a further {size} each second: two clocks that"
+        " drift apart.",
+        "The recorded force lags the motion by a further {size} each second: two clocks that"
+        " drift apart.",
     ),
-    "flexibility": (
-        "",
-        "Fast forces do not move one rigid mass: the residuals are proportional to the second"
-        " derivative of the force ({size} s²), as with a flexible coupling, belt or mount.",
-        "Fast forces do not move one rigid mass: the residuals are proportional to the second"
-        " derivative of the force ({size} s²), as with a flexible coupling, belt or mount.",
-    ),
+    "flexibility": ("", FLEXIBLE, FLEXIBLE),
     "force limit": (
         "share",
-        "Of the recorded force beyond {scale}, {size} does not act: a limit of the amplifier.",
-        "Of the force beyond {scale}, {size} is missing in the record: a limit of the sensor.",
+        "Of the recorded force beyond {scale}, {size} does not act: the amplifier saturates.",
+        "Of the force beyond {scale}, {size} is missing from the record: the sensor saturates.",
     ),
     "inertia": (
         "mass",
-        "The motion takes {size} more than the mass given: a wrong mass or gain of the force.",
-        "The motion takes {size} less than the mass given: a wrong mass or gain of the force.",
+        "The motion needs a mass {size} larger than the one given: the mass or the gain of the"
+        " force is wrong.",
+        "The motion needs a mass {size} smaller than the one given: the mass or the gain of the"
+        " force is wrong.",
     ),
     "offset": (
         "force",
-        "A constant force of {size} acts beside friction, such as gravity.",
-        "A constant force of -{size} acts beside friction, such as gravity.",
+        "A constant force of {size} acts in addition to friction, such as gravity.",
+        "A constant force of -{size} acts in addition to friction, such as gravity.",
     ),
     "drift of the level": (
         "force",
-        "The friction level rises over the record, by {size}.",
-        "The friction level falls over the record, by {size}.",
+        "The friction level rises by {size} over the record.",
+        "The friction level falls by {size} over the record.",
     ),
     "drift of the offset": (
         "force",
-        "A force beside friction rises over the record, by {size}.",
-        "A force beside friction falls over the record, by {size}.",
+        "A force in addition to friction rises by {size} over the record.",
+        "A force in addition to friction falls by {size} over the record.",
     ),
     "drift of the viscous part": (
         "force",
-        "The viscous part rises over the record, at the largest speed by {size}.",
-        "The viscous part falls over the record, at the largest speed by {size}, as in warm-up.",
+        "Viscous friction at the largest speed rises by {size} over the record.",
+        "Viscous friction at the largest speed falls by {size} over the record, as in warm-up.",
     ),
     "asymmetry": (
         "force",
-        "The viscous part is larger forward, at the largest speed by {size} to either side.",
-        "The viscous part is larger backward, at the largest speed by {size} to either side.",
+        "Viscous friction is larger forward: at the largest speed, by {size} from the mean of both"
+        " directions.",
+        "Viscous friction is larger backward: at the largest speed, by {size} from the mean of"
+        " both directions.",
     ),
     "speed": (
         "force",
-        "Friction is larger {where} than this law says, by {size}.",
-        "Friction is smaller {where} than this law says, by {size}.",
+        "Friction {where} exceeds the prediction of the law by {size}.",
+        "Friction {where} is below the prediction of the law by {size}.",
     ),
     "spring": (
         "stiffness",
-        "A force grows with position, by {size}: a spring that the mechanism lacks.",
-        "A force falls with position, by {size}: a spring that the mechanism lacks.",
+        "A force rises with position by {size}: the mechanism lacks a spring.",
+        "A force falls with position by {size}: the mechanism lacks a spring.",
     ),
-    "position friction": (
-        "force",
-        "Friction depends on position, by ± {size}, wavelength {scale}.",
-        "Friction depends on position, by ± {size}, wavelength {scale}.",
-    ),
+    "position friction": ("force", WAVY, WAVY),
     "position force": (
         "force",
-        "A force beside friction depends on position, by ± {size}, wavelength {scale}: cogging, a"
-        " cable, gravity.",
+        "A force in addition to friction depends on position, with amplitude {size} and"
+        " wavelength {scale}: cogging, a cable or gravity.",
         "",
     ),
     "imbalance": (
         "force",
-        "A force depends on position and grows with speed squared, at the largest speed to"
-        " {size}, wavelength {scale}: imbalance.",
+        "A force depends on position and grows with the square of speed, to {size} at the largest"
+        " speed, with wavelength {scale}: imbalance.",
         "",
     ),
     "after reversals": (
         "",
-        "For {scale} after each reversal friction or inertia is larger, by {size} of its"
+        "For {scale} after each reversal, friction or inertia is larger by {size} of its"
         " coefficient: backlash, or presliding that the law lacks.",
-        "For {scale} after each reversal friction or inertia is smaller, by {size} of its"
+        "For {scale} after each reversal, friction or inertia is smaller by {size} of its"
         " coefficient: backlash, or presliding that the law lacks.",
     ),
 }
@@ -133,7 +132,7 @@ def finding_of(
     >>> record = Measurement(time=[0.0, 1e-3], position=[0.0, 1e-3], force=[1.0, 1.0])
     >>> spring = Effect("spring", lambda s: (s.middle,))
     >>> finding_of(spring, -4.0, (-4.1, -3.9), record).partition(":")[0]
-    'A force falls with position, by 4 N/m (95 % interval 3.9 N/m to 4.1 N/m)'
+    'A force falls with position by 4 N/m (95 % interval 3.9 N/m to 4.1 N/m)'
     """
     unit, above, below = SAID[effect.kind]
     sign = -1.0 if value < 0.0 else 1.0
@@ -170,4 +169,4 @@ def _half_sample(delay: float, measurement: Measurement) -> str:
     if not HALF[0] <= abs(delay) / step <= HALF[1]:
         return ":"
     hold = '"zero" (a held command)' if delay > 0.0 else '"first" (a sampled sensor signal)'
-    return f". This is half a sample: either hold should be {hold}, or there is"
+    return f". This is half a sample: either set hold to {hold}, or there is"

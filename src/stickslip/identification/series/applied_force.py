@@ -136,9 +136,9 @@ def applied_force(mechanism: Mechanism, record: Measurement) -> Array | None:
     stiffness = float(getattr(mechanism, "stiffness", 0.0))
     if stiffness <= 0.0:
         raise InputError(
-            "a record with a reference and no force is one in closed loop: give the controller's"
+            "a record with a reference and no force is one of a closed loop: give the controller"
             f" gains as stiffness [N/m] and damping [N s/m] of the {type(mechanism).__name__}, or"
-            " the force."
+            " give the force."
         )
     asked, time = np.asarray(record.values("reference")), np.asarray(record.time)
     rate = np.gradient(asked, time)

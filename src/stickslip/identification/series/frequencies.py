@@ -95,10 +95,10 @@ def frequency_of(
         return found
     if _hum(force, step, top):
         raise InputError(
-            f"the force shows no stick-slip but mains hum: no slips stand out, the spectrum has"
-            f" most power by octave at {quantity(top, 'Hz', 4)}, and a line at"
-            f" {words_of(_hum(force, step, top))} is narrow. {CURE}. A motion of the block at this"
-            " very frequency could not be told from hum: record it at another speed."
+            "the force shows mains hum and no stick-slip: no slips are detected, the power per"
+            f" octave is largest at {quantity(top, 'Hz', 4)}, and the line at"
+            f" {words_of(_hum(force, step, top))} is narrow. {CURE}. Motion of the block at"
+            " exactly this frequency cannot be distinguished from hum: record it at another speed."
         )
     return spectral
 
@@ -138,7 +138,7 @@ def _refuse_contradiction(
     if not contradict and not lines:
         return
     found = (
-        f"{count} slips are {quantity(1.0 / rate, 's')} apart in the mean, which is"
+        f"{count} slips are {quantity(1.0 / rate, 's')} apart on average, a rate of"
         f" {quantity(rate, 'Hz')}"
     )
     if lines:
@@ -146,12 +146,12 @@ def _refuse_contradiction(
         cure = f"{CURE}."
     else:
         said = (
-            "spectrum and slips contradict each other: the spectrum has most power by octave at"
+            "the spectrum and the slips disagree: the power per octave is largest at"
             f" {quantity(top, 'Hz')}, but {found}"
         )
-        cure = f"Find what moves the force at {quantity(top, 'Hz')}, or remove it with a "
-        cure += "notch filter." if apart > 0.0 else "high pass filter below the rate of the slips."
-    raise InputError(f"{said}: the features would be those of two motions. {cure}")
+        cure = f"Find the cause of the force at {quantity(top, 'Hz')}, or remove it with a "
+        cure += "notch filter." if apart > 0.0 else "high-pass filter below the slip rate."
+    raise InputError(f"{said}: the features would mix two motions. {cure}")
 
 
 def refuse_without_cycles(force: Array, step: float, top: float) -> None:
@@ -184,7 +184,7 @@ def refuse_without_cycles(force: Array, step: float, top: float) -> None:
         said = f"but it passes through {len(cycles)} cycles"
         said += f", which are {quantity(rate, 'Hz')}" if rate else " only"
         raise InputError(
-            f"the force shows no stick-slip: fewer than four slips stand out. Its spectrum has most"
-            f" power by octave at {quantity(top, 'Hz')}, {said}. Record for longer or with less"
+            "the force shows no stick-slip: fewer than four slips are detected. Its power per"
+            f" octave is largest at {quantity(top, 'Hz')}, {said}. Record for longer or with less"
             " noise."
         )

@@ -6,7 +6,11 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import quantity
 from stickslip.identification.estimation.parameters import FreeParameter
-from stickslip.identification.series.inverse_dynamics import inverse_dynamics, mass_of
+from stickslip.identification.series.inverse_dynamics import (
+    check_is_mass,
+    inverse_dynamics,
+    mass_of,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import full_path, parameters
 
@@ -42,10 +46,8 @@ def inertia_of(
     InputError
         If anything but the mass is looked for, or what is found is no mass.
     """
+    check_is_mass(unknown)
     names = [name.rpartition(".")[2] for name in unknown]
-    for name in names:
-        if name not in ("inertia", "mass"):
-            raise InputError(f"inverse dynamics finds the mass of a mechanism, not {name!r}.")
     if not names:
         return None
     known = {path: quantity for path, quantity, _ in parameters(mechanism, "mechanism")}
@@ -56,8 +58,8 @@ def inertia_of(
         value = mass_of(mechanism)  # the motion was slow: it says little of the mass
     if value <= 0.0:
         raise InputError(
-            f"inverse dynamics finds {quantity(value, 'kg')} for {path}: is the sign of the"
-            " force right (gain -1), and does the motion accelerate?"
+            f"inverse dynamics gives {quantity(value, 'kg')} for {path}: check the sign of the"
+            " force (gain -1) and that the motion accelerates."
         )
     return FreeParameter(
         path=path,

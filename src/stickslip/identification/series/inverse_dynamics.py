@@ -1,7 +1,7 @@
 """Inverse dynamics: friction levels by linear least squares from forces and filtered positions."""
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +20,7 @@ from stickslip.quantities import vary as with_values
 __all__ = [
     "InverseDynamics",
     "check_even",
+    "check_is_mass",
     "inverse_dynamics",
     "known_forces",
     "mass_of",
@@ -153,9 +154,7 @@ def inverse_dynamics(
     """
     offset = not directional if offset is None else offset
     names = [name for name in names_of(vary) if name != LAW]
-    for name in names:
-        if name.rpartition(".")[2] not in ("inertia", "mass"):
-            raise InputError(f"inverse dynamics finds the mass of a mechanism, not {name!r}.")
+    check_is_mass(names)
     inertia = bool(names)
     parts = []
     for record in measurement.records():
@@ -186,6 +185,19 @@ def inverse_dynamics(
     )
 
 
+def check_is_mass(names: Iterable[str]) -> None:
+    """Refuse parameters of a mechanism other than its mass, which is all that is identified.
+
+    Raises
+    ------
+    InputError
+        With the first of the others.
+    """
+    for name in names:
+        if name.rpartition(".")[2] not in ("inertia", "mass"):
+            raise InputError(f"inverse dynamics identifies the mass of a mechanism, not {name!r}.")
+
+
 def _pieces(record: Measurement) -> list[Measurement]:
     """Return what lies between the gaps of a record and is long enough to be filtered."""
     if not isinstance(record.time, np.ndarray):
@@ -195,9 +207,9 @@ def _pieces(record: Measurement) -> list[Measurement]:
     found = [piece for piece, size in zip(pieces, sizes, strict=True) if size >= LEAST]
     if not found:
         raise InputError(
-            "inverse dynamics, which start values come from, needs a stretch of at least"
-            f" {LEAST} samples without a gap, and the longest has {max(sizes, default=1)}: record"
-            " longer, or resample at even times."
+            f"inverse dynamics, which gives the start values, needs a stretch of at least {LEAST}"
+            f" samples without a gap, and the longest has {max(sizes, default=1)}: record longer,"
+            " or resample at even times."
         )
     return found
 
@@ -257,8 +269,9 @@ def check_even(time: Array) -> float:
     longest = float(np.diff(time).max())
     if longest > UNEVEN * dt:
         raise InputError(
-            "inverse dynamics, which start values come from, needs even times: the mean step is"
-            f" {quantity(dt, 's')} and the longest {quantity(longest, 's')}. Resample the record."
+            "inverse dynamics, which gives the start values, needs evenly spaced times: the mean"
+            f" step is {quantity(dt, 's')} and the longest {quantity(longest, 's')}. Resample the"
+            " record."
         )
     return dt
 

@@ -139,12 +139,12 @@ def _check_signs(found: InverseDynamics, *, driven: bool) -> None:
     said = ", ".join(f"{n} {number(v)}" for n, v in zip(found.names, found.values, strict=True))
     if not driven:
         raise InputError(
-            "nothing drives this motion, and friction alone cannot make it: linear regression gives"
-            f" {said}. Give the force, if there was one; only a free decay needs none."
+            "no drive was given, and friction alone cannot cause this motion: linear regression"
+            f" gives {said}. Give the force if there was one; only a free decay needs none."
         )
     raise InputError(
-        "the force acts against the motion that it should cause: linear regression gives"
-        f" {said}. Is its sign right (gain -1), and is each column what it is taken for?"
+        f"the force acts against the motion that it should cause: linear regression gives {said}."
+        " Check its sign (gain -1) and the meaning of each column."
     )
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from stickslip.drives import Drive, PiecewiseAffine, Sampled
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement
+from stickslip.formatting import joined, number
 from stickslip.identification.series.applied_force import applied_force, drives_itself, inside
 from stickslip.identification.series.measured_load import loaded
 from stickslip.identification.shooting.multiple_shooting import Segment
@@ -43,21 +44,21 @@ def measured_quantity(measurement: Measurement) -> str:
     for record in measurement.records():
         if record.time is None:
             raise InputError(
-                f"a simulated run is compared in time, and record {record.name!r} has no time."
+                f"simulations are compared in time, and record {record.name!r} has no time."
             )
     for quantity in ("position", "velocity"):
         if all(quantity in record.quantities() for record in measurement.records()):
             return quantity
     raise InputError(
-        "a simulated run is compared with position or velocity, and the records have only"
-        f" {', '.join(measurement.quantities())}.{_other_way(measurement)}"
+        "simulations are compared with position or velocity, and the records have only"
+        f" {joined(measurement.quantities())}.{_other_way(measurement)}"
     )
 
 
 def _other_way(measurement: Measurement) -> str:
     """Return how a record without motion is fitted all the same, if it can be."""
     if "spring_force" in measurement.quantities():
-        return " The force of a spring that pulls a block is fitted by route 'features'."
+        return " The force of a spring that pulls a block is fitted by the route 'features'."
     return ""
 
 
@@ -83,8 +84,8 @@ def with_drive(mechanism: Mechanism, drive: Drive | None) -> Mechanism:
     """
     if "drive" not in mechanism.__dataclass_fields__:
         raise InputError(
-            f"{type(mechanism).__name__} has no drive that a measured force could be; use Axis or"
-            " SpringBlock."
+            f"{type(mechanism).__name__} has no drive that a measured force can replace; use Axis"
+            " or SpringBlock."
         )
     return replace(mechanism, drive=drive)  # type: ignore[call-arg]  # it has one, as was seen
 
@@ -141,8 +142,8 @@ def segments_of(
             found.append(_segment(index, record, quantity, set_up, rows, hold))
     if not found:
         raise InputError(
-            f"no stretch of {length:g} s has {LEAST} samples without a gap: give longer segments,"
-            " and look whether time is in seconds."
+            f"no stretch of {number(length)} s has {LEAST} samples without a gap: give longer"
+            " segments, and check that time is in seconds."
         )
     return tuple(found)
 
@@ -207,8 +208,8 @@ def _from_the_start(
     assert isinstance(record.time, np.ndarray)
     if record.time[0] < 0.0:
         raise InputError(
-            f"the record begins at {record.time[0]:g} s, and the drive of"
-            f" {type(mechanism).__name__} at 0 s: let its times count from there."
+            f"the record begins at {number(float(record.time[0]))} s, but the drive of"
+            f" {type(mechanism).__name__} begins at 0 s: shift the times of the record."
         )
     names = (*mechanism.coordinates, *mechanism.rates)
     guess = _guess(mechanism, quantity, record.time, np.asarray(record.values(quantity)))

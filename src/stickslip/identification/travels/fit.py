@@ -4,6 +4,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement
+from stickslip.formatting import count
 from stickslip.friction import FrictionLaw
 from stickslip.identification.travels.model import (
     TravelModel,
@@ -81,7 +82,7 @@ def fit_travels(
     """
     chosen = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
     if chosen.unknown:
-        raise InputError("a few travels cannot tell parameters of the mechanism from friction.")
+        raise InputError("a few travels cannot separate parameters of the mechanism from friction.")
     given = chosen.law
     start = with_known(starting_law(given), chosen.known) if isinstance(given, type) else given
     trials = trials_of(chosen.mechanism, measurement, t_end)
@@ -148,8 +149,8 @@ def fit_trials(
     names = payable(law, trials) if free is None else [_path(law, name) for name in free]
     if len(names) > len(trials):
         raise InputError(
-            f"{len(trials)} travel(s) cannot fix {len(names)} parameters: vary fewer of"
-            f" {', '.join(names)}, or measure more trials."
+            f"{count(len(trials), 'travel')} cannot determine {len(names)} parameters: vary fewer"
+            f" of {', '.join(names)}, or measure more trials."
         )
     model = TravelModel(law, names, t_end, watch)
     if len(trials) == 1:

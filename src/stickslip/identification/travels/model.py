@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, ParameterError
 from stickslip.experiments import QUANTITIES, Measurement, canonical, check_uncertainty, scale_of
-from stickslip.formatting import quantity
+from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import WHOLE, Mechanism, Motor, cycle_of, repeats
 from stickslip.quantities import parameters, vary
@@ -164,14 +164,15 @@ def trials_of(mechanism: Mechanism, measurement: Measurement, t_end: float) -> t
     trials = []
     uncertainties = uncertainties_of(mechanism, measurement)
     pairs = zip(measurement.records(), uncertainties, strict=True)
-    for number, (record, (own, shared)) in enumerate(pairs, 1):
+    for index, (record, (own, shared)) in enumerate(pairs, 1):
         name = record.travelled
         if not name:
             raise InputError(
-                f"this fit uses travels, and record {record.name or 'without a name'!r} has none;"
+                "a fit to travels needs travels, and record"
+                f" {record.name or 'without a name'!r} has none;"
                 f" it has {', '.join(record.quantities())}."
             )
-        scale, cycles = scale_of(mechanism, record, t_end, f"trial {record.name or number}")
+        scale, cycles = scale_of(mechanism, record, t_end, f"trial {record.name or index}")
         trials += [
             Trial(
                 mechanism=vary(mechanism, "mechanism", record.overrides),
@@ -243,7 +244,8 @@ def _doubts(mechanism: Mechanism, given: Mapping[str, float]) -> dict[str, float
     for path, doubt in found.items():
         if path not in known:
             raise InputError(
-                f"{path} has an uncertainty, but {type(mechanism).__name__} has no value of it."
+                f"an uncertainty was stated for {path}, but {type(mechanism).__name__} has no"
+                " such value."
             )
         quantity, value = known[path]
         try:
@@ -432,9 +434,9 @@ class TravelModel:
         speed = quantity(abs(float(seen[trial.mechanism.rates[index]][0])), f"{unit}/s")
         halves = way[np.searchsorted(times, 0.5 * (end + last))], way[-1]
         steady = halves[1] >= STEADY * halves[0]
-        cure = "It does not slow down: give a mean_velocity over the run instead."
+        cure = "It does not slow down: measure mean_velocity over the run instead."
         raise ConvergenceError(
-            f"{law.title} friction does not bring the body to rest: at t_end = {end:g} s it still"
-            f" moves at {speed}, and goes up to {quantity(float(way.max()), unit)} farther in as"
-            f" long again. {cure if steady else 'Increase t_end.'}"
+            f"{law.title} friction does not bring the body to rest: at t_end = {number(end)} s it"
+            f" still moves at {speed}, and travels up to {quantity(float(way.max()), unit)}"
+            f" farther in the same time again. {cure if steady else 'Increase t_end.'}"
         )

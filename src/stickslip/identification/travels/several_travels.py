@@ -93,7 +93,8 @@ def fit_several(
             cost, best = problem.cost(found), found
     if cost >= FAILED**2:
         raise ConvergenceError(
-            f"no values of {', '.join(model.free)} were found with which every trial can be run."
+            f"the search found no values of {', '.join(model.free)} with which every trial can"
+            " be simulated."
         )
     for _ in range(WEIGHINGS):
         if not problem.weighed(best):
@@ -342,9 +343,9 @@ class _Problem:
         error = math.hypot(common, own)
         reason = ""
         if freedom == 0:
-            spread, reason = math.inf, "no reading is left over to estimate the uncertainty from"
+            spread, reason = math.inf, "too few readings to estimate their uncertainty"
         elif not math.isfinite(error) or error > 1e6 * max(abs(value), scale):
-            spread, reason = math.inf, "the trials do not depend on it enough"
+            spread, reason = math.inf, "the trials hardly depend on it"
         else:
             scattered = float(stats.t.ppf(0.975, freedom)) * own
             spread = math.hypot(scattered, float(stats.norm.ppf(0.975)) * common)

@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip import formatting
 from stickslip.errors import ConvergenceError
+from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.root_search import NEAR, positive_root, positive_roots
 from stickslip.identification.results import Estimate
@@ -55,10 +56,14 @@ def fit_one(model: TravelModel, trial: Trial) -> TravelFit:
 
     found = positive_roots(miss(trial.travel), start or 1.0, low=low, high=high)
     if not found:
-        room = f"above {low:g}" if math.isinf(high) else f"between {low:g} and {high:g}"
+        room = (
+            f"above {number(low)}"
+            if math.isinf(high)
+            else (f"between {number(low)} and {number(high)}")
+        )
         said = (
-            f"no value of {path} ({field.symbol}) {room} makes the travel"
-            f" {trial.travel:g} m; with {start:g} it is"
+            f"no value of {path} ({field.symbol}) {room} gives a travel of {number(trial.travel)}"
+            f" m; with {number(start)} the travel is"
             f" {formatting.quantity(model.travel(trial, [start]), 'm', 4)}."
         )
         try:
@@ -102,9 +107,9 @@ def _estimate(
     high = found[-1] if found and found[-1] >= best else math.inf
     reason = ""
     if not ends:
-        reason = "no uncertainty of the reading was given"
+        reason = "no uncertainty of the reading was stated"
     elif not (math.isfinite(low) and math.isfinite(high)):
-        reason = "no value gives the travel at one end of the reading's range"
+        reason = "no value gives the travel at one end of the range of the reading"
     return Estimate(
         path=path,
         quantity=quantity,

@@ -243,8 +243,8 @@ def compare_trials(
 
 
 NOT_ALONE = (
-    "trials are compared where each can be fitted alone: records in time or measured friction. A"
-    " single travel fixes one number, and the force of a spring is compared as one record."
+    "only trials that can be fitted individually are compared: records in time or measured"
+    " friction, not travels or the force of a spring."
 )
 """Why other measurements are refused."""
 
@@ -253,7 +253,7 @@ def _refuse(measurement: Measurement) -> None:
     if measurement.travelled or by_features(measurement):
         raise InputError(NOT_ALONE)
     if len(measurement.records()) < 2:
-        raise InputError("trials are compared where there are at least two; this is one record.")
+        raise InputError("a comparison needs at least two trials, got one record.")
 
 
 def fitted_alone(measurement: Measurement) -> bool:
@@ -292,7 +292,7 @@ def comparison_of(joint: RecordFit) -> TrialComparison:
     _refuse(joint.measurement)
     own = [i for i, path in enumerate(joint.unknowns.paths) if path.startswith(LAW)]
     if not own:
-        raise InputError("trials cannot be compared by a law of which nothing was fitted.")
+        raise InputError("trials cannot be compared by a law without fitted parameters.")
     best, spans = joint.found.best, joint.problem.spans
     record_of = spans[:, 0].astype(int)
     records = joint.measurement.records()
@@ -303,7 +303,7 @@ def comparison_of(joint: RecordFit) -> TrialComparison:
         name = record.name or f"trial {number + 1}"
         rows = record_of[best.segment] == number
         if not rows.any():
-            failed[name] = "nothing of it was used"
+            failed[name] = "none of its data were used"
             continue
         present.append(rows_of(best, rows))
         moved.append([one.of(rows) for one in joint.displaced])

@@ -53,8 +53,7 @@ def sentences_of(
     yield _outcome(trials, test, clear)
     if test.p < SURE:
         yield (
-            "One law for all of them is an average; its intervals do not apply to individual"
-            " trials."
+            "One law for all trials is an average; its intervals do not apply to individual trials."
         )
     for line in clear:
         yield _slope(line, confirmed=test.p < SURE)
@@ -82,10 +81,13 @@ def _outcome(
     trials: Sequence[TrialEstimates], test: Homogeneity, clear: Sequence[ConditionLine]
 ) -> str:
     if math.isnan(test.p):
-        return "Whether the trials share one law cannot be tested: they do not tell enough."
-    p = f"p < {LEAST_P:g}" if test.p < LEAST_P else f"p = {number(test.p, 2)}"
+        return (
+            "Whether the trials share one law cannot be tested: the trials do not identify its"
+            " parameters individually."
+        )
+    p = f"p < {number(LEAST_P)}" if test.p < LEAST_P else f"p = {number(test.p, 2)}"
     if not test.p < SURE:
-        return f"The trials share one law as far as they can tell ({p})."
+        return f"The trials are consistent with one law ({p})."
     said = [_change(line) for line in clear] or _groups(trials) or _range(trials)
     reason = f": {joined(said)}" if said else ""
     return f"The trials do not share one law ({p}){reason}."
@@ -112,7 +114,7 @@ def _slope(line: ConditionLine, *, confirmed: bool) -> str:
         f" {number(line.low)} to {number(line.high)})"
     )
     if line.scatter < SURE:
-        text += ", which allows for a scatter about the line beyond the intervals of the trials"
+        text += ", including scatter about the line beyond the intervals of the trials"
     if not confirmed:
         text += "; the test of all parameters together does not confirm it"
     return f"{text}."
@@ -140,7 +142,7 @@ def _groups(trials: Sequence[TrialEstimates]) -> list[str]:
                     f"{with_unit(number(m[0]), quantity.unit)} for {w!r}" for w, m in means.items()
                 ]
                 name = condition_name(condition)
-                found.append((p, f"{quantity.symbol} by {name} is {joined(parts)}"))
+                found.append((p, f"{quantity.symbol} is {joined(parts)} ({name})"))
     return [text for _, text in sorted(found)[:MOST]]
 
 
@@ -188,9 +190,8 @@ def _range(trials: Sequence[TrialEstimates]) -> list[str]:
         apart = (high - low) / math.hypot(least.errors[i], most.errors[i])
         if apart > best[0]:
             text = (
-                f"{one.quantity.symbol} goes from {with_unit(number(low), one.quantity.unit)} in"
-                f" {least.name}"
-                f" to {with_unit(number(high), one.quantity.unit)} in {most.name}"
+                f"{one.quantity.symbol} ranges from {with_unit(number(low), one.quantity.unit)} in"
+                f" {least.name} to {with_unit(number(high), one.quantity.unit)} in {most.name}"
             )
             best = (apart, text)
     named = any(trial.conditions for trial in trials)
@@ -205,21 +206,21 @@ def _troubles(trials: Sequence[TrialEstimates]) -> Iterator[str]:
         have = {t.name: v for t in trials if (v := t.conditions.get(condition)) is not None}
         lack = [t.name for t in trials if t.name not in have]
         if lack:
-            verb = "has" if len(lack) == 1 else "have"
-            yield f"{joined(lack)} {verb} no {name}, and {verb} no part in what is said of it."
+            verb, was = ("has", "was") if len(lack) == 1 else ("have", "were")
+            yield f"{joined(lack)} {verb} no {name} and {was} not used for its effect."
         if len({type(value) for value in have.values()}) > 1:
             yield f"{name} is a number in some trials and a text in others: give one kind."
         elif len(set(have.values())) == 1:
             (value,) = set(have.values())
             said = _at(condition, value) if isinstance(value, float) else f"{name} {value!r}"
-            yield f"All trials have {said}: its effect cannot be told."
+            yield f"All trials have {said}: its effect cannot be determined."
         else:
             differing[condition] = have
     for one, other in combinations(differing, 2):
         if _together(differing[one], differing[other]):
             yield (
-                f"{condition_name(one)} and {condition_name(other)} change together: their effects"
-                " cannot be told apart."
+                f"{condition_name(one)} and {condition_name(other)} vary together: their effects"
+                " cannot be separated."
             )
 
 

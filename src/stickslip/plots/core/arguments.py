@@ -51,8 +51,9 @@ def check_scene(run: object, mechanism: object, scene: object = None) -> None:
     states = run.states[: len(own)] if run.states else tuple(n for n in own if n in run.names)
     if states != own:
         raise InputError(
-            f"the run is not one of {type(mechanism).__name__}, whose states are {', '.join(own)}:"
-            f" it has {', '.join(run.states or run.names)}; give the mechanism that was simulated."
+            f"the run is not a run of {type(mechanism).__name__}, whose states are"
+            f" {', '.join(own)}: it has {', '.join(run.states or run.names)}; give the mechanism"
+            " that was simulated."
         )
 
 

@@ -116,12 +116,12 @@ def _axes_of(ax: object) -> list[Axes]:
     found = [ax] if isinstance(ax, Axes) else list(np.ravel(np.asarray(ax, dtype=object)))
     if not found or not all(isinstance(one, Axes) for one in found):
         raise InputError(
-            "ax must be matplotlib Axes, a sequence of them for a plot of several panels, or a"
-            f" Figure, got {ax!r}."
+            "ax must be matplotlib Axes, a sequence of Axes for several panels, or a Figure, got"
+            f" {ax!r}."
         )
     axes = cast("list[Axes]", found)
     if any(one.get_figure(root=True) is None for one in axes):
-        raise InputError("ax belongs to no figure any more: it was removed.")
+        raise InputError("ax was removed from its figure; give axes that belong to one.")
     return axes
 
 

@@ -270,7 +270,9 @@ def label_column(
     """
     figure = axes.get_figure(root=True)
     if figure is None:
-        raise InputError("the axes belong to no figure any more; label them before removing them.")
+        raise InputError(
+            "the axes were removed from their figure; label them before removing them."
+        )
     figure.draw_without_rendering()  # the layout decides how many pixels a unit has
     pixel = 72 / figure.dpi
     wanted = [float(axes.transData.transform((x, y))[1]) * pixel for y, _, _ in labels]

@@ -71,7 +71,7 @@ def draw_trials(comparison: TrialComparison, *, condition: str | None = None) ->
     name = _condition(comparison, condition)
     trials = comparison.trials
     if not trials:
-        raise InputError("there is nothing to draw: no trial could be fitted alone.")
+        raise InputError("there is nothing to draw: no trial could be fitted individually.")
     values = [trial.conditions.get(name) for trial in trials] if name else []
     if not name:
         values = [float(i + 1) for i in range(len(trials))]

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.characterize import PreslidingLoop, presliding_length, presliding_loop
-from stickslip.formatting import scale_of
+from stickslip.formatting import number, scale_of
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, Stribeck, towards
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Target, on_axes
@@ -154,7 +154,7 @@ def draw_stribeck(law: Stribeck, load: float) -> Draw:
         end, mark = factor * v[-1], factor * v_s
         label_at(axes, 0.0, f_s, f"{static} = {f_s:.2f} N, at rest up to this", INK, offset=(9, 6))
         label_at(axes, end, f_c, f"{coulomb} = {f_c:.2f} N", INK, offset=(0, -10), align="right")
-        label_at(axes, mark, 0.0, f"{speed} = {mark:g} {unit}", INK, offset=(6, 14))
+        label_at(axes, mark, 0.0, f"{speed} = {number(mark)} {unit}", INK, offset=(6, 14))
         left = f"1/e of {static} − {coulomb} is left"
         label_at(axes, mark, at_v_s, left, MUTED, offset=(8, 6))
 

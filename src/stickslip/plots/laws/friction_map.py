@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.formatting import scale_of
+from stickslip.formatting import number, scale_of
 from stickslip.friction import FrictionLaw
 from stickslip.plots.core.helpers import Array, LineStyle, Sizes, looks, wrapped
 from stickslip.plots.core.label_placement import Curve, label_curves
@@ -119,7 +119,7 @@ def draw_friction_map(
         if np.any(turn):
             _say_trend(grid.flat[0])
         if len(spans) > 1:
-            grid.flat[1].set_title(f"below {factor * low:g} {unit}", color=MUTED)
+            grid.flat[1].set_title(f"below {number(factor * low)} {unit}", color=MUTED)
         _names(grid.flat[0], curves, look, factor)
 
     return draw

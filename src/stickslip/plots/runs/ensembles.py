@@ -50,7 +50,7 @@ def draw_ensemble(runs: Ensemble, output: str, parameter: str | None) -> Draw:
                 across = np.repeat(places[chosen], columns.shape[1])
                 axes.plot(
                     across, columns[chosen].ravel(), "o", color=colour, markerfacecolor=fill,
-                    markersize=4, label="ended early" if colour == C2 else "lasted to the end",
+                    markersize=4, label="ended early" if colour == C2 else "reached the end",
                 )  # fmt: skip
         if early.any():
             axes.legend()

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.errors import InputError
-from stickslip.formatting import scale_of
+from stickslip.formatting import number, scale_of
 from stickslip.plots.core.helpers import Array, dense, horizon, looks
 from stickslip.plots.core.label_placement import Curve, label_curves, label_ends
 from stickslip.plots.core.svg import Draw
@@ -133,8 +133,8 @@ def _check(view: MotionView, runs: Mapping[str, Trajectory]) -> None:
     known = min(run.span[1] for run in runs.values())
     if not first < end or first >= known:
         raise InputError(
-            f"span of {view.title!r} must begin before it ends, and before {known:g} s, where a"
-            f" run ends; got {first:g} to {end:g} s."
+            f"span of {view.title!r} must begin before it ends and before {number(known)} s, the"
+            f" end of a run; got {number(first)} to {number(end)} s."
         )
 
 

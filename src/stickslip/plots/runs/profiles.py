@@ -82,7 +82,7 @@ def _units(optimum: Optimum) -> dict[str, tuple[float, str]]:
     """Return factor and axis label of each column."""
     names, run = _names(optimum), optimum.run
     angular = optimum.mechanism.units[optimum.mechanism.coordinates.index(names[0])] == "rad"
-    titles = ["angle" if angular else "place inside", "rate", names[2]]
+    titles = ["angle" if angular else "position inside", "rate", names[2]]
     titles += ["displacement", "velocity", "normal force"]
     found = {}
     for name, title in zip(names, titles, strict=True):

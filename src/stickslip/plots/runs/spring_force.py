@@ -102,7 +102,7 @@ def _record(axes: Axes, time: Array, force: Array, halves: Sequence[Half]) -> No
             color=INK,
             zorder=5,
         )
-    axes.set_title("spring force over load, the whole record", color=MUTED)
+    axes.set_title("spring force over load, whole record", color=MUTED)
     axes.set_xlabel("time, s")
     axes.margins(x=0.0, y=0.2)  # room for the means above
 

@@ -110,8 +110,8 @@ def plot_friction_map(fit: RecordFit | Mapping[str, RecordFit], ax: Target = Non
     points = map_points(next(iter(fits.values())))
     if points is None or not points.velocity.any():
         raise InputError(
-            "friction against velocity cannot be read off this record, which is too short, has no"
-            " position or no motion; plot_residuals shows what the fit leaves."
+            "friction against velocity cannot be computed from this record, which is too short or"
+            " has no position or motion; plot_residuals shows the residuals of the fit."
         )
     return on_axes(draw_fitted_map(points, fits, low_speeds=False), ax, MAP_SIZES["wide"])
 
@@ -149,14 +149,12 @@ def plot_residuals(fit: RecordFit, ax: PanelTarget = None) -> Panels:
     """
     check_type("fit", fit, RecordFit)
     if not all(map(math.isfinite, fit.residual)):
-        raise InputError("the fit leaves residuals that are not finite, which cannot be plotted.")
+        raise InputError("the residuals of the fit are not finite and cannot be plotted.")
     unit = fit.measurement.unit(fit.problem.quantity)
     factor, shown = scale_of(fit.residual, unit)
     panels = list(residual_panels(fit, factor).values())
     if not panels:
-        raise InputError(
-            f"the fit leaves {len(fit.residual)} residuals, too few for means of bins."
-        )
+        raise InputError(f"the fit has {len(fit.residual)} residuals, too few for bin means.")
     draw = draw_residuals(panels, f"residual, {shown}")
     return on_panels(draw, ax, residual_sizes(len(panels))["wide"])
 
@@ -190,7 +188,7 @@ def plot_fit(fit: Fit | RateStateFit, ax: Target = None) -> Axes:
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> reading = Measurement(travel=0.20, uncertainty=0.005)
     >>> plot_fit(fit(rig, Coulomb, reading), Figure()).get_xlabel()
-    'measured less predicted travel, mm'
+    'measured minus predicted travel, mm'
     """
     check_type("fit", fit, RecordFit, TravelFit, FeatureFit, RateStateFit)
     if isinstance(fit, RateStateFit):
@@ -201,7 +199,7 @@ def plot_fit(fit: Fit | RateStateFit, ax: Target = None) -> Axes:
         errors = fit.standard_errors or (math.nan,) * len(fit.residuals)
         pairs = enumerate(zip(fit.residuals, errors, strict=True), 1)
         rows = [Interval(f"trial {i}", 1e3 * value, 1e3 * error) for i, (value, error) in pairs]
-        draw = draw_intervals(rows, "measured less predicted travel", "mm")
+        draw = draw_intervals(rows, "measured minus predicted travel", "mm")
     else:
         assert isinstance(fit, FeatureFit)
         kind = "held-out" if fit.held_out_errors else "fitted"

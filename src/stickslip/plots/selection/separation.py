@@ -156,8 +156,8 @@ def draw_proposal(verdict: TravelVerdict) -> Draw:
     proposal = verdict.proposal
     if proposal is None or not verdict.separations:
         raise InputError(
-            "the verdict proposes no measurement, so predictions of laws cannot be drawn:"
-            " no law is named, or there is none to tell it from."
+            "the verdict proposes no measurement, so there are no predictions to draw: no law was"
+            " chosen, or no other law to distinguish it from."
         )
     names = (proposal.best, *proposal.rivals)
     rows = [

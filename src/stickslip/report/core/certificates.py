@@ -31,11 +31,11 @@ def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
     ['Energy', 'Events', 'Sticking and slipping', 'Drift at rest', 'Steps']
     """
     book = run.certificate
-    stops = f", {quantity(book.work_stops, 'J', 4)} by stops" if book.work_stops else ""
+    stops = f", {quantity(book.work_stops, 'J', 4)} by the stops" if book.work_stops else ""
     energy = (
-        f"{quantity(book.energy_start + book.work_supplied, 'J', 4)} at the start and from the"
-        f" drives; {quantity(book.work_friction, 'J', 4)} taken by friction{stops};"
-        f" {quantity(book.energy_end, 'J', 4)} left. Mismatch {residue(book.energy_error)}"
+        f"{quantity(book.energy_start + book.work_supplied, 'J', 4)} initially and from the"
+        f" drives; {quantity(book.work_friction, 'J', 4)} dissipated by friction{stops};"
+        f" {quantity(book.energy_end, 'J', 4)} remaining. Mismatch {residue(book.energy_error)}"
     )
     items = [KeyValue(key="Energy", value=energy, mark="ok" if book.certified else "warn")]
     if located:
@@ -44,8 +44,8 @@ def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
         items += [
             KeyValue(
                 key="Events",
-                value=f"{len(run.events):,} {events} located, each to"
-                f" {residue(book.event_residual)} of its condition",
+                value=f"{len(run.events):,} {events} located; largest relative residual of an"
+                f" event condition {residue(book.event_residual)}",
             ),
             KeyValue(
                 key="Sticking and slipping",

@@ -104,7 +104,7 @@ class Opening:
             raise InputError("Opening.verdict must be a sentence, got none.")
         if not any(item.strip() for item in self.cannot_tell):
             raise InputError(
-                "Opening.cannot_tell must not be empty: every record leaves something open."
+                "Opening.cannot_tell must not be empty: no record determines everything."
             )
         for name in ("facts", "settles", "cannot_tell", "measure_next"):
             at_most_three(f"Opening.{name}", getattr(self, name))
@@ -148,7 +148,7 @@ class Section:
         if not _ID.fullmatch(self.id):
             raise InputError(f"Section.id must be made of a-z, 0-9 and dashes, got {self.id!r}.")
         if not self.blocks:
-            raise InputError(f"Section {self.id!r} shows nothing; leave it out.")
+            raise InputError(f"Section {self.id!r} has no content; leave it out.")
 
 
 @final
@@ -246,8 +246,8 @@ def made_sections(*parts: Section | SectionMaker) -> tuple[Section, ...]:
     >>> def energy_section(work):
     ...     return 1 / work
     >>> (section,) = made_sections(partial(energy_section, 0.0))
-    >>> section.id, section.heading, section.blocks[0].text
-    ('energy', 'Energy', 'ZeroDivisionError: float division by zero. Nothing else depends on it.')
+    >>> section.id, section.heading, section.blocks[0].text.partition(".")[0]
+    ('energy', 'Energy', 'ZeroDivisionError: float division by zero')
     """
     found = []
     for part in parts:
@@ -283,7 +283,7 @@ def failed_section(name: str, error: Exception) -> Section:
     >>> failed_section("fixed_steps", ValueError("no steps")).id
     'fixed-steps'
     """
-    text = f"{type(error).__name__}: {str(error).rstrip('.')}. Nothing else depends on it."
+    text = f"{type(error).__name__}: {str(error).rstrip('.')}. The other sections are not affected."
     title = name.replace("_", " ").capitalize()
-    note = Note(title="This section could not be made.", text=text)
+    note = Note(title="This section could not be produced.", text=text)
     return Section(id=name.replace("_", "-"), nav=title, heading=title, blocks=(note,))

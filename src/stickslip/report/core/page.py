@@ -55,7 +55,7 @@ def render(page: Page) -> str:
     shared = [name for name, count in Counter(_IDS.findall(text)).items() if count > 1]
     if shared:
         raise InputError(
-            f"the id {shared[0]!r} stands twice on the page: give each figure a prefix of its own, "
+            f"the id {shared[0]!r} occurs twice on the page: give each figure a prefix of its own, "
             "unlike the id of any section."
         )
     return text

@@ -73,7 +73,7 @@ def reproduce(
     if known:
         blocks.append(KeyValues(items=tuple(known)))
     if references:
-        text = "What the laws and criteria of this page come from."
+        text = "Sources of the laws and criteria on this page."
         blocks += [References(items=tuple(references)), Caption(text=text)]
     return Section(id="reproduce", nav=HEADING, heading=HEADING, blocks=tuple(blocks))
 

@@ -180,10 +180,10 @@ class Table:
 
     def __post_init__(self) -> None:
         if not self.rows:
-            raise InputError("Table: without rows; leave the section out or say why in words.")
+            raise InputError("Table: no rows; leave the section out or say why in words.")
         for row in self.rows:
             if len(row.cells) != len(self.columns):
-                raise InputError(f"Table: {len(self.columns)} columns but a row of {row.cells}.")
+                raise InputError(f"Table: {len(self.columns)} columns but the row {row.cells}.")
             for column, cell in zip(self.columns, row.cells, strict=True):
                 _check(column, cell)
 

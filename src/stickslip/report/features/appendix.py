@@ -21,10 +21,10 @@ def record_section(verdict: FeatureVerdict) -> Section:
         items.append(KeyValue(key="Feature", value=line, mark="warn"))
     items += check_items(verdict.checks)
     warned = sum(item.mark != "none" for item in items)
-    heading = "The record, and no warning from its checks"
+    heading = "The record: no warnings from its checks"
     if warned:
         noun = "warning" if warned == 1 else "warnings"
-        heading = f"The record, and {in_words(warned)} {noun} from its features and checks"
+        heading = f"The record: {in_words(warned)} {noun} from its features and checks"
     block = KeyValues(items=tuple(items))
     return Section(id="record", nav="Record and checks", heading=heading, blocks=(block,))
 
@@ -63,25 +63,25 @@ def next_section(verdict: FeatureVerdict) -> Section | None:
     titles = {c.name: c.title for c in verdict.candidates}
     names = list(verdict.speeds[0].predicted)
     columns = (
-        Column(head="speed of the pull"),
+        Column(head="pulling speed"),
         *(
             Column(head=titles[n], numeric=True, phone="label", label=f"{titles[n]}:")
             for n in names
         ),
-        Column(head="apart by", numeric=True, phone="label"),
+        Column(head="separation", numeric=True, phone="label"),
     )
     caption = (
-        "Frequency and standard deviation of the force over the load that the laws predict as"
-        " fitted. Where parameters are not bounded, other values that fit this record as well"
-        " would predict other numbers: what such a pull tells is these values, before it tells the"
-        " law. Apart by: root mean square difference of the features from the chosen law to its"
-        " nearest rival."
+        "Frequency and standard deviation of force over load predicted by the fitted laws."
+        " Parameters that are not identified may have other values that fit this record equally"
+        " well and predict other numbers: such a pull determines these values first, and the law"
+        " second. Separation: root mean square difference of the features between the chosen law"
+        " and its nearest rival."
     )
     rows = tuple(_speed(one, names) for one in verdict.speeds)
     return Section(
         id="next",
         nav="Measure next",
-        heading="At other speeds the fitted laws part",
+        heading="The fitted laws differ at other speeds",
         blocks=(Table(columns=columns, rows=rows, caption=caption),),
     )
 
@@ -93,7 +93,7 @@ def _speed(one: OtherSpeed, names: Sequence[str]) -> Row:
         cells.append(
             f"{quantity(seen['frequency'], 'Hz')}, {number(seen['standard_deviation'])}"
             if seen["frequency"] > 0.0
-            else "slides steadily"
+            else "steady sliding"
         )
     return Row(cells=(*cells, percent(one.separation)))
 
@@ -116,7 +116,7 @@ def reproduce_section(verdict: FeatureVerdict, origin: Origin) -> Section:
     fit = verdict.best.fit if verdict.best else None
     code, items = [], []
     if fit is not None:
-        code.append((fit.to_toml().strip(), "Fitted block and law, as a file for simulations."))
+        code.append((fit.to_toml().strip(), "The fitted block and law as a file for simulations."))
         text = f"{fit.runs:,} limit cycles simulated for the chosen law"
         items.append(KeyValue(key="Runs", value=text))
     if verdict.measurement.provenance:

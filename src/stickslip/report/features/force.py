@@ -50,10 +50,10 @@ def force_section(verdict: FeatureVerdict) -> Section | None:
     caption = (
         "**The force of the spring over the load.** Above: the record, with the mean of each half."
         f" Below: {shown} from the middle of each half (grey) and the fitted limit cycle (blue)."
-        " Its phase is set to lie nearest; frequency, mean and standard deviation are what was"
-        " fitted, and no law follows an irregular record swing by swing."
+        " Its phase is chosen to match best; only frequency, mean and standard deviation were"
+        " fitted, since no law follows an irregular record cycle by cycle."
     )
-    heading = "What was measured, and the motion that the law predicts"
+    heading = "The measured force and the predicted motion"
     block = Figure(svg=svg, caption=caption)
     return Section(id="force", nav="Force", heading=heading, blocks=(block,))
 

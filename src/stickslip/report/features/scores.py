@@ -24,24 +24,24 @@ def scores_section(verdict: FeatureVerdict) -> Section:
     """Return the section that compares all laws."""
     rows = [*verdict.candidates, *([verdict.control] if verdict.control else [])]
     count = len(verdict.candidates)
-    heading = f"{in_words(count).capitalize()} candidates, scored on the half no fit has seen"
+    heading = f"{in_words(count).capitalize()} candidates, scored on the held-out half"
     if count == 1:
-        heading = "One candidate, scored on the half its fit has not seen"
+        heading = "One candidate, scored on the held-out half"
     elif not verdict.ranked:
-        heading = f"{in_words(count).capitalize()} candidates, and no score that tells them apart"
+        heading = f"{in_words(count).capitalize()} candidates, not distinguished by their scores"
     blocks: list[Block] = [Paragraph(text=_how(verdict)), _laws(verdict, rows)]
     fit = verdict.best.fit if verdict.best else None
     if fit is not None:
-        blocks += [Subheading(text=f"{fit.law.title}, feature by feature"), _features(fit)]
+        blocks += [Subheading(text=f"{fit.law.title}: features"), _features(fit)]
     return Section(id="scores", nav="Scores", heading=heading, blocks=tuple(blocks))
 
 
 def _how(verdict: FeatureVerdict) -> str:
     return (
-        "Every law is fitted so that its limit cycle has the frequency, mean and standard deviation"
-        " of the first half, and is judged by those of the second. The features themselves change"
-        f" by {percent(verdict.room)} between the halves: an error of that size"
-        " is what the record's own drift leaves to any law with fixed parameters."
+        "Every law is fitted so that its limit cycle has the frequency, mean and standard"
+        " deviation of the first half, and is scored on those of the second. The features"
+        f" themselves change by {percent(verdict.room)} between the halves: the drift of the"
+        " record causes an error of that size for any law with fixed parameters."
     )
 
 
@@ -68,10 +68,10 @@ def _laws(verdict: FeatureVerdict, rows: list[FeatureCandidate]) -> Table:
         columns=columns,
         rows=tuple(_row(verdict, one, second=second) for one in rows),
         caption="Dot: held-out error, root mean square of the three. Bar: ± 1 standard error, from"
-        " a block bootstrap of both halves. Laws whose errors differ by no more than a paired"
-        " standard error, or than half of what the features change between the halves, are not"
-        " told apart; of these the one with nothing left open, then with the fewest parameters, is"
-        " taken.",
+        " a block bootstrap of both halves. Laws are not distinguished if their errors"
+        " differ by at most a paired standard error, or by at most half the change of the"
+        " features between the halves; of these, a law with all parameters identified is"
+        " chosen first, then the one with the fewest parameters.",
     )
 
 
@@ -119,7 +119,7 @@ def _features(fit: FeatureFit) -> Table:
         Column(head="first half", numeric=True),
         Column(head="fitted", numeric=True, phone="label"),
         Column(head="second half", numeric=True, phone="label"),
-        Column(head="off by", numeric=True, phone="label"),
+        Column(head="error", numeric=True, phone="label"),
     )
     rows = []
     for i, name in enumerate(COMPARED):
@@ -154,20 +154,20 @@ def parameters_section(verdict: FeatureVerdict) -> Section | None:
     table = Table(
         columns=columns,
         rows=tuple(_parameter(verdict, fit, i) for i in range(len(fit.estimates))),
-        caption="95 % intervals carry over the block bootstrap of the observed features (Student"
-        " t, eight stretches). Given: what the rig says, where it says something.",
+        caption="95 % intervals from the block bootstrap of the observed features (Student t,"
+        " eight blocks). Given: the value in the rig, if any.",
     )
     blocks: list[Block] = [Math(latex=fit.law.formula), table]
     lines = typeset_lines(fit.sentences, verdict)
     if lines:
         items = tuple(KeyValue(key="Note", value=line) for line in lines)
-        blocks += [Subheading(text="In words"), KeyValues(items=items)]
+        blocks += [Subheading(text="Remarks"), KeyValues(items=items)]
     open_ended = sum(not e.bounded for e in fit.estimates)
     heading = (
-        f"The features bound all {in_words(len(fit.estimates))} parameters"
+        f"All {in_words(len(fit.estimates))} parameters are identified"
         if not open_ended
-        else f"{in_words(open_ended).capitalize()} of {in_words(len(fit.estimates))} parameters not"
-        " bounded by the features"
+        else f"{in_words(open_ended).capitalize()} of {in_words(len(fit.estimates))} parameters"
+        " not identified by the features"
     )
     return Section(id="parameters", nav="Parameters", heading=heading, blocks=tuple(blocks))
 

@@ -77,12 +77,12 @@ def _facts(verdict: FeatureVerdict) -> tuple[Fact, ...]:
     if best is not None and best.fit is not None:
         value, doubt = share_parts(best)
         what = (
-            "error of frequency, mean and standard deviation in the half no fit has seen, root mean"
+            "held-out error: frequency, mean and standard deviation of the second half, root mean"
             " square, ± 1 standard error"
         )
         facts.append(Fact(value=value, aside=with_unit(doubt, "%"), what=what))
     if control is not None and control.fit is not None:
-        what = "the same error with the mechanism as stated, nothing of it looked for"
+        what = "the same error with the mechanism fixed as stated"
         facts.append(Fact(value=share_text(control), what=what))
     facts.append(_motion(features))
     return tuple(facts[:3])
@@ -93,14 +93,14 @@ def _motion(features: StickSlipFeatures) -> Fact:
     if features.slips > 1:
         spread = formatting.quantity(float(features.waiting_times.std()), "s", 2)
         what = (
-            f"between slips in the median, with the spread of {features.slips:,} of them; they"
-            f" begin at {number(features.break_away)} of the load"
+            f"median time between slips, with the spread of {features.slips:,} slips; they begin"
+            f" at {number(features.break_away)} of the load"
         )
         value = formatting.quantity(features.waiting_time, "s")
         return Fact(value=value, aside=f"± {spread}", what=what)
     ratio = features.frequency / features.natural_frequency
     what = (
-        "of the natural frequency √(k/m) of the nominal mass: the force swings at"
+        "of the natural frequency √(k/m) of the nominal mass: the force oscillates at"
         f" {formatting.quantity(features.frequency, 'Hz')}"
     )
     return Fact(value=formatting.ratio(ratio), what=what)

@@ -42,15 +42,15 @@ def dropped_section(verdict: RecordVerdict) -> Section | None:
     columns = (
         Column(head="candidate"),
         Column(head=f"held-out error\n{scale.unit}, ± 1 s.e.", numeric=True),
-        Column(head="what the fit said"),
-        Column(head="rule", phone="label", label="rule:"),
+        Column(head="estimates"),
+        Column(head="reason", phone="label", label="rule:"),
     )
     count = in_words(len(dropped)).capitalize()
     noun = "candidate" if len(dropped) == 1 else "candidates"
     return Section(
         id="dropped",
         nav="Dropped",
-        heading=f"{count} {noun} dropped, and why",
+        heading=f"{count} {noun} dropped",
         blocks=(Table(columns=columns, rows=tuple(rows)),),
     )
 
@@ -65,11 +65,11 @@ def _said(c: RecordCandidate, symbols: frozenset[str]) -> str:
         value, doubt = estimate.parts
         text = f"{value} {doubt}" if estimate.bounded else value
         side = c.fit.at_bounds.get(estimate.path)
-        tail = f", at its {side} bound" if side else "" if estimate.bounded else ", not bounded"
+        tail = f", at its {side} bound" if side else "" if estimate.bounded else ", not identified"
         shown = with_unit(text, estimate.quantity.unit)
         parts.append(f"${estimate.quantity.symbol}$ = {shown}{tail}")
     if not parts:
-        return " ".join(typeset(line, symbols) for line in c.fit.sentences) or "nothing was free"
+        return " ".join(typeset(line, symbols) for line in c.fit.sentences) or "no free parameters"
     return "; ".join(parts)
 
 
@@ -86,10 +86,10 @@ def record_section(verdict: RecordVerdict) -> Section | None:
     if not blocks:
         return None
     warned = sum(finding.severity != "info" for finding in verdict.checks.findings)
-    heading = "The record, and no warning from its checks"
+    heading = "The record: no warnings from its checks"
     if warned:
         noun = "warning" if warned == 1 else "warnings"
-        heading = f"The record, and {in_words(warned)} {noun} from its checks"
+        heading = f"The record: {in_words(warned)} {noun} from its checks"
     return Section(id="record", nav="Record and checks", heading=heading, blocks=tuple(blocks))
 
 
@@ -122,7 +122,7 @@ def _record_figure(verdict: RecordVerdict, fit: RecordFit) -> Figure | None:
     several = len(verdict.measurement.records())
     caption = "**The record.**" if several == 1 else f"**The first of {several} records.**"
     if moving is not None and "velocity" not in record.quantities():
-        caption += " Velocity: from filtered positions."
+        caption += " The velocity is computed from filtered positions."
     caption += " Blue-grey: reverse travel." if spans else ""
     return Figure(svg=svg, caption=caption)
 
@@ -146,21 +146,23 @@ def next_section(verdict: RecordVerdict) -> Section | None:
     names = list(verdict.experiments[0].predicted)
     columns = (
         Column(head="measurement"),
-        Column(head="read off"),
+        Column(head="quantity"),
         *(
             Column(head=titles.get(n, n), numeric=True, phone="label", label=f"{titles.get(n, n)}:")
             for n in names
         ),
-        Column(head="separation\nover its doubt", numeric=True, phone="label", label="separation"),
+        Column(
+            head=("separation\nover uncertainty"), numeric=True, phone="label", label="separation"
+        ),
     )
     rows = [_experiment(one, names) for one in verdict.experiments]
     first = verdict.experiments[0]
     far = significant(first.separation, 2)
-    heading = f"The most telling next measurement tells the laws apart by {far} times its doubt"
+    heading = f"The best next measurement separates the laws by {far} times its uncertainty"
     caption = (
-        "What each law predicts as it was fitted, with the mass and the offset fitted with it."
-        " Separation: from the chosen law to the nearest rival, over the doubt of the reading and"
-        " of both predictions."
+        "Predictions of each law with its fitted mass and offset. Separation: difference between"
+        " the chosen law and its nearest rival, divided by the combined uncertainty of the"
+        " measurement and both predictions."
     )
     table = Table(columns=columns, rows=tuple(rows), caption=caption)
     return Section(id="next", nav="Measure next", heading=heading, blocks=(table,))

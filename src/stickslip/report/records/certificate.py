@@ -7,11 +7,11 @@ from typing import Final
 import numpy as np
 
 from stickslip.formatting import in_words, number, percent, quantity, ratio, residue, significant
-from stickslip.identification import AGREE, SEPARABLE, RecordFit, Shooting
+from stickslip.identification import SEPARABLE, RecordFit, Shooting
 from stickslip.report.core.blocks import KeyValue, KeyValues
 from stickslip.report.core.documents import Section
 from stickslip.report.records.scores import picks_text
-from stickslip.selection import RecordVerdict
+from stickslip.selection import RecordVerdict, restarts_text
 
 __all__ = ["certificate_section"]
 
@@ -27,7 +27,7 @@ def certificate_section(verdict: RecordVerdict) -> Section | None:
     items = [*_search(best.fit), *_runs(best.fit), *_information(best.fit)]
     settings = verdict.settings
     items.append(
-        KeyValue(key="Seed", value=f"{settings.seed}, of the starts beside the first of each law")
+        KeyValue(key="Seed", value=f"{settings.seed}, for the starts after the first of each law")
     )
     plan = verdict.plan
     items.append(
@@ -37,7 +37,7 @@ def certificate_section(verdict: RecordVerdict) -> Section | None:
             " both sides,"
             f" predicted over {quantity(plan.horizon, 's', 2)}"
             if plan.length
-            else f"{verdict.blocks_scored} blocks, rows dealt out in turn",
+            else f"{verdict.blocks_scored} blocks, rows assigned in turn",
         )
     )
     agree = all(name in ("", best.name) for name in verdict.picks.values())
@@ -55,13 +55,11 @@ def certificate_section(verdict: RecordVerdict) -> Section | None:
 def _search(fit: RecordFit) -> list[KeyValue]:
     """Return how the least residual was found."""
     found, restarts = fit.found, fit.restarts
-    starts, agreeing = len(restarts.costs), restarts.agreeing
-    text = f"{agreeing} of {starts} starts came to the least residual within {percent(AGREE)}"
-    if agreeing < starts:
+    agreeing = restarts.agreeing
+    text = restarts_text(fit)
+    if agreeing < len(restarts.costs):
         text += f"; {_worst(restarts.costs)}"
-    if fit.first is not None:
-        text += ", in short segments; longer ones of the free decay were fitted from there"
-    text += "; the search was stopped before its end" if found.cancelled else ""
+    text += "; the search was stopped early" if found.cancelled else ""
     certain = agreeing > 1 and not found.cancelled
     how = {
         "shooting": "segments simulated exactly, each from a fitted state",
@@ -79,7 +77,7 @@ def _worst(costs: Sequence[float]) -> str:
     """Return what became of the start that ended farthest from the least residual."""
     failed = sum(not math.isfinite(cost) for cost in costs)
     if failed:
-        return f"from {in_words(failed)} nothing could be predicted"
+        return f"{in_words(failed)} could not be simulated"
     times = math.sqrt(max(costs) / max(min(costs), 1e-300))
     if times < TWICE:
         return f"the worst ended {percent(times - 1.0)} higher"
@@ -109,12 +107,12 @@ def _runs(fit: RecordFit) -> list[KeyValue]:
         ),
         KeyValue(
             key="Energy balance",
-            value=f"mismatch of energy and work at most {energy} of their size",
+            value=f"relative mismatch of energy and work at most {energy}",
         ),
         KeyValue(
             key="Stops and reversals",
-            value=f"{turns:,} events, located to {located} of their size;"
-            f" {quantity(rest, 's', 2)} at rest{still}",
+            value=f"{turns:,} events, located to a relative {located}; {quantity(rest, 's', 2)} at"
+            f" rest{still}",
         ),
     ]
 

@@ -58,7 +58,7 @@ def _heading(best: RecordCandidate, points: MapPoints) -> str:
     law = fit.law
     if _off(fit, points) > REFUTED:
         if isinstance(law, BristleLaw):
-            return "No curve of friction against velocity runs through what was measured"
+            return "The measured friction is not a function of velocity"
         return "Friction against velocity"
     if isinstance(law, DirectionDependent) and _viscous_parts_differ(fit):
         faster = law.backward_viscous_coefficient > law.forward_viscous_coefficient
@@ -70,7 +70,7 @@ def _heading(best: RecordCandidate, points: MapPoints) -> str:
     fast = float(force[-1])
     unit = fit.measurement.unit("friction")
     speed = quantity(fastest, fit.measurement.unit("velocity"))
-    by = f"By the {in_sentence(best.title)} law, friction"
+    by = f"In the {in_sentence(best.title)} law, friction"
     if abs(fast - slow) <= 0.02 * max(abs(fast), abs(slow)):
         return f"{by} is {quantity(fast, unit)} at all speeds"
     if abs(slow) <= 0.01 * abs(fast):
@@ -112,8 +112,8 @@ def _caption(points: MapPoints, shown: int, laws: dict[str, RecordFit], chosen: 
     else:
         text = (
             f"**Friction map.** {some} samples: drive force minus mass times acceleration and the"
-            " forces of the mechanism, all filtered alike without a delay, against velocity. Close"
-            " to zero the filter mixes both branches."
+            " forces of the mechanism, all passed through the same zero-phase filter, against"
+            " velocity. Near zero velocity the filter mixes both branches."
         )
     if np.any(points.trend):
         text += " Green dots: speeding up; purple triangles: slowing down; grey: neither."
@@ -122,7 +122,7 @@ def _caption(points: MapPoints, shown: int, laws: dict[str, RecordFit], chosen: 
     text += "; dashed: " + ", ".join(others) if laws else ""
     text = text.removesuffix("; dashed: ") + "."
     if any(isinstance(one.law, BristleLaw) for one in laws.values()):
-        text += " Laws with bristles are drawn as in steady sliding; their loops lie around it."
+        text += " Bristle laws are drawn in steady sliding; their loops surround these curves."
     if points.load_varies:
         load = with_unit(significant(points.load, 3), "N")
         text += f" Laws are drawn at the median normal force, {load}."

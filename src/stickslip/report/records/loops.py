@@ -117,9 +117,9 @@ def _heading(laws: list[RecordCandidate]) -> str:
         spread = float(np.std(one.fit.problem.measured))
         if spread <= 0.0:
             return "Friction against displacement"
-        said.append(f"{in_sentence(one.title)} leaves {percent(one.fit.rms / spread)}")
+        said.append(f"{percent(one.fit.rms / spread)} for {in_sentence(one.title)}")
     text = ", ".join(said)
-    return f"Of the spread of friction along the motion {text}"
+    return f"Residual over the spread of friction: {text}"
 
 
 def _caption(verdict: RecordVerdict, shown: int, count: int) -> str:
@@ -128,10 +128,9 @@ def _caption(verdict: RecordVerdict, shown: int, count: int) -> str:
     spread = " spread over the record" if 1 < shown < count else ""
     names = [in_sentence(c.title) for c in (best, rival) if c is not None and c.fit]
     text = (
-        f"**Loops.** Dots: friction measured against displacement, once to and fro, {some}{spread}."
-        f" Lines: {joined(names)}"
-        " along the same motion, each fitted to all of this record. Displacement counts from the"
-        " middle of the stroke."
+        f"**Loops.** Dots: measured friction against displacement, {some} cycles{spread}. Lines:"
+        f" {joined(names)} along the same motion, each fitted to the whole record. Displacement is"
+        " measured from mid-stroke."
     )
     if len(verdict.measurement.records()) > 1:
         text += " They are of the first record."

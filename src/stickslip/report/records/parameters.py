@@ -55,14 +55,14 @@ def _heading(fit: RecordFit) -> str:
     count = len(fit.estimates)
     if not open_ended:
         if count == 1:
-            return "The record bounds the one parameter"
+            return "The parameter is identified"
         if count == 2:
-            return "The record bounds both parameters"
-        return f"The record bounds all {in_words(count)} parameters"
+            return "Both parameters are identified"
+        return f"All {in_words(count)} parameters are identified"
     verb = "is" if len(open_ended) == 1 else "are"
     return (
         f"{in_words(len(open_ended)).capitalize()} of {in_words(count)} parameters {verb} not"
-        " bounded by the record"
+        " identified"
     )
 
 
@@ -154,13 +154,12 @@ def _axis(low: float, high: float) -> Axis:
 def _caption(fit: RecordFit) -> str:
     effective, rows = fit.inference.effective, len(fit.residual)
     text = (
-        "95 % intervals from leaving out blocks of the record (jackknife, Student t)."
-        f" {rows:,} rows carry about as much as {significant(effective, 2)} independent"
-        " ones; the last column says how many times too narrow an interval is that takes all as"
-        " independent."
+        "95 % intervals from the block jackknife (Student t). The effective sample size is about"
+        f" {significant(effective, 2)} of {rows:,} rows; last column: factor by which intervals"
+        " that assume independent rows are too narrow."
     )
     if reads_as_forces(fit.mechanism, fit.measurement):
-        text += " The normal force is taken as 1, so that levels read as forces."
+        text += " The normal force is set to 1, so that friction levels are forces."
     return text
 
 
@@ -176,11 +175,15 @@ def _together(fit: RecordFit) -> tuple[Block, ...]:
         ((i, j) for i in range(1, count) for j in range(i)), key=lambda at: abs(float(table[at]))
     )
     most = float(table[i, j])
-    how = "trade off almost one for one" if abs(most) >= STRONG else "move together most"
+    how = (
+        "are almost completely correlated"
+        if abs(most) >= STRONG
+        else ("have the strongest correlation")
+    )
     sign = fixed(most, 2)
-    caption = f"Correlation of the estimates. {names[j]} and {names[i]} {how} ({sign})."
+    caption = f"Correlations of the estimates. {names[j]} and {names[i]} {how} ({sign})."
     triangle = Correlations(names=names, values=values, caption=caption)
-    return (Subheading(text="What moves together"), triangle)
+    return (Subheading(text="Correlations"), triangle)
 
 
 def _in_words(verdict: RecordVerdict, fit: RecordFit) -> tuple[Block, ...]:
@@ -191,14 +194,19 @@ def _in_words(verdict: RecordVerdict, fit: RecordFit) -> tuple[Block, ...]:
         for e in fit.estimates
         if not e.bounded and e.reason
     ]
-    said = tuple(f"({e.quantity.symbol}) is undetermined" for e in fit.estimates if e.reason)
+    said = tuple(f"({e.quantity.symbol}) is not identified" for e in fit.estimates if e.reason)
     lines = [typeset(one, symbols) for one in fit.sentences if not any(s in one for s in said)]
     items += [KeyValue(key="Note", value=line) for line in lines]
     hidden = _hidden(verdict)
     items += [hidden] if hidden is not None else []
     if not items:
-        items = [KeyValue(key="Undetermined", value="nothing of this law, at this record's speeds")]
-    return (Subheading(text="In words"), KeyValues(items=tuple(items)))
+        items = [
+            KeyValue(
+                key="Not identified",
+                value=("none of the parameters of this law, at the speeds of this record"),
+            )
+        ]
+    return (Subheading(text="Remarks"), KeyValues(items=tuple(items)))
 
 
 def _hidden(verdict: RecordVerdict) -> KeyValue | None:
@@ -237,6 +245,6 @@ def _allowed(one: RecordCandidate, found: Allowed) -> KeyValue:
     rise = percent(cost - 1.0) + " larger" if cost < TWICE else ratio(cost)
     return KeyValue(
         key=f"{label_of(estimate)} of {in_sentence(one.title)}",
-        value=f"up to about {end} is allowed by this record (95 %, profile likelihood, all else"
-        f" fitted anew); at {tried} the sum of squares is {rise}",
+        value=f"values up to about {end} are compatible with this record (95 %, profile"
+        f" likelihood); at {tried} the sum of squares is {rise}",
     )

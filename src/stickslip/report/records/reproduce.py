@@ -38,16 +38,16 @@ def reproduce_section(verdict: RecordVerdict, origin: Origin) -> Section:
     """
     names = "`record` is" if verdict.second is None else "`record` and `second` are"
     caption = (
-        f"The selection in Python; {names} what `load_measurement` reads, with the columns, units"
-        " and gains of the data. Laws that have start values, as those of a rig file, are given"
-        " instead of their names."
+        f"The selection in Python; {names} read by `load_measurement` with the columns, units and"
+        " gains of the data. Laws with start values, such as those of a rig file, are given in"
+        " place of their names."
     )
     code = [(python_lines(verdict), caption)]
     fit = verdict.closest.fit
     if fit is not None:
         code.append((_as_code(fit.law), ""))
         code.append(
-            (fit.to_toml().strip(), "The fitted law as code, and as a file for simulations.")
+            (fit.to_toml().strip(), "The fitted law as code and as a file for simulations.")
         )
     laws = [c.law for c in verdict.candidates if c.law is not None]
     return reproduce(origin, code=code, items=_data(verdict), references=law_references(laws, {}))

@@ -65,19 +65,19 @@ def _panels(fit: RecordFit, factor: float) -> tuple[dict[str, ResidualPanel], li
 def _heading(fit: RecordFit, panels: list[str], trends: list[str]) -> str:
     if fit.model_errors:
         kinds = joined([one.kind for one in fit.model_errors])
-        return f"The model does not hold: residuals show {kinds}"
+        return f"Model error: the residuals show an effect of {kinds}"
     if trends:
-        return f"What the law still misses: a trend with {joined(trends)}"
+        return f"The residuals depend on {joined(trends)}"
     if not panels:
-        return "Errors of predictions over time"
+        return "Prediction errors over time"
     names = joined(panels).replace(" and ", " or ")
     over = _over_noise(fit)
     if over > FLOOR:
         return (
-            f"Residuals of {significant(over, 2)} times the sensor's noise, without a"
-            f" trend with {names}"
+            f"Residuals {significant(over, 2)} times the sensor noise, without dependence on"
+            f" {names}"
         )
-    return f"No test finds a trend of the residuals with {names}"
+    return f"No test finds a dependence of the residuals on {names}"
 
 
 def _over_noise(fit: RecordFit) -> float:
@@ -103,15 +103,15 @@ def _residual_figure(
         ", each segment of the fit started from its own fitted state"
     )  # fmt: skip
     caption = (
-        f"**Residuals** of the fit: measured less predicted {verdict.quantity}{start}. Root mean"
+        f"**Residuals** of the fit: measured minus predicted {verdict.quantity}{start}. Root mean"
         f" square {scale.quantity(fit.rms)}{_share(fit)}."
     )
     rival = rival_of(verdict)
     if rival is not None and rival.fit is not None:
-        caption += f" {rival.title} leaves {scale.quantity(rival.fit.rms)}."
+        caption += f" {rival.title}: {scale.quantity(rival.fit.rms)}."
     caption += (
-        f" Doubts of the means count {significant(fit.inference.effective, 2)} of"
-        f" {len(fit.residual):,} rows as independent."
+        f" Error bars assume an effective sample size of {significant(fit.inference.effective, 2)}"
+        f" of {len(fit.residual):,} rows."
     )
     return Figure(svg=svg, caption=f"{caption} {_tests(fit, trends)}")
 
@@ -121,14 +121,13 @@ def _tests(fit: RecordFit, trends: list[str]) -> str:
     text = _autocorrelation(fit)
     if trends:
         text += (
-            f" The mean residual depends on {joined(trends)} (confirmed on held-out blocks):"
-            " something is missing from the law or from the mechanism."
+            f" The mean residual depends on {joined(trends)} (confirmed on held-out blocks): the"
+            " law or the mechanism is incomplete."
         )
     over = _over_noise(fit)
     if over > FLOOR:
         text += (
-            f" They are {significant(over, 2)} times what the sensor's noise would leave:"
-            " the law does not explain the record to its noise, because of an unmeasured"
+            f" They are {significant(over, 2)} times the sensor noise, because of an unmeasured"
             " disturbance or a model error."
         )
     text += "".join(f" {one}" for one in fit.model_errors)
@@ -139,9 +138,9 @@ def _autocorrelation(fit: RecordFit) -> str:
     """Return what the test of Ljung and Box says."""
     chance = ljung_box(fit.residual)
     if chance >= 0.05:
-        return "They are not autocorrelated (Ljung-Box test)."
-    said = "below 0.001" if chance < 1e-3 else number(chance, 2)
-    return f"They are autocorrelated (Ljung-Box test, probability {said} if they were not)."
+        return f"The residuals are not autocorrelated (Ljung-Box test, p = {number(chance, 2)})."
+    said = "p < 0.001" if chance < 1e-3 else f"p = {number(chance, 2)}"
+    return f"The residuals are autocorrelated (Ljung-Box test, {said})."
 
 
 def _share(fit: RecordFit) -> str:
@@ -168,16 +167,16 @@ def _error_figure(verdict: RecordVerdict) -> Figure | None:
         return None
     svg = inline_svg(
         draw_prediction_error(series, edges, f"error, {scale.unit}", chosen=best.title),
-        alt=f"Errors of predictions over time by {' and '.join(series)}",
+        alt=f"Prediction errors over time by {' and '.join(series)}",
         prefix="error-figure",
         **ERROR_SIZES,
     )
     horizon = quantity(verdict.plan.horizon, "s", 2)
-    lead = f"pieces of {horizon}, each from a state of its own"
+    lead = f"segments of {horizon}, each from its own fitted state"
     if verdict.quantity == "friction":
-        lead = "measured less predicted friction"
+        lead = "measured minus predicted friction"
     caption = (
-        f"**Predicted against held out.** Above: {lead}. Below: each block predicted by a fit"
-        " that has not seen it. An error that repeats with every cycle is structure, not noise."
+        f"**Prediction errors.** Above: {lead}. Below: each block predicted by a fit without it."
+        " An error that repeats in every cycle is a model error, not noise."
     )
     return Figure(svg=svg, caption=caption)

@@ -23,9 +23,9 @@ from stickslip.selection import (
 __all__ = ["picks_text", "scores_section"]
 
 NAMES: Final = {
-    "held-out blocks": "the blocks alone",
+    "held-out blocks": "held-out error",
     "extrapolation": "extrapolation to the last third",
-    "training error": "the error of the fit itself",
+    "training error": "training error",
     "AIC": "AIC",
     "BIC": "BIC",
 }
@@ -35,9 +35,9 @@ def scores_section(verdict: RecordVerdict) -> Section:
     """Return the section that compares all laws."""
     rows = list(verdict.candidates) + ([verdict.control] if verdict.control else [])
     count = len(rows)
-    heading = f"{in_words(count).capitalize()} candidates, scored on blocks no fit has seen"
+    heading = f"{in_words(count).capitalize()} candidates, scored on held-out blocks"
     if count == 1:
-        heading = "One candidate, scored on blocks its fit has not seen"
+        heading = "One candidate, scored on held-out blocks"
     scale = verdict.scale
     axis = error_axis((c.score for c in rows), scale)
     second = any(c.second is not None for c in rows)
@@ -109,38 +109,42 @@ def _how(verdict: RecordVerdict) -> str:
     plan = verdict.plan
     if not plan.length:
         return (
-            f"The rows of the table are dealt out into {plan.folds} blocks, so that each has all"
-            " speeds. Every candidate is fitted to the others and predicts the friction force in"
-            " the block."
+            f"The rows of the table are assigned to {plan.folds} blocks in turn, so that each"
+            " covers all speeds. Every candidate is fitted to the other blocks and predicts the"
+            " friction force in the held-out block."
         )
-    gap = quantity(plan.gap, "s", 2) if plan.gap > 0.0 else "nothing"
+    gap = f"with a gap of {quantity(plan.gap, 's', 2)}" if plan.gap > 0.0 else "without a gap"
     scored = verdict.blocks_scored
-    block = "the block" if scored == plan.folds else f"the block, which {scored} of them allow"
+    block = (
+        "the held-out block"
+        if scored == plan.folds
+        else (f"the held-out block, which is possible for {scored} of them")
+    )
     text = (
-        f"The {quantity(plan.length, 's')} of record are cut into {plan.folds} blocks, with"
-        f" {gap} left out on both sides of each. Every candidate is fitted to the others"
+        f"The record of {quantity(plan.length, 's')} is divided into {plan.folds} blocks, {gap} on"
+        " both sides of each. Every candidate is fitted to the other blocks"
     )
     if verdict.quantity == "friction":
         return f"{text} and predicts the friction force in {block}."
     return (
-        f"{text} and predicts the {verdict.quantity} in {block}, in pieces of"
-        f" {quantity(plan.horizon, 's', 2)} that start from states of their own."
+        f"{text} and predicts the {verdict.quantity} in {block}, in segments of"
+        f" {quantity(plan.horizon, 's', 2)}, each from its own fitted state."
     )
 
 
 def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
     text = "Dot: held-out error. Bar: ± 1 standard error over blocks. " if axis else ""
     if verdict.plan.length:
-        text += "Last third: fitted to what comes before, judged on the last third. "
+        text += "Last third: fitted to the data before it, scored on the last third. "
     text += (
-        "The rule: (1) A law counts only if it is established over every simpler law that it"
-        " contains: an F test with the effective sample size is significant at"
-        f" {percent(LEVEL)}, and held-out blocks agree, or they are undecided and the"
-        f" residual falls by {percent(MATERIAL)}. (2) Of these laws, the one with the least"
-        f" AIC is taken if its error is within one paired standard error and"
-        f" {percent(LIKELY)} of the least. (3) If not, of the laws within one paired"
-        f" standard error and {percent(NEAR)} of the least, one without an objection, then"
-        " the one with the fewest parameters. "
+        "Rule of choice: (1) A law is admitted only if it is established over every simpler law"
+        " that it contains: an F test with the effective sample size is significant at"
+        f" {percent(LEVEL)}, and the held-out blocks agree, or they are inconclusive and the"
+        f" residual falls by {percent(MATERIAL)}. (2) Of these laws, the one with the lowest AIC"
+        f" is chosen if its error is within one paired standard error and {percent(LIKELY)} of the"
+        " lowest error. (3) Otherwise, of the laws within one paired standard error and"
+        f" {percent(NEAR)} of the lowest error, one without objections is chosen, then the one"
+        " with the fewest parameters. "
     )
     return " ".join([text + picks_text(verdict), *verdict.missing]).strip()
 
@@ -163,6 +167,6 @@ def picks_text(verdict: RecordVerdict) -> str:
     for name, who in against.items():
         parts.append(f"{joined(who)} would pick {in_sentence(titles.get(name, name))}")
     text = "; ".join(parts)
-    note = " (AIC and BIC count rows by their effective sample size)"
+    note = " (AIC and BIC use the effective sample size)"
     tail = note if "AIC" in verdict.picks or "BIC" in verdict.picks else ""
     return f"{text[0].upper()}{text[1:]}{tail}." if text else ""

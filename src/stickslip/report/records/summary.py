@@ -219,7 +219,7 @@ def _assigned(fit: RecordFit, name: str, left_out: Collection[str]) -> str:
     if found:
         return f"${quantity.symbol}$ = {found[0].plus_minus}"
     if f"friction.{name}" in left_out:
-        return f"${quantity.symbol}$ went to 0 and was left out"
+        return f"${quantity.symbol}$ = 0, estimated as 0 and left out"
     value = getattr(fit.law, name)
     return f"${quantity.symbol}$ = {formatting.quantity(value, quantity.unit)}, taken as given"
 
@@ -285,7 +285,7 @@ def _second(verdict: RecordVerdict) -> Fact | None:
         return None
     return Fact(
         value=verdict.scale.quantity(on_second.error),
-        what=f"error on the second record, where the choice {on_second.finding}",
+        what=f"error on the second record; the choice {on_second.finding} there",
     )
 
 
@@ -305,7 +305,7 @@ def _factor(verdict: RecordVerdict) -> Fact | None:
             value=f"{shown} smaller", what=f"than the error of {in_sentence(other.title)}{doubt}"
         )
     names = [in_sentence(one.title) for one in (other, best)]
-    return Fact(value=shown, what=f"the error of {names[0]} over that of {names[1]}{doubt}")
+    return Fact(value=shown, what=f"ratio of the error of {names[0]} to that of {names[1]}{doubt}")
 
 
 def _telling(verdict: RecordVerdict) -> Fact | None:

@@ -62,7 +62,7 @@ def _heading(best: RecordCandidate, scale: Scale) -> str:
     far = _standard(best)
     if far > ALIKE:
         return f"Error on the second record: {said}, larger than the held-out error"
-    than = "like" if far >= -ALIKE else "smaller than"
+    than = "similar to" if far >= -ALIKE else "smaller than"
     return f"Error on the second record: {said}, {than} the held-out error"
 
 
@@ -84,8 +84,8 @@ def _sentence(
         assert other.second is not None
         text += f" {other.title}: {scale.quantity(other.second.rms)}."
     reasons = {
-        "holds": ": no law has a smaller error there beyond doubt",
-        "does not hold": ": a law has a smaller error there beyond doubt",
+        "holds": ": no law has a significantly smaller error there",
+        "does not hold": ": another law has a significantly smaller error there",
     }
     finding = on_second.finding
     return f"{text} The choice {finding}{reasons.get(finding, '')}."
@@ -104,7 +104,7 @@ def _table(laws: list[RecordCandidate], scale: Scale) -> Table:
         Column(head="model"),
         Column(head=f"held-out blocks\n{scale.unit}, ± 1 s.e.", numeric=True),
         Column(head=f"second record\n{scale.unit}", numeric=True, phone="label", label="second:"),
-        Column(head="its best and\nworst piece", numeric=True, phone="label", label="pieces:"),
+        Column(head="best and\nworst segment", numeric=True, phone="label", label="pieces:"),
     )
     rows = []
     for index, one in enumerate(laws):
@@ -138,11 +138,13 @@ def _figure(verdict: RecordVerdict, record: Measurement, laws: list[RecordCandid
     if verdict.quantity != "friction":
         start = f"{quantity(horizon, 's', 2)} simulated from a fitted state"
     several = len(pieces) > 1
-    which = "The piece with the median error and the one with the worst" if several else "All of it"
+    which = (
+        "The segments with the median and the largest error" if several else ("The whole record")
+    )
     names = joined([in_sentence(name) for name in seen])
     caption = (
-        f"**Predicted and measured on the second record.** {which}; each piece is {start}. Dots:"
-        f" measured; lines: {names}. Below: measured less predicted."
+        f"**Predicted and measured on the second record.** {which}; each segment is {start}. Dots:"
+        f" measured; lines: {names}. Below: measured minus predicted."
     )
     return Figure(svg=svg, caption=caption)
 
@@ -152,7 +154,7 @@ def _pieces(first: Prediction, seen: dict[str, Prediction]) -> list[Piece]:
     numbers_ = np.unique(first.segment)
     sizes = [float(np.mean(first.residual[first.segment == k] ** 2)) for k in numbers_]
     order = np.argsort(sizes)
-    chosen = {"median error": int(order[(len(order) - 1) // 2]), "worst error": int(order[-1])}
+    chosen = {"median error": int(order[(len(order) - 1) // 2]), "largest error": int(order[-1])}
     if len(order) == 1:
         chosen = {"": 0}
     pieces = []

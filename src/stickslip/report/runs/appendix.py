@@ -82,7 +82,7 @@ def _drawn(about: RunReport) -> list[Block]:
     kept = [*known.not_fitted, *known.not_identified]
     if kept:
         words = ", ".join(name.replace("_", " ") for name in kept)
-        text += f" Held fixed: {words}."
+        text += f" Fixed: {words}."
     return [Caption(text=text)]
 
 
@@ -96,8 +96,8 @@ def certificate_section(about: RunReport) -> Section:
     else:
         heading = "The run is not certified"
     text = (
-        "The certificate shows that the equations were solved: energies are integrated"
-        " independently of the motion. It does not show that the law is right for the contact."
+        "The certificate shows that the equations were solved correctly: energies are integrated"
+        " independently of the motion. It does not show that the law describes the contact."
     )
     items = evidence(about.run, located=exact)
     blocks = (KeyValues(items=items), Caption(text=text))

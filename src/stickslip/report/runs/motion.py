@@ -66,8 +66,8 @@ def motion_section(about: RunReport) -> Section:
         caption += f" Of {len(about.cycles)} cycles the first {DRAWN} are shown."
     if about.band is not None:
         caption += (
-            f" Pale: where 95 % of {about.band.count} runs lie with the law's parameters drawn from"
-            " its estimates, for displacement and velocity."
+            f" Shaded: range of 95 % of {about.band.count} runs with the parameters of the law"
+            " drawn from their estimates, for displacement and velocity."
         )
     blocks = (
         Figure(
@@ -269,9 +269,8 @@ def criteria_section(about: RunReport) -> Section:
         ),
     )
     text = (
-        "A drive that pulls back harder than friction holds does move the body backwards, and"
-        " elastic bristles spring back as the body stops: failing criterion 1 or 2 does not refute"
-        " the law."
+        "A drive force larger than friction can move the body backwards, and elastic bristles"
+        " spring back when the body stops: failing criterion 1 or 2 does not refute the law."
     )
     blocks = (KeyValues(items=items), Caption(text=text))
     return Section(

@@ -4,6 +4,7 @@ from functools import partial
 
 from stickslip.report.core.documents import Page, made_sections
 from stickslip.report.core.page import render
+from stickslip.report.core.versions import colophon
 from stickslip.report.runs.appendix import certificate_section, law_section, reproduce_section
 from stickslip.report.runs.motion import (
     animation_section,
@@ -56,14 +57,12 @@ def run_page(about: RunReport) -> str:
     (True, False)
     """
     sections = made_sections(*(partial(make, about) for make in SECTIONS))
-    version = about.versions.get("stickslip", "")
     return render(
         Page(
             title=f"{about.rig.title or about.rig.mechanism.name}: {about.law.title} friction",
             subject=about.rig.path or about.rig.title,
             sections=sections,
-            footer=f"Written by {f'stickslip {version}'.strip()}. This file is complete: it loads"
-            " nothing and runs no script.",
+            footer=colophon(about.versions),
             kicker="simulation report",
         )
     )

@@ -54,7 +54,7 @@ def _lede(about: RunReport) -> str:
             f" {travels} in 95 % of {band.count} runs."
         )
         if band.ended_early:
-            said.append(f"{band.ended_early} of them ended early and are left out.")
+            said.append(f"{band.ended_early} of them ended early and were left out.")
     return " ".join(said)
 
 
@@ -82,7 +82,7 @@ def _facts(about: RunReport) -> tuple[Fact, ...]:
 def _resting(about: RunReport, distance: float) -> str:
     """Return on which bristles a distance rests that no measurement determined, behind a comma."""
     found = unfitted_bristles(about.law, about.estimates, distance, about.rig.mechanism)
-    return f"; rests on {joined(list(found))}, which no measurement determined" if found else ""
+    return f"; depends on {joined(list(found))}, which no measurement determined" if found else ""
 
 
 def _settles(about: RunReport) -> tuple[str, ...]:
@@ -91,16 +91,18 @@ def _settles(about: RunReport) -> tuple[str, ...]:
         return (f"The solution in fixed steps of {step}; events are not located.",)
     if not about.run.certificate.certified:
         return ()
-    return ("The solution of these equations with this law: the run is certified.",)
+    return ("The solution of the equations with this law: the run is certified.",)
 
 
 def _cannot_tell(about: RunReport) -> tuple[str, ...]:
     said = []
     if about.law_file:
-        said.append("Whether this contact has the friction of the one on which the law was fitted.")
+        said.append(
+            "Whether this contact has the same friction as the one to which the law was fitted."
+        )
     said += [
         f"By how much static friction exceeds sliding friction: ${own}$ was neither measured nor"
-        f" given, and is taken equal to ${other}$."
+        f" given and is set equal to ${other}$."
         for own, other in equated(about.law).values()
     ]
     if about.estimates is None:

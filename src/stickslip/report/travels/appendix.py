@@ -46,10 +46,12 @@ def next_section(verdict: TravelVerdict) -> Section | None:
     if proposal.settings:
         count = "One more setting" if len(proposal.settings) == 1 else "Two more settings"
         apart = joined([titles[name] for name in proposal.apart])
-        heading = f"{count} of the {proposal.what} would separate {apart} friction"
+        heading = f"{count} of the {proposal.what} would distinguish {apart} friction"
     else:
         apart = joined([titles[name] for name in proposal.rivals])
-        heading = f"No setting of the {proposal.what} separates {best.title} from {apart} friction"
+        heading = (
+            f"No setting of the {proposal.what} distinguishes {best.title} from {apart} friction"
+        )
     scale = scale_of([row.value for row in rows], rows[0].unit)
     settings, unit = [scale.number(row.value, 6) for row in rows], scale.unit
     columns = [Column(head=f"travel predicted, m\n{proposal.what}, {unit}")]
@@ -74,7 +76,7 @@ def _separation_figure(
     still = [titles[name] for name in proposal.rivals if name not in proposal.apart]
     caption = f"**Predicted travel** of each law as fitted, against the {proposal.what}."
     if still and proposal.settings:
-        caption += f" The proposed settings do not separate {joined(still)} from"
+        caption += f" The proposed settings do not distinguish {joined(still)} from"
         caption += f" {titles[proposal.best]}."
     elif still:
         apart = formatting.quantity(proposal.widest, "m", 2)
@@ -110,9 +112,9 @@ def parameters_section(verdict: TravelVerdict) -> Section | None:
                 "fitted",
             )
         elif value is None:
-            cells = (label, "not given", unit, "—", "taken from the level of sliding")
+            cells = (label, "not given", unit, "—", "set equal to the kinetic level")
         else:
-            how = "fixed form" if quantity.structural else "taken as given"
+            how = "fixed form" if quantity.structural else "fixed as given"
             how = "assumed, not measured" if name in best.invented else how
             cells = (label, formatting.quantity(value, "1"), unit, "—", how)
         rows.append(Row(cells=cells, chosen=name in estimates))
@@ -177,12 +179,14 @@ def _data(verdict: TravelVerdict) -> KeyValue:
     records = verdict.measurement.records()
     band = measured_band(verdict)
     half = 0.5 * (band[1] - band[0]) if band else 0.0
-    doubt = f"± {formatting.quantity(half, 'm', 1)}" if half else "without a stated uncertainty"
+    doubt = f"± {formatting.quantity(half, 'm', 1)}" if half else "no uncertainty stated"
     if len(records) == 1:
         kind = {"rounding": "its rounding", "standard": "standard error", "interval": "interval"}
         text = f"one travel, {doubt}"
         text += f" ({kind[records[0].uncertainty_kind]})" if half else ""
-        return KeyValue(key="Data", value=f"{text}, no repeat: its spread is unknown", mark="warn")
+        return KeyValue(
+            key="Data", value=(f"{text}, not repeated: the scatter is unknown"), mark="warn"
+        )
     distinct = len({tuple(sorted(record.overrides.items())) for record in records})
     text = f"{len(records)} travels at {distinct} settings, {doubt} each"
     return KeyValue(key="Data", value=text, mark="ok" if distinct > 1 else "warn")

@@ -26,9 +26,9 @@ def criteria_section(verdict: TravelVerdict) -> Section:
     fitted = [(c, c.criteria) for c in verdict.explained if c.criteria is not None]
     blocks: list[Block] = [
         Subheading(
-            text="With ordinary values, which nobody gave"
+            text="With assumed typical values"
             if all(c.ordinary for c in verdict.candidates)
-            else "With the values as given"
+            else "With the given values"
         ),
         _table(verdict, given, with_error=True),
     ]
@@ -69,9 +69,9 @@ def _agreement(
     travel, least, back, put_in, taken, left = shown[0]
     which = "All" if len(fitted) == len(given) > 2 else "The"
     return (
-        f"{which} {in_words(len(fitted))} models agree in every column:"
-        f" travel {travel} m, least velocity {least} mm/s, largest return {back} mm; of {put_in} J"
-        f" put in, friction takes {taken} J and {left} J is left."
+        f"{which} {in_words(len(fitted))} models agree in every column: travel {travel} m, lowest"
+        f" velocity {least} mm/s, largest back-slip {back} mm; of {put_in} J supplied, friction"
+        f" dissipates {taken} J and {left} J remain."
     )
 
 
@@ -80,17 +80,16 @@ def _heading(rows: Sequence[tuple[TravelCandidate, Criteria]], springs: Sequence
     count = len({c.name for c, _ in rows})
     if not failing:
         return (
-            "The body only ever moves forward, with every model"
+            "The body never moves backwards, with any model"
             if count > 1
-            else "The body only ever moves forward"
+            else "The body never moves backwards"
         )
     if set(failing) == set(springs):
-        verb = "lets" if len(springs) == 1 else "let"
-        rest = "; the others never reverse it" if len(springs) < count else ""
-        return f"{joined(springs)} {verb} the body spring back{rest}"
+        rest = ", but not with the other models" if len(springs) < count else ""
+        return f"The body springs back with {joined(springs)}{rest}"
     if len(failing) == count:
-        return "The body moves back, with every model" if count > 1 else "The body moves back"
-    return f"The body moves back with {in_words(len(failing))} of {in_words(count)} models"
+        return "The body moves backwards with every model" if count > 1 else "The body moves back"
+    return f"The body moves backwards with {in_words(len(failing))} of {in_words(count)} models"
 
 
 def _note(rows: Sequence[tuple[TravelCandidate, Criteria]], springs: Sequence[str]) -> Note:
@@ -98,21 +97,20 @@ def _note(rows: Sequence[tuple[TravelCandidate, Criteria]], springs: Sequence[st
         name: min(seen.least_velocity for c, seen in rows if c.title == name) for name in springs
     }
     speeds = joined([with_unit(_mm(v), "mm/s") for v in slowest.values()])
-    verb, its = ("lets", "its") if len(springs) == 1 else ("let", "their")
     return Note(
         title="The criterion “velocity never negative” rejects correct models.",
-        text=f"{joined(springs)} {verb} the body spring back by the elastic deflection of {its}"
-        f" contact when it stops, at up to {speeds}. That is physics, not error. A static switch"
-        " would hide it.",
+        text=f"With {joined(springs)}, the body springs back when it stops, by the elastic"
+        f" deflection of the contact, at up to {speeds}. This is physical and not an error; a"
+        " static switch would hide it.",
     )
 
 
 def _pulled(names: Sequence[str]) -> Note:
     return Note(
         title="The mechanism pulls the body back.",
-        text=f"With {joined(names)} friction the body moves back under the force of the"
-        " mechanism, its spring or its drive, and not by the elastic deflection of the contact."
-        " The criterion speaks neither for nor against these models.",
+        text=f"With {joined(names)} friction the body moves back under the force of the mechanism,"
+        " its spring or its drive, and not by the elastic deflection of the contact. The"
+        " criterion does not distinguish between these models.",
         kind="info",
     )
 
@@ -127,11 +125,11 @@ def _table(
         Column(head="model"),
         Column(head="travel\nm", numeric=True),
         *([Column(head="relative error", numeric=True, phone="label")] if with_error else []),
-        Column(head="least velocity\nmm/s", numeric=True, phone="label"),
-        Column(head="largest return\nmm", numeric=True, phone="label"),
-        Column(head="work in\nJ", numeric=True, phone="label"),
-        Column(head="taken by friction\nJ", numeric=True, phone="label"),
-        Column(head="left\nJ", numeric=True, phone="label"),
+        Column(head="lowest velocity\nmm/s", numeric=True, phone="label"),
+        Column(head="largest back-slip\nmm", numeric=True, phone="label"),
+        Column(head="work supplied\nJ", numeric=True, phone="label"),
+        Column(head="dissipated by friction\nJ", numeric=True, phone="label"),
+        Column(head="remaining\nJ", numeric=True, phone="label"),
     ]
     out = []
     for candidate, seen in rows:
@@ -153,7 +151,7 @@ def _table(
         )
     caption = (
         "✓ meets and ! fails “velocity never negative” and “displacement never decreases”. The"
-        " work put in is taken by friction, or still in the mechanism at the end."
+        " work supplied is dissipated by friction or remains in the mechanism at the end."
     )
     return Table(columns=tuple(columns), rows=tuple(out), caption=caption)
 

@@ -7,6 +7,7 @@ from typing import Final
 from stickslip.formatting import (
     NO_VALUE,
     Scale,
+    capital,
     fixed,
     in_words,
     number,
@@ -30,7 +31,7 @@ from stickslip.report.travels.texts import (
     slip_and_rate,
     travels,
 )
-from stickslip.selection import TravelCandidate, TravelVerdict, score_text
+from stickslip.selection import TravelCandidate, TravelVerdict, friction_of, score_text
 
 __all__ = ["models_section"]
 
@@ -53,12 +54,12 @@ def _heading(verdict: TravelVerdict) -> str:
     best = verdict.best
     target = f"{quantity(travels(verdict)[0], 'm')}"
     if best is None and verdict.closest is not None:
-        return f"The closest model, {verdict.closest.title}, does not explain the readings"
+        return f"The best model, {verdict.closest.title}, does not explain the readings"
     if best is None:
         return "No model reaches the measured travel"
     if verdict.ranked and best.score is not None:
         error = score_scale_of(verdict).quantity(best.score)
-        return f"{best.title} predicts a travel it has not seen to {error}"
+        return f"{capital(friction_of(best.title))}: held-out error {error}"
     others = [c for c in verdict.explained if c is not best]
     gaps = [gap for c in others if (gap := largest_difference(verdict, c)) is not None]
     near = [gap for gap in gaps if gap <= CLOSE * abs(travels(verdict)[0])]
@@ -72,7 +73,7 @@ def _heading(verdict: TravelVerdict) -> str:
     else:
         stays = "stays" if len(near) == 1 else "stay"
         who = f"{in_words(len(near))} of the {in_words(len(others))} other models {stays}"
-    return f"Fitted to {target}, {who} within {bound} mm of {best.title} all the way"
+    return f"Fitted to {target}, {who} within {bound} mm of {best.title} throughout"
 
 
 def _rounded_up(value: float) -> str:
@@ -87,7 +88,7 @@ def _figure(verdict: TravelVerdict, best: TravelCandidate) -> Figure:
     first = "each law" if len(runs) > 1 else best.title
     setting = " in the first trial" if len(verdict.measurement.records()) > 1 else ""
     right = (
-        " Right: what a position sensor would have to resolve to tell them apart."
+        " Right: the resolution that a position sensor needs to distinguish them."
         if len(runs) > 1
         else ""
     )
@@ -158,7 +159,7 @@ def _cells(verdict: TravelVerdict, candidate: TravelCandidate) -> list[Cell]:
         assumed += "; still moves at the end"
     fitted, ranges = ", ".join(values) or "nothing", ", ".join(map(estimate_range, estimates))
     assumed = f"dropped: {candidate.dropped}" if candidate.dropped else assumed
-    assumed += f"; not taken: {candidate.passed_over}" if candidate.passed_over else ""
+    assumed += f"; not chosen: {candidate.passed_over}" if candidate.passed_over else ""
     if not candidate.distinguished:
         assumed += "; not distinguished"
     if verdict.ranked:
@@ -179,7 +180,10 @@ def _value(estimate: Estimate) -> str:
 
 def _score_cells(candidate: TravelCandidate, scale: Scale, is_best: bool) -> list[Cell]:
     if candidate.score is None:
-        return [Name(text="no score", aside=candidate.unscored), RowPlot(marks=())]
+        return [
+            Name(text="not scored", aside=candidate.unscored.removeprefix("not scored: ")),
+            RowPlot(marks=()),
+        ]
     score, error = (scale.factor * part for part in (candidate.score, candidate.score_error or 0.0))
     colour: Colour = "c1" if is_best else "muted"
     marks = (
@@ -197,7 +201,7 @@ def _axis(verdict: TravelVerdict) -> Axis | None:
     if not verdict.ranked or not scores or max(scores) <= 0:
         return None
     low, high = max(min(scores), 1e-3 * max(scores)), max(scores)
-    caption = "dot: score, bar: ± 1 standard error"
+    caption = "dot: error; bar: ± 1 s.e."
     if high > 20 * low:
         powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
         ticks = tuple(10.0**power for power in powers)
@@ -223,9 +227,9 @@ def _caption(verdict: TravelVerdict) -> str:
         return verdict.words.no_score + tail
     count = len(verdict.measurement.records())
     return (
-        f"Score: each of the {count} travels predicted from a fit to the other settings, root"
-        " mean square, mm. Below each fitted number stands its interval. The simplest model is"
-        " taken that no richer one improves on beyond the uncertainty of the readings"
-        " (likelihood-ratio test at 2.5 %). Parameters that were neither measured, given nor fitted"
-        " count, and models that have them are not scored."
+        f"Held-out error: each of the {count} travels predicted from a fit to the other settings,"
+        " root mean square. Intervals stand below the fitted values. Rule of choice: the simplest"
+        " model that no richer model improves significantly (likelihood-ratio test at 2.5 %)."
+        " Parameters that were neither measured, given nor fitted count as free, and models with"
+        " such parameters are not scored."
     )

@@ -54,10 +54,11 @@ def run_section(verdict: TravelVerdict) -> Section | None:
     slip, rate = slip_and_rate(verdict)
     stop = best.criteria.stop_time
     if stop is None:
-        heading = f"With {best.title} friction the body never quite stops"
+        heading = f"With {best.title} friction the body does not come to rest"
     else:
         heading = (
-            f"With {best.title} friction the body stops after {quantity(stop, 's')}, and stays"
+            f"With {best.title} friction the body stops after {quantity(stop, 's')} and stays"
+            " at rest"
         )
     blocks = (
         Figure(
@@ -67,7 +68,7 @@ def run_section(verdict: TravelVerdict) -> Section | None:
                 prefix="chosen",
                 **RUN_SIZES,
             ),
-            caption=f"**The chosen run.** {_events(best.run)}",
+            caption=f"**The run of the chosen law.** {_events(best.run)}",
         ),
         Figure(
             svg=inline_svg(
@@ -79,13 +80,13 @@ def run_section(verdict: TravelVerdict) -> Section | None:
             caption="**Friction against velocity** along the same run.",
         ),
     )
-    return Section(id="run", nav="The chosen run", heading=heading, blocks=blocks)
+    return Section(id="run", nav="Chosen law", heading=heading, blocks=blocks)
 
 
 def _events(run: Trajectory) -> str:
     """Say what happens when, in one sentence."""
     if not run.events:
-        return "Nothing switches."
+        return "There are no events."
     said = [f"{event.reason} at {quantity(event.t, 's')}" for event in run.events[:MOST_EVENTS]]
     more = len(run.events) - MOST_EVENTS
     tail = f"; {more} more events" if more > 0 else ""
@@ -128,21 +129,21 @@ def _characteristics(
     steady = f"; for {bristle} the curve is that of steady sliding" if bristle else ""
     return Figure(
         svg=svg,
-        caption=f"**Each law as fitted**, at the load of {quantity(load, 'N')}.{others} At rest a"
-        f" contact takes any force between the ends of the upright line{steady}.",
+        caption=f"**Each law as fitted**, at the load of {quantity(load, 'N')}.{others} At rest,"
+        f" friction takes any value on the vertical line{steady}.",
     )
 
 
 def _presliding(laws: Mapping[str, BristleLaw], load: float, guessed: Sequence[str]) -> Figure:
     svg = inline_svg(
         draw_presliding(laws, load=load),
-        alt="Friction against slow displacement to and fro, before full slip",
+        alt="Friction against slow oscillating displacement, before full slip",
         prefix="presliding",
         **presliding_sizes(len(laws)),
     )
     caption = (
-        "**Before full slip** the contact is elastic: friction against a slow displacement to"
-        " and fro that swings ever wider."
+        "**Before full slip** the contact is elastic: friction against a slow oscillating"
+        " displacement of growing amplitude."
     )
     if guessed:
         caption += f" The stiffness of {joined(guessed)} is assumed, not measured."
@@ -176,12 +177,15 @@ def fixed_steps_section(verdict: TravelVerdict) -> Section | None:
             prefix="fixed-steps",
             **fixed_step_sizes(len(runs)),
         )
-        caption = "**Velocity around the stop.** Each panel covers as many steps; dots are steps."
+        caption = (
+            "**Velocity around the stop.** Each panel covers the same number of steps; dots are"
+            " steps."
+        )
         blocks.insert(0, Figure(svg=svg, caption=caption))
     if limit is not None and limit < max(steps):
         text = (
-            f"The bristles of this law need steps below {quantity(limit, 's', 2)}: with"
-            " larger ones forward Euler lets their deflection grow."
+            f"The bristles of this law need steps below {quantity(limit, 's', 2)}: with larger"
+            " steps, forward Euler is unstable."
         )
         blocks.append(Caption(text=text))
     return Section(
@@ -215,22 +219,22 @@ def steps_heading(rows: Sequence[FixedStepRow], limit: float | None = None) -> s
     Examples
     --------
     >>> steps_heading([])
-    'Fixed steps beside the exact run'
+    'Fixed steps and the exact run'
     """
     large = [row.dt for row in rows if row.dt and (row.diverged or row.dt > (limit or math.inf))]
     if large:
         return f"A fixed step of {quantity(min(large), 's')} is too large for this law"
     if not rows:
-        return "Fixed steps beside the exact run"
+        return "Fixed steps and the exact run"
     worst = max(rows, key=lambda row: row.reversals)
     exact = next((row.reversals for row in rows if row.dt is None), 0)
     extra = worst.reversals - exact
     if worst.dt is None or extra == 0:
-        return "Fixed steps beside the exact run"
+        return "Fixed steps and the exact run"
     times = "once" if extra == 1 else f"{extra:,} times"
     rule = "" if worst.stick_rule else " without a stick rule"
     more = " more than the exact run" if exact else ""
-    return f"A fixed step of {quantity(worst.dt, 's')}{rule} reverses the body {times}{more}"
+    return f"With a fixed step of {quantity(worst.dt, 's')}{rule}, the body reverses {times}{more}"
 
 
 def _travel(travel: float) -> str:
@@ -242,15 +246,15 @@ def _steps_table(rows: Sequence[FixedStepRow]) -> Table:
         Column(head="step"),
         Column(head="stick rule", phone="label", label="stick rule:"),
         Column(head="travel\nm", numeric=True, phone="label"),
-        Column(head="differs by\nmm", numeric=True, phone="label"),
-        Column(head="least velocity\nmm/s", numeric=True, phone="label"),
+        Column(head="difference\nmm", numeric=True, phone="label"),
+        Column(head="lowest velocity\nmm/s", numeric=True, phone="label"),
         Column(head="reversals", numeric=True, phone="label"),
     )
     exact = next((row.criteria.travel for row in rows if row.dt is None), None)
     out = []
     for row in rows:
         if row.diverged and row.dt is not None:
-            when = f"grows beyond all numbers in {quantity(row.run.span[1], 's')}"
+            when = f"diverges within {quantity(row.run.span[1], 's')}"
             rule = "yes" if row.stick_rule else "no"
             out.append(Row(cells=(quantity(row.dt, "s"), rule, when, "—", "—", "—")))
             continue
@@ -270,7 +274,7 @@ def _steps_table(rows: Sequence[FixedStepRow]) -> Table:
             )
         )
     caption = (
-        "Travel at the end of the run. With a fixed step a reversal is noticed one step late; the"
-        " stick rule then holds the body, and without it the velocity chatters about zero."
+        "Travel at the end of the run. With a fixed step, a reversal is detected one step late;"
+        " the stick rule then holds the body, and without it the velocity chatters about zero."
     )
     return Table(columns=columns, rows=tuple(out), caption=caption)

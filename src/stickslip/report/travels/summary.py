@@ -69,7 +69,9 @@ def _estimate(best: TravelCandidate) -> Fact | None:
     return Fact(
         value=with_unit(value, estimate.quantity.unit),
         aside=estimate_range(estimate) if estimate.bounded else "",
-        what=what + doubt if estimate.bounded else f"{what}open end: {estimate.reason}",
+        what=what + doubt
+        if estimate.bounded
+        else (f"{what}bounded on one side only: {estimate.reason}"),
     )
 
 
@@ -105,8 +107,8 @@ def _tie(verdict: TravelVerdict) -> Fact:
     count = len(verdict.explained)
     return Fact(
         value=f"{count} of {len(verdict.candidates)} models",
-        what=f"{'reaches' if count == 1 else 'reach'} {quantity(travels(verdict)[0], 'm')}"
-        f" with {number} left free",
+        what=f"{'reaches' if count == 1 else 'reach'} {quantity(travels(verdict)[0], 'm')} with"
+        f" {number} free",
     )
 
 
@@ -116,7 +118,7 @@ def _facts_of_failure(verdict: TravelVerdict) -> tuple[Fact, ...]:
         return (
             Fact(
                 value=quantity(misfit(one), "m"),
-                what=f"root mean square residual of {one.title}, the closest of"
+                what=f"root mean square residual of {one.title}, the best of"
                 f" {len(verdict.candidates)} models",
             ),
         )
@@ -125,13 +127,12 @@ def _facts_of_failure(verdict: TravelVerdict) -> tuple[Fact, ...]:
     facts = [
         Fact(
             value=f"0 of {len(verdict.candidates)} models",
-            what=f"reach {quantity(travels(verdict)[0], 'm')} with any value of the number left"
-            " free",
+            what=f"reach {quantity(travels(verdict)[0], 'm')} with any value of the free parameter",
         ),
         Fact(
             value=quantity(closest.given.travel, "m"),
             aside="" if error is None else signed_percent(error),
-            what=f"travel of the closest, {closest.title}, with the values given",
+            what=f"travel of the best model, {closest.title}, with the given values",
         ),
     ]
     return tuple(facts)

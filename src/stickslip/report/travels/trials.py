@@ -26,8 +26,8 @@ def trials_section(verdict: TravelVerdict) -> Section | None:
         Column(head="trial"),
         Column(head="measured\nm", numeric=True),
         Column(head="fitted to all\nm", numeric=True, phone="label"),
-        Column(head="measured less fitted\nmm", numeric=True, phone="label"),
-        Column(head="measured less predicted\nfrom the others, mm", numeric=True, phone="label"),
+        Column(head="residual\nmm", numeric=True, phone="label"),
+        Column(head="held-out residual\nmm", numeric=True, phone="label"),
     ]
     rows = []
     readings = [
@@ -75,4 +75,4 @@ def _setting(verdict: TravelVerdict, overrides: Mapping[str, float]) -> str:
         else f"{path} = {formatting.number(value, 6)}"
         for path, value in overrides.items()
     ]
-    return ", ".join(parts) or "as the rig stands"
+    return ", ".join(parts) or "rig as described"

@@ -7,7 +7,7 @@ from typing import Any
 
 from stickslip.errors import StickslipError
 from stickslip.experiments import whole_cycles
-from stickslip.formatting import number, quantity
+from stickslip.formatting import joined, number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import TravelModel, Trial
 from stickslip.mechanisms import Mechanism
@@ -173,20 +173,20 @@ class Proposal:
             return f"No new setting of the {self.what} was found at which the body moves."
         symbol = f"${self.tried[0].symbol}$"
         others = [titles[name] for name in self.rivals]
-        names = others[0] if len(others) == 1 else ", ".join(others[:-1]) + f" and {others[-1]}"
+        names = joined(others)
         if not self.settings:
             first, last = self.tried[0].text, self.tried[-1].text
             ends = f"from {first} to {last}" if len(self.tried) > 1 else f"such as {first}"
             return (
-                f"No setting of {symbol} {ends} would separate {titles[self.best]} from {names}:"
-                f" they differ by at most {quantity(self.widest, 'm', 2)}."
+                f"No setting of {symbol} {ends} would distinguish {titles[self.best]} from"
+                f" {names}: their predictions differ by at most {quantity(self.widest, 'm', 2)}."
             )
         one, other = (
-            " and ".join(quantity(row.predicted[name], "m") for row in self.settings)
+            joined([quantity(row.predicted[name], "m") for row in self.settings])
             for name in (self.best, self.rival)
         )
         return (
-            f"Set {symbol} to {' and '.join(row.text for row in self.settings)}, three runs each."
+            f"Set {symbol} to {joined([row.text for row in self.settings])}, three runs each."
             f" {titles[self.best]} predicts {one}, {titles[self.rival]} {other}."
         )
 

@@ -215,7 +215,7 @@ def design(
     ...     reach=(-0.015, 0.015),
     ... )
     >>> first.what
-    'Constant speed of 5 mm/s, forwards, 5.9 s at a time, twice within the stroke of 30 mm.'
+    'Constant speed of 5 mm/s, forwards, 2 passes of 5.9 s within the stroke of 30 mm.'
     """
     if len(candidates) < 2:
         return ()
@@ -316,8 +316,7 @@ def _steady(
                 kind=f"steady {towards_it}",
                 what=f"Constant speed of {terms.speed(v, 2)}, {towards_it}, {how}.",
                 observed=(
-                    f"{f'{terms.force} that keeps it' if driven else 'friction'},"
-                    f" {terms.force_unit}"
+                    f"{f'drive {terms.force}' if driven else 'friction'}, {terms.force_unit}"
                 ),
                 read=Steady(velocity=side * v, driven=driven, distance=distance),
                 noise=doubt(seconds),
@@ -332,9 +331,8 @@ def _passes(
         return f"{seconds:.0f} s", seconds
     each = _rounded_down(distance / speed)
     count = min(math.ceil(seconds / each), PASSES)
-    times = "twice" if count == 2 else f"{count} times"
     within = f"within the stroke of {terms.length(stroke, 3)}"
-    return f"{_plain(each, 2)} s at a time, {times} {within}", count * each
+    return f"{count} passes of {_plain(each, 2)} s {within}", count * each
 
 
 def _rounded_down(value: float) -> float:
@@ -387,11 +385,10 @@ def _presliding(
         _Plan(
             kind="presliding",
             what=(
-                f"A {terms.force} of {number(share * level)} {terms.force_unit} to and fro at"
-                " 0.5 Hz,"
-                " below break-away, for a minute."
+                f"An alternating {terms.force} of amplitude {number(share * level)}"
+                f" {terms.force_unit} at 0.5 Hz, below break-away, for one minute."
             ),
-            observed=f"movement from peak to peak, {terms.length_unit}",
+            observed=f"peak-to-peak displacement, {terms.length_unit}",
             read=Presliding(
                 drive=Sine(amplitude=share * level, frequency=0.5)
                 + Sampled(times=(0.0,), values=(offset,))

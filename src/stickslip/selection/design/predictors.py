@@ -148,7 +148,7 @@ class Steady:
             needed = SETTLED * presliding_length(law, candidate.load)
             if needed > self.distance:
                 raise InputError(
-                    f"bristles settle within {quantity(needed, 'm')}, the stroke has"
+                    f"bristles settle within {quantity(needed, 'm')}, but the stroke is"
                     f" {quantity(self.distance, 'm')}."
                 )
         force = _after_long_sliding(candidate.law, self.velocity, candidate.load)
@@ -219,7 +219,7 @@ class Coast:
         rate = mechanism.rates[mechanism.coordinates.index(slip)]
         run = _run(candidate, None, self.t_end, {slip: self.start, rate: self.speed})
         if any(event.reason.endswith("hits stop") for event in run.events):
-            raise InputError("the body coasts into a stop: what it would go is not seen.")
+            raise InputError("the body coasts into a stop, so its free travel is not observed.")
         return abs(float(run.at(run.span[1])[slip][0]) - self.start)
 
 

@@ -1,0 +1,98 @@
+"""Phrases that the verdicts of all routes share, so that one thing is said in one way."""
+
+from collections.abc import Sequence
+
+from stickslip.formatting import Scale, joined, with_unit
+from stickslip.selection.verdict import score_text
+
+__all__ = [
+    "CORRECT_FIRST",
+    "NOT_DISTINGUISHED",
+    "UNMEASURED",
+    "friction_of",
+    "held_out_text",
+    "in_sentence",
+    "not_distinguished",
+]
+
+MOST = 3
+"""Laws named in a sentence at most."""
+NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
+"""How titles begin that are names."""
+NOT_DISTINGUISHED = "not distinguished"
+"""Outcome of a candidate as good as the chosen one."""
+CORRECT_FIRST = "First correct the record: "
+"""Before the sentence of a warning about the record."""
+UNMEASURED = "Friction at speeds, loads and temperatures outside those measured."
+"""What no verdict can tell."""
+
+
+def in_sentence(title: str) -> str:
+    """Return a title as it stands within a sentence; names keep their capital.
+
+    Examples
+    --------
+    >>> in_sentence("Direction-dependent"), in_sentence("Coulomb + viscous")
+    ('direction-dependent', 'Coulomb + viscous')
+    """
+    return title if title.startswith(NAMES) else title[:1].lower() + title[1:]
+
+
+def friction_of(title: str) -> str:
+    """Return the friction of a law as one says it within a sentence.
+
+    Examples
+    --------
+    >>> friction_of("Direction-dependent"), friction_of("Dahl with exponent")
+    ('direction-dependent friction', 'Dahl friction with exponent')
+    """
+    kind, joint, more = in_sentence(title).partition(" with ")
+    noun = "" if kind.endswith("friction") else " friction"
+    return f"{kind}{noun}{joint}{more}"
+
+
+def not_distinguished(titles: Sequence[str], source: str, *, most: int = MOST) -> str:
+    """Return the clause that laws are as good as the chosen one, `most` of them by name.
+
+    Parameters
+    ----------
+    titles : sequence of str
+        Titles of these laws.
+    source : str
+        What was measured, in the plural if it ends in s, such as ``"these readings"``.
+    most : int
+        Laws to name; if there are more, the rest is counted.
+
+    Examples
+    --------
+    >>> not_distinguished(["Stribeck", "Viscous"], "this record")
+    'this record does not distinguish it from Stribeck and viscous'
+    >>> not_distinguished(["Dahl", "LuGre", "Stribeck", "Viscous"], "these readings")
+    'these readings do not distinguish it from Dahl, LuGre and 2 more'
+    """
+    names = [in_sentence(title) for title in titles]
+    if len(names) > most:
+        names = [*names[: most - 1], f"{len(names) - most + 1} more"]
+    verb = "do" if source.endswith("s") else "does"
+    return f"{source} {verb} not distinguish it from {joined(names)}"
+
+
+def held_out_text(scale: Scale, score: float | None, error: float | None, scored: str) -> str:
+    """Return the sentence of a held-out error, with its standard error and what it is of.
+
+    Parameters
+    ----------
+    scale : Scale
+        Multiple of the unit to show it in.
+    score, error : float
+        Held-out error and its standard error.
+    scored : str
+        What was predicted, and how errors were averaged.
+
+    Examples
+    --------
+    >>> held_out_text(Scale(1e3, "mm"), 0.00060, 0.00007, "8 blocks, root mean square")
+    'Held-out error: 0.60 ± 0.07 mm (8 blocks, root mean square).'
+    """
+    text = " ".join(score_text(scale, score, error)).strip()
+    return f"Held-out error: {with_unit(text, scale.unit)} ({scored})."
