@@ -63,6 +63,11 @@ def not_distinguished(titles: Sequence[str], source: str, *, most: int = MOST) -
     most : int
         Laws to name; if there are more, the rest is counted.
 
+    Returns
+    -------
+    str
+        The clause, without a full stop.
+
     Examples
     --------
     >>> not_distinguished(["Stribeck", "Viscous"], "this record")
@@ -88,6 +93,11 @@ def held_out_text(scale: Scale, score: float | None, error: float | None, scored
         Held-out error and its standard error.
     scored : str
         What was predicted, and how errors were averaged.
+
+    Returns
+    -------
+    str
+        The sentence.
 
     Examples
     --------

@@ -94,6 +94,7 @@ class TrialTable(ReadTable):
     mean_velocity: Annotated[Any, Number(QUANTITIES["mean_velocity"])] = None
     """Measured mean velocity of a driven rig [m/s]."""
     travel_per_cycle: Annotated[Any, Number(QUANTITIES["travel_per_cycle"])] = None
+    """Measured travel per cycle of the drive [m]."""
     file: str = Field(default="", description="file of a record, relative to the rig file")
     uncertainty: Annotated[Any, Doubt()] = Field(
         default=None, description="above 0, in the unit of the measured quantity"
