@@ -73,7 +73,7 @@ from stickslip import Axis, Measurement, ToyLaw, fit, select
 from stickslip.friction import LAWS
 from stickslip.testing import check_friction
 assert LAWS["toy-law"] is ToyLaw
-check_friction(ToyLaw(level=0.3, knee=0.05))
+assert check_friction(ToyLaw(level=0.3, knee=0.05)).ok
 truth = ToyLaw(level=2.0, knee=0.05)
 v = np.linspace(-1.0, 1.0, 400)
 noise = np.random.default_rng(0).normal(0.0, 0.02, v.size)
