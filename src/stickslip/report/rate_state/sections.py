@@ -529,7 +529,7 @@ def reproduce_section(verdict: RateStateVerdict, origin: Origin) -> Section:
         if getattr(fit.law, name) is not None
     ]
     text = "\n".join(
-        ["from stickslip.identification import RateState", "", "law = RateState(", *values, ")"]
+        ["from stickslip.friction import RateState", "", "law = RateState(", *values, ")"]
     )
     note = f"The fitted law, for `simulate_velocity_steps` with stiffness={fit.stiffness:.6g} 1/m."
     items = []
